@@ -1,0 +1,62 @@
+"""Second-order backward differences on variable steps: weights, prediction, error estimate, step control.
+
+Everything follows from one idea: a polynomial through the last time levels.  Times are given newest first.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Weights = NDArray[np.float64]
+
+
+def interpolation_weights(t: float, times: Sequence[float]) -> Weights:
+    """Weights w with y(t) = sum_k w[k] y(times[k]): Lagrange interpolation, or extrapolation outside."""
+    w = np.ones(len(times))
+    for k, tk in enumerate(times):
+        for m, tm in enumerate(times):
+            if m != k:
+                w[k] *= (t - tm) / (tk - tm)
+    return w
+
+
+def derivative_weights(times: Sequence[float]) -> Weights:
+    """Weights w with y'(times[0]) = sum_k w[k] y(times[k]): two times give BDF1 (Euler), three BDF2."""
+    t0, *earlier = times
+    w = np.zeros(len(times))
+    w[0] = sum(1.0 / (t0 - t) for t in earlier)
+    for k, tk in enumerate(earlier, start=1):
+        others = [t for t in earlier if t != tk]
+        w[k] = np.prod([t0 - t for t in others]) / np.prod([tk - t for t in [t0, *others]])
+    return w
+
+
+def error_factor(times: Sequence[float]) -> float:
+    """Local error of BDF2 as a share of (solution - prediction).
+
+    times are the new time and the three before it; the prediction is the parabola through those three.  With h1, h0, hm
+    the last three steps the prediction misses y by (y'''/6) h1 (h1+h0)(h1+h0+hm), BDF2 by (y'''/6) h1^2 (h1+h0)^2/(2 h1+h0).
+    """
+    t, t0, t1, t2 = times
+    bdf2 = (t - t0) ** 2 * (t - t1) ** 2 / ((t - t0) + (t - t1))
+    return bdf2 / (bdf2 + (t - t0) * (t - t1) * (t - t2))
+
+
+@dataclass(frozen=True)
+class StepControl:
+    """The next step from the last one's error, in units of the tolerance (error = 1 is just accepted)."""
+
+    safety: float = 0.8
+    largest_growth: float = 1.5
+    largest_cut: float = 0.25
+    rejection: float = 2.0  # a step is repeated only when its error is above this
+
+    def next_step(self, step: float, error: float) -> float:
+        """Step that brings a third-order local error to the tolerance, within the growth that BDF2 stands."""
+        factor = self.safety * max(error, 1e-12) ** (-1.0 / 3.0)
+        return step * min(max(factor, self.largest_cut), self.largest_growth)
+
+    def accepts(self, error: float) -> bool:
+        return error <= self.rejection

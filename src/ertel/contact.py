@@ -1,0 +1,98 @@
+"""The lubricated contact: film thickness and THE residual, one for impact and rolling.
+
+    squeeze + wedge - div(Poiseuille flux) = 0   where P > 0
+                                          >= 0   where P = 0
+
+    d(rho H)/dT + U d(rho H)/dX - d/dX(eps dP/dX) - d/dY(eps dP/dY),    eps = rho H^3 / (eta lambda_bar)
+
+Impact: U = 0 (eq. 1).  Rolling: U = 1.  The scales and the law for the approach Delta differ as well, nothing else.
+All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fields have shape (n, n), index [Y, X].
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+from jax.tree_util import register_dataclass
+
+from ertel import halfspace
+from ertel.grid import Grid
+from ertel.lubricant import Lubricant
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Contact:
+    """Two surfaces and the oil between them.
+
+    gap: the undeformed surfaces' distance X^2/2 + Y^2/2 - roughness, shape (n, n).  kernel: from `halfspace.spectrum`.
+    """
+
+    gap: Array
+    kernel: Array
+    spacing: float
+    lambda_bar: float
+    lubricant: Lubricant
+
+
+class Rate(NamedTuple):
+    """The time derivative of rho H at the new level: `new` * (rho H) + `past`, from backward differences."""
+
+    new: Array | float
+    past: Array | float
+
+
+def ball_on_plane(grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
+    """A smooth ball on a smooth plane, or any two bodies of the same reduced radius."""
+    gap = jnp.asarray(grid.x[None, :] ** 2 / 2 + grid.y[:, None] ** 2 / 2)
+    return Contact(gap, halfspace.spectrum(grid), grid.spacing, lambda_bar, lubricant)
+
+
+def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array:
+    """H, eq. (3): - approach + undeformed gap + elastic deformation."""
+    return -approach + contact.gap + halfspace.displacement(contact.kernel, P)
+
+
+def load(contact: Contact, P: Array) -> Array:
+    """F = double integral of P."""
+    return jnp.sum(P) * contact.spacing**2
+
+
+def mobility(contact: Contact, P: Array, H: Array) -> Array:
+    """eps = rho H^3/(eta lambda_bar): how readily the oil flows under a pressure gradient."""
+    oil = contact.lubricant
+    return oil.density(P) * H**3 / (oil.viscosity(P) * contact.lambda_bar)
+
+
+def residual(contact: Contact, P: Array, H: Array, rate: Rate, entrainment: Array | float) -> Array:
+    """Reynolds' equation, eq. (1): squeeze + wedge - div(Poiseuille flux), zero on the edge of the grid."""
+    mass = contact.lubricant.density(P) * H
+    squeeze = rate.new * mass + rate.past
+    wedge = entrainment * upstream_slope(mass, entrainment, contact.spacing)
+    poiseuille = divergence_of_flux(mobility(contact, P, H), P, contact.spacing)
+    return inside(squeeze + wedge - poiseuille)
+
+
+def divergence_of_flux(eps: Array, P: Array, spacing: float) -> Array:
+    """d/dX(eps dP/dX) + d/dY(eps dP/dY), conservative, second order; zero on the edge nodes."""
+    in_X = (eps[1:-1, 1:] + eps[1:-1, :-1]) / 2 * (P[1:-1, 1:] - P[1:-1, :-1])
+    in_Y = (eps[1:, 1:-1] + eps[:-1, 1:-1]) / 2 * (P[1:, 1:-1] - P[:-1, 1:-1])
+    net = (in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])
+    return jnp.pad(net / spacing**2, 1)
+
+
+def upstream_slope(mass: Array, entrainment: Array | float, spacing: float) -> Array:
+    """d(mass)/dX from the two nodes upstream, second order (first order next to the edge)."""
+    return jnp.where(entrainment >= 0, _backward_slope(mass), -_backward_slope(mass[:, ::-1])[:, ::-1]) / spacing
+
+
+def _backward_slope(mass: Array) -> Array:
+    first = mass - jnp.roll(mass, 1, axis=1)
+    second = 1.5 * first - 0.5 * jnp.roll(first, 1, axis=1)
+    return second.at[:, 1].set(first[:, 1]).at[:, 0].set(0.0)
+
+
+def inside(field: Array) -> Array:
+    """The field with its edge set to zero."""
+    return jnp.pad(field[1:-1, 1:-1], 1)

@@ -1,0 +1,72 @@
+"""A uniform node-centred grid on a rectangle, and its coarser companions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+LARGEST_COARSEST = 17  # nodes per side that the direct solve on the coarsest grid is meant for
+SMALLEST_COARSEST = 5
+
+
+@dataclass(frozen=True)
+class Grid:
+    """nodes x nodes square cells' centres from (left, bottom) on, spacing apart; lengths in units a*.
+
+    Arrays on it have shape (nodes, nodes), first index Y, second index X.
+    """
+
+    nodes: int
+    spacing: float
+    left: float
+    bottom: float
+
+    @classmethod
+    def square(cls, nodes: int, half_width: float) -> "Grid":
+        """The grid over [-half_width, half_width]^2, with a node at the centre when `nodes` is odd."""
+        return cls(nodes, 2.0 * half_width / (nodes - 1), -half_width, -half_width)
+
+    @property
+    def x(self) -> NDArray[np.float64]:
+        """X of the nodes, shape (nodes,)."""
+        return self._axis(self.left)
+
+    @property
+    def y(self) -> NDArray[np.float64]:
+        """Y of the nodes, shape (nodes,)."""
+        return self._axis(self.bottom)
+
+    def _axis(self, start: float) -> NDArray[np.float64]:
+        # counted from the middle, so that a symmetric grid is symmetric to the last bit
+        middle = (self.nodes - 1) / 2
+        return start + middle * self.spacing + (np.arange(self.nodes) - middle) * self.spacing
+
+    def coarser(self) -> "Grid":
+        """Every second node of this grid."""
+        return Grid((self.nodes - 1) // 2 + 1, 2.0 * self.spacing, self.left, self.bottom)
+
+    def hierarchy(self) -> tuple["Grid", ...]:
+        """This grid and its coarser ones, down to the last that is not trivial."""
+        grids = [self]
+        while (grids[-1].nodes - 1) % 2 == 0 and (grids[-1].nodes - 1) // 2 + 1 >= SMALLEST_COARSEST:
+            grids.append(grids[-1].coarser())
+        return tuple(grids)
+
+
+def check_nodes(nodes: int) -> None:
+    """Raise ValueError unless a grid of nodes x nodes can be coarsened down to a trivial one."""
+    coarsest = Grid.square(max(nodes, 1), 1.0).hierarchy()[-1].nodes
+    if nodes < SMALLEST_COARSEST or nodes % 2 == 0 or coarsest > LARGEST_COARSEST:
+        below, above = _neighbours(nodes)
+        raise ValueError(
+            f"nodes = {nodes}: must be 2^k c + 1 with a coarsest grid of {SMALLEST_COARSEST} to {LARGEST_COARSEST} nodes "
+            f"a side, so that multigrid can coarsen it; the nearest are {below} and {above}"
+        )
+
+
+def _neighbours(nodes: int) -> tuple[int, int]:
+    """The nearest allowed counts at or below and above `nodes`."""
+    allowed = sorted({c * 2**k + 1 for c in range(4, LARGEST_COARSEST) for k in range(12)})
+    below = [n for n in allowed if n <= nodes] or allowed[:1]
+    above = [n for n in allowed if n > nodes] or allowed[-1:]
+    return below[-1], above[0]

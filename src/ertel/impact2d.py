@@ -1,0 +1,123 @@
+"""Impact on the 2-D grid: one time step of `contact`'s residual, with a closure for Delta."""
+
+from collections.abc import Sequence
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from ertel import bdf, contact, multigrid, newton
+from ertel.case import Case
+from ertel.closure import HERTZ_LOAD, ClosureLine, NewtonsLaw
+from ertel.contact import Contact, Rate
+from ertel.grid import Grid, check_nodes
+from ertel.level import Attempt, Level
+from ertel.multigrid import Elasticity
+from ertel.status import Status
+
+
+class Impact2D:
+    """The method "2d": see `level.Method`."""
+
+    def __init__(self, case: Case):
+        check_nodes(case.solver.nodes)
+        self.grid = Grid.square(case.solver.nodes, case.solver.half_width)
+        self.contact = contact.ball_on_plane(self.grid, case.parameters.lambda_bar, case.lubricant)
+        self.elastic = multigrid.elasticities(self.grid, PRECONDITIONER_PRECISION)
+        self.closure = NewtonsLaw()
+        self.tolerance = case.solver.tolerance * case.parameters.trapped_film
+        self.start_approach = case.time.start_approach
+        self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
+
+    def start(self) -> Level:
+        """The ball apart, moving in with unit speed, no pressure yet."""
+        P = jnp.zeros((self.grid.nodes, self.grid.nodes))
+        return Level(0.0, self.start_approach, 1.0, P, contact.film_thickness(self.contact, P, self.start_approach))
+
+    def advance(self, levels: Sequence[Level], step: float) -> Attempt:
+        """One BDF step (BDF1 from one level, BDF2 from more)."""
+        T = levels[0].T + step
+        times = [level.T for level in levels]
+        rates = bdf.derivative_weights([T, *times[:2]])
+        approaches = [level.approach for level in levels]
+        line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
+        padded = [*levels, *[levels[-1]] * 2][:3]  # one shape, so one compilation, whatever the history
+        solution, approach = _advance(
+            self.contact,
+            self.elastic,
+            jnp.stack([level.P for level in padded]),
+            jnp.stack([level.H for level in padded]),
+            _pad(bdf.interpolation_weights(T, times)),
+            _pad(rates),
+            line,
+            self.tolerance * rates[0],
+        )
+        n, k = int(solution.newton), int(solution.krylov)
+        approach = float(approach)
+        velocity = self.closure.velocity(T, rates, approach, approaches)
+        status = Status.CONVERGED if bool(solution.converged) else Status.NEWTON_STALLED
+        return Attempt(Level(T, approach, velocity, solution.P, solution.H), status, n, k, self.convolutions(n, k))
+
+    def convolutions(self, newton_iterations: int, krylov_iterations: int) -> float:
+        """Work in convolutions on the finest grid (one on a coarser grid counts by its nodes)."""
+        coarser = sum(2.0 * (g.nodes / self.grid.nodes) ** 2 for g in self.grid.hierarchy()[:-1])
+        return 1 + newton_iterations + krylov_iterations * (1 + coarser)
+
+
+PRECONDITIONER_PRECISION = "float32"
+
+
+def _pad(weights: np.ndarray) -> np.ndarray:
+    return np.pad(weights, (0, 3 - len(weights)))
+
+
+@partial(jax.jit)
+def _advance(
+    c: Contact,
+    elastic: tuple[Elasticity, ...],
+    P_old: Array,
+    H_old: Array,
+    predict: Array,
+    rates: Array,
+    line: ClosureLine,
+    tolerance: Array,
+) -> tuple[newton.Solution, Array]:
+    mass = c.lubricant.density(P_old[:2]) * H_old[:2]
+    rate = Rate(rates[0], jnp.tensordot(rates[1:], mass, axes=1))
+
+    def approach(P: Array) -> Array:
+        return (line.value - line.load_weight * contact.load(c, P)) / line.approach_weight
+
+    def residual(P: Array, H: Array) -> Array:
+        return contact.residual(c, P, H, rate, 0.0)
+
+    def film_change(dP: Array) -> Array:
+        rise = line.load_weight * contact.load(c, dP) / line.approach_weight
+        return contact.halfspace.displacement(c.kernel, dP) + rise
+
+    def preconditioner(P: Array, H: Array, free: Array) -> newton.Map:
+        return _preconditioner(c, elastic, P, H, free, rate)
+
+    P = contact.inside(jnp.maximum(jnp.tensordot(predict, P_old, axes=1), 0.0))
+    H = contact.film_thickness(c, P, approach(P))
+    solution = newton.solve(residual, film_change, preconditioner, P, H, tolerance)
+    return solution, approach(solution.P)
+
+
+def _preconditioner(
+    c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free: Array, rate: Rate
+) -> newton.Map:
+    density, slope = jax.jvp(c.lubricant.density, (P,), (jnp.ones_like(P),))
+    precision = elastic[0].spectrum.dtype
+    finest = multigrid.Coefficients(
+        contact.mobility(c, P, H), rate.new * density, rate.new * slope * H, contact.inside(free)
+    )
+    levels = multigrid.hierarchy(elastic, multigrid.Coefficients(*(f.astype(precision) for f in finest)))
+
+    def precondition(r: Array) -> Array:
+        size = jnp.linalg.norm(r)  # keeps a small residual away from the end of the float range
+        return multigrid.v_cycle(levels, (r / size).astype(precision)).astype(r.dtype) * size
+
+    return precondition

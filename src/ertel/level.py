@@ -1,0 +1,53 @@
+"""One time level, and what a method of solution must be able to do."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from ertel.status import Status
+
+Array = Any
+
+
+class Level(NamedTuple):
+    """The contact at one time.  T in t0, approach in delta*, velocity dDelta/dT; P, H of shape (n, n) or (n,)."""
+
+    T: float
+    approach: float
+    velocity: float
+    P: Array
+    H: Array
+
+
+class Attempt(NamedTuple):
+    """A new level, how well it went, and the work it took."""
+
+    level: Level
+    status: Status
+    newton: int
+    krylov: int
+    convolutions: float
+
+
+class Method(Protocol):
+    """A way to step the impact forward in time."""
+
+    @property
+    def coordinates(self) -> Mapping[str, Any]:
+        """Axes of P and H in order, by name, in units a*."""
+        ...
+
+    def start(self) -> Level:
+        """The level at T = 0."""
+        ...
+
+    def advance(self, levels: Sequence[Level], step: float) -> Attempt:
+        """One step on from one to three levels, newest first."""
+        ...
+
+    def measure(self, level: Level) -> dict[str, float]:
+        """F (units of the dry maximum load), P_c, P_max, H_c, H_min, X_min."""
+        ...
+
+    def film_error(self, H: Array, H_predicted: Array) -> float:
+        """How far a film is from its prediction, relative, in a norm over the loaded zone."""
+        ...

@@ -1,0 +1,156 @@
+"""A multigrid V-cycle for the linear operators that lubrication leads to, used as a preconditioner.
+
+On every grid the operator is
+
+    e  ->  - div(eps grad e) + stretch * (K e) + local * e        (zero where a node is not free)
+
+with eps from almost nothing (inside a contact, where the elastic deformation K e rules) to very large (outside, where
+diffusion rules).  Each node is smoothed by what is stiff there: Jacobi where diffusion is, and where the deformation is,
+distributive Jacobi: a change is spread as (1; -1/4 to the four neighbours), whose deformation is short-ranged.
+Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.tree_util import register_dataclass
+
+from ertel import halfspace
+from ertel.grid import Grid
+
+JACOBI_DAMPING = 0.8
+DISTRIBUTIVE_DAMPING = 0.8
+STIFFNESS_SWITCH = 0.3  # Jacobi where diffusion exceeds this share of the deformation's stiffness
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Elasticity:
+    """The deformation operator on one grid: its spectrum, spacing, own and neighbour coefficient."""
+
+    spectrum: Array
+    spacing: Array
+    own: Array
+    neighbour: Array
+
+
+class Coefficients(NamedTuple):
+    """The operator's coefficients on one grid, each of shape (n, n); free is 1 where e may differ from zero."""
+
+    eps: Array
+    stretch: Array
+    local: Array
+    free: Array
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Level:
+    """One grid of the hierarchy: coefficients, and the two smoothers' inverse diagonals (zero where not in use)."""
+
+    elasticity: Elasticity
+    coefficients: Coefficients
+    jacobi: Array
+    distributive: Array
+
+
+def elasticities(grid: Grid, dtype: str) -> tuple[Elasticity, ...]:
+    """The deformation operators of a grid and all its coarser ones."""
+    return tuple(_elasticity(g, dtype) for g in grid.hierarchy())
+
+
+def _elasticity(grid: Grid, dtype: str) -> Elasticity:
+    near = halfspace.love_coefficients(2, grid.spacing)
+    scalars = (jnp.asarray(v, dtype) for v in (grid.spacing, near[0, 0], near[0, 1]))
+    return Elasticity(halfspace.spectrum(grid, dtype), *scalars)
+
+
+def hierarchy(elastic: Sequence[Elasticity], finest: Coefficients) -> tuple[Level, ...]:
+    """The levels, finest first: eps by full weighting, everything else by injection."""
+    coefficients = finest
+    levels = []
+    for e in elastic:
+        levels.append(_level(e, coefficients))
+        coefficients = Coefficients(restrict(coefficients.eps, beyond="edge"), *(c[::2, ::2] for c in coefficients[1:]))
+    return tuple(levels)
+
+
+def _level(elastic: Elasticity, c: Coefficients) -> Level:
+    diffusion = _face_sum(c.eps) / elastic.spacing**2
+    # 1/spacing stands for a change that is carried over one cell in a unit of time
+    by_jacobi = diffusion > STIFFNESS_SWITCH * (c.stretch + 1.0 / elastic.spacing) * elastic.own
+    jacobi = JACOBI_DAMPING / (diffusion + c.stretch * elastic.own + c.local)
+    distributive = DISTRIBUTIVE_DAMPING / (1.25 * diffusion + c.stretch * (elastic.own - elastic.neighbour) + c.local)
+    return Level(elastic, c, jnp.where(by_jacobi, jacobi, 0.0) * c.free, jnp.where(by_jacobi, 0.0, distributive) * c.free)
+
+
+def apply(level: Level, e: Array) -> Array:
+    """The operator."""
+    c = level.coefficients
+    deformation = halfspace.displacement(level.elasticity.spectrum, e)
+    diffusion = _diffuse(c.eps, e) / level.elasticity.spacing**2
+    return c.free * (diffusion + c.stretch * deformation + c.local * e)
+
+
+def v_cycle(levels: Sequence[Level], r: Array) -> Array:
+    """An approximate solution e of `apply(levels[0], e) = r`."""
+    level, coarser = levels[0], levels[1:]
+    if not coarser:
+        return direct_solve(level, r)
+    e = smooth(level, r)
+    e += level.coefficients.free * prolong(v_cycle(coarser, restrict(r - apply(level, e))))
+    return e + smooth(level, r - apply(level, e))
+
+
+def smooth(level: Level, r: Array) -> Array:
+    """The change of e by one sweep, given the residual r."""
+    return level.coefficients.free * (level.jacobi * r + spread(level.distributive * r))
+
+
+def direct_solve(level: Level, r: Array) -> Array:
+    """Exact solution on the coarsest grid, by a small dense matrix."""
+    unit_vectors = jnp.eye(r.size, dtype=r.dtype).reshape(r.size, *r.shape)
+    matrix = jax.vmap(lambda e: apply(level, e).ravel())(unit_vectors).T
+    held = 1.0 - level.coefficients.free.ravel()
+    return jnp.linalg.solve(matrix + jnp.diag(held), r.ravel()).reshape(r.shape) * level.coefficients.free
+
+
+def spread(d: Array) -> Array:
+    """The distributive change: d at the node, -d/4 at each of its four neighbours."""
+    p = jnp.pad(d, 1)
+    return d - 0.25 * (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:])
+
+
+def restrict(fine: Array, beyond: str = "constant") -> Array:
+    """Full weighting to every second node; beyond the edge the field is zero ("constant") or goes on ("edge")."""
+    p = jnp.pad(fine, 1, mode=beyond)
+    in_y = 0.25 * (p[:-2:2] + 2.0 * p[1:-1:2] + p[2::2])
+    return 0.25 * (in_y[:, :-2:2] + 2.0 * in_y[:, 1:-1:2] + in_y[:, 2::2])
+
+
+def prolong(coarse: Array) -> Array:
+    """Bilinear interpolation to twice as many cells."""
+    rows = _interleave(coarse, 0.5 * (coarse[1:] + coarse[:-1]))
+    return _interleave(rows.T, 0.5 * (rows.T[1:] + rows.T[:-1])).T
+
+
+def _interleave(nodes: Array, between: Array) -> Array:
+    pairs = jnp.stack([nodes[:-1], between], axis=1)
+    return jnp.concatenate([pairs.reshape(-1, nodes.shape[1]), nodes[-1:]])
+
+
+def _face_sum(eps: Array) -> Array:
+    """Sum of eps over the four faces of each cell."""
+    p = jnp.pad(eps, 1, mode="edge")
+    return 2.0 * eps + 0.5 * (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:])
+
+
+def _diffuse(eps: Array, e: Array) -> Array:
+    """- div(eps grad e) on unit spacing, eps averaged at faces; zero on the edge nodes."""
+    in_X = 0.5 * (eps[1:-1, 1:] + eps[1:-1, :-1]) * (e[1:-1, 1:] - e[1:-1, :-1])
+    in_Y = 0.5 * (eps[1:, 1:-1] + eps[:-1, 1:-1]) * (e[1:, 1:-1] - e[:-1, 1:-1])
+    return jnp.pad((in_X[:, :-1] - in_X[:, 1:]) + (in_Y[:-1, :] - in_Y[1:, :]), 1)

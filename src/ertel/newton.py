@@ -1,0 +1,140 @@
+"""Newton-Krylov for a field P >= 0 whose partner H > 0 depends on it linearly, with an active set.
+
+    r(P, H) = 0 where P > 0,   r(P, H) >= 0 where P = 0,   H = H(P) affine
+
+The Jacobian is exact (automatic differentiation of r); the affine part is given as its own linear map, because it is the
+expensive one (in elastohydrodynamics a convolution): each Newton iteration needs it once, each Krylov iteration once more
+besides what the preconditioner does.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+Map = Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Options:
+    """Limits of the iteration; `largest_change` bounds the change of P in one Newton iteration."""
+
+    newton_limit: int = 12
+    krylov_limit: int = 16
+    krylov_reduction: float = 1e-2
+    largest_change: float = 0.3
+    keep_open: float = 0.8  # share of H that one Newton iteration may take away
+
+
+class Solution(NamedTuple):
+    """P and H, both (n, n); the largest residual that counts; whether it met the tolerance; the work done."""
+
+    P: Array
+    H: Array
+    residual: Array
+    converged: Array
+    newton: Array
+    krylov: Array
+
+
+class _Iterate(NamedTuple):
+    P: Array
+    H: Array
+    size: Array
+    newton: Array
+    krylov: Array
+
+
+def solve(
+    residual: Callable[[Array, Array], Array],
+    partner_change: Map,
+    preconditioner: Callable[[Array, Array, Array], Map],
+    P: Array,
+    H: Array,
+    tolerance: Array | float,
+    options: Options = Options(),
+) -> Solution:
+    """Solve from the first guess P with its partner H = H(P) > 0, both of shape (n, n).
+
+    partner_change maps a change of P to that of H.  preconditioner(P, H, free) returns an approximate inverse of the
+    Jacobian on the free nodes.  tolerance bounds the largest |r| at a free node.
+    """
+    tiny = jnp.finfo(P.dtype).tiny
+
+    def go_on(it: _Iterate) -> Array:
+        return (it.size > tolerance) & (it.newton < options.newton_limit)
+
+    def improve(it: _Iterate) -> _Iterate:
+        r, change_of_r = jax.linearize(residual, it.P, it.H)
+        free = _free(it.P, r)
+
+        def jacobian(d: Array) -> Array:
+            return free * change_of_r(d, partner_change(d))
+
+        d, krylov = gcr(
+            jacobian,
+            preconditioner(it.P, it.H, free),
+            -free * r,
+            options.krylov_reduction,
+            options.krylov_limit,
+        )
+        dH = partner_change(d)
+        closing = jnp.min(jnp.where(dH < 0, it.H / jnp.minimum(dH, -tiny), -jnp.inf) * -options.keep_open)
+        share = jnp.minimum(1.0, options.largest_change / jnp.maximum(jnp.max(jnp.abs(d)), tiny))
+        share = jnp.minimum(share, closing)
+        P_new = it.P + share * d
+        P_held = jnp.maximum(P_new, 0.0)
+        # holding P at zero moves H too; where nothing was held the correction is free of charge
+        H_new = it.H + share * dH
+        H_new = jax.lax.cond(
+            jnp.any(P_new < 0.0), lambda: H_new + partner_change(P_held - P_new), lambda: H_new
+        )
+        size = _size(P_held, residual(P_held, H_new))
+        return _Iterate(P_held, H_new, size, it.newton + 1, it.krylov + krylov)
+
+    zero = jnp.zeros((), jnp.int32)
+    first = _Iterate(P, H, _size(P, residual(P, H)), zero, zero)
+    last = jax.lax.while_loop(go_on, improve, first)
+    converged = (last.size <= tolerance) & (jnp.min(last.H) > 0)
+    return Solution(last.P, last.H, last.size, converged, last.newton, last.krylov)
+
+
+def _free(P: Array, r: Array) -> Array:
+    """1 where the equation holds, 0 where P is held at zero."""
+    return jnp.where((P > 0.0) | (r < 0.0), 1.0, 0.0)
+
+
+def _size(P: Array, r: Array) -> Array:
+    return jnp.max(jnp.abs(_free(P, r) * r))
+
+
+def gcr(
+    apply: Map, precondition: Map, b: Array, reduction: float, limit: int
+) -> tuple[Array, Array]:
+    """Solve apply(x) = b until |r| <= reduction |b|, at most `limit` iterations; returns x and their number.
+
+    Generalised conjugate residuals (Eisenstat, Elman, Schultz, SIAM J Numer Anal 1983;20:345): the same iterates as
+    flexible GMRES, with the residual at hand, so that the preconditioner may be of lower precision.
+    """
+    directions = jnp.zeros((2, limit, *b.shape), b.dtype)  # z and apply(z), the latter orthonormal
+    goal = reduction * jnp.linalg.norm(b)
+
+    def go_on(state: tuple[Array, ...]) -> Array:
+        _, r, _, k = state
+        return (jnp.linalg.norm(r) > goal) & (k < limit)
+
+    def improve(state: tuple[Array, ...]) -> tuple[Array, ...]:
+        x, r, directions, k = state
+        z = precondition(r)
+        new = jnp.stack([z, apply(z)])
+        overlap = jnp.tensordot(directions[1], new[1], axes=2)
+        new -= jnp.tensordot(overlap, directions, axes=(0, 1))
+        new /= jnp.linalg.norm(new[1])
+        step = jnp.vdot(new[1], r)
+        return x + step * new[0], r - step * new[1], directions.at[:, k].set(new), k + 1
+
+    x, _, _, k = jax.lax.while_loop(go_on, improve, (jnp.zeros_like(b), b, directions, jnp.zeros((), jnp.int32)))
+    return x, k

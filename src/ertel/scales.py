@@ -1,0 +1,291 @@
+"""Physical input, the two numbers (lambda_bar, alpha_bar) behind it, and the scales that lead back to SI.
+
+Impact and rolling are one equation: both come to the same record `Scales` and from there, by one function, to
+lambda_bar = 12 eta0 R^2/(t0 a^2 p_h), eqs. (8) and (12) of the paper.  Only the unit of time differs: t0 = delta*/v0 of
+the impact (13), t0 = a/u_m of the rolling contact (9).
+
+======================  =========================================================================================
+symbol                  meaning
+======================  =========================================================================================
+E_prime (E')            reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
+R                       reduced radius, 1/R = 1/R1 + 1/R2
+a, p_h, delta*, F*      Hertz contact radius, pressure, approach, load: of the dry impact at its maximum (impact) or of
+                        the static load (rolling); F = (2/3) E' sqrt(R) delta^{3/2}, a^2 = R delta, p_h = E' a/(pi R)
+U, G, W                 Hamrock and Dowson's speed, material and load parameters; U is of the mean speed u_m
+M, L                    Moes' load and lubricant parameters; 2U is the parameter of the sum speed
+======================  =========================================================================================
+
+All functions take and give SI units.
+"""
+
+from dataclasses import astuple, dataclass, fields
+from math import cbrt, inf, isfinite, pi, sqrt
+from typing import NamedTuple
+
+ISOVISCOUS_FILM = 0.3135  # H_c / sqrt(lambda_bar) at the maximum of an isoviscous impact (computed)
+
+
+def require_positive(name: str, value: float) -> None:
+    """Raise ValueError unless value is finite and above zero."""
+    if not (isfinite(value) and value > 0):
+        raise ValueError(f"{name} = {value}: must be finite and above zero")
+
+
+def require_not_negative(name: str, value: float) -> None:
+    """Raise ValueError unless value is finite and not below zero."""
+    if not (isfinite(value) and value >= 0):
+        raise ValueError(f"{name} = {value}: must be finite and not below zero")
+
+
+def _fourth_root(value: float) -> float:
+    return sqrt(sqrt(value))
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """The two numbers of a smooth contact, whether of an impact or of rolling.
+
+    Parameters
+    ----------
+    lambda_bar : float
+        Speed and viscosity, 12 eta0 R^2/(t0 a^2 p_h), eqs. (8), (12).  Above zero.
+    alpha_bar : float
+        Pressure-viscosity index times Hertz pressure, alpha p_h.  Zero means isoviscous.
+
+    Examples
+    --------
+    >>> case = Parameters.from_moes(M=1000, L=10)
+    >>> round(case.M), round(case.L), round(case.lambda_bar, 8)
+    (1000, 10, 0.00109777)
+    """
+
+    lambda_bar: float
+    alpha_bar: float
+
+    def __post_init__(self) -> None:
+        require_positive("lambda_bar", self.lambda_bar)
+        require_not_negative("alpha_bar", self.alpha_bar)
+
+    @classmethod
+    def from_moes(cls, M: float, L: float) -> "Parameters":
+        """Parameters of Moes' load parameter M > 0 and lubricant parameter L >= 0."""
+        require_positive("M", M)
+        require_not_negative("L", L)
+        return cls(lambda_bar=cbrt(128 * pi**3 / (3 * M)) / M, alpha_bar=L / pi * cbrt(1.5 * M))
+
+    @property
+    def M(self) -> float:
+        """Moes' load parameter (128 pi^3/(3 lambda_bar^3))^{1/4}; the cube, missing in the paper's list, is right."""
+        return sqrt(sqrt(128 * pi**3 / (3 * self.lambda_bar)) / self.lambda_bar)
+
+    @property
+    def L(self) -> float:
+        """Moes' lubricant parameter alpha_bar (lambda_bar pi^3/6)^{1/4}."""
+        return self.alpha_bar * _fourth_root(self.lambda_bar * pi**3 / 6)
+
+    @property
+    def stokes(self) -> float:
+        """Stokes number of the impact, St = m v0/(6 pi eta0 R^2) = 16/(15 lambda_bar)."""
+        return 16 / (15 * self.lambda_bar)
+
+    @property
+    def trapped_film(self) -> float:
+        """Scale of the film that an impact traps, in units a^2/R.
+
+        sqrt(L/M) = sqrt(alpha_bar lambda_bar)/2, where a rigid ball stops in a Barus oil, but not less than the
+        0.3135 sqrt(lambda_bar) that elasticity alone keeps open when alpha_bar is near zero.
+        """
+        return max(0.5 * sqrt(self.alpha_bar * self.lambda_bar), ISOVISCOUS_FILM * sqrt(self.lambda_bar))
+
+    def nabla2(self, wavelength: float) -> float:
+        """Operating parameter of amplitude reduction, eq. (16): wavelength sqrt(M/L), wavelength in units a.
+
+        Infinite when alpha_bar = 0, to which the theory does not reach.
+        """
+        require_positive("wavelength", wavelength)
+        return wavelength * 2 / sqrt(self.alpha_bar * self.lambda_bar) if self.alpha_bar > 0 else inf
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What one unit of each dimensionless quantity is in SI.
+
+    Parameters
+    ----------
+    R, E_prime : float
+        Reduced radius (m) and reduced modulus (Pa).
+    a, p_h : float
+        Units of X, Y (m) and of P (Pa): Hertz contact radius and pressure.
+    t0 : float
+        Unit of T (s).
+    """
+
+    R: float
+    E_prime: float
+    a: float
+    p_h: float
+    t0: float
+
+    def __post_init__(self) -> None:
+        for name, value in zip([f.name for f in fields(self)], astuple(self), strict=True):
+            require_positive(name, value)
+
+    @property
+    def film(self) -> float:
+        """Unit of H, Delta and roughness (m): a^2/R = delta*, the Hertzian approach."""
+        return self.a**2 / self.R
+
+    @property
+    def load(self) -> float:
+        """Hertzian load (N), F* = (2 pi/3) a^2 p_h: the unit of the load F."""
+        return 2 * pi / 3 * self.a**2 * self.p_h
+
+    @property
+    def speed(self) -> float:
+        """Unit of dDelta/dT and dH/dT (m/s): film/t0, in an impact v0."""
+        return self.film / self.t0
+
+    @property
+    def front_speed(self) -> float:
+        """Unit of speeds along the surface (m/s): a/t0, in rolling u_m, in an impact the scale of the contact front."""
+        return self.a / self.t0
+
+    @property
+    def ball_mass(self) -> float:
+        """Mass (kg) of the ball whose dry impact has these scales: m v0^2/2 = (2/5) F* delta*."""
+        return 0.8 * self.load * self.t0**2 / self.film
+
+
+def _hertz_scales(R: float, E_prime: float, a: float, t0: float) -> Scales:
+    return Scales(R=R, E_prime=E_prime, a=a, p_h=E_prime * a / (pi * R), t0=t0)
+
+
+def impact_scales(R: float, mass: float, speed: float, E_prime: float) -> Scales:
+    """Scales of a ball's impact: the Hertzian contact at the maximum of the dry impact, t0 = delta*/v0, eq. (13).
+
+    The ball's kinetic energy is then all elastic, m v0^2/2 = (4/15) E' sqrt(R) delta*^{5/2}.
+
+    Parameters
+    ----------
+    R : float
+        Reduced radius (m).
+    mass, speed : float
+        The ball's mass m (kg) and speed v0 at first touch (m/s).
+    E_prime : float
+        Reduced modulus (Pa).
+
+    Examples
+    --------
+    >>> scales = impact_scales(R=0.01, mass=0.0326726, speed=0.1, E_prime=226.37e9)
+    >>> f"{scales.a:.4g} m, {scales.p_h:.4g} Pa, {scales.film:.4g} m, {scales.t0:.4g} s"
+    '0.0001934 m, 1.394e+09 Pa, 3.741e-06 m, 3.741e-05 s'
+    """
+    for name, value in {"R": R, "mass": mass, "speed": speed, "E_prime": E_prime}.items():
+        require_positive(name, value)
+    delta = (15 * mass * speed**2 / (8 * E_prime * sqrt(R))) ** 0.4
+    return _hertz_scales(R, E_prime, a=sqrt(R * delta), t0=delta / speed)
+
+
+def rolling_scales(R: float, load: float, mean_speed: float, E_prime: float) -> Scales:
+    """Scales of a rolling contact: the Hertzian contact of the static load, t0 = a/u_m, eq. (9).
+
+    Parameters
+    ----------
+    R : float
+        Reduced radius (m).
+    load : float
+        Static load F (N).
+    mean_speed : float
+        Mean speed of the surfaces, u_m = (u1 + u2)/2 (m/s).
+    E_prime : float
+        Reduced modulus (Pa).
+    """
+    for name, value in {"R": R, "load": load, "mean_speed": mean_speed, "E_prime": E_prime}.items():
+        require_positive(name, value)
+    a = cbrt(1.5 * load * R / E_prime)
+    return _hertz_scales(R, E_prime, a=a, t0=a / mean_speed)
+
+
+def scales_of(parameters: Parameters, R: float, E_prime: float, eta0: float, alpha: float) -> Scales:
+    """Scales at which given dimensionless parameters occur: the inverse of `parameters`; needs alpha_bar > 0.
+
+    R in m, E_prime in Pa, eta0 in Pa s, alpha in 1/Pa.  The impact has v0 = scales.speed and m = scales.ball_mass, the
+    rolling contact u_m = scales.front_speed and F = scales.load.
+    """
+    for name, value in {"R": R, "E_prime": E_prime, "eta0": eta0, "alpha": alpha}.items():
+        require_positive(name, value)
+    require_positive("alpha_bar", parameters.alpha_bar)
+    p_h = parameters.alpha_bar / alpha
+    a = pi * R * p_h / E_prime
+    return _hertz_scales(R, E_prime, a=a, t0=12 * eta0 * R**2 / (parameters.lambda_bar * a**2 * p_h))
+
+
+def parameters(scales: Scales, eta0: float, alpha: float) -> Parameters:
+    """lambda_bar and alpha_bar of an impact or a rolling contact, eq. (8) = eq. (12).
+
+    eta0 is the viscosity at ambient pressure (Pa s), alpha the pressure-viscosity index (1/Pa, zero if isoviscous).
+    """
+    require_positive("eta0", eta0)
+    require_not_negative("alpha", alpha)
+    lambda_bar = 12 * eta0 * scales.R**2 / (scales.t0 * scales.a**2 * scales.p_h)
+    return Parameters(lambda_bar=lambda_bar, alpha_bar=alpha * scales.p_h)
+
+
+class HamrockDowson(NamedTuple):
+    """Hamrock and Dowson's parameters U = eta0 u_m/(E' R), G = alpha E', W = F/(E' R^2)."""
+
+    U: float
+    G: float
+    W: float
+
+
+def hamrock_dowson(scales: Scales, eta0: float, alpha: float) -> HamrockDowson:
+    """U, G, W of a contact with the given scales; in an impact F* and a/t0 stand for the load and the speed u_m."""
+    require_positive("eta0", eta0)
+    require_not_negative("alpha", alpha)
+    return HamrockDowson(
+        U=eta0 * scales.front_speed / (scales.E_prime * scales.R),
+        G=alpha * scales.E_prime,
+        W=scales.load / (scales.E_prime * scales.R**2),
+    )
+
+
+def parameters_from_ugw(U: float, G: float, W: float) -> Parameters:
+    """lambda_bar and alpha_bar from Hamrock and Dowson's parameters by Moes' M = W (2U)^{-3/4}, L = G (2U)^{1/4}."""
+    require_positive("U", U)
+    require_not_negative("G", G)
+    require_positive("W", W)
+    root = _fourth_root(2 * U)
+    return Parameters.from_moes(M=W / root**3, L=G * root)
+
+
+def reduced_modulus(E1: float, nu1: float, E2: float, nu2: float) -> float:
+    """Reduced modulus E' (Pa), 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, of Young's moduli (Pa) and Poisson's ratios."""
+    for name, E in {"E1": E1, "E2": E2}.items():
+        require_positive(name, E)
+    for name, nu in {"nu1": nu1, "nu2": nu2}.items():
+        if not -1 < nu <= 0.5:
+            raise ValueError(f"{name} = {nu}: Poisson's ratio must be above -1 and not above 0.5")
+    return 2 / ((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
+
+
+def reduced_radius(R1: float, R2: float = inf) -> float:
+    """Reduced radius R (m), 1/R = 1/R1 + 1/R2, of two balls, or of one on a plane (R2 infinite)."""
+    require_positive("R1", R1)
+    if not R2 > 0:
+        raise ValueError(f"R2 = {R2}: must be above zero (infinite for a plane)")
+    return 1 / (1 / R1 + 1 / R2)
+
+
+def sphere_mass(radius: float, density: float) -> float:
+    """Mass (kg) of a full ball of the given radius (m) and density (kg/m^3)."""
+    require_positive("radius", radius)
+    require_positive("density", density)
+    return 4 * pi / 3 * density * radius**3
+
+
+def drop_speed(height: float, g: float = 9.80665) -> float:
+    """Speed v0 (m/s) of a ball dropped from a height (m) without air, sqrt(2 g h)."""
+    require_positive("height", height)
+    require_positive("g", g)
+    return sqrt(2 * g * height)
