@@ -12,7 +12,7 @@ The paper's asymptotes measure time from the maximum and call three different th
 contact time in (18)-(21) and half the base of the parabola in (14), (22)-(24).
 """
 
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,13 +24,13 @@ Values = NDArray[np.float64]
 
 CONTACT_TIME = 0.8 * float(beta(0.4, 0.5))  # 2.943275: the dry impact from first touch to parting, in t0
 HALF_CONTACT_TIME = CONTACT_TIME / 2  # from first touch to the maximum
-HALF_BASE = 1.35  # half the base of the parabola (22) that fits best around the maximum: the paper's t* = 2.7 is all of it
+HALF_BASE = 1.35  # half the base of the parabola (22) that fits the impact best; the paper's t* = 2.7 is all of it
 
 
 def pressure(r: ArrayLike, A: float = 1.0) -> Values:
     """Hertzian pressure P = sqrt(A^2 - r^2), zero outside the contact of radius A."""
     require_positive("A", A)
-    return np.sqrt(np.maximum(A**2 - np.square(r), 0.0))
+    return _root(A**2 - np.square(np.asarray(r, dtype=float)))
 
 
 def displacement(r: ArrayLike, A: float = 1.0) -> Values:
@@ -43,19 +43,19 @@ def displacement(r: ArrayLike, A: float = 1.0) -> Values:
     s = np.abs(np.asarray(r, dtype=float)) / A
     outer = np.maximum(s, 1.0)
     outside = ((2 - outer**2) * np.arcsin(1 / outer) + np.sqrt(outer**2 - 1)) / pi
-    return A**2 * np.where(s < 1, 1 - s**2 / 2, outside)
+    return np.asarray(A**2 * np.where(s < 1, 1 - s**2 / 2, outside))
 
 
 def gap(r: ArrayLike, A: float = 1.0) -> Values:
     """Dry gap H = -A^2 + r^2/2 + displacement: zero in the contact, open outside."""
     require_positive("A", A)
     s = np.maximum(np.abs(np.asarray(r, dtype=float)) / A, 1.0)
-    return A**2 / pi * ((s**2 - 2) * np.arccos(1 / s) + np.sqrt(s**2 - 1))
+    return np.asarray(A**2 / pi * ((s**2 - 2) * np.arccos(1 / s) + np.sqrt(s**2 - 1)))
 
 
 def load(approach: ArrayLike) -> Values:
     """Load F = Delta^{3/2} in units of the maximum load F*, zero while the bodies are apart (Delta < 0)."""
-    return np.maximum(np.asarray(approach, dtype=float), 0.0) ** 1.5
+    return _root(approach) ** 3
 
 
 def time_at(approach: ArrayLike) -> Values:
@@ -72,20 +72,21 @@ def approach(T: ArrayLike) -> Values:
     """Exact approach Delta(T) of the dry impact, T from first touch; free flight, |dDelta/dT| = 1, before and after."""
     T = np.asarray(T, dtype=float)
     touched = np.minimum(T, CONTACT_TIME - T)  # the rebound mirrors the approach
-    x = betaincinv(0.4, 0.5, np.clip(touched / HALF_CONTACT_TIME, 0.0, 1.0))
+    x: Values = betaincinv(0.4, 0.5, np.clip(touched / HALF_CONTACT_TIME, 0.0, 1.0))
     return np.where(touched < 0, touched, x**0.4)
 
 
 def velocity(T: ArrayLike) -> Values:
     """Exact dDelta/dT of the dry impact, T from first touch: 1 before it, 0 at the maximum, -1 after parting."""
     early = 1 - np.asarray(T, dtype=float) / HALF_CONTACT_TIME
-    energy = betaincinv(0.5, 0.4, np.minimum(np.abs(early), 1.0))  # 1 - Delta^{5/2}, free of cancellation near the maximum
-    return np.sign(early) * np.sqrt(energy)
+    # 1 - Delta^{5/2} by the mirrored beta function: 1 - approach(T)**2.5 would cancel near the maximum
+    energy = betaincinv(0.5, 0.4, np.minimum(np.abs(early), 1.0))
+    return np.asarray(np.sign(early) * np.sqrt(energy))
 
 
 def contact_radius(T: ArrayLike) -> Values:
     """Exact contact radius A(T) = sqrt(Delta) of the dry impact, T from first touch; zero while apart."""
-    return np.sqrt(np.maximum(approach(T), 0.0))
+    return _root(approach(T))
 
 
 def front_speed(A: ArrayLike) -> Values:
@@ -104,12 +105,12 @@ def johnson_approach(T: ArrayLike, t_star: float = HALF_CONTACT_TIME) -> Values:
 
     Eq. (18) is the same with T counted from first touch: sin(pi T/(2 t_star)).
     """
-    return np.cos(pi / 2 * np.minimum(np.abs(_share(T, t_star)), 1.0))
+    return np.asarray(np.cos(pi / 2 * np.minimum(np.abs(_share(T, t_star)), 1.0)))
 
 
 def johnson_radius(T: ArrayLike, t_star: float = HALF_CONTACT_TIME) -> Values:
     """Contact radius A = sqrt(cos(pi T/(2 t_star))), eq. (20), T from the maximum; zero beyond |T| = t_star."""
-    return np.sqrt(np.maximum(johnson_approach(T, t_star), 0.0))
+    return _root(johnson_approach(T, t_star))
 
 
 def taylor_radius(T: ArrayLike, t_star: float = HALF_CONTACT_TIME) -> Values:
@@ -117,12 +118,12 @@ def taylor_radius(T: ArrayLike, t_star: float = HALF_CONTACT_TIME) -> Values:
 
     A parabola (22) whose half base is only (sqrt(8)/pi) t_star = 0.900 t_star.
     """
-    return parabola_radius(T, np.sqrt(8.0) / pi * t_star)
+    return parabola_radius(T, sqrt(8) / pi * t_star)
 
 
 def parabola_radius(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
     """Contact radius A = sqrt(1 - T^2/t_star^2), eqs. (14) and (22), T from the maximum; zero beyond |T| = t_star."""
-    return np.sqrt(np.maximum(1 - _share(T, t_star) ** 2, 0.0))
+    return _root(1 - _share(T, t_star) ** 2)
 
 
 def parabola_front_speed(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
@@ -132,7 +133,7 @@ def parabola_front_speed(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
     """
     share = _share(T, t_star)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return -share / np.sqrt(1 - share**2) / t_star
+        return np.asarray(-share / np.sqrt(1 - share**2) / t_star)
 
 
 def parabola_front_speed_at(A: ArrayLike, t_star: float = HALF_BASE) -> Values:
@@ -146,6 +147,10 @@ def parabola_front_speed_at(A: ArrayLike, t_star: float = HALF_BASE) -> Values:
 def linear_front_speed(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
     """Speed dA/dT of the edge near the maximum, eq. (24): v/v* = t_star dA/dT = -T/t_star, T from the maximum."""
     return -_share(T, t_star) / t_star
+
+
+def _root(value: ArrayLike) -> Values:
+    return np.asarray(np.sqrt(np.maximum(value, 0.0)))
 
 
 def _share(T: ArrayLike, t_star: float) -> Values:

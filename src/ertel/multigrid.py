@@ -97,12 +97,13 @@ def apply(level: Level, e: Array) -> Array:
 
 
 def v_cycle(levels: Sequence[Level], r: Array) -> Array:
-    """An approximate solution e of `apply(levels[0], e) = r`."""
+    """An approximate solution e of `apply(levels[0], e) = r`; both vanish where a node is not free."""
     level, coarser = levels[0], levels[1:]
     if not coarser:
         return direct_solve(level, r)
     e = smooth(level, r)
-    e += level.coefficients.free * prolong(v_cycle(coarser, restrict(r - apply(level, e))))
+    below = coarser[0].coefficients.free * restrict(r - apply(level, e))
+    e += level.coefficients.free * prolong(v_cycle(coarser, below))
     return e + smooth(level, r - apply(level, e))
 
 
@@ -115,8 +116,8 @@ def direct_solve(level: Level, r: Array) -> Array:
     """Exact solution on the coarsest grid, by a small dense matrix."""
     unit_vectors = jnp.eye(r.size, dtype=r.dtype).reshape(r.size, *r.shape)
     matrix = jax.vmap(lambda e: apply(level, e).ravel())(unit_vectors).T
-    held = 1.0 - level.coefficients.free.ravel()
-    return jnp.linalg.solve(matrix + jnp.diag(held), r.ravel()).reshape(r.shape) * level.coefficients.free
+    free = level.coefficients.free.ravel()
+    return jnp.linalg.solve(matrix * free + jnp.diag(1.0 - free), r.ravel()).reshape(r.shape)
 
 
 def spread(d: Array) -> Array:
