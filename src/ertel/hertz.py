@@ -137,7 +137,7 @@ def parabola_front_speed(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
 
 
 def parabola_front_speed_at(A: ArrayLike, t_star: float = HALF_BASE) -> Values:
-    """Speed dA/dT of the advancing edge by eq. (23) when it passes A: sqrt(1 - A^2)/(A t_star); compare `front_speed`."""
+    """Speed dA/dT of the advancing edge by eq. (23) when it passes A, sqrt(1 - A^2)/(A t_star); cf. `front_speed`."""
     require_positive("t_star", t_star)
     A = np.asarray(A, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -27,7 +27,8 @@ class Impact2D:
         self.contact = contact.ball_on_plane(self.grid, case.parameters.lambda_bar, case.lubricant)
         self.elastic = multigrid.elasticities(self.grid, PRECONDITIONER_PRECISION)
         self.closure = NewtonsLaw()
-        self.tolerance = case.solver.tolerance * case.parameters.trapped_film
+        self.tolerance = case.solver.tolerance
+        self.film_scale = case.parameters.trapped_film
         self.start_approach = case.time.start_approach
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
 
@@ -52,7 +53,8 @@ class Impact2D:
             _pad(bdf.interpolation_weights(T, times)),
             _pad(rates),
             line,
-            self.tolerance * rates[0],
+            self.tolerance,
+            self.film_scale,
         )
         n, k = int(solution.newton), int(solution.krylov)
         approach = float(approach)
@@ -82,7 +84,8 @@ def _advance(
     predict: Array,
     rates: Array,
     line: ClosureLine,
-    tolerance: Array,
+    tolerance: float,
+    film_scale: float,
 ) -> tuple[newton.Solution, Array]:
     mass = c.lubricant.density(P_old[:2]) * H_old[:2]
     rate = Rate(rates[0], jnp.tensordot(rates[1:], mass, axes=1))
@@ -100,9 +103,13 @@ def _advance(
     def preconditioner(P: Array, H: Array, free: Array) -> newton.Map:
         return _preconditioner(c, elastic, P, H, free, rate)
 
-    P = contact.inside(jnp.maximum(jnp.tensordot(predict, P_old, axes=1), 0.0))
+    P = jnp.tensordot(predict, P_old, axes=1)
+    # the free boundary retreats in one Newton iteration but advances a node at a time: keep what was free
+    P = jnp.where(P > 0.0, P, P_old[0])
     H = contact.film_thickness(c, P, approach(P))
-    solution = newton.solve(residual, film_change, preconditioner, P, H, tolerance)
+    # a residual r adds r/rates[0] to the film in this step
+    allowed = tolerance * rates[0] * (film_scale + jnp.abs(H))
+    solution = newton.solve(residual, film_change, preconditioner, P, H, allowed)
     return solution, approach(solution.P)
 
 
