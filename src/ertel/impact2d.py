@@ -1,14 +1,13 @@
 """Impact on the 2-D grid: one time step of `contact`'s residual, with a closure for Delta."""
 
 from collections.abc import Sequence
-from functools import partial
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ertel import bdf, contact, multigrid, newton
+from ertel import bdf, contact, halfspace, multigrid, newton
 from ertel.case import Case
 from ertel.closure import HERTZ_LOAD, ClosureLine, NewtonsLaw
 from ertel.contact import Contact, Rate
@@ -16,6 +15,9 @@ from ertel.grid import Grid, check_nodes
 from ertel.level import Attempt, Level
 from ertel.multigrid import Elasticity
 from ertel.status import Status
+
+PRECONDITIONER_PRECISION = "float32"
+STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 
 
 class Impact2D:
@@ -62,20 +64,42 @@ class Impact2D:
         status = Status.CONVERGED if bool(solution.converged) else Status.NEWTON_STALLED
         return Attempt(Level(T, approach, velocity, solution.P, solution.H), status, n, k, self.convolutions(n, k))
 
+    def measure(self, level: Level) -> dict[str, float]:
+        """Load, pressures and films of one level."""
+        values = _measure(self.contact, level.P, level.H)
+        F, P_c, P_max, H_c, H_min, X_min = (float(v) for v in values)
+        return {"F": F, "P_c": P_c, "P_max": P_max, "H_c": H_c, "H_min": H_min, "X_min": X_min}
+
+    def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
+        """Relative difference of two films, root mean square over the load that P carries."""
+        return float(_film_error(H, H_predicted, P))
+
     def convolutions(self, newton_iterations: int, krylov_iterations: int) -> float:
         """Work in convolutions on the finest grid (one on a coarser grid counts by its nodes)."""
         coarser = sum(2.0 * (g.nodes / self.grid.nodes) ** 2 for g in self.grid.hierarchy()[:-1])
         return 1 + newton_iterations + krylov_iterations * (1 + coarser)
 
 
-PRECONDITIONER_PRECISION = "float32"
-
-
 def _pad(weights: np.ndarray) -> np.ndarray:
     return np.pad(weights, (0, 3 - len(weights)))
 
 
-@partial(jax.jit)
+@jax.jit
+def _measure(c: Contact, P: Array, H: Array) -> Array:
+    middle = P.shape[0] // 2
+    least = jnp.argmin(H)
+    # the undeformed gap of a smooth ball is half the squared distance from the centre
+    X_min = jnp.sqrt(2.0 * c.gap.ravel()[least])
+    values = [contact.load(c, P) / HERTZ_LOAD, P[middle, middle], P.max(), H[middle, middle], H.min(), X_min]
+    return jnp.stack(values)
+
+
+@jax.jit
+def _film_error(H: Array, H_predicted: Array, P: Array) -> Array:
+    return jnp.sqrt(jnp.sum(P * ((H - H_predicted) / H) ** 2) / jnp.maximum(jnp.sum(P), jnp.finfo(P.dtype).tiny))
+
+
+@jax.jit
 def _advance(
     c: Contact,
     elastic: tuple[Elasticity, ...],
@@ -98,14 +122,15 @@ def _advance(
 
     def film_change(dP: Array) -> Array:
         rise = line.load_weight * contact.load(c, dP) / line.approach_weight
-        return contact.halfspace.displacement(c.kernel, dP) + rise
+        return halfspace.displacement(c.kernel, dP) + rise
 
     def preconditioner(P: Array, H: Array, free: Array) -> newton.Map:
         return _preconditioner(c, elastic, P, H, free, rate)
 
     P = jnp.tensordot(predict, P_old, axes=1)
-    # the free boundary retreats in one Newton iteration but advances a node at a time: keep what was free
-    P = jnp.where(P > 0.0, P, P_old[0])
+    # Newton comes down to a small pressure in few iterations and up from none in many (the viscosity is exponential),
+    # and a free boundary retreats in one and advances a node at a time: so predict no steep fall
+    P = jnp.maximum(P, STEEPEST_FALL * P_old[0])
     H = contact.film_thickness(c, P, approach(P))
     # a residual r adds r/rates[0] to the film in this step
     allowed = tolerance * rates[0] * (film_scale + jnp.abs(H))

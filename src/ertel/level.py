@@ -48,6 +48,6 @@ class Method(Protocol):
         """F (units of the dry maximum load), P_c, P_max, H_c, H_min, X_min."""
         ...
 
-    def film_error(self, H: Array, H_predicted: Array) -> float:
-        """How far a film is from its prediction, relative, in a norm over the loaded zone."""
+    def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
+        """How far a film is from its prediction, relative, root mean square over the load that P carries."""
         ...

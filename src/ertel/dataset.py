@@ -1,0 +1,253 @@
+"""A run as an xarray Dataset: the one table of names, symbols and units, and the way back to SI.
+
+Everything is dimensionless; where the case is physical each variable also carries `si_factor`, `si_units` and
+`si_name`, so that a stored run turns into SI without ertel: value * si_factor.
+"""
+
+import json
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, is_dataclass
+from datetime import UTC, datetime
+from importlib.metadata import version
+from typing import Any, Protocol
+
+import numpy as np
+import xarray as xr
+
+import ertel
+from ertel.case import Case
+from ertel.scales import Scales
+
+EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
+
+
+@dataclass(frozen=True)
+class Variable:
+    """What a name stands for.  unit: what 1 is, in words; scale: the attribute of Scales that 1 is in SI."""
+
+    long_name: str
+    symbol: str
+    unit: str = "1"
+    scale: str = ""
+    si_name: str = ""
+    si_units: str = ""
+
+
+def _length(long_name: str, symbol: str) -> Variable:
+    return Variable(long_name, symbol, "a*", "a", symbol.lower(), "m")
+
+
+def _film(long_name: str, symbol: str, si_name: str) -> Variable:
+    return Variable(long_name, symbol, "a*^2/R", "film", si_name, "m")
+
+
+def _pressure(long_name: str, symbol: str) -> Variable:
+    return Variable(long_name, symbol, "p_h*", "p_h", symbol.lower(), "Pa")
+
+
+def _time(long_name: str, symbol: str) -> Variable:
+    return Variable(long_name, symbol, "t0", "t0", symbol.replace("T", "t"), "s")
+
+
+AXES: Mapping[str, Variable] = {
+    "time": _time("time", "T"),
+    "frame": _time("time of a map", "T"),
+    "X": _length("position along x", "X"),
+    "Y": _length("position along y", "Y"),
+    "r": _length("distance from the centre", "r"),
+}
+SCALARS: Mapping[str, Variable] = {
+    "dT": _time("time step", "dT"),
+    "Delta": _film("mutual approach of the bodies", "Delta", "delta"),
+    "V": Variable("approach speed", "dDelta/dT", "a*^2/(R t0)", "speed", "v", "m/s"),
+    "F": Variable("load carried by the film", "F", "F*", "load", "f", "N"),
+    "P_c": _pressure("central pressure", "P_c"),
+    "P_max": _pressure("largest pressure", "P_max"),
+    "H_c": _film("central film thickness", "H_c", "h_c"),
+    "H_min": _film("least film thickness", "H_min", "h_min"),
+    "X_min": _length("distance of the least film from the centre", "X_min"),
+    "error": Variable("local time error of the step", "error", "time.tolerance"),
+    "newton_iterations": Variable("Newton iterations of the step", "n_N"),
+    "krylov_iterations": Variable("Krylov iterations of the step", "n_K"),
+    "convolutions": Variable("convolutions of the step, on the finest grid", "n_c"),
+    "rejected": Variable("attempts rejected before the step", "n_r"),
+}
+FIELDS: Mapping[str, Variable] = {
+    "P": _pressure("pressure", "P"),
+    "H": _film("film thickness", "H", "h"),
+}
+EVENT = Variable("why the map was kept", "event")
+VARIABLES: Mapping[str, Variable] = {**AXES, **SCALARS, **FIELDS, "event": EVENT}
+AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min")  # of a summary
+
+
+class Frame(Protocol):
+    """A map of film and pressure: what `simulate` hands over."""
+
+    @property
+    def T(self) -> float: ...
+    @property
+    def P(self) -> Any: ...
+    @property
+    def H(self) -> Any: ...
+    @property
+    def event(self) -> str: ...
+
+
+def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
+    """CF attributes of a variable: units, long_name, symbol, what 1 stands for, and its SI factor if there is one."""
+    variable = VARIABLES[name]
+    attributes: dict[str, object] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
+    if variable.unit != "1":
+        attributes["in_units_of"] = variable.unit
+    if variable is EVENT:
+        attributes |= {"flag_values": list(range(len(EVENTS))), "flag_meanings": " ".join(e or "time" for e in EVENTS)}
+    if scales and variable.scale:
+        attributes |= {"si_name": variable.si_name, "si_units": variable.si_units}
+        attributes["si_factor"] = float(getattr(scales, variable.scale))
+    return attributes
+
+
+def columns(records: Sequence[Mapping[str, float]]) -> dict[str, np.ndarray]:
+    """Step records as arrays by variable name, T as `time`."""
+    names = {"time": "T", **{name: name for name in SCALARS}}
+    return {name: np.array([record[key] for record in records], dtype=float) for name, key in names.items()}
+
+
+def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
+    """Frames as arrays by variable name, stacked along the first axis."""
+    return {
+        "frame": np.array([frame.T for frame in frames], dtype=float),
+        "event": np.array([EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
+        **{name: np.array([getattr(frame, name) for frame in frames], dtype=float) for name in FIELDS},
+    }
+
+
+def dimensions(name: str, coordinates: Mapping[str, Any]) -> tuple[str, ...]:
+    """Dimensions of a variable; the space axes are those of the method's coordinates, in order."""
+    if name in FIELDS:
+        return ("frame", *coordinates)
+    return (name,) if name in AXES else ("frame",) if name == "event" else ("time",)
+
+
+def assemble(
+    case: Case,
+    records: Sequence[Mapping[str, float]],
+    frames: Sequence[Frame],
+    coordinates: Mapping[str, Any],
+    attributes: Mapping[str, object] | None = None,
+) -> xr.Dataset:
+    """The run as a Dataset: scalars over `time` (every step), maps over `frame` and the space axes.
+
+    attributes are added to the provenance of the case (see `provenance`).
+    """
+    arrays = {**columns(records), **maps(frames), **{name: np.asarray(axis) for name, axis in coordinates.items()}}
+    variables = {
+        name: (dimensions(name, coordinates), values, variable_attributes(name, case.scales))
+        for name, values in arrays.items()
+    }
+    axes = {name: variables.pop(name) for name in AXES if name in variables}
+    return xr.Dataset(variables, axes, {**provenance(case), **(attributes or {})})
+
+
+def to_si(dataset: xr.Dataset) -> xr.Dataset:
+    """The run of a physical case in SI units, its variables under their SI names (h_c for H_c, t for time, ...).
+
+    Raises ValueError for a dimensionless run.
+    """
+    if not any("si_factor" in variable.attrs for variable in dataset.variables.values()):
+        raise ValueError("dataset: has no SI scales, its case was dimensionless; give radius, mass, speed, ... instead")
+    converted = dataset.copy()
+    names = {}
+    for name, variable in dataset.variables.items():
+        attributes = dict(variable.attrs)
+        if "si_factor" in attributes:
+            factor, attributes["units"] = attributes.pop("si_factor"), attributes.pop("si_units")
+            attributes["symbol"] = attributes.pop("si_name")
+            attributes.pop("in_units_of")
+            converted[name] = (variable.dims, variable.values * factor, attributes)
+            names[name] = attributes["symbol"] if name != "frame" else name
+    return converted.rename({name: new for name, new in names.items() if new != name})
+
+
+# -- provenance -------------------------------------------------------------------------------------------------------
+
+
+def provenance(case: Case) -> dict[str, object]:
+    """Attributes that make a run self-describing: case, versions, platform, time, references."""
+    laws = (case.lubricant.viscosity_law, case.lubricant.density_law)
+    return {
+        "Conventions": "CF-1.11",
+        "title": case.name or f"{case.kind}, M = {case.parameters.M:.4g}, L = {case.parameters.L:.4g}",
+        "source": f"ertel {ertel.__version__}",
+        "references": "; ".join(getattr(law, "reference", type(law).__name__) for law in laws),
+        "date_created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "platform": f"{platform.system()} {platform.machine()}, {platform.processor() or 'unknown processor'}",
+        "versions": json.dumps(versions()),
+        "case": json.dumps(describe(case), default=repr),
+        "kind": case.kind,
+        "method": case.solver.method,
+        **parameters_of(case),
+        **scales_of(case),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of what a result may depend on."""
+    packages = ("jax", "jaxlib", "numpy", "scipy", "xarray", "zarr")
+    ours = {"ertel": ertel.__version__, "python": platform.python_version()}
+    return ours | {name: version(name) for name in packages}
+
+
+def describe(case: Case) -> dict[str, object]:
+    """A case as plain data: the records that it is made of, the names of its laws, and its input."""
+    oil = case.lubricant
+    return {
+        "name": case.name,
+        "kind": case.kind,
+        "parameters": asdict(case.parameters),
+        "lubricant": {"viscosity": _describe_law(oil.viscosity_law), "density": _describe_law(oil.density_law)},
+        "solver": asdict(case.solver),
+        "time": asdict(case.time),
+        "output": asdict(case.output),
+        "scales": asdict(case.scales) if case.scales else None,
+        "source": case.source,
+    }
+
+
+def _describe_law(law: Any) -> dict[str, object]:
+    values = asdict(law) if is_dataclass(law) and not isinstance(law, type) else {}
+    return {"law": type(law).__name__, **values}
+
+
+def parameters_of(case: Case) -> dict[str, float]:
+    """The dimensionless parameters by name."""
+    p = case.parameters
+    return {"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar, "M": p.M, "L": p.L}
+
+
+def scales_of(case: Case) -> dict[str, float]:
+    """The SI scales of a physical case, named with their units; empty for a dimensionless one."""
+    s = case.scales
+    if s is None:
+        return {}
+    named = {"R_m": s.R, "E_prime_Pa": s.E_prime, "a_m": s.a, "p_h_Pa": s.p_h, "delta_m": s.film}
+    return named | {"F_N": s.load, "t0_s": s.t0, "v0_m_per_s": s.speed}
+
+
+def si_summary(case: Case, max_approach: Mapping[str, float] | None) -> dict[str, object] | None:
+    """A summary's `si`: the scales and the values at maximum approach; None for a dimensionless case.
+
+    Names end with their unit: t_s, delta_m, f_N, p_c_Pa, p_max_Pa, h_c_m, h_min_m, x_min_m.
+    """
+    scales = case.scales
+    if scales is None:
+        return None
+    values = None
+    if max_approach is not None:
+        table = {key: VARIABLES["time" if key == "T" else key] for key in AT_MAXIMUM}
+        values = {
+            f"{v.si_name}_{v.si_units}": max_approach[key] * getattr(scales, v.scale) for key, v in table.items()
+        }
+    return {**scales_of(case), "max_approach": values}

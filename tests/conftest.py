@@ -1,0 +1,20 @@
+"""How the tests run: on the CPU, in double precision, compiled code kept between runs, the same examples every time."""
+
+import os
+
+import pytest
+from hypothesis import settings
+
+os.environ.setdefault("JAX_PLATFORMS", "cpu")
+os.environ.setdefault("JAX_ENABLE_X64", "1")
+
+settings.register_profile("ertel", deadline=None, derandomize=True, max_examples=50)
+settings.load_profile("ertel")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Keep compiled code in pytest's own cache."""
+    cache: pytest.Cache | None = getattr(config, "cache", None)
+    if cache is not None:
+        os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(cache.mkdir("jax")))
+        os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.2")
