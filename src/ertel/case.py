@@ -38,7 +38,7 @@ class Time:
 
     start_approach: float = -1.0
     until: Stop | float = "max-approach"
-    tolerance: float = 1e-3
+    tolerance: float = 1e-4
     step: float | None = None
 
 

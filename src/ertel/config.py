@@ -24,7 +24,10 @@ from ertel.scales import Parameters, Scales
 
 
 class ConfigError(ValueError):
-    """The input is wrong: the message names the field, its value and what is allowed."""
+    """The input is wrong: the message, one line, names the field, its value and what is allowed."""
+
+    def __init__(self, message: str):
+        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in message))
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,8 @@ SPEED = SI("m/s", "0.1 m/s")
 STRESS = SI("Pa", "210 GPa")
 VISCOSITY = SI("Pa*s", "40 mPa*s")
 COMPLIANCE = SI("1/Pa", "22 / GPa")
+
+FEWEST_NODES = 17
 
 T = TypeVar("T")
 PositiveNumber = Annotated[float, Field(gt=0)]
@@ -95,7 +100,7 @@ class SolverSection(_Section):
     """Grid and tolerance, see ertel.case.Solver."""
 
     method: defaults.Method = defaults.Solver.method
-    nodes: Annotated[int, Field(ge=17, le=8193)] = defaults.Solver.nodes
+    nodes: Annotated[int, Field(gt=0, le=4097)] = defaults.Solver.nodes
     half_width: Annotated[float, Field(gt=1)] = defaults.Solver.half_width
     tolerance: Annotated[float, Field(gt=0, lt=1)] = defaults.Solver.tolerance
 
@@ -165,9 +170,7 @@ def parse_case(data: Mapping[str, object]) -> Case:
     si = _physical_scales(file.contact, written) if route is PHYSICAL else None
     oil = _oil(file.lubricant, physical=route is PHYSICAL)
     parameters = _parameters(file.contact, oil, si, written, route)
-    if file.solver.method == "2d":
-        _named("solver", grid.check_nodes, file.solver.nodes)
-    return Case(
+    case = Case(
         parameters=parameters,
         lubricant=_lubricant(oil, parameters, si),
         solver=defaults.Solver(**dict(file.solver)),
@@ -178,6 +181,16 @@ def parse_case(data: Mapping[str, object]) -> Case:
         name=file.name,
         source=plain_data(file.model_copy(update={"lubricant": oil})),
     )
+    return check_case(case)
+
+
+def check_case(case: Case) -> Case:
+    """The case again, or ConfigError where its grid is too small or cannot be coarsened."""
+    if case.solver.method == "2d":
+        _named("solver", grid.check_nodes, case.solver.nodes)
+    if case.solver.nodes < FEWEST_NODES:
+        raise ConfigError(f"solver.nodes = {case.solver.nodes}: must be {FEWEST_NODES} or more")
+    return case
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -401,7 +414,7 @@ def _list(names: Iterable[str]) -> str:
 
 def show(value: object) -> str:
     """A value as one would write it in TOML."""
-    return json.dumps(value, default=str, ensure_ascii=False)
+    return json.dumps(value, default=str, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _named(section: str, function: Callable[..., T], *arguments: Any) -> T:

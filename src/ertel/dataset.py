@@ -10,15 +10,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, is_dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
+from math import floor, log10
 from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
 
 import ertel
+from ertel import hertz
 from ertel.case import Case
-from ertel.scales import Scales
+from ertel.scales import Scales, hamrock_dowson
 
+PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
 
 
@@ -171,6 +174,17 @@ def to_si(dataset: xr.Dataset) -> xr.Dataset:
     return converted.rename({name: new for name, new in names.items() if new != name})
 
 
+def exponent(size: float) -> int:
+    """The power of ten, of those with a prefix, that brings a size between about 0.5 and 500."""
+    return min(max(3 * floor(log10(size) / 3 + 0.1), min(PREFIXES)), max(PREFIXES)) if size > 0 else 0
+
+
+def with_prefix(value: float, unit: str) -> str:
+    """A value in SI for reading: 1.4e9, "Pa" is "1.4 GPa"."""
+    power = 0 if "/" in unit else exponent(abs(value))
+    return f"{value / 10**power:.4g} {PREFIXES[power]}{unit}"
+
+
 # -- provenance -------------------------------------------------------------------------------------------------------
 
 
@@ -227,6 +241,26 @@ def parameters_of(case: Case) -> dict[str, float]:
     return {"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar, "M": p.M, "L": p.L}
 
 
+def parameter_summary(case: Case) -> dict[str, Any]:
+    """What the parameters of a case say before it is run; under `si` the scales of a physical one, named with units.
+
+    Names: stokes, St = m v0/(6 pi eta0 R^2); trapped_film, the scale of the film in a*^2/R; U, G, W, Hamrock and
+    Dowson's with F* and a*/t0 for load and speed; contact_time_s, of the dry impact.
+    """
+    p, s = case.parameters, case.scales
+    content: dict[str, Any] = {**parameters_of(case), "stokes": p.stokes, "trapped_film": p.trapped_film}
+    if s is None:
+        return content
+    eta0 = p.lambda_bar * s.t0 * s.a**2 * s.p_h / (12 * s.R**2)
+    ugw = hamrock_dowson(s, eta0, p.alpha_bar / s.p_h)
+    more = {
+        "contact_time_s": hertz.CONTACT_TIME * s.t0,
+        "mass_kg": s.ball_mass,
+        "trapped_film_m": p.trapped_film * s.film,
+    }
+    return {**content, **ugw._asdict(), "si": {**scales_of(case), **more}}
+
+
 def scales_of(case: Case) -> dict[str, float]:
     """The SI scales of a physical case, named with their units; empty for a dimensionless one."""
     s = case.scales
@@ -247,7 +281,21 @@ def si_summary(case: Case, max_approach: Mapping[str, float] | None) -> dict[str
     values = None
     if max_approach is not None:
         table = {key: VARIABLES["time" if key == "T" else key] for key in AT_MAXIMUM}
-        values = {
-            f"{v.si_name}_{v.si_units}": max_approach[key] * getattr(scales, v.scale) for key, v in table.items()
-        }
+        values = {f"{v.si_name}_{v.si_units}": max_approach[key] * getattr(scales, v.scale) for key, v in table.items()}
     return {**scales_of(case), "max_approach": values}
+
+
+def error_estimate(fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Discretisation error of H_c, H_min and Delta at maximum approach, from summaries on a grid and on its half.
+
+    For a method of second order the error is a third of the difference, and the value without it, `extrapolated`, lies
+    as much beyond the fine one (Richardson).  None where one of the runs did not reach its maximum.
+    """
+    if fine["max_approach"] is None or coarse["max_approach"] is None:
+        return None
+    estimate = {}
+    for name, key in {"H_c": "H_c", "H_min": "H_min", "Delta_max": "Delta"}.items():
+        value, half = fine["max_approach"][key], coarse["max_approach"][key]
+        step = (value - half) / 3
+        estimate[name] = {"value": value, "half_grid": half, "error": abs(step), "extrapolated": value + step}
+    return estimate

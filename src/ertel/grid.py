@@ -11,39 +11,38 @@ SMALLEST_COARSEST = 5
 
 @dataclass(frozen=True)
 class Grid:
-    """nodes x nodes square cells' centres from (left, bottom) on, spacing apart; lengths in units a*.
+    """nodes x nodes centres of square cells around (centre_x, centre_y), spacing apart; lengths in units a*.
 
     Arrays on it have shape (nodes, nodes), first index Y, second index X.
     """
 
     nodes: int
     spacing: float
-    left: float
-    bottom: float
+    centre_x: float = 0.0
+    centre_y: float = 0.0
 
     @classmethod
     def square(cls, nodes: int, half_width: float) -> "Grid":
         """The grid over [-half_width, half_width]^2, with a node at the centre when `nodes` is odd."""
-        return cls(nodes, 2.0 * half_width / (nodes - 1), -half_width, -half_width)
+        return cls(nodes, 2.0 * half_width / (nodes - 1))
 
     @property
     def x(self) -> NDArray[np.float64]:
         """X of the nodes, shape (nodes,)."""
-        return self._axis(self.left)
+        return self._axis(self.centre_x)
 
     @property
     def y(self) -> NDArray[np.float64]:
         """Y of the nodes, shape (nodes,)."""
-        return self._axis(self.bottom)
+        return self._axis(self.centre_y)
 
-    def _axis(self, start: float) -> NDArray[np.float64]:
+    def _axis(self, centre: float) -> NDArray[np.float64]:
         # counted from the middle, so that a symmetric grid is symmetric to the last bit
-        middle = (self.nodes - 1) / 2
-        return start + middle * self.spacing + (np.arange(self.nodes) - middle) * self.spacing
+        return centre + (np.arange(self.nodes) - (self.nodes - 1) / 2) * self.spacing
 
     def coarser(self) -> "Grid":
         """Every second node of this grid."""
-        return Grid((self.nodes - 1) // 2 + 1, 2.0 * self.spacing, self.left, self.bottom)
+        return Grid((self.nodes - 1) // 2 + 1, 2.0 * self.spacing, self.centre_x, self.centre_y)
 
     def hierarchy(self) -> tuple["Grid", ...]:
         """This grid and its coarser ones, down to the last that is not trivial."""
@@ -55,8 +54,7 @@ class Grid:
 
 def check_nodes(nodes: int) -> None:
     """Raise ValueError unless a grid of nodes x nodes can be coarsened down to a trivial one."""
-    coarsest = Grid.square(max(nodes, 1), 1.0).hierarchy()[-1].nodes
-    if nodes < SMALLEST_COARSEST or nodes % 2 == 0 or coarsest > LARGEST_COARSEST:
+    if nodes < SMALLEST_COARSEST or nodes % 2 == 0 or Grid(nodes, 1.0).hierarchy()[-1].nodes > LARGEST_COARSEST:
         below, above = _neighbours(nodes)
         raise ValueError(
             f"nodes = {nodes}: must be 2^k c + 1 with a coarsest grid of {SMALLEST_COARSEST} to {LARGEST_COARSEST} nodes "

@@ -23,7 +23,7 @@ from ertel import halfspace
 from ertel.grid import Grid
 
 JACOBI_DAMPING = 0.8
-DISTRIBUTIVE_DAMPING = 0.8
+DISTRIBUTIVE_DAMPING = 0.7
 STIFFNESS_SWITCH = 0.3  # Jacobi where diffusion exceeds this share of the deformation's stiffness
 
 
@@ -81,8 +81,7 @@ def hierarchy(elastic: Sequence[Elasticity], finest: Coefficients) -> tuple[Leve
 
 def _level(elastic: Elasticity, c: Coefficients) -> Level:
     diffusion = _face_sum(c.eps) / elastic.spacing**2
-    # 1/spacing stands for a change that is carried over one cell in a unit of time
-    by_jacobi = diffusion > STIFFNESS_SWITCH * (c.stretch + 1.0 / elastic.spacing) * elastic.own
+    by_jacobi = diffusion > STIFFNESS_SWITCH * c.stretch * elastic.own
     jacobi = JACOBI_DAMPING / (diffusion + c.stretch * elastic.own + c.local)
     distributive = DISTRIBUTIVE_DAMPING / (1.25 * diffusion + c.stretch * (elastic.own - elastic.neighbour) + c.local)
     return Level(elastic, c, jnp.where(by_jacobi, jacobi, 0.0) * c.free, jnp.where(by_jacobi, 0.0, distributive) * c.free)

@@ -119,22 +119,28 @@ def gcr(
     Generalised conjugate residuals (Eisenstat, Elman, Schultz, SIAM J Numer Anal 1983;20:345): the same iterates as
     flexible GMRES, with the residual at hand, so that the preconditioner may be of lower precision.
     """
-    directions = jnp.zeros((2, limit, *b.shape), b.dtype)  # z and apply(z), the latter orthonormal
+    # z and apply(z) of the iterations so far, the latter orthonormal; only the first k are ever touched
+    zs = ws = jnp.zeros((limit, *b.shape), b.dtype)
     goal = reduction * jnp.linalg.norm(b)
 
     def go_on(state: tuple[Array, ...]) -> Array:
-        _, r, _, k = state
+        _, r, _, _, k = state
         return (jnp.linalg.norm(r) > goal) & (k < limit)
 
     def improve(state: tuple[Array, ...]) -> tuple[Array, ...]:
-        x, r, directions, k = state
+        x, r, zs, ws, k = state
         z = precondition(r)
-        new = jnp.stack([z, apply(z)])
-        overlap = jnp.tensordot(directions[1], new[1], axes=2)
-        new -= jnp.tensordot(overlap, directions, axes=(0, 1))
-        new /= jnp.linalg.norm(new[1])
-        step = jnp.vdot(new[1], r)
-        return x + step * new[0], r - step * new[1], directions.at[:, k].set(new), k + 1
 
-    x, _, _, k = jax.lax.while_loop(go_on, improve, (jnp.zeros_like(b), b, directions, jnp.zeros((), jnp.int32)))
+        def orthogonalise(j: Array, zw: tuple[Array, Array]) -> tuple[Array, Array]:
+            z, w = zw
+            overlap = jnp.vdot(ws[j], w)
+            return z - overlap * zs[j], w - overlap * ws[j]
+
+        z, w = jax.lax.fori_loop(0, k, orthogonalise, (z, apply(z)))
+        size = jnp.linalg.norm(w)
+        z, w = z / size, w / size
+        step = jnp.vdot(w, r)
+        return x + step * z, r - step * w, zs.at[k].set(z), ws.at[k].set(w), k + 1
+
+    x, _, _, _, k = jax.lax.while_loop(go_on, improve, (jnp.zeros_like(b), b, zs, ws, jnp.zeros((), jnp.int32)))
     return x, k

@@ -9,7 +9,6 @@ Colours are told apart by everybody (Okabe and Ito's; for what is ordered, maps 
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import floor, log10
 
 import numpy as np
 import xarray as xr
@@ -22,14 +21,13 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from ertel import hertz
-from ertel.dataset import EVENTS
+from ertel.dataset import EVENTS, PREFIXES, exponent, with_prefix
 
 Values = NDArray[np.float64]
 
 BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#777777"
 FILM_COLOURS, PRESSURE_COLOURS = "YlGnBu_r", "YlOrRd"
 TIME_COLOURS = LinearSegmentedColormap.from_list("time", colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
-PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 MARGIN = 1.3  # of what is shown round the contact
 
 
@@ -56,15 +54,10 @@ def scale(dataset: xr.Dataset, name: str, largest: float) -> Scale:
     if "si_factor" not in attributes:
         unit = attributes.get("in_units_of", "").replace("^2", "²")
         return Scale(1.0, _mathtext(attributes["symbol"]), unit, attributes["long_name"])
-    exponent = _exponent(abs(largest) * attributes["si_factor"])
-    unit = PREFIXES[exponent] + attributes["si_units"]
-    factor = attributes["si_factor"] / 10**exponent
+    power = exponent(abs(largest) * attributes["si_factor"])
+    unit = PREFIXES[power] + attributes["si_units"]
+    factor = attributes["si_factor"] / 10**power
     return Scale(factor, _mathtext(attributes["si_name"]), unit, attributes["long_name"])
-
-
-def _exponent(size: float) -> int:
-    """The power of ten, of those with a prefix, that brings a size between about 0.5 and 500."""
-    return min(max(3 * floor(log10(size) / 3 + 0.1), -9), 9) if size > 0 else 0
 
 
 def _mathtext(symbol: str) -> str:
@@ -85,8 +78,10 @@ class Profiles:
 
 
 def profiles_of(dataset: xr.Dataset) -> Profiles:
-    """The mid-line: Y = 0 of a map, or a radius and its mirror image."""
+    """The mid-line: Y = 0 of a map, or a radius and its mirror image.  Raises ValueError where there is no map yet."""
     T = np.asarray(dataset["frame"].values)
+    if not len(T):
+        raise ValueError("dataset: has no maps yet, there is nothing to draw")
     at_maximum = np.flatnonzero(dataset["event"].values == EVENTS.index("max-approach"))
     maximum = int(at_maximum[0]) if len(at_maximum) else len(T) - 1
     if "r" in dataset:
@@ -115,7 +110,8 @@ def map_of(dataset: xr.Dataset, name: str, frame: int) -> tuple[Values, Values]:
 def _loaded_radius(p: Profiles) -> float:
     """How far from the centre the film carries pressure at the maximum."""
     loaded = p.x[p.P[p.maximum] > 0.02 * p.P[p.maximum].max()]
-    return float(np.abs(loaded).max()) if len(loaded) else float(p.x.max())
+    reach = float(np.abs(loaded).max()) if len(loaded) else float(p.x.max())
+    return max(reach, 0.2 * float(p.x.max()))  # something to see even at first touch
 
 
 def _largest_inside(p: Profiles, H: Values) -> float:
@@ -334,7 +330,7 @@ def _compose(dataset: xr.Dataset, rows: list[list[Panel]]) -> Figure:
     for panels, line in zip(rows, figure.subplots(len(rows), len(rows[0]), squeeze=False), strict=True):
         for draw, axes in zip(panels, line, strict=True):
             draw(axes, dataset)
-    figure.suptitle(_title(dataset))
+    figure.suptitle(_title(dataset), fontsize="medium")
     return figure
 
 
@@ -346,15 +342,10 @@ def _title(dataset: xr.Dataset) -> str:
     conditions = [f"$M$ = {a['M']:.4g}", f"$L$ = {a['L']:.3g}"]
     if _is_physical(dataset):
         conditions = [
-            f"$R$ = {_with_prefix(a['R_m'], 'm')}",
-            f"$v_0$ = {a['v0_m_per_s']:.3g} m/s",
-            f"$p_h^*$ = {_with_prefix(a['p_h_Pa'], 'Pa')}",
+            f"$R$ = {with_prefix(a['R_m'], 'm')}",
+            f"$v_0$ = {with_prefix(a['v0_m_per_s'], 'm/s')}",
+            f"$p_h^*$ = {with_prefix(a['p_h_Pa'], 'Pa')}",
             *conditions,
         ]
     moment = f"{_moment(dataset)} at {time.symbol} = {p.T[p.maximum] * time.factor:.3g} {time.unit}"
     return f"{name[:1].upper()}{name[1:]}:  {',  '.join(conditions)};  {moment}"
-
-
-def _with_prefix(value: float, unit: str) -> str:
-    exponent = _exponent(value)
-    return f"{value / 10**exponent:.3g} {PREFIXES[exponent]}{unit}"
