@@ -274,6 +274,7 @@ def test_malformed_override(item):
         ({"contact": MOES | BALL}, ["contact.M = 1000", 'contact.radius = "10 mm"', "together", "allowed"]),
         ({"solver": {"nodes": 100}}, ["solver.nodes = 100", "97", "105"]),
         ({"solver": {"nodes": 5}}, ["solver.nodes = 5", "17"]),
+        ({"solver": {"method": "radial", "nodes": 3}}, ["solver.nodes = 3: must be at least"]),
         ({"solver": {"nodes": 129.0}}, ["solver.nodes = 129.0", "integer"]),
         ({"solver": {"half_width": 0.5}}, ["solver.half_width = 0.5", "greater than 1"]),
         ({"time": {"until": "never"}}, ['time.until = "never"', '"max-approach"', '"rebound"', "time above zero"]),

@@ -70,9 +70,9 @@ def test_physical_labels_have_si_units(ball):
 
 def test_dimensionless_labels_have_the_papers_units(moes):
     film, pressure = panels(plotting.profiles(moes))
-    assert film.get_xlabel() == "$X$ (a*)"
-    assert film.get_ylabel() == "film thickness $H$ (a*²/R)"
-    assert pressure.get_ylabel() == "pressure $P$ (p_h*)"
+    assert film.get_xlabel() == "$X$ ($a^*$)"
+    assert film.get_ylabel() == "film thickness $H$ ($a^{*2}/R$)"
+    assert pressure.get_ylabel() == "pressure $P$ ($p_h^*$)"
 
 
 @pytest.mark.parametrize("name", plotting.FIGURES)
@@ -188,6 +188,13 @@ def test_short_runs_can_be_drawn():
     data = made_up(MOES).isel(frame=slice(0, 1), time=slice(0, 1))
     for draw in plotting.FIGURES.values():
         draw(data).draw_without_rendering()
+
+
+def test_a_film_that_vanishes_can_be_drawn():
+    data = made_up(MOES)
+    data["H_min"][40:] = 0.0
+    film = panels(plotting.history(data))[1]
+    assert film.get_ylim()[0] > 0
 
 
 def test_a_run_without_maps_says_so():

@@ -162,9 +162,11 @@ def test_progress_goes_from_nothing_to_all() -> None:
 def test_warnings_speak_where_they_should() -> None:
     coarse = simulate(impact(1000, 10, 33, time={"until": 1.2}))
     assert any("pressure sweep" in w for w in coarse.summary["warnings"])
+    thin = simulate(impact(1000, 10, 33))
+    assert any("the film vanishes" in w for w in thin.summary["warnings"])
     near = simulate(impact(200, 10, 33, time={"start_approach": -0.2, "until": 1.0}))
     assert any("initial gap" in w for w in near.summary["warnings"])
-    small = simulate(impact(20, 5, 33, solver={"half_width": 1.0}, time={"until": 1.8}))
+    small = simulate(impact(20, 5, 33, solver={"half_width": 1.2}, time={"until": 1.8}))
     assert any("outermost tenth" in w for w in small.summary["warnings"])
     good = simulate(impact(20, 5, 65, solver={"half_width": 3.0}, time={"start_approach": -2.0}))
     assert good.summary["warnings"] == []

@@ -29,8 +29,19 @@ def restitution(data: xr.Dataset) -> float | None:
 
 def warnings(case: Case, data: xr.Dataset) -> list[str]:
     """What a careful colleague would say about a run: front not resolved, domain too small, gap too small."""
-    said = [_front_warning(case, data), _gap_warning(case), _edge_warning(data)]
+    said = [_film_warning(data), _front_warning(case, data), _gap_warning(case), _edge_warning(data)]
     return [sentence for sentence in said if sentence]
+
+
+def _film_warning(data: xr.Dataset) -> str:
+    gone = np.flatnonzero(data["H_min"].values <= 0.0)
+    if gone.size == 0:
+        return ""
+    first = data.isel(time=gone[0])
+    return (
+        f"the film vanishes on this grid, first at T = {float(first['time']):.4g}, X = {float(first['X_min']):.3g}: "
+        "H_min means nothing from there on; more solver.nodes are wanted"
+    )
 
 
 def front_length(case: Case) -> float:

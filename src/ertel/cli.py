@@ -52,10 +52,7 @@ Estimate = Annotated[bool, typer.Option("--error", help="Also run on the half gr
 
 def main() -> None:
     """The entry point `ertel`."""
-    try:
-        app()
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+    app()
 
 
 @app.callback(invoke_without_command=True)
@@ -289,8 +286,10 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
 
 def _progress(quiet: bool) -> Progress:
     console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(24), TextColumn("{task.fields[news]}"), TimeElapsedColumn())
-    return Progress(*columns, console=console, disable=quiet or not console.is_terminal)
+    label, news = (TextColumn(text, markup=False) for text in ("{task.description}", "{task.fields[news]}"))
+    return Progress(
+        label, BarColumn(24), news, TimeElapsedColumn(), console=console, disable=quiet or not console.is_terminal
+    )
 
 
 def _watch(bars: Progress, case: "Case", label: str, stop: Callable[[], bool]) -> "Callable[[Step], bool]":
@@ -355,8 +354,8 @@ def _table_at_maximum(case: "Case", summary: Mapping[str, Any]) -> Table:
         if case.scales:
             cells.append(with_prefix(value * getattr(case.scales, variable.scale), variable.si_units))
         if key in errors:
-            share = errors[key]["error"] / abs(value)
-            cells += [f"{share:.2%}", f"{errors[key]['extrapolated']:.5g}"]
+            share = f"{errors[key]['error'] / abs(value):.2%}" if value else "-"
+            cells += [share, f"{errors[key]['extrapolated']:.5g}"]
         table.add_row(*cells)
     return table
 

@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal, TypeVar, cast, get_args
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator
 
 from ertel import case as defaults
-from ertel import grid, lubricant, scales
+from ertel import grid, lubricant, radial, scales
 from ertel.case import Case
 from ertel.scales import Parameters, Scales
 
@@ -46,7 +46,7 @@ STRESS = SI("Pa", "210 GPa")
 VISCOSITY = SI("Pa*s", "40 mPa*s")
 COMPLIANCE = SI("1/Pa", "22 / GPa")
 
-FEWEST_NODES = 17
+FEWEST_NODES = 17  # of the 2-D method
 
 T = TypeVar("T")
 PositiveNumber = Annotated[float, Field(gt=0)]
@@ -186,10 +186,13 @@ def parse_case(data: Mapping[str, object]) -> Case:
 
 def check_case(case: Case) -> Case:
     """The case again, or ConfigError where its grid is too small or cannot be coarsened."""
-    if case.solver.method == "2d":
-        _named("solver", grid.check_nodes, case.solver.nodes)
-    if case.solver.nodes < FEWEST_NODES:
-        raise ConfigError(f"solver.nodes = {case.solver.nodes}: must be {FEWEST_NODES} or more")
+    nodes = case.solver.nodes
+    if case.solver.method == "radial":
+        _named("solver", radial.check_grid, nodes, case.solver.half_width)
+        return case
+    if nodes < FEWEST_NODES:
+        raise ConfigError(f"solver.nodes = {nodes}: must be at least {FEWEST_NODES}")
+    _named("solver", grid.check_nodes, nodes)
     return case
 
 
@@ -422,7 +425,8 @@ def _named(section: str, function: Callable[..., T], *arguments: Any) -> T:
     try:
         return function(*arguments)
     except (ValueError, ArithmeticError) as error:
-        raise ConfigError(f"{section}.{error}") from error
+        message = str(error)
+        raise ConfigError(message if message.startswith(f"{section}.") else f"{section}.{message}") from error
 
 
 # -- the door out -----------------------------------------------------------------------------------------------------

@@ -60,9 +60,12 @@ def load(contact: Contact, P: Array) -> Array:
 
 
 def mobility(contact: Contact, P: Array, H: Array) -> Array:
-    """eps = rho H^3/(eta lambda_bar): how readily the oil flows under a pressure gradient."""
+    """eps = rho H^3/(eta lambda_bar): how readily the oil flows under a pressure gradient.
+
+    Where a grid too coarse for the film lets the surfaces overlap (H < 0), nothing flows.
+    """
     oil = contact.lubricant
-    return oil.density(P) * H**3 / (oil.viscosity(P) * contact.lambda_bar)
+    return oil.density(P) * jnp.maximum(H, 0.0) ** 3 / (oil.viscosity(P) * contact.lambda_bar)
 
 
 def residual(contact: Contact, P: Array, H: Array, rate: Rate, entrainment: Array | float) -> Array:

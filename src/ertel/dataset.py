@@ -69,7 +69,7 @@ SCALARS: Mapping[str, Variable] = {
     "P_max": _pressure("largest pressure", "P_max"),
     "H_c": _film("central film thickness", "H_c", "h_c"),
     "H_min": _film("least film thickness", "H_min", "h_min"),
-    "X_min": _length("distance of the least film from the centre", "X_min"),
+    "X_min": _length("radius of the least film", "X_min"),
     "error": Variable("local time error of the step", "error", "time.tolerance"),
     "newton_iterations": Variable("Newton iterations of the step", "n_N"),
     "krylov_iterations": Variable("Krylov iterations of the step", "n_K"),
@@ -145,7 +145,11 @@ def assemble(
 
     attributes are added to the provenance of the case (see `provenance`).
     """
-    arrays = {**columns(records), **maps(frames), **{name: np.asarray(axis) for name, axis in coordinates.items()}}
+    axes_in_space = {name: np.asarray(axis) for name, axis in coordinates.items()}
+    fields = maps(frames)
+    for name in FIELDS:  # no maps at all still have their shape
+        fields[name] = fields[name].reshape(len(frames), *(len(axis) for axis in axes_in_space.values()))
+    arrays = {**columns(records), **fields, **axes_in_space}
     variables = {
         name: (dimensions(name, coordinates), values, variable_attributes(name, case.scales))
         for name, values in arrays.items()

@@ -17,6 +17,7 @@ from ertel.multigrid import Elasticity
 from ertel.status import Status
 
 PRECONDITIONER_PRECISION = "float32"
+THIN = 0.1  # of the trapped film: below this the time error of a film is not taken relative to itself
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 
 
@@ -72,7 +73,7 @@ class Impact2D:
 
     def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
         """Relative difference of two films, root mean square over the load that P carries."""
-        return float(_film_error(H, H_predicted, P))
+        return float(_film_error(H, H_predicted, P, THIN * self.film_scale))
 
     def convolutions(self, newton_iterations: int, krylov_iterations: int) -> float:
         """Work in convolutions on the finest grid (one on a coarser grid counts by its nodes)."""
@@ -95,8 +96,9 @@ def _measure(c: Contact, P: Array, H: Array) -> Array:
 
 
 @jax.jit
-def _film_error(H: Array, H_predicted: Array, P: Array) -> Array:
-    return jnp.sqrt(jnp.sum(P * ((H - H_predicted) / H) ** 2) / jnp.maximum(jnp.sum(P), jnp.finfo(P.dtype).tiny))
+def _film_error(H: Array, H_predicted: Array, P: Array, thin: float) -> Array:
+    relative = (H - H_predicted) / (jnp.abs(H) + thin)
+    return jnp.sqrt(jnp.sum(P * relative**2) / jnp.maximum(jnp.sum(P), jnp.finfo(P.dtype).tiny))
 
 
 @jax.jit

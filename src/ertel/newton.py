@@ -1,4 +1,4 @@
-"""Newton-Krylov for a field P >= 0 whose partner H > 0 depends on it linearly, with an active set.
+"""Newton-Krylov for a field P >= 0 whose partner H depends on it linearly, with an active set.
 
     r(P, H) = 0 where P > 0,   r(P, H) >= 0 where P = 0,   H = H(P) affine
 
@@ -26,7 +26,6 @@ class Options:
     krylov_limit: int = 16
     krylov_reduction: float = 1e-2
     largest_change: float = 0.3
-    keep_open: float = 0.8  # share of H that one Newton iteration may take away
 
 
 class Solution(NamedTuple):
@@ -57,7 +56,7 @@ def solve(
     tolerance: Array | float,
     options: Options = Options(),
 ) -> Solution:
-    """Solve from the first guess P with its partner H = H(P) > 0, both of shape (n, n).
+    """Solve from the first guess P with its partner H = H(P), both of shape (n, n).
 
     partner_change maps a change of P to that of H.  preconditioner(P, H, free) returns an approximate inverse of the
     Jacobian on the free nodes.  tolerance bounds |r| at every free node; one iteration is done in any case, because a
@@ -87,9 +86,7 @@ def solve(
             options.krylov_limit,
         )
         dH = partner_change(d)
-        closing = jnp.min(jnp.where(dH < 0, it.H / jnp.minimum(dH, -tiny), -jnp.inf) * -options.keep_open)
         share = jnp.minimum(1.0, options.largest_change / jnp.maximum(jnp.max(jnp.abs(d)), tiny))
-        share = jnp.minimum(share, closing)
         P_new = it.P + share * d
         P_held = jnp.maximum(P_new, 0.0)
         # holding P at zero moves H too; where nothing was held the correction is free of charge
@@ -102,7 +99,7 @@ def solve(
     zero = jnp.zeros((), jnp.int32)
     first = _Iterate(P, H, size(P, H), zero, zero)
     last = jax.lax.while_loop(go_on, improve, first)
-    converged = (last.size <= 1.0) & (jnp.min(last.H) > 0)
+    converged = last.size <= 1.0
     return Solution(last.P, last.H, last.size, converged, last.newton, last.krylov)
 
 

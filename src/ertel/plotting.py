@@ -28,6 +28,7 @@ Values = NDArray[np.float64]
 BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#777777"
 FILM_COLOURS, PRESSURE_COLOURS = "YlGnBu_r", "YlOrRd"
 TIME_COLOURS = LinearSegmentedColormap.from_list("time", colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
+UNITS = {"a*": "$a^*$", "a*^2/R": "$a^{*2}/R$", "p_h*": "$p_h^*$", "t0": "$t_0$", "F*": "$F^*$"}
 MARGIN = 1.3  # of what is shown round the contact
 
 
@@ -52,8 +53,8 @@ def scale(dataset: xr.Dataset, name: str, largest: float) -> Scale:
     """The scale of a variable: SI with the prefix that fits `largest` (dimensionless), or the dimensionless units."""
     attributes = dataset[name].attrs
     if "si_factor" not in attributes:
-        unit = attributes.get("in_units_of", "").replace("^2", "²")
-        return Scale(1.0, _mathtext(attributes["symbol"]), unit, attributes["long_name"])
+        unit = attributes.get("in_units_of", "")
+        return Scale(1.0, _mathtext(attributes["symbol"]), UNITS.get(unit, unit), attributes["long_name"])
     power = exponent(abs(largest) * attributes["si_factor"])
     unit = PREFIXES[power] + attributes["si_units"]
     factor = attributes["si_factor"] / 10**power
@@ -128,7 +129,7 @@ def draw_film_map(axes: Axes, dataset: xr.Dataset) -> None:
     x, H = map_of(dataset, "H", p.maximum)
     top = 1.5 * _largest_inside(p, p.H[p.maximum])
     z = scale(dataset, "H", top / 2)
-    levels = np.asarray(MaxNLocator(14).tick_values(0.0, top * z.factor))
+    levels = np.asarray(MaxNLocator(10).tick_values(0.0, top * z.factor))
     _draw_map(axes, dataset, p, x, H, z, levels, FILM_COLOURS)
     step = levels[1] - levels[0]
     axes.set_title(f"Film thickness, a line every {step:.3g} {z.unit}")
@@ -153,7 +154,7 @@ def _draw_map(
     along, shown = x[inside] * across.factor, values[np.ix_(inside, inside)] * z.factor
     limits = Normalize(0.0, levels[-1])
     image = axes.pcolormesh(along, along, shown, cmap=colours, norm=limits, shading="gouraud", rasterized=True)
-    axes.contour(along, along, shown, levels=levels[1:], colors="black", linewidths=0.5, alpha=0.5)
+    axes.contour(along, along, shown, levels=levels[1:], colors="black", linewidths=0.4, alpha=0.6)
     x_name, y_name = ("$x$", "$y$") if _is_physical(dataset) else ("$X$", "$Y$")
     axes.set(xlabel=f"{x_name} ({across.unit})", ylabel=f"{y_name} ({across.unit})", aspect="equal")
     extend = "max" if shown.max() > levels[-1] else "neither"
@@ -167,7 +168,7 @@ def draw_film_profiles(axes: Axes, dataset: xr.Dataset) -> None:
     z = scale(dataset, "H", top / 2)
     _draw_profiles(axes, dataset, p, p.H * z.factor)
     axes.set(ylim=(0.0, top * z.factor), ylabel=z.label)
-    axes.legend(loc="lower center", frameon=False, ncols=2, fontsize="small")
+    axes.legend(loc="lower center", frameon=False, fontsize="small")
 
 
 def draw_pressure_profiles(axes: Axes, dataset: xr.Dataset) -> None:
@@ -216,8 +217,9 @@ def draw_film_history(axes: Axes, dataset: xr.Dataset) -> None:
     z = scale(dataset, "H_c", float(dataset["H_c"].min()))
     lines = {"H_c": (_named(dataset, "H_c"), BLUE, "-"), "H_min": (_named(dataset, "H_min"), ORANGE, "-")}
     _draw_series(axes, dataset, lines, z.factor)
-    low = float(dataset["H_min"].min()) * z.factor
-    axes.set(yscale="log", ylabel=f"film thickness ({z.unit})", ylim=(0.6 * low, None))
+    H_min = dataset["H_min"].values * z.factor
+    low = 0.6 * float(H_min[H_min > 0].min(initial=H_min.max()))  # a film may vanish on a coarse grid
+    axes.set(yscale="log", ylabel=f"film thickness ({z.unit})", ylim=(low, None))
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())

@@ -33,7 +33,7 @@ Floats = NDArray[np.float64]
 EDGE = 1.0  # largest radius of the dry contact: the grid is finest here, where the film is thinnest
 WIDENING_INSIDE = 1.5  # the spacing at distance d from the edge is 1 + widening * d times that at the edge
 WIDENING_OUTSIDE = 8.0
-LOADED = 1.2  # radius of the zone in which the film's time error counts
+SMALLEST_HALF_WIDTH = 1.2  # the contact grows to radius 1 and needs an inlet
 FEWEST_NODES = 17
 NEWTON_LIMIT = 15
 LARGEST_CHANGE = 0.3  # of P in one Newton iteration
@@ -118,7 +118,8 @@ def elastic_kernel(r: Floats) -> Floats:
     """Matrix (n, n) of the deformation (2/pi^2) double integral of P/distance, for P linear between the nodes r.
 
     Such a pressure is a heap of discs, so its deformation is - integral of dP/db disc(r, b) db, and each interval
-    counts by the mean of disc(r, .) over it.  Gauss points crowd towards the ends, where (b - r) log|b - r| starts or stops.
+    counts by the mean of disc(r, .) over it.  Gauss points crowd towards the ends, where (b - r) log|b - r| starts
+    or stops.
     """
     x, w = np.polynomial.legendre.leggauss(8)
     x, w = (x + 1) / 2, w / 2
@@ -245,18 +246,19 @@ class RadialImpact:
         F = self.load(level.P) / HERTZ_LOAD
         return {"F": F, "P_c": float(P[0]), "P_max": float(P.max()), "H_c": float(H[0]), "H_min": H_min, "X_min": X_min}
 
-    def film_error(self, H: Array, H_predicted: Array) -> float:
-        """Largest relative difference from the prediction in the loaded zone: every film counts, however thin."""
-        loaded = self.coordinates["r"] <= LOADED
-        return float(np.max(np.abs(1 - np.asarray(H_predicted) / np.asarray(H))[loaded]))
+    def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
+        """Relative difference of two films, root mean square over the load that P carries."""
+        pressed = np.asarray(self.mesh.volume) * np.asarray(P)
+        difference = 1 - np.asarray(H_predicted) / np.asarray(H)
+        return float(np.sqrt(pressed @ difference**2 / max(pressed.sum(), np.finfo(float).tiny)))
 
 
 def check_grid(nodes: int, half_width: float) -> None:
     """Raise ValueError for a grid on which an impact cannot be computed."""
     if nodes < FEWEST_NODES:
         raise ValueError(f"solver.nodes = {nodes}: must be at least {FEWEST_NODES}")
-    if not LOADED <= half_width < np.inf:
-        raise ValueError(f"solver.half_width = {half_width}: must be at least {LOADED}, the contact grows to radius 1")
+    if not SMALLEST_HALF_WIDTH <= half_width < np.inf:
+        raise ValueError(f"solver.half_width = {half_width}: must be at least {SMALLEST_HALF_WIDTH}, and finite")
 
 
 def predicted_pressure(levels: Sequence[Level], T: float) -> Array:

@@ -211,7 +211,7 @@ def _error(case: Case, method: Method, levels: Sequence[Level], new: Level) -> f
         for name in ("approach", "velocity", "H")
     )
     difference = max(abs(new.approach - approach), abs(new.velocity - velocity), method.film_error(new.H, H, new.P))
-    return bdf.error_factor([new.T, *times]) * difference / case.time.tolerance
+    return float(bdf.error_factor([new.T, *times]) * difference / case.time.tolerance)
 
 
 def _accept(

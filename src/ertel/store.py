@@ -61,7 +61,7 @@ class RunStore:
         self._written = dict.fromkeys(NAMES, 0)
         self._records: list[Mapping[str, float]] = []
         self._frames: list[Frame] = []
-        self._state: State | None = None
+        self._state: State | None = None  # the last one taken and not yet written
 
     @classmethod
     def create(cls, directory: Path, case: Case, coordinates: Mapping[str, Any]) -> "RunStore":
@@ -110,12 +110,13 @@ class RunStore:
 
     def flush(self) -> None:
         """Write the steps taken since the last flush, then the checkpoint."""
+        if self._state is None:
+            return
         self._extend("time", dataset.columns(self._records) if self._records else {})
         self._extend("frame", dataset.maps(self._frames) if self._frames else {})
         _commit(self.directory / DATA)
-        if self._state:
-            self._write_checkpoint(self._state)
-        self._records, self._frames = [], []
+        self._write_checkpoint(self._state)
+        self._records, self._frames, self._state = [], [], None
         self._flushed = time.monotonic()
 
     def _extend(self, dimension: str, arrays: Mapping[str, Any]) -> None:

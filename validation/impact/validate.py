@@ -1,0 +1,146 @@
+"""Validate the impact: work against grid and load, orders of convergence, reference numbers.  Writes work.md, orders.md and reference.md here.
+
+    python validation/impact/validate.py [work] [orders] [reference]     (all three: about 45 minutes on two cores)
+
+The reference numbers are read from ../shared/reference/impact.json beside the checkout (or from ERTEL_REFERENCE).
+"""
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ertel import compiling
+from ertel.case import Case
+from ertel.config import parse_case
+from ertel.simulate import Result, simulate
+
+HERE = Path(__file__).parent
+REFERENCE = Path(os.environ.get("ERTEL_REFERENCE", HERE.parents[2] / "shared" / "reference")) / "impact.json"
+QUANTITIES = ("T", "Delta", "F", "P_c", "H_c", "H_min")
+ACCURACY = {"T": 0.0025, "Delta": 0.001, "F": 0.001, "P_c": 0.002, "H_c": 0.003, "H_min": 0.03}  # stated there
+
+
+def case(contact: dict[str, Any], nodes: int, oil: dict[str, Any] | None = None, **options: Any) -> Case:
+    until, step = options.pop("until", "max-approach"), options.pop("step", None)
+    time = {"until": until, "tolerance": options.pop("time_tolerance", 1e-4)} | ({"step": step} if step else {})
+    solver = {"nodes": nodes, **options}
+    return parse_case({"contact": {"kind": "impact", **contact}, "lubricant": oil or {}, "solver": solver, "time": time})
+
+
+def table(head: list[str], rows: list[list[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+
+
+def work() -> str:
+    """Iterations over whole impacts, approach to rebound."""
+    rows = []
+    for M, grids in ((200, (65, 129, 257, 513)), (1000, (65, 129, 257, 513)), (10000, (65, 129, 257, 513))):
+        for nodes in grids:
+            result = simulate(case({"M": M, "L": 10}, nodes, until="rebound"))
+            data, s = result.dataset, result.summary
+            per_solve = data.krylov_iterations / data.newton_iterations
+            before = data.time < s["max_approach"]["T"]
+            split = [float(per_solve[part].mean()) for part in (before, ~before)]
+            rows.append(
+                [f"{M}", f"{nodes}²", f"{s['steps']}", f"{s['newton_iterations'] / s['steps']:.2f}"]
+                + [f"{v:.2f}" for v in (*split, float(per_solve.max()))]
+                + [f"{s['convolutions'] / s['steps']:.1f}", f"{s['restitution']:.4f}", f"{float(data.H_min.min()):.2g}"]
+            )
+            print(rows[-1], flush=True)
+    head = ["M", "grid", "steps", "Newton a step", "Krylov a solve, to maximum", "after", "largest"]
+    head += ["convolutions a step", "restitution", "least film"]
+    return "## Work: Krylov iterations per reduction by 100, L = 10, approach to rebound\n\n" + table(head, rows)
+
+
+def orders() -> str:
+    """Observed orders in space and time at maximum approach."""
+    text = "## Orders of convergence, M = 20, L = 5, at maximum approach\n\n"
+    grids, steps = (33, 65, 129, 257), (0.04, 0.02, 0.01, 0.005)
+    runs = {
+        "space (nodes " + ", ".join(map(str, grids)) + ")": [
+            simulate(case({"M": 20, "L": 5}, n, time_tolerance=1e-5)) for n in grids
+        ],
+        "time (steps " + ", ".join(map(str, steps)) + ")": [
+            simulate(case({"M": 20, "L": 5}, 65, step=step, tolerance=1e-9)) for step in steps
+        ],
+    }
+    rows = []
+    for name, results in runs.items():
+        for quantity in ("Delta", "F", "H_c"):
+            rows.append([name, quantity, *observed([r.summary["max_approach"][quantity] for r in results])])
+        rows.append([name, "H in the mean over |X|, |Y| < 1", *observed([inner_film(r) for r in results])])
+    print(rows, flush=True)
+    return text + table(["refined in", "of", "order, coarse", "order, fine"], rows)
+
+
+def inner_film(result: Result) -> Any:
+    """The film at maximum approach on the nodes of the 33 x 33 grid within |X|, |Y| <= 1."""
+    H = result.dataset.H.isel(frame=-1).values
+    step = (H.shape[0] - 1) // 32
+    return H[::step, ::step][8:25, 8:25]
+
+
+def observed(values: list[Any]) -> list[str]:
+    changes = [np.sqrt(np.mean(np.square(np.subtract(b, a)))) for a, b in zip(values, values[1:], strict=False)]
+    return [f"{order:.2f}" for order in np.log2(np.divide(changes[:-1], changes[1:]))]
+
+
+def reference() -> str:
+    """Every case of the reference, by the 2-D method (M <= 1000) and by the radial twin, on two grids each."""
+    text = "## Reference numbers\n\n"
+    text += "Deviation from `reference/impact.json` of the value extrapolated from two grids, the change that the\n"
+    text += "extrapolation makes to the finer one (its discretisation error), and the reference's own accuracy.\n"
+    for stated in json.loads(REFERENCE.read_text())["cases"]:
+        contact, oil = translate(stated)
+        text += f"\n### {stated['fluid']}, " + ", ".join(f"{k} = {v}" for k, v in contact.items()) + "\n\n"
+        rows = []
+        methods = [("radial", (601, 1201), {"half_width": 3.5})]
+        if stated["M"] <= 1000:
+            methods.append(("2d", (257, 513), {"half_width": 3.5 if stated["M"] < 500 else 2.0}))
+        for method, grids, options in methods:
+            coarse, fine = (
+                simulate(
+                    case(contact, n, oil, method=method, time_tolerance=2e-5, until="rebound" if n < 602 and method == "radial" else "max-approach", **options)
+                ).summary
+                for n in grids
+            )
+            for q in QUANTITIES:
+                a, b = coarse["max_approach"][q], fine["max_approach"][q]
+                best, ref = b + (b - a) / 3, stated.get({"T": "T_max", "Delta": "Delta_max", "F": "F_max"}.get(q, q))
+                if ref:
+                    row = [f"{best:.5g}", f"{ref}", f"{best / ref - 1:+.2%}", f"{(b - a) / 3 / ref:+.2%}", f"{ACCURACY[q]:.2%}"]
+                    rows.append([f"{method} {grids[0]}, {grids[1]}", q, *row])
+            if coarse["restitution"] and "restitution" in stated:
+                values = coarse["restitution"], stated["restitution"]
+                rows.append([f"{method} {grids[0]}", "restitution", f"{values[0]:.4f}", f"{values[1]}", f"{values[0] - values[1]:+.4f}", "", "0.001"])
+        for row in rows:
+            print(row, flush=True)
+        text += table(["method, nodes", "of", "ertel", "reference", "deviation", "discretisation", "accuracy"], rows)
+    return text
+
+
+def translate(stated: dict[str, Any]) -> tuple[dict[str, float], dict[str, str]]:
+    """A reference case's contact and lubricant as ertel's input."""
+    fluid = stated["fluid"]
+    if fluid.startswith("isoviscous"):
+        return {"lambda_bar": 16 / (15 * stated["St"])}, {"viscosity": "isoviscous", "density": "incompressible"}
+    oil = {"viscosity": "barus", "density": "incompressible"} if fluid.startswith("barus") else {}
+    return {"M": stated["M"], "L": stated["L"]}, oil
+
+
+PARTS = {"work": work, "orders": orders, "reference": reference}
+
+
+def main() -> None:
+    compiling.keep_on_disk()
+    for name in sys.argv[1:] or PARTS:
+        (HERE / f"{name}.md").write_text(PARTS[name]())
+
+
+if __name__ == "__main__":
+    main()
