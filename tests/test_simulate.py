@@ -7,6 +7,7 @@ from typing import ClassVar
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import xarray as xr
 from cases import impact
 from jax.tree_util import register_dataclass
 
@@ -166,14 +167,16 @@ def test_warnings_speak_where_they_should() -> None:
     assert any("the film vanishes" in w for w in thin.summary["warnings"])
     near = simulate(impact(200, 10, 33, time={"start_approach": -0.2, "until": 1.0}))
     assert any("initial gap" in w for w in near.summary["warnings"])
-    small = simulate(impact(20, 5, 33, solver={"half_width": 1.2}, time={"until": 1.8}))
-    assert any("outermost tenth" in w for w in small.summary["warnings"])
-    good = simulate(impact(20, 5, 65, solver={"half_width": 3.0}, time={"start_approach": -2.0}))
+    small = simulate(impact(20, 5, 33, time={"until": 1.8}))
+    assert any("outside the domain" in w for w in small.summary["warnings"])
+    good = simulate(impact(1000, 10, 129, solver={"method": "radial", "nodes": 601}))
     assert good.summary["warnings"] == []
 
 
-def test_the_edge_load_of_a_known_field() -> None:
-    data = simulate(impact(20, 5, 33, time={"until": 0.3})).dataset
-    uniform = data.assign(P=data.P * 0 + 1.0)
-    inside = np.sum(np.abs(data.X.values) <= 1.8) ** 2
-    assert analysis.edge_load(uniform) == pytest.approx(1 - inside / 33**2)
+@pytest.mark.parametrize("w", [2.0, 4.0])
+def test_the_load_outside_of_a_known_field(w: float) -> None:
+    """P = c r^-4 carries pi c/w^2 beyond w."""
+    x = np.linspace(-w, w, 65)
+    P = 0.01 / (x[None, :] ** 2 + x[:, None] ** 2 + 1e-12) ** 2
+    data = xr.Dataset({"P": (("frame", "Y", "X"), P[None])}, {"X": x, "Y": x})
+    assert float(analysis.missing_load(data)[0]) == pytest.approx(np.pi * 0.01 / w**2 / (2 * np.pi / 3), rel=1e-6)

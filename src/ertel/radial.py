@@ -121,7 +121,7 @@ def elastic_kernel(r: Floats) -> Floats:
     counts by the mean of disc(r, .) over it.  Gauss points crowd towards the ends, where (b - r) log|b - r| starts
     or stops.
     """
-    x, w = np.polynomial.legendre.leggauss(8)
+    x, w = np.polynomial.legendre.leggauss(12)
     x, w = (x + 1) / 2, w / 2
     share, weight = x**2 * (3 - 2 * x), 6 * x * (1 - x) * w
     b = r[:-1, None] + np.diff(r)[:, None] * share
@@ -153,8 +153,11 @@ def residual(eq: Equations, P: Array, H: Array) -> Array:
 
 
 def free(P: Array, r: Array) -> Array:
-    """Where the equation holds; elsewhere P is held at zero: on the outer node, and where the film parts."""
-    return ((P > 0.0) | (r < 0.0)).at[-1].set(False)
+    """Where the equation holds; elsewhere P is held at zero: on the outer node, and where the film parts.
+
+    A residual that is not a number holds nothing: it stays in sight.
+    """
+    return ((P > 0.0) | ~(r >= 0.0)).at[-1].set(False)
 
 
 def newton_change(eq: Equations, P: Array, H: Array) -> Array:

@@ -239,7 +239,7 @@ def _accept(
         **{name: float(getattr(spent, name)) for name in Counts.__dataclass_fields__ if name != "steps"},
     }
     frames.sort(key=lambda frame: frame.T)
-    return Step(State(levels, following, counts, next_frame, reached), record, tuple(frames), status)
+    return Step(State(levels, following, counts, next_frame, reached), record, tuple(sorted(frames, key=lambda frame: frame.T)), status)
 
 
 def _ended(case: Case, level: Level, F: float, reached: Mapping[str, float] | None) -> bool:

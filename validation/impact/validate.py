@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ertel import compiling
+from ertel.analysis import at_max_approach
 from ertel.case import Case
 from ertel.config import parse_case
 from ertel.simulate import Result, simulate
@@ -80,7 +81,7 @@ def orders() -> str:
 
 def inner_film(result: Result) -> Any:
     """The film at maximum approach on the nodes of the 33 x 33 grid within |X|, |Y| <= 1."""
-    H = result.dataset.H.isel(frame=-1).values
+    H = at_max_approach(result.dataset).H.values
     step = (H.shape[0] - 1) // 32
     return H[::step, ::step][8:25, 8:25]
 
