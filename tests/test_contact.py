@@ -1,3 +1,5 @@
+import itertools
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -41,7 +43,7 @@ def test_the_residual_is_second_order(entrainment: float, oil: Lubricant) -> Non
         r = contact.residual(c, jnp.asarray(P), jnp.asarray(H), Rate(3.0, -0.5), entrainment)
         step = (nodes - 1) // 64
         values.append(np.asarray(r)[4 * step : -4 * step : step, 4 * step : -4 * step : step])
-    differences = [np.sqrt(np.mean((b - a) ** 2)) for a, b in zip(values, values[1:], strict=False)]
+    differences = [np.sqrt(np.mean((b - a) ** 2)) for a, b in itertools.pairwise(values)]
     orders = np.log2(np.divide(differences[:-1], differences[1:]))
     assert np.all(np.abs(orders - 2) < 0.25), orders
 
@@ -52,7 +54,9 @@ def test_the_residual_of_a_known_flow() -> None:
     x, y = grid.x[None, :], grid.y[:, None]
     c = contact.ball_on_plane(grid, 0.25, PLAIN)
     r = contact.residual(c, jnp.asarray(x**2 * (1 + y)), jnp.ones((33, 33)), Rate(0.0, 0.0), 0.0)
-    np.testing.assert_allclose(np.asarray(r)[1:-1, 1:-1], np.broadcast_to(-8 * (1 + y), (33, 33))[1:-1, 1:-1], rtol=1e-10)
+    np.testing.assert_allclose(
+        np.asarray(r)[1:-1, 1:-1], np.broadcast_to(-8 * (1 + y), (33, 33))[1:-1, 1:-1], rtol=1e-10
+    )
 
 
 @settings(max_examples=20, deadline=None)

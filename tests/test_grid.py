@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -17,7 +19,7 @@ def test_a_square_grid_is_symmetric_to_the_last_bit(half: int, half_width: float
 @given(st.integers(4, 16), st.integers(0, 6))
 def test_coarser_grids_share_every_second_node(c: int, k: int) -> None:
     grids = Grid.square(c * 2**k + 1, 2.0).hierarchy()
-    for fine, coarse in zip(grids, grids[1:], strict=False):
+    for fine, coarse in itertools.pairwise(grids):
         np.testing.assert_allclose(coarse.x, fine.x[::2], rtol=0, atol=1e-15)
     assert SMALLEST_COARSEST <= grids[-1].nodes <= LARGEST_COARSEST
 

@@ -1,5 +1,6 @@
 """One impact in two dimensions: conservation, symmetry, limits, order, work."""
 
+import itertools
 from functools import cache
 
 import jax.numpy as jnp
@@ -95,7 +96,7 @@ def test_newtons_law_is_kept_by_the_discrete_motion() -> None:
 
 def orders(values: list[np.ndarray | float]) -> np.ndarray:
     """Observed orders from solutions on successive grids (or steps), each twice as fine."""
-    changes = [np.sqrt(np.mean(np.square(np.subtract(b, a)))) for a, b in zip(values, values[1:], strict=False)]
+    changes = [np.sqrt(np.mean(np.square(np.subtract(b, a)))) for a, b in itertools.pairwise(values)]
     return np.log2(np.divide(changes[:-1], changes[1:]))
 
 

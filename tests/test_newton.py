@@ -1,3 +1,5 @@
+import itertools
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -31,7 +33,7 @@ def test_gcr_stops_at_its_limit_and_never_makes_it_worse() -> None:
         return (A @ v.ravel()).reshape(6, 6)
 
     sizes = [float(jnp.linalg.norm(b - apply(newton.gcr(apply, identity, b, 1e-12, k)[0]))) for k in range(1, 7)]
-    assert all(later <= earlier for earlier, later in zip(sizes, sizes[1:], strict=False))
+    assert all(later <= earlier for earlier, later in itertools.pairwise(sizes))
 
 
 def test_gcr_with_the_exact_inverse_takes_one_iteration() -> None:

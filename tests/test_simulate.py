@@ -1,5 +1,6 @@
 """The loop: events, maps, resuming, failure, and the user's own laws."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -157,7 +158,7 @@ def test_progress_goes_from_nothing_to_all() -> None:
         shares = [progress_fraction(case, step.record) for step in transient(case)]
         assert 0 <= shares[0] < 0.05
         assert shares[-1] > 0.75
-        assert all(a <= b for a, b in zip(shares, shares[1:], strict=False))
+        assert all(a <= b for a, b in itertools.pairwise(shares))
 
 
 def test_warnings_speak_where_they_should() -> None:

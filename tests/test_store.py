@@ -123,6 +123,17 @@ def test_resumed_equals_uninterrupted(tmp_path, case, method, uninterrupted, ste
     assert summary["newton_iterations"] == uninterrupted.summary["newton_iterations"]
 
 
+def test_resumed_equals_uninterrupted_for_the_radial_method(tmp_path):
+    case = parse_case({**CASE, "solver": {"method": "radial", "nodes": 49}})
+    method = method_of(case)
+    run = RunStore.create(tmp_path / "run", case, method.coordinates)
+    store.run(run, stop_after(9), method)
+    again = RunStore.open(tmp_path / "run")
+    store.run(again, go_on)
+    assert again.dataset()["H"].dims == ("frame", "r")
+    xr.testing.assert_identical(physics(again.dataset()), physics(simulate(case).dataset))
+
+
 def test_resumed_many_times(tmp_path, case, method, uninterrupted):
     RunStore.create(tmp_path / "run", case, method.coordinates)
     for _ in range(100):

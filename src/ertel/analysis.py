@@ -99,8 +99,8 @@ def _domain_warning(data: xr.Dataset) -> str:
 def missing_load(data: xr.Dataset) -> xr.DataArray:
     """Load that the oil outside the domain would carry, in units of the dry maximum load, at each map.
 
-    Far out the gap is r^2/2 and squeezed oil carries P ~ r^-4.  From P half way to the edge at w, where the edge's P = 0 is
-    hardly felt, the rest is the integral of 2 pi r P beyond w: pi P(w/2) (w/2)^4 / w^2.
+    Far out the gap is r^2/2 and squeezed oil carries P ~ r^-4.  From P half way to the edge at w, where the
+    edge's P = 0 is hardly felt, the rest is the integral of 2 pi r P beyond w: pi P(w/2) (w/2)^4 / w^2.
     """
     along = data["P"].isel(Y=data.sizes["Y"] // 2) if "Y" in data.dims else data["P"]
     axis = "X" if "X" in data.dims else "r"

@@ -37,7 +37,8 @@ def error_factor(times: Sequence[float]) -> float:
     """Local error of BDF2 as a share of (solution - prediction).
 
     times are the new time and the three before it; the prediction is the parabola through those three.  With h1, h0, hm
-    the last three steps the prediction misses y by (y'''/6) h1 (h1+h0)(h1+h0+hm), BDF2 by (y'''/6) h1^2 (h1+h0)^2/(2 h1+h0).
+    the last three steps the prediction misses y by (y'''/6) h1 (h1+h0)(h1+h0+hm), and BDF2 by
+    (y'''/6) h1^2 (h1+h0)^2/(2 h1+h0), to the other side.
     """
     t, t0, t1, t2 = times
     bdf2 = (t - t0) ** 2 * (t - t1) ** 2 / ((t - t0) + (t - t1))
@@ -55,7 +56,7 @@ class StepControl:
 
     def next_step(self, step: float, error: float) -> float:
         """Step that brings a third-order local error to the tolerance, within the growth that BDF2 stands."""
-        factor = self.safety * max(error, 1e-12) ** (-1.0 / 3.0)
+        factor: float = self.safety * max(error, 1e-12) ** (-1.0 / 3.0)
         return step * min(max(factor, self.largest_cut), self.largest_growth)
 
     def accepts(self, error: float) -> bool:

@@ -33,7 +33,8 @@ class Time:
     """Time in units t0.
 
     start_approach: Delta at T = 0, negative = apart, in units delta*.  until: an event, or a time in t0.
-    tolerance: local error allowed a step, relative (the default leaves about 0.1 % in H_c); step: a fixed step instead (no error control).
+    tolerance: local error allowed a step, relative (the default leaves about 0.1 % in H_c).
+    step: a fixed step instead, without error control.
     """
 
     start_approach: float = -1.0

@@ -2,7 +2,6 @@
 
 import os
 from pathlib import Path
-from typing import Any
 
 import jax
 
@@ -10,7 +9,7 @@ _EVENT = "/jax/core/compile/backend_compile_duration"
 _count = 0
 
 
-def _listen(event: str, duration: float, **_: Any) -> None:
+def _listen(event: str, duration_secs: float, **_: str | int) -> None:
     global _count
     _count += event == _EVENT
 
@@ -25,7 +24,7 @@ def count() -> int:
 
 def keep_on_disk() -> None:
     """Use a persistent compilation cache, unless the user has chosen one (JAX_COMPILATION_CACHE_DIR) or none."""
-    if jax.config.jax_compilation_cache_dir is None and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
+    if jax.config.read("jax_compilation_cache_dir") is None and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
         jax.config.update("jax_compilation_cache_dir", str(base / "ertel" / "jax"))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)

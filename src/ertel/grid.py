@@ -38,7 +38,8 @@ class Grid:
 
     def _axis(self, centre: float) -> NDArray[np.float64]:
         # counted from the middle, so that a symmetric grid is symmetric to the last bit
-        return centre + (np.arange(self.nodes) - (self.nodes - 1) / 2) * self.spacing
+        offsets = np.arange(self.nodes, dtype=np.float64) - (self.nodes - 1) / 2
+        return np.asarray(centre + offsets * self.spacing, dtype=np.float64)
 
     def coarser(self) -> "Grid":
         """Every second node of this grid."""
@@ -57,8 +58,8 @@ def check_nodes(nodes: int) -> None:
     if nodes < SMALLEST_COARSEST or nodes % 2 == 0 or Grid(nodes, 1.0).hierarchy()[-1].nodes > LARGEST_COARSEST:
         below, above = _neighbours(nodes)
         raise ValueError(
-            f"nodes = {nodes}: must be 2^k c + 1 with a coarsest grid of {SMALLEST_COARSEST} to {LARGEST_COARSEST} nodes "
-            f"a side, so that multigrid can coarsen it; the nearest are {below} and {above}"
+            f"nodes = {nodes}: must be 2^k c + 1 with a coarsest grid of {SMALLEST_COARSEST} to {LARGEST_COARSEST} "
+            f"nodes a side, so that multigrid can coarsen it; the nearest are {below} and {above}"
         )
 
 

@@ -1,7 +1,7 @@
 """Elastic deformation of a half space: pressure in, normal displacement out.  The only room with Fourier transforms.
 
-The pressure is constant on the cell around each node and vanishes on the edge nodes of the grid.  Love's closed form gives
-the displacement of one cell, a convolution by FFT sums over all.  Because the edge carries nothing, a circular
+The pressure is constant on the cell around each node and vanishes on the edge nodes of the grid.  Love's closed form
+gives the displacement of one cell, a convolution by FFT sums over all.  Because the edge carries nothing, a circular
 length of 2 (nodes - 1) is enough to keep the periodic images apart, and that length stays a fast one.
 """
 
@@ -21,7 +21,8 @@ jax.config.update("jax_enable_x64", True)  # EHL needs double precision: H is a 
 def love_coefficients(nodes: int, spacing: float) -> NDArray[np.float64]:
     """Displacement at a node i, j cells away from a cell under unit pressure: (2/pi^2) integral of 1/distance.
 
-    Shape (nodes, nodes), dimensionless as in eq. (3); K[0, 0] is the cell's own.  Love AEH, Phil Trans R Soc A 1929;228:377.
+    Shape (nodes, nodes), dimensionless as in eq. (3); K[0, 0] is the cell's own.
+    Love AEH, Phil Trans R Soc A 1929;228:377.
     """
     # differences of large numbers far from the cell: extended precision keeps them exact to double
     corner = np.abs(np.arange(nodes + 1, dtype=np.longdouble) - 0.5) * np.sign(np.arange(nodes + 1) - 0.5)

@@ -1,8 +1,8 @@
 """The oil: how viscosity and density change with pressure.
 
 Every law is a small immutable object.  `viscosity(P)` gives eta/eta0 and `density(P)` gives rho/rho0 at the
-dimensionless pressure P = p/p_h.  Anything with such a method can take its place: a user's own law needs no
-derivative, the solver differentiates it.
+dimensionless pressure P = p/p_h.  Any frozen dataclass with such a method can take its place, once it is registered with
+`jax.tree_util.register_dataclass` like those below: a user's own law needs no derivative, the solver differentiates it.
 """
 
 from dataclasses import dataclass
@@ -53,7 +53,9 @@ class Barus:
     """eta/eta0 = exp(alpha_bar P), alpha_bar = alpha p_h (dimensionless)."""
 
     alpha_bar: float
-    reference: ClassVar[str] = "Barus C. Isothermals, isopiestics and isometrics relative to viscosity. Am J Sci 1893;45:87-96"
+    reference: ClassVar[str] = (
+        "Barus C. Isothermals, isopiestics and isometrics relative to viscosity. Am J Sci 1893;45:87-96"
+    )
 
     def viscosity(self, P: Array) -> Array:
         return jnp.exp(self.alpha_bar * P)
@@ -71,7 +73,8 @@ class Roelands:
     z: float
     p_ratio: float
     reference: ClassVar[str] = (
-        "Roelands CWA. Correlational aspects of the viscosity-temperature-pressure relationship of lubricating oils. PhD thesis, TH Delft; 1966"
+        "Roelands CWA. Correlational aspects of the viscosity-temperature-pressure relationship of lubricating oils. "
+        "PhD thesis, TH Delft; 1966"
     )
 
     def viscosity(self, P: Array) -> Array:

@@ -5,8 +5,8 @@ On every grid the operator is
     e  ->  - div(eps grad e) + stretch * (K e) + local * e        (zero where a node is not free)
 
 with eps from almost nothing (inside a contact, where the elastic deformation K e rules) to very large (outside, where
-diffusion rules).  Each node is smoothed by what is stiff there: Jacobi where diffusion is, and where the deformation is,
-distributive Jacobi: a change is spread as (1; -1/4 to the four neighbours), whose deformation is short-ranged.
+diffusion rules).  Each node is smoothed by what is stiff there: Jacobi where diffusion is, and where the deformation
+is, distributive Jacobi: a change is spread as (1; -1/4 to the four neighbours), whose deformation is short-ranged.
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
 
@@ -84,7 +84,9 @@ def _level(elastic: Elasticity, c: Coefficients) -> Level:
     by_jacobi = diffusion > STIFFNESS_SWITCH * c.stretch * elastic.own
     jacobi = JACOBI_DAMPING / (diffusion + c.stretch * elastic.own + c.local)
     distributive = DISTRIBUTIVE_DAMPING / (1.25 * diffusion + c.stretch * (elastic.own - elastic.neighbour) + c.local)
-    return Level(elastic, c, jnp.where(by_jacobi, jacobi, 0.0) * c.free, jnp.where(by_jacobi, 0.0, distributive) * c.free)
+    return Level(
+        elastic, c, jnp.where(by_jacobi, jacobi, 0.0) * c.free, jnp.where(by_jacobi, 0.0, distributive) * c.free
+    )
 
 
 def apply(level: Level, e: Array) -> Array:

@@ -2,9 +2,9 @@
 
     r(P, H) = 0 where P > 0,   r(P, H) >= 0 where P = 0,   H = H(P) affine
 
-The Jacobian is exact (automatic differentiation of r); the affine part is given as its own linear map, because it is the
-expensive one (in elastohydrodynamics a convolution): each Newton iteration needs it once, each Krylov iteration once more
-besides what the preconditioner does.
+The Jacobian is exact (automatic differentiation of r); the affine part is given as its own linear map, because it is
+the expensive one (in elastohydrodynamics a convolution): each Newton iteration needs it once, each Krylov iteration
+once more besides what the preconditioner does.
 """
 
 from collections.abc import Callable
@@ -37,6 +37,9 @@ class Solution(NamedTuple):
     converged: Array
     newton: Array
     krylov: Array
+
+
+_Search = tuple[Array, Array, Array, Array, Array]  # x, r, z and apply(z) of the iterations so far, their number
 
 
 class _Iterate(NamedTuple):
@@ -91,9 +94,7 @@ def solve(
         P_held = jnp.maximum(P_new, 0.0)
         # holding P at zero moves H too; where nothing was held the correction is free of charge
         H_new = it.H + share * dH
-        H_new = jax.lax.cond(
-            jnp.any(P_new < 0.0), lambda: H_new + partner_change(P_held - P_new), lambda: H_new
-        )
+        H_new = jax.lax.cond(jnp.any(P_new < 0.0), lambda: H_new + partner_change(P_held - P_new), lambda: H_new)
         return _Iterate(P_held, H_new, size(P_held, H_new), it.newton + 1, it.krylov + krylov)
 
     zero = jnp.zeros((), jnp.int32)
@@ -105,12 +106,10 @@ def solve(
 
 def _free(P: Array, r: Array) -> Array:
     """1 where the equation holds, 0 where P is held at zero."""
-    return jnp.where((P > 0.0) | (r < 0.0), 1.0, 0.0)
+    return jnp.where((P > 0.0) | ~(r >= 0.0), 1.0, 0.0)  # free too where r is not a number, so that it shows
 
 
-def gcr(
-    apply: Map, precondition: Map, b: Array, reduction: float, limit: int
-) -> tuple[Array, Array]:
+def gcr(apply: Map, precondition: Map, b: Array, reduction: float, limit: int) -> tuple[Array, Array]:
     """Solve apply(x) = b until |r| <= reduction |b|, at most `limit` iterations; returns x and their number.
 
     Generalised conjugate residuals (Eisenstat, Elman, Schultz, SIAM J Numer Anal 1983;20:345): the same iterates as
@@ -120,11 +119,11 @@ def gcr(
     zs = ws = jnp.zeros((limit, *b.shape), b.dtype)
     goal = reduction * jnp.linalg.norm(b)
 
-    def go_on(state: tuple[Array, ...]) -> Array:
+    def go_on(state: _Search) -> Array:
         _, r, _, _, k = state
         return (jnp.linalg.norm(r) > goal) & (k < limit)
 
-    def improve(state: tuple[Array, ...]) -> tuple[Array, ...]:
+    def improve(state: _Search) -> _Search:
         x, r, zs, ws, k = state
         z = precondition(r)
 

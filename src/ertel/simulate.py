@@ -6,7 +6,7 @@
 import time as clock
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -165,7 +165,7 @@ def progress_fraction(case: Case, record: Mapping[str, float]) -> float:
         return min(T / whole, 1.0)
     if until == "max-approach":
         return 1.0 if record["V"] <= 0 else min(T / half, 1.0) if T > touch else T / half
-    return min(T / cast(float, until), 1.0)
+    return min(T / until, 1.0)
 
 
 # -- one step -------------------------------------------------------------------------------------------------------
@@ -239,7 +239,12 @@ def _accept(
         **{name: float(getattr(spent, name)) for name in Counts.__dataclass_fields__ if name != "steps"},
     }
     frames.sort(key=lambda frame: frame.T)
-    return Step(State(levels, following, counts, next_frame, reached), record, tuple(sorted(frames, key=lambda frame: frame.T)), status)
+    return Step(
+        State(levels, following, counts, next_frame, reached),
+        record,
+        tuple(sorted(frames, key=lambda frame: frame.T)),
+        status,
+    )
 
 
 def _ended(case: Case, level: Level, F: float, reached: Mapping[str, float] | None) -> bool:

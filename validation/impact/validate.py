@@ -1,10 +1,11 @@
-"""Validate the impact: work against grid and load, orders of convergence, reference numbers.  Writes work.md, orders.md and reference.md here.
+"""Validate the impact: work, orders, reference numbers.  Writes work.md, orders.md, reference.md here.
 
     python validation/impact/validate.py [work] [orders] [reference]     (all three: about 45 minutes on two cores)
 
 The reference numbers are read from ../shared/reference/impact.json beside the checkout (or from ERTEL_REFERENCE).
 """
 
+import itertools
 import json
 import os
 import sys
@@ -29,7 +30,9 @@ def case(contact: dict[str, Any], nodes: int, oil: dict[str, Any] | None = None,
     until, step = options.pop("until", "max-approach"), options.pop("step", None)
     time = {"until": until, "tolerance": options.pop("time_tolerance", 1e-4)} | ({"step": step} if step else {})
     solver = {"nodes": nodes, **options}
-    return parse_case({"contact": {"kind": "impact", **contact}, "lubricant": oil or {}, "solver": solver, "time": time})
+    return parse_case(
+        {"contact": {"kind": "impact", **contact}, "lubricant": oil or {}, "solver": solver, "time": time}
+    )
 
 
 def table(head: list[str], rows: list[list[str]]) -> str:
@@ -87,7 +90,7 @@ def inner_film(result: Result) -> Any:
 
 
 def observed(values: list[Any]) -> list[str]:
-    changes = [np.sqrt(np.mean(np.square(np.subtract(b, a)))) for a, b in zip(values, values[1:], strict=False)]
+    changes = [np.sqrt(np.mean(np.square(np.subtract(b, a)))) for a, b in itertools.pairwise(values)]
     return [f"{order:.2f}" for order in np.log2(np.divide(changes[:-1], changes[1:]))]
 
 
@@ -106,7 +109,15 @@ def reference() -> str:
         for method, grids, options in methods:
             coarse, fine = (
                 simulate(
-                    case(contact, n, oil, method=method, time_tolerance=2e-5, until="rebound" if n < 602 and method == "radial" else "max-approach", **options)
+                    case(
+                        contact,
+                        n,
+                        oil,
+                        method=method,
+                        time_tolerance=2e-5,
+                        until="rebound" if n < 602 and method == "radial" else "max-approach",
+                        **options,
+                    )
                 ).summary
                 for n in grids
             )
@@ -114,11 +125,27 @@ def reference() -> str:
                 a, b = coarse["max_approach"][q], fine["max_approach"][q]
                 best, ref = b + (b - a) / 3, stated.get({"T": "T_max", "Delta": "Delta_max", "F": "F_max"}.get(q, q))
                 if ref:
-                    row = [f"{best:.5g}", f"{ref}", f"{best / ref - 1:+.2%}", f"{(b - a) / 3 / ref:+.2%}", f"{ACCURACY[q]:.2%}"]
+                    row = [
+                        f"{best:.5g}",
+                        f"{ref}",
+                        f"{best / ref - 1:+.2%}",
+                        f"{(b - a) / 3 / ref:+.2%}",
+                        f"{ACCURACY[q]:.2%}",
+                    ]
                     rows.append([f"{method} {grids[0]}, {grids[1]}", q, *row])
             if coarse["restitution"] and "restitution" in stated:
                 values = coarse["restitution"], stated["restitution"]
-                rows.append([f"{method} {grids[0]}", "restitution", f"{values[0]:.4f}", f"{values[1]}", f"{values[0] - values[1]:+.4f}", "", "0.001"])
+                rows.append(
+                    [
+                        f"{method} {grids[0]}",
+                        "restitution",
+                        f"{values[0]:.4f}",
+                        f"{values[1]}",
+                        f"{values[0] - values[1]:+.4f}",
+                        "",
+                        "0.001",
+                    ]
+                )
         for row in rows:
             print(row, flush=True)
         text += table(["method, nodes", "of", "ertel", "reference", "deviation", "discretisation", "accuracy"], rows)
