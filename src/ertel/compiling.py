@@ -24,7 +24,8 @@ def count() -> int:
 
 def keep_on_disk() -> None:
     """Use a persistent compilation cache, unless the user has chosen one (JAX_COMPILATION_CACHE_DIR) or none."""
-    if jax.config.read("jax_compilation_cache_dir") is None and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
+    chosen = getattr(jax.config, "jax_compilation_cache_dir", None)
+    if chosen is None and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
         jax.config.update("jax_compilation_cache_dir", str(base / "ertel" / "jax"))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)

@@ -24,7 +24,7 @@ from ertel.grid import Grid
 
 JACOBI_DAMPING = 0.8
 DISTRIBUTIVE_DAMPING = 0.7
-STIFFNESS_SWITCH = 0.3  # Jacobi where diffusion exceeds this share of the deformation's stiffness
+SHORT_WAVES, LONG_WAVES = 0.3, 0.03  # Jacobi where diffusion exceeds these shares of the deformation's stiffness
 
 
 @register_dataclass
@@ -81,7 +81,8 @@ def hierarchy(elastic: Sequence[Elasticity], finest: Coefficients) -> tuple[Leve
 
 def _level(elastic: Elasticity, c: Coefficients) -> Level:
     diffusion = _face_sum(c.eps) / elastic.spacing**2
-    by_jacobi = diffusion > STIFFNESS_SWITCH * c.stretch * elastic.own
+    # Jacobi amplifies long waves by their deformation, which is of order one on every grid, over the diffusion
+    by_jacobi = diffusion > (SHORT_WAVES * elastic.own + LONG_WAVES) * c.stretch
     jacobi = JACOBI_DAMPING / (diffusion + c.stretch * elastic.own + c.local)
     distributive = DISTRIBUTIVE_DAMPING / (1.25 * diffusion + c.stretch * (elastic.own - elastic.neighbour) + c.local)
     return Level(
