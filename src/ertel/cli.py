@@ -4,6 +4,7 @@ Exit codes: 0 done; 1 gave up, what was computed is kept; 2 wrong input, nothing
 """
 
 import json
+import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -52,6 +53,7 @@ Estimate = Annotated[bool, typer.Option("--error", help="Also run on the half gr
 
 def main() -> None:
     """The entry point `ertel`."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the small dense solves lose more than they gain by threads
     app()
 
 

@@ -1,8 +1,9 @@
 """The oil: how viscosity and density change with pressure.
 
 Every law is a small immutable object.  `viscosity(P)` gives eta/eta0 and `density(P)` gives rho/rho0 at the
-dimensionless pressure P = p/p_h.  Any frozen dataclass with such a method can take its place, once it is registered with
-`jax.tree_util.register_dataclass` like those below: a user's own law needs no derivative, the solver differentiates it.
+dimensionless pressure P = p/p_h.  Any frozen dataclass with such a method can take its place, once it is registered
+with `jax.tree_util.register_dataclass` like those below: a user's own law needs no derivative, the solver
+differentiates it.
 """
 
 from dataclasses import dataclass
