@@ -3,8 +3,8 @@
     python benchmarks/steps.py [nodes ...]          (129 257 513 1025 unless said; a few minutes)
 
 The impact is M = 1000, L = 10.  Each grid is measured in a process of its own: the state at T = 1.2 comes from a run
-on 65 x 65 nodes, interpolated; a few steps settle it, the next are timed.  Times are medians of one noisy machine: read the
-ratios.
+on 65 x 65 nodes, interpolated; a few steps settle it, the next are timed.  Times are medians of one noisy machine: read
+the ratios.
 """
 
 import json
