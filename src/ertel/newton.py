@@ -88,20 +88,15 @@ def solve(
             options.krylov_reduction,
             options.krylov_limit,
         )
-        dH = partner_change(d)
         share = jnp.minimum(1.0, options.largest_change / jnp.maximum(jnp.max(jnp.abs(d)), tiny))
-        P_new = it.P + share * d
-        P_held = jnp.maximum(P_new, 0.0)
-        # holding P at zero moves H too; where nothing was held the correction is free of charge
-        H_new = it.H + share * dH
-        H_new = jax.lax.cond(jnp.any(P_new < 0.0), lambda: H_new + partner_change(P_held - P_new), lambda: H_new)
-        return _Iterate(P_held, H_new, size(P_held, H_new), it.newton + 1, it.krylov + krylov)
+        P_new = jnp.maximum(it.P + share * d, 0.0)
+        H_new = it.H + partner_change(P_new - it.P)
+        return _Iterate(P_new, H_new, size(P_new, H_new), it.newton + 1, it.krylov + krylov)
 
     zero = jnp.zeros((), jnp.int32)
     first = _Iterate(P, H, size(P, H), zero, zero)
     last = jax.lax.while_loop(go_on, improve, first)
-    converged = last.size <= 1.0
-    return Solution(last.P, last.H, last.size, converged, last.newton, last.krylov)
+    return Solution(last.P, last.H, last.size, last.size <= 1.0, last.newton, last.krylov)
 
 
 def _free(P: Array, r: Array) -> Array:
