@@ -44,7 +44,7 @@ def measure(nodes: int, cache: str) -> dict[str, float]:
     from ertel.config import parse_case
     from ertel.impact2d import Impact2D
     from ertel.level import Level
-    from ertel.simulate import transient
+    from ertel.simulation import transient
 
     def case_on(n: int) -> Any:
         solver = {"nodes": n}

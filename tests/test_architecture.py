@@ -17,7 +17,7 @@ PACKAGE = Path(next(iter(ertel.__path__)))
 PHYSICS = ["status", "bdf", "lubricant", "scales", "hertz", "roughness", "formulas"]
 NUMERICS = ["grid", "halfspace", "multigrid", "krylov", "newton"]
 MODEL = ["closure", "contact", "case", "level", "radial", "impact2d"]
-RUNNING = ["compiling", "dataset", "analysis", "simulate"]
+RUNNING = ["compiling", "dataset", "analysis", "simulation"]
 EDGES = ["config", "store", "plotting", "cli"]
 ORDER = [*PHYSICS, *NUMERICS, *MODEL, *RUNNING, *EDGES, "__init__", "__main__"]
 

@@ -143,8 +143,8 @@ def test_error_estimate(here):
 
 
 def test_run_that_gives_up(here, monkeypatch):
-    monkeypatch.setattr(import_module("ertel.simulate"), "SMALLEST_STEP", 0.02)
-    monkeypatch.setattr(import_module("ertel.simulate"), "FIRST_STEP", 0.03)
+    monkeypatch.setattr(import_module("ertel.simulation"), "SMALLEST_STEP", 0.02)
+    monkeypatch.setattr(import_module("ertel.simulation"), "FIRST_STEP", 0.03)
     result = ertel_("run", "small.toml", code=1)
     assert "gave up: the time step became too small" in result.stderr
     assert "runs/small" in result.stderr
@@ -191,7 +191,7 @@ def test_interrupt_of_the_half_grid(here, monkeypatch):
             on_step(step)
 
     with monkeypatch.context() as patch:
-        patch.setattr(import_module("ertel.simulate"), "simulate", interrupted)
+        patch.setattr(import_module("ertel.simulation"), "simulate", interrupted)
         result = ertel_("run", "small.toml", "--error", "--set", "solver.nodes=65", code=130)
     assert "go on with: ertel resume runs/small" in result.stderr
     ertel_("show", "runs/small", code=2)  # nothing to show yet

@@ -15,7 +15,7 @@ from ertel.config import parse_case
 from ertel.contact import Rate
 from ertel.impact2d import Impact2D
 from ertel.level import Level
-from ertel.simulate import Result, simulate, transient
+from ertel.simulation import Result, simulate, transient
 
 TIGHT = {"tolerance": 1e-8}
 

@@ -7,7 +7,7 @@ from matplotlib.colors import to_rgba
 
 from ertel import dataset, hertz, plotting
 from ertel.config import parse_case
-from ertel.simulate import Frame
+from ertel.simulation import Frame
 
 BALL = {
     "contact": {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"},

@@ -22,7 +22,7 @@ from ertel.level import Level
 from ertel.lubricant import Lubricant
 from ertel.radial import RadialImpact
 from ertel.scales import Parameters
-from ertel.simulate import Result, simulate
+from ertel.simulation import Result, simulate
 from ertel.status import Status
 
 Floats = NDArray[np.float64]

@@ -18,7 +18,7 @@ import xarray as xr
 import ertel
 from ertel import dataset, store
 from ertel.config import load_case, parse_case
-from ertel.simulate import Frame, State, Step, method_of, simulate, transient
+from ertel.simulation import Frame, State, Step, method_of, simulate, transient
 from ertel.status import Status
 from ertel.store import RunStore, StoreError
 
@@ -218,8 +218,8 @@ def test_killed_process(tmp_path, case, method, uninterrupted):
 
 def test_a_run_that_gives_up_keeps_what_it_has(tmp_path, monkeypatch, case, method, uninterrupted):
     run = RunStore.create(tmp_path / "run", case, method.coordinates)
-    monkeypatch.setattr(import_module("ertel.simulate"), "SMALLEST_STEP", 0.02)
-    monkeypatch.setattr(import_module("ertel.simulate"), "FIRST_STEP", 0.03)
+    monkeypatch.setattr(import_module("ertel.simulation"), "SMALLEST_STEP", 0.02)
+    monkeypatch.setattr(import_module("ertel.simulation"), "FIRST_STEP", 0.03)
     summary = store.run(run, go_on, method)
     assert summary["status"] == Status.STEP_TOO_SMALL.value
     assert summary["max_approach"] is None

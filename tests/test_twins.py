@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from cases import impact
 
-from ertel.simulate import simulate
+from ertel.simulation import simulate
 
 # reference/impact.json: M, L, Roelands + Dowson-Higginson, values at maximum approach, and its stated accuracy
 REFERENCE = {

@@ -8,9 +8,7 @@
 The names below are imported when first used, so that `import ertel` costs nothing.
 """
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -25,9 +23,9 @@ if TYPE_CHECKING:
     from ertel.lubricant import Lubricant as Lubricant
     from ertel.scales import Parameters as Parameters
     from ertel.scales import Scales as Scales
-    from ertel.simulate import Result as Result
-    from ertel.simulate import simulate as simulate
-    from ertel.simulate import transient as transient
+    from ertel.simulation import Result as Result
+    from ertel.simulation import simulate as simulate
+    from ertel.simulation import transient as transient
     from ertel.status import Status as Status
 
     __version__: str
@@ -44,9 +42,9 @@ _HOMES = {
     "Lubricant": "lubricant",
     "Parameters": "scales",
     "Scales": "scales",
-    "Result": "simulate",
-    "simulate": "simulate",
-    "transient": "simulate",
+    "Result": "simulation",
+    "simulate": "simulation",
+    "transient": "simulation",
     "Status": "status",
 }
 __all__ = ["__version__", *_HOMES]
@@ -71,13 +69,3 @@ def _version() -> str:
         return version("ertel")
     except PackageNotFoundError:  # a source tree that was not installed
         return "0+unknown"
-
-
-class _Package(ModuleType):
-    def __setattr__(self, name: str, value: object) -> None:
-        """Importing the module ertel.simulate must not hide the function of that name."""
-        if not (name in _HOMES and isinstance(value, ModuleType)):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package

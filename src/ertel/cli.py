@@ -22,7 +22,7 @@ from rich.table import Table
 if TYPE_CHECKING:  # the rest of ertel comes when it is needed, so that --help answers at once
     from ertel.case import Case
     from ertel.level import Method
-    from ertel.simulate import Step
+    from ertel.simulation import Step
     from ertel.store import RunStore
 
 GAVE_UP, BAD_INPUT, INTERRUPTED = 1, 2, 130
@@ -83,7 +83,7 @@ def run(
     """Run a case and store it."""
     with _bad_input():
         from ertel.config import load_case
-        from ertel.simulate import method_of
+        from ertel.simulation import method_of
         from ertel.store import RunStore, unused_directory
 
         case = load_case(case_file, set_ or [])
@@ -225,7 +225,7 @@ def _half_grid(case: "Case") -> "Case":
 
 
 def _half_grid_summary(coarse: "Case", watch: "Callable[[Step], bool]") -> Mapping[str, Any]:
-    from ertel.simulate import simulate
+    from ertel.simulation import simulate
 
     def on_step(step: "Step") -> None:
         if not watch(step):
@@ -296,7 +296,7 @@ def _progress(quiet: bool) -> Progress:
 
 def _watch(bars: Progress, case: "Case", label: str, stop: Callable[[], bool]) -> "Callable[[Step], bool]":
     """A callback that shows each step in a new bar and says whether to go on."""
-    from ertel.simulate import progress_fraction
+    from ertel.simulation import progress_fraction
 
     bar = bars.add_task(label, total=1.0, news="compiling")
 

@@ -86,7 +86,7 @@ AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min")  # of 
 
 
 class Frame(Protocol):
-    """A map of film and pressure: what `simulate` hands over."""
+    """A map of film and pressure: what `simulation` hands over."""
 
     @property
     def T(self) -> float: ...

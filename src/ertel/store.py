@@ -37,7 +37,7 @@ from ertel import compiling, dataset
 from ertel.case import Case
 from ertel.config import load_case, to_toml
 from ertel.level import Method
-from ertel.simulate import Frame, State, Step, summarise, transient
+from ertel.simulation import Frame, State, Step, summarise, transient
 from ertel.status import Status
 
 CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"

@@ -18,7 +18,7 @@ from ertel import compiling
 from ertel.analysis import at_max_approach
 from ertel.case import Case
 from ertel.config import parse_case
-from ertel.simulate import Result, simulate
+from ertel.simulation import Result, simulate
 
 HERE = Path(__file__).parent
 REFERENCE = Path(os.environ.get("ERTEL_REFERENCE", HERE.parents[2] / "shared" / "reference")) / "impact.json"

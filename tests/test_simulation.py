@@ -17,7 +17,7 @@ from ertel.case import Case
 from ertel.impact2d import Impact2D
 from ertel.level import Attempt, Level
 from ertel.lubricant import Incompressible, Lubricant
-from ertel.simulate import State, progress_fraction, simulate, transient
+from ertel.simulation import State, progress_fraction, simulate, transient
 from ertel.status import Status
 
 
