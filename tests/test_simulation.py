@@ -38,7 +38,7 @@ def test_values_at_maximum_approach_come_from_the_turning_point() -> None:
     result = simulate(impact(200, 10, 33, time={"until": 2.75}))
     peak, data = result.summary["max_approach"], result.dataset
     assert peak["Delta"] >= float(data.Delta.max()) - 1e-9
-    i = int(data.Delta.argmax())
+    i = int(data.Delta.values.argmax())
     assert float(data.time[i - 1]) < peak["T"] < float(data.time[i + 1])
     frame = data.isel(frame=int((data.event == 1).values.argmax()))
     assert float(frame.H.isel(X=16, Y=16)) == pytest.approx(peak["H_c"], rel=1e-14)
@@ -181,3 +181,17 @@ def test_the_load_outside_of_a_known_field(w: float) -> None:
     P = 0.01 / (x[None, :] ** 2 + x[:, None] ** 2 + 1e-12) ** 2
     data = xr.Dataset({"P": (("frame", "Y", "X"), P[None])}, {"X": x, "Y": x})
     assert float(analysis.missing_load(data)[0]) == pytest.approx(np.pi * 0.01 / w**2 / (2 * np.pi / 3), rel=1e-6)
+
+
+def test_error_estimate_is_exact_for_a_second_order_error() -> None:
+    def summary(h):
+        values = {"H_c": 0.07 + 3 * h**2, "H_min": 0.01 - h**2, "Delta": 0.96 + h**2}
+        return {"max_approach": values}
+
+    estimate = analysis.error_estimate(summary(0.01), summary(0.02))
+    assert estimate is not None
+    assert estimate["H_c"]["extrapolated"] == pytest.approx(0.07, rel=1e-12)
+    assert estimate["H_c"]["error"] == pytest.approx(3e-4, rel=1e-9)
+    assert estimate["H_min"]["extrapolated"] == pytest.approx(0.01, rel=1e-12)
+    assert estimate["Delta_max"]["value"] == 0.96 + 1e-4
+    assert analysis.error_estimate(summary(0.01), {"max_approach": None}) is None

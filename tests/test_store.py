@@ -366,20 +366,6 @@ def test_si_summary_has_units_in_its_names():
     assert dataset.si_summary(parse_case({"contact": {"M": 1, "L": 1}}), values) is None
 
 
-def test_error_estimate_is_exact_for_a_second_order_error():
-    def summary(h):
-        values = {"H_c": 0.07 + 3 * h**2, "H_min": 0.01 - h**2, "Delta": 0.96 + h**2}
-        return {"max_approach": values}
-
-    estimate = dataset.error_estimate(summary(0.01), summary(0.02))
-    assert estimate is not None
-    assert estimate["H_c"]["extrapolated"] == pytest.approx(0.07, rel=1e-12)
-    assert estimate["H_c"]["error"] == pytest.approx(3e-4, rel=1e-9)
-    assert estimate["H_min"]["extrapolated"] == pytest.approx(0.01, rel=1e-12)
-    assert estimate["Delta_max"]["value"] == 0.96 + 1e-4
-    assert dataset.error_estimate(summary(0.01), {"max_approach": None}) is None
-
-
 @pytest.mark.parametrize(
     ("value", "unit", "text"),
     [

@@ -136,3 +136,19 @@ def summary(
     }
     si = dataset.si_summary(case, reached)
     return content if si is None else {**content, "si": si}
+
+
+def error_estimate(fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Discretisation error of H_c, H_min and Delta at maximum approach, from summaries on a grid and on its half.
+
+    For a method of second order the error is a third of the difference, and the value without it, `extrapolated`, lies
+    as much beyond the fine one (Richardson).  None where one of the runs did not reach its maximum.
+    """
+    if fine["max_approach"] is None or coarse["max_approach"] is None:
+        return None
+    estimate = {}
+    for name, key in {"H_c": "H_c", "H_min": "H_min", "Delta_max": "Delta"}.items():
+        value, half = fine["max_approach"][key], coarse["max_approach"][key]
+        step = (value - half) / 3
+        estimate[name] = {"value": value, "half_grid": half, "error": abs(step), "extrapolated": value + step}
+    return estimate

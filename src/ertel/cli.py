@@ -197,7 +197,7 @@ class _Stopped(Exception):
 
 def _run(store: "RunStore", coarse: "Case | None", as_json: bool, quiet: bool, method: "Method | None" = None) -> None:
     """Run what is stored, from where it stands to its end, and report."""
-    from ertel import compiling, dataset
+    from ertel import analysis, compiling
     from ertel.store import run
 
     compiling.keep_on_disk()
@@ -206,7 +206,7 @@ def _run(store: "RunStore", coarse: "Case | None", as_json: bool, quiet: bool, m
             half = _half_grid_summary(coarse, _watch(bars, coarse, "half grid", stop)) if coarse else None
             summary = run(store, _watch(bars, store.case, store.case.name, stop), method)
         if half and summary["status"] == "converged":
-            summary["error_estimate"] = dataset.error_estimate(summary, half)
+            summary["error_estimate"] = analysis.error_estimate(summary, half)
             store.finish(summary)
     except _Stopped:
         _leave(INTERRUPTED, f"interrupted before the first step; go on with: ertel resume {store.directory}")

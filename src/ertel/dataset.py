@@ -287,19 +287,3 @@ def si_summary(case: Case, max_approach: Mapping[str, float] | None) -> dict[str
         table = {key: VARIABLES["time" if key == "T" else key] for key in AT_MAXIMUM}
         values = {f"{v.si_name}_{v.si_units}": max_approach[key] * getattr(scales, v.scale) for key, v in table.items()}
     return {**scales_of(case), "max_approach": values}
-
-
-def error_estimate(fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any] | None:
-    """Discretisation error of H_c, H_min and Delta at maximum approach, from summaries on a grid and on its half.
-
-    For a method of second order the error is a third of the difference, and the value without it, `extrapolated`, lies
-    as much beyond the fine one (Richardson).  None where one of the runs did not reach its maximum.
-    """
-    if fine["max_approach"] is None or coarse["max_approach"] is None:
-        return None
-    estimate = {}
-    for name, key in {"H_c": "H_c", "H_min": "H_min", "Delta_max": "Delta"}.items():
-        value, half = fine["max_approach"][key], coarse["max_approach"][key]
-        step = (value - half) / 3
-        estimate[name] = {"value": value, "half_grid": half, "error": abs(step), "extrapolated": value + step}
-    return estimate
