@@ -14,9 +14,11 @@ from jax.tree_util import register_dataclass
 
 from ertel import analysis
 from ertel.case import Case
+from ertel.closure import PrescribedApproach
 from ertel.impact2d import Impact2D
 from ertel.level import Attempt, Level
 from ertel.lubricant import Incompressible, Lubricant
+from ertel.radial import RadialImpact
 from ertel.simulation import State, progress_fraction, simulate, transient
 from ertel.status import Status
 
@@ -142,6 +144,22 @@ def test_a_users_own_viscosity_law_needs_no_derivative() -> None:
     result = simulate(case)
     assert result.status is Status.CONVERGED
     assert result.summary["newton_iterations"] < 1.5 * result.summary["steps"]
+
+
+@pytest.mark.parametrize("method", [Impact2D, RadialImpact])
+def test_a_rig_may_prescribe_the_approach(method: type[Impact2D] | type[RadialImpact]) -> None:
+    """Pressed in to Delta = 0.5 and held: the motion is the rig's, and the load that of a dry ball pressed in further,
+    by part of the film that stays between."""
+
+    def motion(T: float) -> float:
+        return -1.0 + 1.5 * np.sin(np.pi / 2 * min(T / 1.5, 1.0))
+
+    case = impact(200, 10, 65, time={"until": 2.5, "tolerance": 1e-3})
+    data = simulate(case, method=method(case, PrescribedApproach(motion))).dataset
+    np.testing.assert_allclose(data.Delta.values, [motion(T) for T in data.time.values], atol=1e-12)
+    H_c = float(data.H_c[-1])
+    assert H_c > 0.1
+    assert 0.5**1.5 < float(data.F[-1]) < (0.5 + H_c) ** 1.5
 
 
 def test_the_summary_has_the_promised_keys() -> None:

@@ -59,6 +59,9 @@ class NewtonsLaw:
         return _rate(rates, approach, approaches)
 
 
+FREE_BALL = NewtonsLaw()
+
+
 @dataclass(frozen=True)
 class PrescribedApproach:
     """A test rig's motion Delta = motion(T), T in units t0."""

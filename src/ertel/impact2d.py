@@ -9,7 +9,7 @@ from jax import Array
 
 from ertel import bdf, contact, halfspace, multigrid, newton
 from ertel.case import Case
-from ertel.closure import HERTZ_LOAD, ClosureLine, NewtonsLaw
+from ertel.closure import FREE_BALL, HERTZ_LOAD, Closure, ClosureLine
 from ertel.contact import Contact, Rate
 from ertel.grid import Grid, check_nodes
 from ertel.level import Attempt, Level
@@ -22,14 +22,14 @@ STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at l
 
 
 class Impact2D:
-    """The method "2d": see `level.Method`."""
+    """The method "2d": see `level.Method`.  closure is the law for Delta: the free ball's unless another is given."""
 
-    def __init__(self, case: Case):
+    def __init__(self, case: Case, closure: Closure = FREE_BALL):
         check_nodes(case.solver.nodes)
         self.grid = Grid.square(case.solver.nodes, case.solver.half_width)
         self.contact = contact.ball_on_plane(self.grid, case.parameters.lambda_bar, case.lubricant)
         self.elastic = multigrid.elasticities(self.grid, PRECONDITIONER_PRECISION)
-        self.closure = NewtonsLaw()
+        self.closure = closure
         self.tolerance = case.solver.tolerance
         self.film_scale = case.parameters.trapped_film
         self.start_approach = case.time.start_approach

@@ -21,7 +21,7 @@ from scipy.special import ellipe, ellipkm1
 
 from ertel import bdf
 from ertel.case import Case
-from ertel.closure import HERTZ_LOAD, ClosureLine, NewtonsLaw
+from ertel.closure import FREE_BALL, HERTZ_LOAD, Closure, ClosureLine
 from ertel.level import Attempt, Level
 from ertel.lubricant import Lubricant
 from ertel.status import Status
@@ -200,12 +200,12 @@ class RadialImpact:
     load carried outside falls with its square) and nodes = 401 (H_c within 0.1 % of its limit at M = 1000, L = 10).
     """
 
-    def __init__(self, case: Case):
+    def __init__(self, case: Case, closure: Closure = FREE_BALL):
         check_grid(case.solver.nodes, case.solver.half_width)
         self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width))
         self.lambda_bar = case.parameters.lambda_bar
         self.oil = case.lubricant
-        self.closure = NewtonsLaw()
+        self.closure = closure
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
         self.start_approach = case.time.start_approach
         self.coordinates: Mapping[str, Floats] = {"r": np.asarray(self.mesh.r)}
@@ -225,8 +225,7 @@ class RadialImpact:
         s = solve(self.equations(levels, rates, line), predicted_pressure(levels, T), tolerance)
         approach = (line.value - line.load_weight * self.load(s.P)) / line.approach_weight
         velocity = self.closure.velocity(T, rates, approach, approaches)
-        solved = bool((s.size <= tolerance) & (jnp.min(s.H) > 0.0))  # not so if anything is NaN
-        status = Status.CONVERGED if solved else Status.NEWTON_STALLED
+        status = Status.CONVERGED if bool(s.size <= tolerance) else Status.NEWTON_STALLED  # stalled too if NaN
         return Attempt(Level(T, approach, velocity, s.P, s.H), status, int(s.newton), 0, 0.0)
 
     def equations(self, levels: Sequence[Level], rates: bdf.Weights, line: ClosureLine) -> Equations:
