@@ -77,7 +77,7 @@ def orders() -> str:
     for name, results in runs.items():
         for quantity in ("Delta", "F", "H_c"):
             rows.append([name, quantity, *observed([r.summary["max_approach"][quantity] for r in results])])
-        rows.append([name, "H in the mean over |X|, |Y| < 1", *observed([inner_film(r) for r in results])])
+        rows.append([name, "H, mean square over the contact", *observed([inner_film(r) for r in results])])
     print(rows, flush=True)
     return text + table(["refined in", "of", "order, coarse", "order, fine"], rows)
 
