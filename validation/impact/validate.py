@@ -103,9 +103,9 @@ def reference() -> str:
         contact, oil = translate(stated)
         text += f"\n### {stated['fluid']}, " + ", ".join(f"{k} = {v}" for k, v in contact.items()) + "\n\n"
         rows = []
-        methods = [("radial", (601, 1201), {"half_width": 3.5})]
+        methods: list[tuple[str, tuple[int, int], dict[str, float]]] = [("radial", (301, 601), {"half_width": 4.0})]
         if stated["M"] <= 1000:
-            methods.append(("2d", (257, 513), {"half_width": 3.5 if stated["M"] < 500 else 2.0}))
+            methods.append(("2d", (257, 513), {"half_width": 4.0 if stated["M"] < 500 else 2.0}))
         for method, grids, options in methods:
             coarse, fine = (
                 simulate(
@@ -115,7 +115,7 @@ def reference() -> str:
                         oil,
                         method=method,
                         time_tolerance=2e-5,
-                        until="rebound" if n < 602 and method == "radial" else "max-approach",
+                        until="rebound" if n < 302 and method == "radial" else "max-approach",
                         **options,
                     )
                 ).summary
