@@ -91,7 +91,11 @@ def _carried(c: Coefficients, pattern: _Pattern, k: int, rate: Array, drift_over
     def mass(k: int) -> Array:
         return c.stretch * pattern.deformation[abs(k)] + c.local * pattern.change[abs(k)]
 
-    return (rate + drift_over_spacing) * mass(k) - drift_over_spacing * _upstream(mass(k - 1))
+    def slope(k: int) -> Array:
+        return drift_over_spacing * (mass(k) - _upstream(mass(k - 1)))
+
+    # what lies outside the three bands goes to the nearest: a uniform change must have no slope, or lines grow downstream
+    return rate * mass(k) + slope(k) + (slope(2) if k == 1 else 0.0)
 
 
 def _upstream(field: Array) -> Array:
