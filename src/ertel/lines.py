@@ -94,7 +94,7 @@ def _carried(c: Coefficients, pattern: _Pattern, k: int, rate: Array, drift_over
     def slope(k: int) -> Array:
         return drift_over_spacing * (mass(k) - _upstream(mass(k - 1)))
 
-    # what lies outside the three bands goes to the nearest: a uniform change must have no slope, or lines grow downstream
+    # what lies outside the three bands goes to the nearest: a uniform change must have no slope, or it grows downstream
     return rate * mass(k) + slope(k) + (slope(2) if k == 1 else 0.0)
 
 

@@ -6,7 +6,7 @@ The Jacobian is exact (automatic differentiation of r); the affine part is given
 the expensive one (in elastohydrodynamics a convolution): each Newton iteration needs it once, each Krylov iteration
 once more besides what the preconditioner does.
 
-H may depend on one more unknown, a number with a linear equation of its own (a load that must be carried): see `Border`.
+H may depend on one more unknown, a number with a linear equation of its own (a load to be carried): see `Border`.
 """
 
 from collections.abc import Callable
@@ -31,18 +31,20 @@ class Options:
 
 
 class Border(NamedTuple):
-    """One more unknown s: H changes by dH_ds for each unit, uniformly, and the linear equation misfit(P) = 0 fixes it.
+    """One more unknown: a number s, by which H changes uniformly, and its linear equation misfit(P, s) = 0.
 
-    weight: how much the misfit counts beside the residual, in the norm of the Krylov iteration and for the tolerance.
+    s: the first guess.  tolerance: of the misfit.  weight: of the misfit beside the field's residual in the norm that
+    the Krylov iteration reduces.
     """
 
     s: Array | float
     dH_ds: float
-    misfit: Callable[[Array], Array]
+    misfit: Callable[[Array, Array], Array]
+    tolerance: Array | float
     weight: Array | float
 
 
-NO_BORDER = Border(0.0, 0.0, lambda P: jnp.zeros((), P.dtype), 1.0)
+NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
 
 
 class Solution(NamedTuple):
@@ -58,6 +60,7 @@ class Solution(NamedTuple):
 
 
 _Pair = tuple[Array, Array]  # a field and a number
+_PairMap = Callable[[_Pair], _Pair]
 _Search = tuple[Any, Any, Any, Any, Array]  # x, r, z and apply(z) of the iterations so far, their number
 
 
@@ -89,9 +92,10 @@ def solve(
     tiny = jnp.finfo(P.dtype).tiny
     weight = jnp.asarray(border.weight, P.dtype)
 
-    def size(P: Array, H: Array) -> Array:
+    def size(P: Array, H: Array, s: Array) -> Array:
         r = residual(P, H)
-        return jnp.maximum(jnp.max(jnp.abs(_free(P, r) * r) / tolerance), jnp.abs(weight * border.misfit(P)))
+        misfit = jnp.abs(border.misfit(P, s)) / border.tolerance
+        return jnp.maximum(jnp.max(jnp.abs(_free(P, r) * r) / tolerance), misfit)
 
     def go_on(it: _Iterate) -> Array:
         return ((it.size > 1.0) & (it.newton < options.newton_limit)) | (it.newton == 0)
@@ -99,24 +103,24 @@ def solve(
     def improve(it: _Iterate) -> _Iterate:
         r, change_of_r = jax.linearize(residual, it.P, it.H)
         free = _free(it.P, r)
-        row = jax.linearize(border.misfit, it.P)[1]
+        misfit, change_of_misfit = jax.linearize(border.misfit, it.P, it.s)
 
         def change_of_H(d: _Pair) -> Array:
             return partner_change(d[0]) + border.dH_ds * d[1]
 
         def jacobian(d: _Pair) -> _Pair:
-            return free * change_of_r(d[0], change_of_H(d)), weight * row(d[0])
+            return free * change_of_r(d[0], change_of_H(d)), weight * change_of_misfit(*d)
 
-        approximately = preconditioner(it.P, it.H, free)
-        if border is not NO_BORDER:
-            column = free * change_of_r(jnp.zeros_like(it.P), jnp.full_like(it.H, border.dH_ds))
-            precondition = bordered(approximately, column, row, weight)
+        inverse = preconditioner(it.P, it.H, free)
+        if border is NO_BORDER:
+            precondition = unbordered(inverse)
         else:
-            precondition = lambda d: (approximately(d[0]), d[1])
+            column = free * change_of_r(jnp.zeros_like(it.P), jnp.full_like(it.H, border.dH_ds))
+            precondition = bordered(inverse, column, lambda *d: weight * change_of_misfit(*d))
         d, krylov = gcr(
             jacobian,
             precondition,
-            (-free * r, -weight * border.misfit(it.P)),
+            (-free * r, -weight * misfit),
             options.krylov_reduction,
             options.krylov_limit,
         )
@@ -128,23 +132,29 @@ def solve(
         H_new = it.H + share * dH
         H_new = jax.lax.cond(jnp.any(P_new < 0.0), lambda: H_new + partner_change(P_held - P_new), lambda: H_new)
         s_new = it.s + share * d[1]
-        return _Iterate(P_held, H_new, s_new, size(P_held, H_new), it.newton + 1, it.krylov + krylov)
+        return _Iterate(P_held, H_new, s_new, size(P_held, H_new, s_new), it.newton + 1, it.krylov + krylov)
 
     zero = jnp.zeros((), jnp.int32)
-    first = _Iterate(P, H, jnp.asarray(border.s, P.dtype), size(P, H), zero, zero)
+    s = jnp.asarray(border.s, P.dtype)
+    first = _Iterate(P, H, s, size(P, H, s), zero, zero)
     last = jax.lax.while_loop(go_on, improve, first)
     converged = last.size <= 1.0
     return Solution(last.P, last.H, last.s, last.size, converged, last.newton, last.krylov)
 
 
-def bordered(inverse: Map, column: Array, row: Map, weight: Array) -> Callable[[_Pair], _Pair]:
-    """The inverse of (A, column; weight row, 0) by elimination of the field, from an approximate inverse of A."""
+def unbordered(inverse: Map) -> _PairMap:
+    """The same map of the field, beside a number that it leaves alone."""
+    return lambda r: (inverse(r[0]), r[1])
+
+
+def bordered(inverse: Map, column: Array, row: Callable[[Array, Array], Array]) -> _PairMap:
+    """Approximate inverse of (d, s) -> (A d + column s, row(d, s)) from one of A, by elimination of the field d."""
     answer = inverse(column)
 
     def solve(r: _Pair) -> _Pair:
-        z = inverse(r[0])
-        s = (row(z) - r[1] / weight) / row(answer)
-        return z - s * answer, s
+        d = inverse(r[0])
+        s = (r[1] - row(d, jnp.zeros_like(r[1]))) / row(-answer, jnp.ones_like(r[1]))
+        return d - s * answer, s
 
     return solve
 
