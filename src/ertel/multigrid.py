@@ -116,11 +116,13 @@ def hierarchy(
     return tuple(levels)
 
 
-def diffusion_rules(elastic: Elasticity, c: Coefficients, rate: Array | float = 1.0) -> Array:
-    """Where Jacobi smooths: where diffusion outweighs the deformation, which counts rate * stretch times."""
+def diffusion_rules(
+    elastic: Elasticity, c: Coefficients, short: Array | float = 1.0, long: Array | float = 1.0
+) -> Array:
+    """Where Jacobi smooths: where diffusion outweighs the deformation, times stretch and short (long) for such waves."""
     # Jacobi amplifies long waves by their deformation, which is of order one on every grid, over the diffusion
-    stiffness = SHORT_WAVES * elastic.near[0, 0] + LONG_WAVES
-    return face_sum(c.eps) / elastic.spacing**2 > stiffness * rate * c.stretch
+    stiffness = SHORT_WAVES * elastic.near[0, 0] * short + LONG_WAVES * long
+    return face_sum(c.eps) / elastic.spacing**2 > stiffness * c.stretch
 
 
 def apply(level: Level, e: Array) -> Array:
