@@ -119,7 +119,7 @@ def hierarchy(
 def diffusion_rules(
     elastic: Elasticity, c: Coefficients, short: Array | float = 1.0, long: Array | float = 1.0
 ) -> Array:
-    """Where Jacobi smooths: where diffusion outweighs the deformation, times stretch and short (long) for such waves."""
+    """Where Jacobi smooths: diffusion outweighs the deformation, times stretch and short (long) for such waves."""
     # Jacobi amplifies long waves by their deformation, which is of order one on every grid, over the diffusion
     stiffness = SHORT_WAVES * elastic.near[0, 0] * short + LONG_WAVES * long
     return face_sum(c.eps) / elastic.spacing**2 > stiffness * c.stretch
