@@ -15,8 +15,8 @@ PACKAGE = Path(next(iter(ertel.__path__)))
 
 # From the ground up.  A module may import only modules that stand before it.
 PHYSICS = ["status", "bdf", "lubricant", "scales", "hertz", "roughness", "formulas"]
-NUMERICS = ["grid", "halfspace", "multigrid", "krylov", "newton"]
-MODEL = ["closure", "contact", "case", "level", "radial", "impact2d"]
+NUMERICS = ["grid", "halfspace", "multigrid", "lines", "krylov", "newton"]
+MODEL = ["closure", "contact", "case", "level", "radial", "impact2d", "rolling2d"]
 RUNNING = ["compiling", "dataset", "analysis", "simulation"]
 EDGES = ["config", "store", "plotting", "cli"]
 ORDER = [*PHYSICS, *NUMERICS, *MODEL, *RUNNING, *EDGES, "__init__", "__main__"]

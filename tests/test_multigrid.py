@@ -27,7 +27,8 @@ def levels_of(nodes: int, coefficients: Coefficients) -> tuple[Level, ...]:
 def contraction(levels: tuple[Level, ...]) -> float:
     """Asymptotic factor by which one V-cycle reduces the error: the power method on a random error."""
     cycle = jax.jit(lambda e: e - multigrid.v_cycle(levels, multigrid.apply(levels[0], e)))
-    e = jnp.asarray(np.random.default_rng(1).standard_normal(levels[0].jacobi.shape)) * levels[0].coefficients.free
+    free = levels[0].coefficients.free
+    e = jnp.asarray(np.random.default_rng(1).standard_normal(free.shape)) * free
     for _ in range(15):
         e = cycle(e / jnp.linalg.norm(e))
     return float(jnp.linalg.norm(e))

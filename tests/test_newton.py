@@ -115,3 +115,21 @@ def test_the_step_limit_holds(change: float) -> None:
         newton.Options(newton_limit=3, largest_change=change),
     )
     np.testing.assert_allclose(np.asarray(s.P), 3 * change, rtol=1e-12)
+
+
+def test_a_border_carries_a_number_with_its_own_equation() -> None:
+    """P + H = 3 with H = 2 P - s everywhere and sum(P) = 50: P = 2, s = 3."""
+    s = newton.solve(
+        lambda P, H: P + H - 3.0,
+        lambda d: 2 * d,
+        lambda P, H, free: lambda r: r / 3,
+        jnp.ones((5, 5)),
+        2 * jnp.ones((5, 5)),
+        1e-10,
+        newton.Options(krylov_reduction=1e-12, largest_change=10.0),
+        newton.Border(0.0, -1.0, lambda P, s: jnp.sum(P) - 50.0, 1e-9, 0.1),
+    )
+    assert bool(s.converged)
+    np.testing.assert_allclose(np.asarray(s.P), 2.0, rtol=1e-10)
+    assert float(s.s) == pytest.approx(3.0, rel=1e-10)
+    assert int(s.krylov) <= 3

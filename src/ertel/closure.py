@@ -1,4 +1,4 @@
-"""What fixes the approach Delta: Newton's law for the ball, or a prescribed motion.
+"""What fixes the approach Delta: Newton's law for the ball, a given load, or a prescribed motion.
 
 At a new time level every closure is one line in Delta and the load F = double integral of P:
 
@@ -24,6 +24,9 @@ class ClosureLine(NamedTuple):
     approach_weight: float
     load_weight: float
     value: float
+
+
+STATIC_LOAD = ClosureLine(0.0, 1.0, HERTZ_LOAD)  # steady rolling: the film and its elasticity balance the load
 
 
 class Closure(Protocol):

@@ -10,9 +10,9 @@ is, distributive Jacobi: a change is spread as (1; -1/4 to the four neighbours),
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -30,12 +30,11 @@ SHORT_WAVES, LONG_WAVES = 0.3, 0.03  # Jacobi where diffusion exceeds these shar
 @register_dataclass
 @dataclass(frozen=True)
 class Elasticity:
-    """The deformation operator on one grid: its spectrum, spacing, own and neighbour coefficient."""
+    """The deformation operator on one grid: its spectrum, spacing, and coefficients of the nearest nodes, [Y, X]."""
 
     spectrum: Array
     spacing: Array
-    own: Array
-    neighbour: Array
+    near: Array
 
 
 class Coefficients(NamedTuple):
@@ -47,15 +46,41 @@ class Coefficients(NamedTuple):
     free: Array
 
 
+class Smoother(Protocol):
+    """How one grid is relaxed, and what becomes of the mass stretch * (K e) + local * e in its operator."""
+
+    def balance(self, mass: Array) -> Array:
+        """The mass as it enters the operator: by itself, or also its rate of change along X (`lines`)."""
+        ...
+
+    def change(self, r: Array) -> Array:
+        """The change of e by one sweep, given the residual r."""
+        ...
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Points:
+    """Node by node: the inverse diagonals of the two kinds of change (zero where not in use)."""
+
+    jacobi: Array
+    distributive: Array
+
+    def balance(self, mass: Array) -> Array:
+        return mass
+
+    def change(self, r: Array) -> Array:
+        return self.jacobi * r + spread(self.distributive * r)
+
+
 @register_dataclass
 @dataclass(frozen=True)
 class Level:
-    """One grid of the hierarchy: coefficients, and the two smoothers' inverse diagonals (zero where not in use)."""
+    """One grid of the hierarchy."""
 
     elasticity: Elasticity
     coefficients: Coefficients
-    jacobi: Array
-    distributive: Array
+    smoother: Smoother
 
 
 def elasticities(grid: Grid, dtype: str) -> tuple[Elasticity, ...]:
@@ -64,30 +89,40 @@ def elasticities(grid: Grid, dtype: str) -> tuple[Elasticity, ...]:
 
 
 def _elasticity(grid: Grid, dtype: str) -> Elasticity:
-    near = halfspace.love_coefficients(2, grid.spacing)
-    scalars = (jnp.asarray(v, dtype) for v in (grid.spacing, near[0, 0], near[0, 1]))
-    return Elasticity(halfspace.spectrum(grid, dtype), *scalars)
+    near = halfspace.love_coefficients(4, grid.spacing)
+    return Elasticity(halfspace.spectrum(grid, dtype), jnp.asarray(grid.spacing, dtype), jnp.asarray(near, dtype))
 
 
-def hierarchy(elastic: Sequence[Elasticity], finest: Coefficients) -> tuple[Level, ...]:
+def points(elastic: Elasticity, c: Coefficients) -> Points:
+    """The smoother without entrainment."""
+    by_jacobi, K = diffusion_rules(elastic, c), elastic.near
+    diffusion = face_sum(c.eps) / elastic.spacing**2
+    jacobi = JACOBI_DAMPING / (diffusion + c.stretch * K[0, 0] + c.local)
+    distributive = DISTRIBUTIVE_DAMPING / (1.25 * diffusion + c.stretch * (K[0, 0] - K[0, 1]) + c.local)
+    return Points(jnp.where(by_jacobi, jacobi, 0.0) * c.free, jnp.where(by_jacobi, 0.0, distributive) * c.free)
+
+
+def hierarchy(
+    elastic: Sequence[Elasticity],
+    finest: Coefficients,
+    smoother: Callable[[Elasticity, Coefficients], Smoother] = points,
+) -> tuple[Level, ...]:
     """The levels, finest first: eps by full weighting, everything else by injection."""
     coefficients = finest
     levels = []
     for e in elastic:
-        levels.append(_level(e, coefficients))
+        levels.append(Level(e, coefficients, smoother(e, coefficients)))
         coefficients = Coefficients(restrict(coefficients.eps, beyond="edge"), *(c[::2, ::2] for c in coefficients[1:]))
     return tuple(levels)
 
 
-def _level(elastic: Elasticity, c: Coefficients) -> Level:
-    diffusion = _face_sum(c.eps) / elastic.spacing**2
+def diffusion_rules(
+    elastic: Elasticity, c: Coefficients, short: Array | float = 1.0, long: Array | float = 1.0
+) -> Array:
+    """Where Jacobi smooths: diffusion outweighs the deformation, times stretch and short (long) for such waves."""
     # Jacobi amplifies long waves by their deformation, which is of order one on every grid, over the diffusion
-    by_jacobi = diffusion > (SHORT_WAVES * elastic.own + LONG_WAVES) * c.stretch
-    jacobi = JACOBI_DAMPING / (diffusion + c.stretch * elastic.own + c.local)
-    distributive = DISTRIBUTIVE_DAMPING / (1.25 * diffusion + c.stretch * (elastic.own - elastic.neighbour) + c.local)
-    return Level(
-        elastic, c, jnp.where(by_jacobi, jacobi, 0.0) * c.free, jnp.where(by_jacobi, 0.0, distributive) * c.free
-    )
+    stiffness = SHORT_WAVES * elastic.near[0, 0] * short + LONG_WAVES * long
+    return face_sum(c.eps) / elastic.spacing**2 > stiffness * c.stretch
 
 
 def apply(level: Level, e: Array) -> Array:
@@ -95,7 +130,7 @@ def apply(level: Level, e: Array) -> Array:
     c = level.coefficients
     deformation = halfspace.displacement(level.elasticity.spectrum, e)
     diffusion = _diffuse(c.eps, e) / level.elasticity.spacing**2
-    return c.free * (diffusion + c.stretch * deformation + c.local * e)
+    return c.free * (diffusion + level.smoother.balance(c.stretch * deformation + c.local * e))
 
 
 def v_cycle(levels: Sequence[Level], r: Array) -> Array:
@@ -111,7 +146,7 @@ def v_cycle(levels: Sequence[Level], r: Array) -> Array:
 
 def smooth(level: Level, r: Array) -> Array:
     """The change of e by one sweep, given the residual r."""
-    return level.coefficients.free * (level.jacobi * r + spread(level.distributive * r))
+    return level.coefficients.free * level.smoother.change(r)
 
 
 def direct_solve(level: Level, r: Array) -> Array:
@@ -146,7 +181,7 @@ def _interleave(nodes: Array, between: Array) -> Array:
     return jnp.concatenate([pairs.reshape(-1, nodes.shape[1]), nodes[-1:]])
 
 
-def _face_sum(eps: Array) -> Array:
+def face_sum(eps: Array) -> Array:
     """Sum of eps over the four faces of each cell."""
     p = jnp.pad(eps, 1, mode="edge")
     return 2.0 * eps + 0.5 * (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:])

@@ -5,15 +5,17 @@
 The Jacobian is exact (automatic differentiation of r); the affine part is given as its own linear map, because it is
 the expensive one (in elastohydrodynamics a convolution): each Newton iteration needs it once, each Krylov iteration
 once more besides what the preconditioner does.
+
+H may depend on one more unknown, a number with a linear equation of its own (a load to be carried): see `Border`.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, tree
 
 Map = Callable[[Array], Array]
 
@@ -28,23 +30,44 @@ class Options:
     largest_change: float = 0.3
 
 
+class Border(NamedTuple):
+    """One more unknown: a number s, by which H changes uniformly, and its linear equation misfit(P, s) = 0.
+
+    s: the first guess.  tolerance: of the misfit.  weight: of the misfit beside the field's residual in the norm that
+    the Krylov iteration reduces.
+    """
+
+    s: Array | float
+    dH_ds: float
+    misfit: Callable[[Array, Array], Array]
+    tolerance: Array | float
+    weight: Array | float
+
+
+NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
+
+
 class Solution(NamedTuple):
     """P and H, both (n, n); the largest residual in units of the tolerance; whether it met it; the work done."""
 
     P: Array
     H: Array
+    s: Array
     residual: Array
     converged: Array
     newton: Array
     krylov: Array
 
 
-_Search = tuple[Array, Array, Array, Array, Array]  # x, r, z and apply(z) of the iterations so far, their number
+_Pair = tuple[Array, Array]  # a field and a number
+_PairMap = Callable[[_Pair], _Pair]
+_Search = tuple[Any, Any, Any, Any, Array]  # x, r, z and apply(z) of the iterations so far, their number
 
 
 class _Iterate(NamedTuple):
     P: Array
     H: Array
+    s: Array
     size: Array
     newton: Array
     krylov: Array
@@ -58,6 +81,7 @@ def solve(
     H: Array,
     tolerance: Array | float,
     options: Options = Options(),
+    border: Border = NO_BORDER,
 ) -> Solution:
     """Solve from the first guess P with its partner H = H(P), both of shape (n, n).
 
@@ -66,10 +90,12 @@ def solve(
     prediction within the tolerance would let its error pile up from solve to solve.
     """
     tiny = jnp.finfo(P.dtype).tiny
+    weight = jnp.asarray(border.weight, P.dtype)
 
-    def size(P: Array, H: Array) -> Array:
+    def size(P: Array, H: Array, s: Array) -> Array:
         r = residual(P, H)
-        return jnp.max(jnp.abs(_free(P, r) * r) / tolerance)
+        misfit = jnp.abs(border.misfit(P, s)) / border.tolerance
+        return jnp.maximum(jnp.max(jnp.abs(_free(P, r) * r) / tolerance), misfit)
 
     def go_on(it: _Iterate) -> Array:
         return ((it.size > 1.0) & (it.newton < options.newton_limit)) | (it.newton == 0)
@@ -77,28 +103,56 @@ def solve(
     def improve(it: _Iterate) -> _Iterate:
         r, change_of_r = jax.linearize(residual, it.P, it.H)
         free = _free(it.P, r)
+        misfit, change_of_misfit = jax.linearize(border.misfit, it.P, it.s)
 
-        def jacobian(d: Array) -> Array:
-            return free * change_of_r(d, partner_change(d))
+        def change_of_H(d: _Pair) -> Array:
+            return partner_change(d[0]) + border.dH_ds * d[1]
 
+        def jacobian(d: _Pair) -> _Pair:
+            return free * change_of_r(d[0], change_of_H(d)), weight * change_of_misfit(*d)
+
+        inverse = preconditioner(it.P, it.H, free)
+        if border is NO_BORDER:
+            precondition = unbordered(inverse)
+        else:
+            column = free * change_of_r(jnp.zeros_like(it.P), jnp.full_like(it.H, border.dH_ds))
+            precondition = bordered(inverse, column, lambda *d: weight * change_of_misfit(*d))
         # later iterations often only move a free boundary: they need not be solved far beyond the tolerance
         enough = jnp.clip(0.3 / it.size, options.krylov_reduction, 0.3)
-        d, krylov = gcr(
+        (dP, ds), krylov = gcr(
             jacobian,
-            preconditioner(it.P, it.H, free),
-            -free * r,
+            precondition,
+            (-free * r, -weight * misfit),
             jnp.where(it.newton == 0, options.krylov_reduction, enough),
             options.krylov_limit,
         )
-        share = jnp.minimum(1.0, options.largest_change / jnp.maximum(jnp.max(jnp.abs(d)), tiny))
-        P_new = jnp.maximum(it.P + share * d, 0.0)
-        H_new = it.H + partner_change(P_new - it.P)
-        return _Iterate(P_new, H_new, size(P_new, H_new), it.newton + 1, it.krylov + krylov)
+        share = jnp.minimum(1.0, options.largest_change / jnp.maximum(jnp.max(jnp.abs(dP)), tiny))
+        P_new, s_new = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
+        H_new = it.H + change_of_H((P_new - it.P, s_new - it.s))
+        return _Iterate(P_new, H_new, s_new, size(P_new, H_new, s_new), it.newton + 1, it.krylov + krylov)
 
     zero = jnp.zeros((), jnp.int32)
-    first = _Iterate(P, H, size(P, H), zero, zero)
+    s = jnp.asarray(border.s, P.dtype)
+    first = _Iterate(P, H, s, size(P, H, s), zero, zero)
     last = jax.lax.while_loop(go_on, improve, first)
-    return Solution(last.P, last.H, last.size, last.size <= 1.0, last.newton, last.krylov)
+    return Solution(last.P, last.H, last.s, last.size, last.size <= 1.0, last.newton, last.krylov)
+
+
+def unbordered(inverse: Map) -> _PairMap:
+    """The same map of the field, beside a number that it leaves alone."""
+    return lambda r: (inverse(r[0]), r[1])
+
+
+def bordered(inverse: Map, column: Array, row: Callable[[Array, Array], Array]) -> _PairMap:
+    """Approximate inverse of (d, s) -> (A d + column s, row(d, s)) from one of A, by elimination of the field d."""
+    answer = inverse(column)
+
+    def solve(r: _Pair) -> _Pair:
+        d = inverse(r[0])
+        s = (r[1] - row(d, jnp.zeros_like(r[1]))) / row(-answer, jnp.ones_like(r[1]))
+        return d - s * answer, s
+
+    return solve
 
 
 def _free(P: Array, r: Array) -> Array:
@@ -106,34 +160,52 @@ def _free(P: Array, r: Array) -> Array:
     return jnp.where((P > 0.0) | ~(r >= 0.0), 1.0, 0.0)  # free too where r is not a number, so that it shows
 
 
-def gcr(apply: Map, precondition: Map, b: Array, reduction: Array | float, limit: int) -> tuple[Array, Array]:
+def gcr(
+    apply: Callable[[Any], Any], precondition: Callable[[Any], Any], b: Any, reduction: Array | float, limit: int
+) -> tuple[Any, Array]:
     """Solve apply(x) = b until |r| <= reduction |b|, at most `limit` iterations; returns x and their number.
 
+    b is an array or a tuple of arrays.
     Generalised conjugate residuals (Eisenstat, Elman, Schultz, SIAM J Numer Anal 1983;20:345): the same iterates as
     flexible GMRES, with the residual at hand, so that the preconditioner may be of lower precision.
     """
     # z and apply(z) of the iterations so far, the latter orthonormal; only the first k are ever touched
-    zs = ws = jnp.zeros((limit, *b.shape), b.dtype)
-    goal = reduction * jnp.linalg.norm(b)
+    zs = ws = tree.map(lambda part: jnp.zeros((limit, *part.shape), part.dtype), b)
+    goal = reduction * _norm(b)
 
     def go_on(state: _Search) -> Array:
         _, r, _, _, k = state
-        return (jnp.linalg.norm(r) > goal) & (k < limit)
+        return (_norm(r) > goal) & (k < limit)
 
     def improve(state: _Search) -> _Search:
         x, r, zs, ws, k = state
         z = precondition(r)
 
-        def orthogonalise(j: Array, zw: tuple[Array, Array]) -> tuple[Array, Array]:
+        def orthogonalise(j: Array, zw: tuple[Any, Any]) -> tuple[Any, Any]:
             z, w = zw
-            overlap = jnp.vdot(ws[j], w)
-            return z - overlap * zs[j], w - overlap * ws[j]
+            zj, wj = (tree.map(lambda part: part[j], past) for past in (zs, ws))
+            overlap = _dot(wj, w)
+            return _add(z, -overlap, zj), _add(w, -overlap, wj)
 
         z, w = jax.lax.fori_loop(0, k, orthogonalise, (z, apply(z)))
-        size = jnp.linalg.norm(w)
-        z, w = z / size, w / size
-        step = jnp.vdot(w, r)
-        return x + step * z, r - step * w, zs.at[k].set(z), ws.at[k].set(w), k + 1
+        size = _norm(w)
+        z, w = (tree.map(lambda part: part / size, v) for v in (z, w))
+        step = _dot(w, r)
+        zs, ws = (tree.map(lambda past, part: past.at[k].set(part), vs, v) for vs, v in ((zs, z), (ws, w)))
+        return _add(x, step, z), _add(r, -step, w), zs, ws, k + 1
 
-    x, _, _, _, k = jax.lax.while_loop(go_on, improve, (jnp.zeros_like(b), b, zs, ws, jnp.zeros((), jnp.int32)))
+    x = tree.map(jnp.zeros_like, b)
+    x, _, _, _, k = jax.lax.while_loop(go_on, improve, (x, b, zs, ws, jnp.zeros((), jnp.int32)))
     return x, k
+
+
+def _dot(a: Any, b: Any) -> Array:
+    return sum(tree.leaves(tree.map(jnp.vdot, a, b)), jnp.zeros(()))
+
+
+def _norm(a: Any) -> Array:
+    return jnp.sqrt(_dot(a, a))
+
+
+def _add(a: Any, share: Array, b: Any) -> Any:
+    return tree.map(lambda x, y: x + share * y, a, b)
