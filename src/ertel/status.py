@@ -10,8 +10,6 @@ class Status(Enum):
     RUNNING = "running"
     INTERRUPTED = "interrupted"
     NEWTON_STALLED = "Newton stalled"
-    NO_GAP = "the predicted surfaces overlap"
-    ERROR_TOO_LARGE = "time error too large"
     STEP_TOO_SMALL = "the time step became too small"
 
     @property
@@ -29,7 +27,5 @@ _ADVICE = {
     Status.RUNNING: "the run has not come to its end yet; `ertel resume` takes it up from the last checkpoint",
     Status.INTERRUPTED: "`ertel resume` takes the run up from the last checkpoint",
     Status.NEWTON_STALLED: "take a smaller time step, or more nodes where the film is thin",
-    Status.NO_GAP: "take a smaller time step",
-    Status.ERROR_TOO_LARGE: "take a smaller time step",
     Status.STEP_TOO_SMALL: "refine the grid (solver.nodes), check the lubricant, or loosen time.tolerance",
 }
