@@ -21,7 +21,6 @@ NAMES = ("Delta", "H_c", "H_min", "P_c")
 
 GRIDS = {  # fluid, M, L: nodes: Delta, H_c, H_min, P_c
     ("barus", 100, 0): {
-        # on 65 nodes H_min is 0.0238028 here from any start, 0.0238052 there: the fifth digit is not settled
         129: (0.93977579, 0.03951914, 0.02717971, 0.982632),
         257: (0.9386755, 0.04056314, 0.02791778, 0.982459),
     },
@@ -77,13 +76,21 @@ def test_the_discrete_solution_is_the_references(key) -> None:
         assert [found[nodes][name] for name in NAMES] == pytest.approx(values, rel=1e-4), nodes
 
 
+@pytest.mark.xfail(strict=True, reason="H_min is 0.0238028 from any start: 1.02e-4 off; who is right is not settled")
+def test_the_one_grid_that_misses_the_reference() -> None:
+    """The reference's row of barus (100, 0) on 65 nodes, at the same four digits."""
+    found = {s.grid.nodes: s.measure() for s in rolling(("barus", 100, 0)).solutions}
+    values = (0.94484499, 0.0342022, 0.02380523, 0.982435)
+    assert [found[65][name] for name in NAMES] == pytest.approx(values, rel=1e-4)
+
+
 @every_case
 def test_every_grid_converges_with_bounded_work(key) -> None:
     """Residual 1e-8 from the Hertz pressure; neither Newton's nor the Krylov iterations grow with the grid."""
     for s in rolling(key).solutions:
         assert s.status.ok and s.residual <= 1e-8
         assert s.newton <= 10, s.grid.nodes
-        assert s.krylov <= 10 * s.newton, s.grid.nodes
+        assert s.krylov <= 8 * s.newton, s.grid.nodes
 
 
 @every_case

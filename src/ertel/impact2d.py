@@ -77,8 +77,7 @@ class Impact2D:
 
     def convolutions(self, newton_iterations: int, krylov_iterations: int) -> float:
         """Work in convolutions on the finest grid (one on a coarser grid counts by its nodes)."""
-        coarser = sum(2.0 * (g.nodes / self.grid.nodes) ** 2 for g in self.grid.hierarchy()[:-1])
-        return 1 + newton_iterations + krylov_iterations * (1 + coarser)
+        return 1 + newton_iterations + krylov_iterations * (1 + multigrid.v_cycle_convolutions(self.grid))
 
 
 def _pad(weights: np.ndarray) -> np.ndarray:
@@ -149,9 +148,4 @@ def _preconditioner(
         contact.mobility(c, P, H), rate.new * density, rate.new * slope * H, contact.inside(free)
     )
     levels = multigrid.hierarchy(elastic, multigrid.Coefficients(*(f.astype(precision) for f in finest)))
-
-    def precondition(r: Array) -> Array:
-        size = jnp.linalg.norm(r)  # keeps a small residual away from the end of the float range
-        return multigrid.v_cycle(levels, (r / size).astype(precision)).astype(r.dtype) * size
-
-    return precondition
+    return lambda r: multigrid.precondition(levels, r)

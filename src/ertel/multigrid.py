@@ -144,6 +144,17 @@ def v_cycle(levels: Sequence[Level], r: Array) -> Array:
     return e + smooth(level, r - apply(level, e))
 
 
+def precondition(levels: Sequence[Level], r: Array) -> Array:
+    """A V-cycle in the precision of the levels, for a residual r of any size and precision."""
+    size = jnp.linalg.norm(r)  # keeps a small residual away from the end of the float range
+    return v_cycle(levels, (r / size).astype(levels[0].coefficients.eps.dtype)).astype(r.dtype) * size
+
+
+def v_cycle_convolutions(grid: Grid) -> float:
+    """The work of a V-cycle: its convolutions, each counted by the nodes of its grid over those of the finest."""
+    return sum(2.0 * (g.nodes / grid.nodes) ** 2 for g in grid.hierarchy()[:-1])
+
+
 def smooth(level: Level, r: Array) -> Array:
     """The change of e by one sweep, given the residual r."""
     return level.coefficients.free * level.smoother.change(r)

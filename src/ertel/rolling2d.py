@@ -145,7 +145,7 @@ def solve(
 
 def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int) -> float:
     """Work in convolutions on this grid: a V-cycle each Krylov iteration, and one each Newton iteration for Delta."""
-    v_cycle = sum(2.0 * (g.nodes / grid.nodes) ** 2 for g in grid.hierarchy()[:-1])
+    v_cycle = multigrid.v_cycle_convolutions(grid)
     return 1 + newton_iterations * (1 + v_cycle) + krylov_iterations * (1 + v_cycle)
 
 
@@ -193,9 +193,4 @@ def _preconditioner(
     finest = (contact.mobility(c, P, H), density, slope * H, contact.inside(free))
     coefficients = multigrid.Coefficients(*(downstream(f).astype(precision) for f in finest))
     levels = multigrid.hierarchy(elastic, coefficients, smoother)
-
-    def precondition(r: Array) -> Array:
-        size = jnp.linalg.norm(r)  # keeps a small residual away from the end of the float range
-        return downstream(multigrid.v_cycle(levels, downstream(r / size).astype(precision))).astype(r.dtype) * size
-
-    return precondition
+    return lambda r: downstream(multigrid.precondition(levels, downstream(r)))
