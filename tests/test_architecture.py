@@ -14,7 +14,7 @@ import ertel
 PACKAGE = Path(next(iter(ertel.__path__)))
 
 # From the ground up.  A module may import only modules that stand before it.
-PHYSICS = ["status", "bdf", "lubricant", "scales", "hertz", "roughness", "formulas"]
+PHYSICS = ["status", "bdf", "lubricant", "scales", "hertz", "motion", "roughness", "formulas"]
 NUMERICS = ["grid", "halfspace", "multigrid", "lines", "newton"]
 MODEL = ["closure", "contact", "case", "level", "radial", "impact2d", "rolling2d"]
 RUNNING = ["compiling", "dataset", "analysis", "simulation"]

@@ -3,37 +3,54 @@
 All defaults of ertel live here.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from ertel import formulas
 from ertel.lubricant import Lubricant
+from ertel.motion import FREE_BALL, Motion
+from ertel.roughness import Feature
 from ertel.scales import Parameters, Scales
 
-Method = Literal["2d", "radial"]
+Kind = Literal["impact", "rolling"]
+Method = Literal["2d", "radial", "steady", "transient"]
 Stop = Literal["max-approach", "rebound"]
+
+METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
 
 
 @dataclass(frozen=True)
 class Solver:
-    """Grid and tolerance.
+    """Grid and tolerance; all lengths in units a (impact: a*).
 
-    nodes: nodes per side (2d: 2^k c + 1, half_width to both sides of the centre) or along the radius (radial: 0 to
-    half_width).  half_width: in units a*.  tolerance: of the discrete equations at each step, as a film thickness in
-    units of the trapped film sqrt(L/M).
+    nodes: nodes per side (2^k c + 1) or along the radius (radial: 0 to half_width).  half_width: from the middle of the
+    grid to its edge.  inlet: from the contact's centre to the edge upstream, None: half_width, so a centred grid.
+    tolerance: of the discrete equations.  In a time step as a film thickness, in units of the film that is expected
+    (`Case.film_scale`); steady, as the residual of Reynolds' equation itself.
     """
 
     method: Method = "2d"
     nodes: int = 257
     half_width: float = 2.0
+    inlet: float | None = None
     tolerance: float = 1e-3
+
+
+SOLVERS: Mapping[Method, Solver] = {  # the defaults
+    "2d": Solver(),
+    "radial": Solver("radial"),
+    "steady": Solver("steady", half_width=3.0, inlet=4.5, tolerance=1e-8),
+    "transient": Solver("transient", half_width=3.0, inlet=4.5),
+}
 
 
 @dataclass(frozen=True)
 class Time:
     """Time in units t0.
 
-    start_approach: Delta at T = 0, negative = apart, in units delta*.  until: an event, or a time in t0.
-    tolerance: local error allowed a step, relative (the default leaves about 0.1 % in H_c).
+    start_approach: of an impact, Delta at T = 0, negative = apart, in units delta*.  until: an event (of an impact), or
+    a time in t0.  tolerance: local error allowed a step, relative (the default leaves about 0.1 % in H_c).
     step: a fixed step instead, without error control.
     """
 
@@ -41,6 +58,9 @@ class Time:
     until: Stop | float = "max-approach"
     tolerance: float = 5e-5
     step: float | None = None
+
+
+ROLLING_UNTIL = 6.0  # t0, the default: the surfaces roll through a domain of the default length
 
 
 @dataclass(frozen=True)
@@ -52,7 +72,7 @@ class Output:
 
 @dataclass(frozen=True)
 class Case:
-    """One impact, ready to be simulated.
+    """One contact, ready to be simulated.
 
     scales is None for a dimensionless case.  source is the validated input as plain data (for provenance).
     """
@@ -63,9 +83,17 @@ class Case:
     time: Time = Time()
     output: Output = Output()
     scales: Scales | None = None
-    kind: Literal["impact"] = "impact"
+    kind: Kind = "impact"
+    motion: Motion = FREE_BALL
+    roughness: tuple[Feature, ...] = ()
     name: str = ""
     source: dict[str, object] = field(default_factory=dict, compare=False)
+
+    @property
+    def film_scale(self) -> float:
+        """The film to be expected, in a^2/R: that which the impact traps, or that of a rolling contact's formula."""
+        p = self.parameters
+        return p.trapped_film if self.kind == "impact" else formulas.nijenbanning_venner_moes(p.M, p.L)
 
     def on_half_grid(self) -> "Case":
         """The same case with twice the spacing: for the discretisation error estimate."""

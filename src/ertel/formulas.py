@@ -47,7 +47,7 @@ def piezoviscous_elastic(M: float, L: float, radius_ratio: float = 1.0) -> float
 
 
 def nijenbanning_venner_moes(M: float, L: float, radius_ratio: float = 1.0) -> float:
-    """Central film thickness H_c (a^2/R with R along the flow) for all M > 0 and L > 0, from its four asymptotes.
+    """Central film thickness H_c (a^2/R with R along the flow) for all M > 0 and L >= 0, from its four asymptotes.
 
     Nijenbanning G, Venner CH, Moes H. Film thickness in elastohydrodynamically lubricated elliptic contacts.
     Wear 1994;176:217-229.  Barus, incompressible.  radius_ratio = Rx/Ry <= 1.
@@ -57,13 +57,15 @@ def nijenbanning_venner_moes(M: float, L: float, radius_ratio: float = 1.0) -> f
     >>> round(nijenbanning_venner_moes(M=200, L=10), 4)  # 0.1005 computed on fine grids
     0.0902
     """
-    require_positive("L", L)
+    require_not_negative("L", L)
     unit, D = moes_unit(M), _checked_ratio(radius_ratio)
     RI, EI = isoviscous_rigid(M, D) / unit, isoviscous_elastic(M, D) / unit
     RP, EP = piezoviscous_rigid(M, L, D) / unit, piezoviscous_elastic(M, L, D) / unit
     limit = 1.8 / D
-    s = 1.5 * (1.0 + exp(-1.2 * EI / EP))
     isoviscous = RI**1.5 + (EI**-4 + limit**-4) ** (-3 / 8)
+    if L == 0:
+        return unit * isoviscous ** (2 / 3)
+    s = 1.5 * (1.0 + exp(-1.2 * EI / EP))
     return unit * (isoviscous ** (2 * s / 3) + (RP**-8 + EP**-8) ** (-s / 8)) ** (1 / s)
 
 

@@ -1,0 +1,120 @@
+"""What drives a contact: the applied load w(T), the entrainment U(T), the sliding, and the inertia of the ball.
+
+Impact and rolling differ here, in the scales, and nowhere else:
+
+    impact     w = 0, U = 0, inertia 4/5: a free ball in its own scales
+    rolling    w = 1, U = 1, inertia 0: the film balances the load at every moment
+
+and everything between: a ball thrown on a rolling track, a loaded ball that bounces, a start, a stop, a reversal.
+"""
+
+from dataclasses import dataclass
+from math import cos, pi, sin
+from typing import Literal, Protocol
+
+import numpy as np
+
+Surface = Literal[1, 2]
+
+
+class Signal(Protocol):
+    """A quantity that varies in time; T in t0."""
+
+    def __call__(self, T: float) -> float:
+        """The value at T."""
+        ...
+
+    def integral(self, T: float) -> float:
+        """The integral from 0 to T."""
+        ...
+
+    def range(self, until: float) -> tuple[float, float]:
+        """Bounds of the values from 0 to `until`."""
+        ...
+
+
+@dataclass(frozen=True)
+class Polyline:
+    """Straight lines between points (T, value), times rising; constant before the first and after the last."""
+
+    points: tuple[tuple[float, float], ...]
+
+    def __post_init__(self) -> None:
+        times = [T for T, _ in self.points]
+        if not times or any(late <= early for early, late in zip(times, times[1:], strict=False)):
+            raise ValueError(f"points = {list(self.points)}: must be one or more [T, value] with rising T")
+
+    def __call__(self, T: float) -> float:
+        times, values = zip(*self.points, strict=True)
+        return float(np.interp(T, times, values))
+
+    def integral(self, T: float) -> float:
+        # the trapezium rule is exact between 0, the points and T
+        knots = sorted({0.0, T, *(t for t, _ in self.points if min(0.0, T) < t < max(0.0, T))}, reverse=T < 0)
+        pairs = zip(knots, knots[1:], strict=False)
+        return sum((late - early) * (self(early) + self(late)) / 2 for early, late in pairs)
+
+    def range(self, until: float) -> tuple[float, float]:
+        values = [self(0.0), self(until), *(v for T, v in self.points if 0.0 < T < until)]
+        return min(values), max(values)
+
+
+@dataclass(frozen=True)
+class Oscillation:
+    """mean + amplitude sin(2 pi T/period + phase); period in t0, phase in radians."""
+
+    mean: float
+    amplitude: float
+    period: float
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.period > 0:
+            raise ValueError(f"period = {self.period}: must be above zero")
+
+    def __call__(self, T: float) -> float:
+        return self.mean + self.amplitude * sin(2 * pi * T / self.period + self.phase)
+
+    def integral(self, T: float) -> float:
+        turns = 2 * pi / self.period
+        return self.mean * T + self.amplitude / turns * (cos(self.phase) - cos(turns * T + self.phase))
+
+    def range(self, until: float) -> tuple[float, float]:
+        return self.mean - abs(self.amplitude), self.mean + abs(self.amplitude)
+
+
+def constant(value: float) -> Signal:
+    """A value that does not change."""
+    return Polyline(((0.0, value),))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What is done to the two bodies.
+
+    Parameters
+    ----------
+    load : Signal
+        Applied load w(T), in units of the Hertzian load F*.
+    entrainment : Signal
+        Mean speed of the surfaces U(T), in units a/t0 (rolling: u_m).
+    inertia : float
+        m (a^2/R)/(F* t0^2) of w - F = inertia * Delta'', not below zero; 0: the load is balanced at every moment.
+    slide_to_roll : float
+        (u1 - u2)/u_m, constant in time.
+    """
+
+    load: Signal
+    entrainment: Signal
+    inertia: float
+    slide_to_roll: float = 0.0
+
+    def travel(self, surface: Surface, T: float) -> float:
+        """How far a surface has moved along X since T = 0, in units a."""
+        share = 1.0 + (0.5 if surface == 1 else -0.5) * self.slide_to_roll
+        return share * self.entrainment.integral(T)
+
+
+# in the scales of an impact m delta*/(F* t0^2) = 4/5, whatever the ball: m v0^2/2 = (2/5) F* delta*
+FREE_BALL = Motion(load=constant(0.0), entrainment=constant(0.0), inertia=0.8)
+STEADY_ROLLING = Motion(load=constant(1.0), entrainment=constant(1.0), inertia=0.0)
