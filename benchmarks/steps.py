@@ -42,9 +42,9 @@ def measure(nodes: int, cache: str) -> dict[str, float]:
 
     from ertel import contact, halfspace, multigrid
     from ertel.config import parse_case
-    from ertel.impact2d import Impact2D
     from ertel.level import Level
     from ertel.simulation import transient
+    from ertel.transient2d import Transient2D
 
     def case_on(n: int) -> Any:
         solver = {"nodes": n}
@@ -59,9 +59,9 @@ def measure(nodes: int, cache: str) -> dict[str, float]:
             times.append(time.perf_counter() - start)
         return statistics.median(times)
 
-    method = Impact2D(case_on(nodes))
+    method = Transient2D(case_on(nodes))
     start = time.perf_counter()
-    method.advance([method.start()], 1e-4)
+    method.advance([method.start().level], 1e-4)
     compile_seconds = time.perf_counter() - start
     *_, last = transient(case_on(65))
     levels = []

@@ -16,7 +16,7 @@ PACKAGE = Path(next(iter(ertel.__path__)))
 # From the ground up.  A module may import only modules that stand before it.
 PHYSICS = ["status", "bdf", "lubricant", "scales", "hertz", "motion", "roughness", "formulas"]
 NUMERICS = ["grid", "halfspace", "multigrid", "lines", "newton"]
-MODEL = ["closure", "contact", "case", "level", "radial", "impact2d", "rolling2d"]
+MODEL = ["closure", "contact", "case", "level", "radial", "solve2d", "steady2d", "transient2d"]
 RUNNING = ["compiling", "dataset", "analysis", "simulation"]
 EDGES = ["config", "store", "plotting", "cli"]
 ORDER = [*PHYSICS, *NUMERICS, *MODEL, *RUNNING, *EDGES, "__init__", "__main__"]

@@ -11,13 +11,17 @@ from scipy.optimize import brentq
 
 from ertel import hertz
 from ertel.bdf import derivative_weights
-from ertel.closure import HERTZ_LOAD, NEWTON, NewtonsLaw, PrescribedApproach
+from ertel.closure import HERTZ_LOAD, NewtonsLaw, PrescribedApproach, balanced
+from ertel.motion import FREE_BALL, STEADY_ROLLING, Oscillation, constant
 from ertel.scales import impact_scales
+
+BALL = NewtonsLaw.of(FREE_BALL)
+NEWTON = 15 / (8 * pi)  # of Delta'' = - NEWTON * double integral of P
 
 
 def dry_impact(step: float, end: float = 3.2, start: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """T, Delta and V of the dry impact by BDF2 (first step BDF1): F = (2 pi/3) Delta^{3/2} closes Newton's law."""
-    law = NewtonsLaw()
+    law = BALL
     T, Delta, V = [start], [start], [1.0]
     for k in range(1, round((end - start) / step) + 1):
         T.append(start + k * step)
@@ -50,7 +54,7 @@ def parting(T: np.ndarray, Delta: np.ndarray) -> float:
 
 def test_constants():
     """15/(8 pi) times the dry load 2 pi/3 is 5/4, and energy then lets the ball reach Delta = 1."""
-    assert pytest.approx(1.25, rel=1e-15) == NEWTON * HERTZ_LOAD
+    assert pytest.approx(1 / BALL.inertia, rel=1e-15) == NEWTON * HERTZ_LOAD
     assert NEWTON * HERTZ_LOAD * 2 / 5 == pytest.approx(0.5, rel=1e-15)
 
 
@@ -112,9 +116,9 @@ def test_newtons_line_is_both_backward_differences_at_once(times, approaches, ve
     """Any Delta with the F of the line satisfies V = Delta' and V' = -NEWTON F in backward differences."""
     rates = derivative_weights(times[:count])
     approaches, velocities = approaches[: count - 1], velocities[: count - 1]
-    line = NewtonsLaw().line(times[0], rates, approaches, velocities)
+    line = BALL.line(times[0], rates, approaches, velocities)
     F = (line.value - line.approach_weight * Delta) / line.load_weight
-    V = NewtonsLaw().velocity(times[0], rates, Delta, approaches)
+    V = BALL.velocity(times[0], rates, Delta, approaches)
     scale = 1 + np.sum(np.abs(rates)) ** 2
     assert pytest.approx(rates @ [Delta, *approaches], abs=1e-12 * scale) == V
     assert rates @ [V, *velocities] == pytest.approx(-NEWTON * F, abs=1e-12 * scale)
@@ -126,7 +130,7 @@ def test_newtons_law_under_a_constant_load_is_exact(times, Delta0, V0, F):
     t = np.array(times[:3])
     V = V0 - NEWTON * F * t
     Delta = Delta0 + V0 * t - NEWTON * F * t**2 / 2
-    line = NewtonsLaw().line(times[0], derivative_weights(t), Delta[1:], V[1:])
+    line = BALL.line(times[0], derivative_weights(t), Delta[1:], V[1:])
     assert line.approach_weight * Delta[0] + line.load_weight * F == pytest.approx(line.value, abs=1e-11)
 
 
@@ -138,3 +142,25 @@ def test_prescribed_approach_is_the_motion_whatever_the_load():
     assert (line.approach_weight, line.load_weight, line.value) == (1.0, 0.0, -1 + 0.5 + 0.025)
     known = [law.motion(T) for T in times[1:]]
     assert law.velocity(0.5, rates, line.value, known) == pytest.approx(1 + 0.2 * 0.5, rel=1e-13)
+
+
+def test_without_inertia_the_line_is_the_balance_of_load():
+    """Rolling is the limit of Newton's law, whatever the motion was before."""
+    law = NewtonsLaw.of(STEADY_ROLLING)
+    assert law.line(0.5, derivative_weights([0.5, 0.4, 0.2]), [0.9, 0.8], [1.0, 2.0]) == balanced()
+
+
+@given(TIMES, st.floats(0.01, 10.0), st.floats(0.1, 2.0))
+def test_a_ball_at_rest_carries_the_load_that_is_applied(times, inertia, load):
+    """Delta constant: F = w(T), at every inertia."""
+    law = NewtonsLaw(inertia, Oscillation(load, 0.1, 2.0))
+    line = law.line(times[0], derivative_weights(times[:3]), [0.9, 0.9], [0.0, 0.0])
+    F = (line.value - 0.9 * line.approach_weight) / line.load_weight / HERTZ_LOAD
+    assert pytest.approx(law.load(times[0]), abs=1e-9 * (1 + line.approach_weight)) == F
+
+
+def test_a_constant_force_accelerates_the_ball():
+    """Without film: inertia Delta'' = w, exact for a parabola."""
+    law, T = NewtonsLaw(0.5, constant(2.0)), np.array([0.5, 0.4, 0.2])
+    line = law.line(T[0], derivative_weights(T), list(2.0 * T[1:] ** 2), list(4.0 * T[1:]))
+    assert line.value / line.approach_weight == pytest.approx(2.0 * T[0] ** 2, rel=1e-12)

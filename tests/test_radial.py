@@ -56,7 +56,7 @@ def exactly(case: Case) -> Case:
 def march(case: Case, step: float, until: float) -> list[Level]:
     """Fixed steps, no error control; all levels, newest first."""
     method = RadialImpact(case)
-    levels = [method.start()]
+    levels = [method.start().level]
     for _ in range(round(until / step)):
         attempt = method.advance(levels[:3], step)
         assert attempt.status is Status.CONVERGED
@@ -156,10 +156,10 @@ def some_equations(seed: int, nodes: int = 33) -> tuple[radial.Equations, jax.Ar
     """Equations of a level after some other, and a pressure in the middle of nowhere."""
     method = RadialImpact(roelands(200, 10, nodes))
     random = np.random.default_rng(seed)
-    levels = [method.start()]
+    levels = [method.start().level]
     levels = [method.advance(levels, 0.7).level, *levels]
     rates = bdf.derivative_weights([1.0, 0.7, 0.0])
-    line = closure.NewtonsLaw().line(1.0, rates, [level.approach for level in levels], [1.0, 1.0])
+    line = method.closure.line(1.0, rates, [level.approach for level in levels], [1.0, 1.0])
     P = np.append(random.random(nodes - 1) * (random.random(nodes - 1) < 0.8), 0.0)
     return method.equations(levels, rates, line), jnp.asarray(P)
 
@@ -235,7 +235,7 @@ def test_far_apart_the_ball_slows_down_as_a_rigid_one() -> None:
 
 def test_a_step_that_cannot_be_done_is_a_status_not_an_exception() -> None:
     method = RadialImpact(roelands(1000, 10, 33))
-    attempt = method.advance([method.start()], 1.5)  # right through the plane
+    attempt = method.advance([method.start().level], 1.5)  # right through the plane
     assert attempt.status is Status.NEWTON_STALLED
     assert attempt.newton == radial.NEWTON_LIMIT
 
@@ -266,7 +266,7 @@ class MyBarus:
 def test_not_a_number_is_a_status() -> None:
     case = replace(isoviscous(0.01, 33), lubricant=Lubricant(Nonsense(), lubricant.Incompressible()))
     method = RadialImpact(case)
-    assert method.advance([method.start()], 0.1).status is Status.NEWTON_STALLED
+    assert method.advance([method.start().level], 0.1).status is Status.NEWTON_STALLED
 
 
 def test_a_users_own_law_takes_the_place_of_a_shipped_one() -> None:
@@ -300,7 +300,7 @@ def test_measure_takes_the_smallest_film_between_the_nodes() -> None:
     assert found["X_min"] == pytest.approx(0.871, rel=1e-12) and found["H_min"] == pytest.approx(0.01, rel=1e-12)
     assert found["F"] == pytest.approx(1.0, rel=1e-2) and found["P_c"] == found["P_max"] == 1.0
     assert found["H_c"] == H[0]
-    apart = method.measure(method.start())
+    apart = method.measure(method.start().level)
     assert (apart["F"], apart["H_min"], apart["X_min"]) == (0.0, 1.0, 0.0)
 
 

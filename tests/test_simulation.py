@@ -15,12 +15,12 @@ from jax.tree_util import register_dataclass
 from ertel import analysis
 from ertel.case import Case
 from ertel.closure import PrescribedApproach
-from ertel.impact2d import Impact2D
 from ertel.level import Attempt, Level
 from ertel.lubricant import Incompressible, Lubricant
 from ertel.radial import RadialImpact
 from ertel.simulation import State, progress_fraction, simulate, transient
 from ertel.status import Status
+from ertel.transient2d import Transient2D
 
 
 def short(**time: object) -> Case:
@@ -73,7 +73,7 @@ def test_a_state_survives_storage(history: int) -> None:
 class Unwilling:
     """A method that fails whenever the step is longer than it likes."""
 
-    def __init__(self, method: Impact2D, longest: float):
+    def __init__(self, method: Transient2D, longest: float):
         self.method, self.longest = method, longest
         self.coordinates, self.start = method.coordinates, method.start
         self.measure, self.film_error = method.measure, method.film_error
@@ -85,7 +85,7 @@ class Unwilling:
 
 def test_a_step_that_fails_is_repeated_smaller() -> None:
     case = short(until=0.2, step=0.05)
-    method = Unwilling(Impact2D(case), 0.02)
+    method = Unwilling(Transient2D(case), 0.02)
     data = simulate(case, method=method).dataset
     assert float(data.time[-1]) == pytest.approx(0.2)
     assert float(data.dT.max()) <= 0.02
@@ -94,13 +94,13 @@ def test_a_step_that_fails_is_repeated_smaller() -> None:
 
 def test_a_run_that_must_give_up_keeps_what_it_has() -> None:
     case = short(until=0.2)
-    method = Impact2D(case)
+    method = Transient2D(case)
     steps = 0
 
     def tire(levels: Sequence[Level], step: float) -> Attempt:
         nonlocal steps
         steps += 1
-        attempt = Impact2D.advance(method, levels, step)
+        attempt = Transient2D.advance(method, levels, step)
         return attempt if steps <= 4 else attempt._replace(status=Status.NEWTON_STALLED)
 
     tired = Unwilling(method, 1.0)
@@ -146,8 +146,8 @@ def test_a_users_own_viscosity_law_needs_no_derivative() -> None:
     assert result.summary["newton_iterations"] < 1.5 * result.summary["steps"]
 
 
-@pytest.mark.parametrize("method", [Impact2D, RadialImpact])
-def test_a_rig_may_prescribe_the_approach(method: type[Impact2D] | type[RadialImpact]) -> None:
+@pytest.mark.parametrize("method", [Transient2D, RadialImpact])
+def test_a_rig_may_prescribe_the_approach(method: type[Transient2D] | type[RadialImpact]) -> None:
     """Pressed in to Delta = 0.5 and held: the motion is the rig's, and the load that of a dry ball pressed in further,
     by part of the film that stays between."""
 

@@ -29,15 +29,15 @@ class Attempt(NamedTuple):
 
 
 class Method(Protocol):
-    """A way to step the impact forward in time."""
+    """A way to step a contact forward in time."""
 
     @property
     def coordinates(self) -> Mapping[str, Any]:
         """Axes of P and H in order, by name, in units a*."""
         ...
 
-    def start(self) -> Level:
-        """The level at T = 0."""
+    def start(self) -> Attempt:
+        """The level at T = 0, and the work it took."""
         ...
 
     def advance(self, levels: Sequence[Level], step: float) -> Attempt:
@@ -45,7 +45,7 @@ class Method(Protocol):
         ...
 
     def measure(self, level: Level) -> dict[str, float]:
-        """F (units of the dry maximum load), P_c, P_max, H_c, H_min, X_min."""
+        """F (in units of Hertz' load F*), P_c, P_max, H_c, H_min, X_min, Y_min."""
         ...
 
     def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:

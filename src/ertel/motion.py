@@ -9,6 +9,7 @@ and everything between: a ball thrown on a rolling track, a loaded ball that bou
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from math import cos, pi, sin
 from typing import Literal, Protocol
 
@@ -41,7 +42,7 @@ class Polyline:
 
     def __post_init__(self) -> None:
         times = [T for T, _ in self.points]
-        if not times or any(late <= early for early, late in zip(times, times[1:], strict=False)):
+        if not times or any(late <= early for early, late in pairwise(times)):
             raise ValueError(f"points = {list(self.points)}: must be one or more [T, value] with rising T")
 
     def __call__(self, T: float) -> float:
@@ -51,8 +52,7 @@ class Polyline:
     def integral(self, T: float) -> float:
         # the trapezium rule is exact between 0, the points and T
         knots = sorted({0.0, T, *(t for t, _ in self.points if min(0.0, T) < t < max(0.0, T))}, reverse=T < 0)
-        pairs = zip(knots, knots[1:], strict=False)
-        return sum((late - early) * (self(early) + self(late)) / 2 for early, late in pairs)
+        return sum((late - early) * (self(early) + self(late)) / 2 for early, late in pairwise(knots))
 
     def range(self, until: float) -> tuple[float, float]:
         values = [self(0.0), self(until), *(v for T, v in self.points if 0.0 < T < until)]

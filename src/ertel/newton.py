@@ -48,7 +48,10 @@ NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
 
 
 class Solution(NamedTuple):
-    """P and H, both (n, n); the largest residual in units of the tolerance; whether it met it; the work done."""
+    """P and H, both (n, n); the largest residual in units of the tolerance; whether it met it; the work done.
+
+    history: that residual before the first and after each Newton iteration, shape (newton_limit + 1,), then NaN.
+    """
 
     P: Array
     H: Array
@@ -57,6 +60,7 @@ class Solution(NamedTuple):
     converged: Array
     newton: Array
     krylov: Array
+    history: Array
 
 
 _Pair = tuple[Array, Array]  # a field and a number
@@ -71,6 +75,7 @@ class _Iterate(NamedTuple):
     size: Array
     newton: Array
     krylov: Array
+    history: Array
 
 
 def solve(
@@ -129,13 +134,15 @@ def solve(
         share = jnp.minimum(1.0, options.largest_change / jnp.maximum(jnp.max(jnp.abs(dP)), tiny))
         P_new, s_new = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
         H_new = it.H + change_of_H((P_new - it.P, s_new - it.s))
-        return _Iterate(P_new, H_new, s_new, size(P_new, H_new, s_new), it.newton + 1, it.krylov + krylov)
+        reached, count = size(P_new, H_new, s_new), it.newton + 1
+        return _Iterate(P_new, H_new, s_new, reached, count, it.krylov + krylov, it.history.at[count].set(reached))
 
     zero = jnp.zeros((), jnp.int32)
     s = jnp.asarray(border.s, P.dtype)
-    first = _Iterate(P, H, s, size(P, H, s), zero, zero)
-    last = jax.lax.while_loop(go_on, improve, first)
-    return Solution(last.P, last.H, last.s, last.size, last.size <= 1.0, last.newton, last.krylov)
+    start = size(P, H, s)
+    history = jnp.full(options.newton_limit + 1, jnp.nan).at[0].set(start)
+    last = jax.lax.while_loop(go_on, improve, _Iterate(P, H, s, start, zero, zero, history))
+    return Solution(last.P, last.H, last.s, last.size, last.size <= 1.0, last.newton, last.krylov, last.history)
 
 
 def unbordered(inverse: Map) -> _PairMap:

@@ -21,7 +21,7 @@ from scipy.special import ellipe, ellipkm1
 
 from ertel import bdf
 from ertel.case import Case
-from ertel.closure import FREE_BALL, HERTZ_LOAD, Closure, ClosureLine
+from ertel.closure import HERTZ_LOAD, Closure, ClosureLine, NewtonsLaw
 from ertel.level import Attempt, Level
 from ertel.lubricant import Lubricant
 from ertel.status import Status
@@ -200,20 +200,21 @@ class RadialImpact:
     load carried outside falls with its square) and nodes = 401 (H_c within 0.1 % of its limit at M = 1000, L = 10).
     """
 
-    def __init__(self, case: Case, closure: Closure = FREE_BALL):
+    def __init__(self, case: Case, closure: Closure | None = None):
         check_grid(case.solver.nodes, case.solver.half_width)
         self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width))
         self.lambda_bar = case.parameters.lambda_bar
         self.oil = case.lubricant
-        self.closure = closure
+        self.closure = closure or NewtonsLaw.of(case.motion)
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
         self.start_approach = case.time.start_approach
         self.coordinates: Mapping[str, Floats] = {"r": np.asarray(self.mesh.r)}
 
-    def start(self) -> Level:
+    def start(self) -> Attempt:
         """The ball apart, moving in with unit speed, no pressure yet."""
         r = self.mesh.r
-        return Level(0.0, self.start_approach, 1.0, jnp.zeros_like(r), r**2 / 2 - self.start_approach)
+        level = Level(0.0, self.start_approach, 1.0, jnp.zeros_like(r), r**2 / 2 - self.start_approach)
+        return Attempt(level, Status.CONVERGED, 0, 0, 0.0)
 
     def advance(self, levels: Sequence[Level], step: float) -> Attempt:
         """One BDF step (BDF1 from one level, BDF2 from more), newest level first."""
@@ -242,11 +243,12 @@ class RadialImpact:
         return float(self.mesh.load @ P)
 
     def measure(self, level: Level) -> dict[str, float]:
-        """F (units of the dry maximum load), P_c, P_max, H_c, H_min, X_min."""
+        """F (units of the dry maximum load), P_c, P_max, H_c, H_min, X_min, Y_min."""
         P, H = np.asarray(level.P), np.asarray(level.H)
         X_min, H_min = lowest_point(self.coordinates["r"], H)
         F = self.load(level.P) / HERTZ_LOAD
-        return {"F": F, "P_c": float(P[0]), "P_max": float(P.max()), "H_c": float(H[0]), "H_min": H_min, "X_min": X_min}
+        films = {"H_c": float(H[0]), "H_min": H_min, "X_min": X_min, "Y_min": 0.0}
+        return {"F": F, "P_c": float(P[0]), "P_max": float(P.max()), **films}
 
     def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
         """Relative difference of two films, root mean square over the load that P carries."""

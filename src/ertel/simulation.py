@@ -1,6 +1,7 @@
 """From a case to its course in time: steps of controlled error, events, maps, and a state to resume from.
 
-`transient` yields accepted steps and knows neither files nor screens; `simulate` gathers them into a Result.
+`transient` yields accepted steps and knows neither files nor screens; `simulate` gathers them, or the grids of a steady
+case, into a Result.
 """
 
 import time as clock
@@ -12,10 +13,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ertel import analysis, bdf, compiling, dataset
+from ertel import analysis, bdf, compiling, dataset, steady2d
 from ertel.case import Case
 from ertel.level import Attempt, Level, Method
+from ertel.radial import RadialImpact
 from ertel.status import Status
+from ertel.steady2d import GridSolution
+from ertel.transient2d import Transient2D
 
 CONTROL = bdf.StepControl()
 FIRST_STEP = 0.01  # of the initial gap
@@ -106,14 +110,13 @@ class Result:
 
 
 def method_of(case: Case) -> Method:
-    """The method of solution that a case asks for."""
-    if case.solver.method == "radial":
-        from ertel.radial import RadialImpact
-
-        return RadialImpact(case)
-    from ertel.impact2d import Impact2D
-
-    return Impact2D(case)
+    """The way to step that a case asks for.  Raises ValueError for a steady case, which has no steps."""
+    match case.solver.method:
+        case "radial":
+            return RadialImpact(case)
+        case "2d" | "transient":
+            return Transient2D(case)
+    raise ValueError(f'solver.method = "{case.solver.method}": has no time steps')
 
 
 def transient(case: Case, state: State | None = None, method: Method | None = None) -> Iterator[Step]:
@@ -122,7 +125,12 @@ def transient(case: Case, state: State | None = None, method: Method | None = No
     A run that must give up yields its last good step again, with the reason as status.
     """
     method = method or method_of(case)
-    state = state or State((method.start(),), case.time.step or FIRST_STEP * abs(case.time.start_approach))
+    if state is None:
+        start = method.start()
+        state = _first(case, start)
+        if not start.status.ok:
+            yield Step(state, {}, (), start.status)
+            return
     while True:
         step = _next(case, method, state)
         yield step
@@ -132,9 +140,17 @@ def transient(case: Case, state: State | None = None, method: Method | None = No
 
 
 def simulate(
-    case: Case, on_step: Callable[[Step], None] | None = None, state: State | None = None, method: Method | None = None
+    case: Case,
+    on_step: Callable[[Any], object] | None = None,
+    state: State | None = None,
+    method: Method | None = None,
 ) -> Result:
-    """Run a case from start to end in memory.  on_step sees every step as it comes (progress, storage)."""
+    """Run a case from start to end in memory.
+
+    on_step sees every Step as it comes (progress, storage), or every GridSolution of a steady case.
+    """
+    if case.solver.method == "steady":
+        return _simulate_steady(case, on_step)
     started, compiled = clock.monotonic(), compiling.count()
     method = method or method_of(case)
     steps = []
@@ -150,6 +166,20 @@ def simulate(
     return Result(case, data.assign_attrs(status=step.status.value), summary, step.status)
 
 
+def _simulate_steady(case: Case, on_grid: Callable[[GridSolution], object] | None) -> Result:
+    started, compiled = clock.monotonic(), compiling.count()
+    solutions = []
+    for solution in steady2d.nested(case):
+        solutions.append(solution)
+        if on_grid:
+            on_grid(solution)
+    work = {"compilations": compiling.count() - compiled, "wall_s": clock.monotonic() - started}
+    status = solutions[-1].status
+    summary = analysis.steady_summary(case, solutions, work, status)
+    data = dataset.assemble_steady(case, solutions)
+    return Result(case, data.assign_attrs(status=status.value), summary, status)
+
+
 def summarise(case: Case, last: Step, data: xr.Dataset, work: Mapping[str, float]) -> dict[str, Any]:
     """The summary of a run from its last step, its Dataset, and what only the clock knows."""
     counts = {**vars(last.state.counts), **work}
@@ -160,12 +190,18 @@ def summarise(case: Case, last: Step, data: xr.Dataset, work: Mapping[str, float
 def progress_fraction(case: Case, record: Mapping[str, float]) -> float:
     """How much of a run lies behind a step, 0 to 1, roughly."""
     T, start, until = record["T"], case.time.start_approach, case.time.until
+    if not isinstance(until, str):
+        return min(T / until, 1.0)
     touch, half, whole = -start, 1.47 - start, 2.95 - 2 * start
     if until == "rebound":
         return min(T / whole, 1.0)
-    if until == "max-approach":
-        return 1.0 if record["V"] <= 0 else min(T / half, 1.0) if T > touch else T / half
-    return min(T / until, 1.0)
+    return 1.0 if record["V"] <= 0 else min(T / half, 1.0) if T > touch else T / half
+
+
+def _first(case: Case, start: Attempt) -> State:
+    """The state at T = 0; of a rolling contact its film is worth a map."""
+    step = case.time.step or FIRST_STEP * abs(case.time.start_approach)
+    return State((start.level,), step, Counts().plus(start), next_frame=1 if case.kind == "impact" else 0)
 
 
 # -- one step -------------------------------------------------------------------------------------------------------
@@ -201,7 +237,10 @@ def _landing(case: Case, T: float, step: float) -> float:
 
 
 def _error(case: Case, method: Method, levels: Sequence[Level], new: Level) -> float:
-    """Local error of Delta, V and H in units of the tolerance: what the prediction tells (see `bdf.error_factor`)."""
+    """Local error of Delta, V and H in units of the tolerance: what the prediction tells (see `bdf.error_factor`).
+
+    Without inertia V is no unknown of its own, and may jump.
+    """
     if len(levels) < 3:
         return 1.0  # too little history; keep the step
     times = [level.T for level in levels]
@@ -210,7 +249,8 @@ def _error(case: Case, method: Method, levels: Sequence[Level], new: Level) -> f
         sum(w * getattr(level, name) for w, level in zip(predict, levels, strict=True))
         for name in ("approach", "velocity", "H")
     )
-    difference = max(abs(new.approach - approach), abs(new.velocity - velocity), method.film_error(new.H, H, new.P))
+    of_speed = abs(new.velocity - velocity) if case.motion.inertia else 0.0
+    difference = max(abs(new.approach - approach), of_speed, method.film_error(new.H, H, new.P))
     return float(bdf.error_factor([new.T, *times]) * difference / case.time.tolerance)
 
 
@@ -221,7 +261,7 @@ def _accept(
     measured = method.measure(attempt.level)
     frames, next_frame = _due_frames(case, levels, state.next_frame)
     reached = state.max_approach
-    if reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
+    if case.kind == "impact" and reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
         peak = interpolate(levels, _turning_time(levels))
         reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak)}
         frames.append(_frame(peak, "max-approach"))
@@ -235,6 +275,8 @@ def _accept(
         "Delta": attempt.level.approach,
         "V": attempt.level.velocity,
         **measured,
+        "U": case.motion.entrainment(attempt.level.T),
+        "w": case.motion.load(attempt.level.T),
         "error": error,
         **{name: float(getattr(spent, name)) for name in Counts.__dataclass_fields__ if name != "steps"},
     }

@@ -4,17 +4,20 @@ The reference numbers are those of reference/rolling.json: "grids" (the exact so
 (extrapolated), H in units a^2/R.  They were made by a classical multigrid program and a dense Newton code.
 """
 
+from dataclasses import replace
 from functools import cache
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from ertel import contact, rolling2d
+from ertel import contact, steady2d
+from ertel.case import SOLVERS, Case
 from ertel.closure import HERTZ_LOAD
 from ertel.lubricant import Barus, DowsonHigginson, Incompressible, Lubricant, Roelands
-from ertel.rolling2d import Rolling
+from ertel.motion import STEADY_ROLLING, constant
 from ertel.scales import Parameters
+from ertel.steady2d import Rolling
 
 ALPHA, P0, Z = 2.2e-8, 196078400.0, 0.668678  # "rheology" of the reference
 NAMES = ("Delta", "H_c", "H_min", "P_c")
@@ -65,7 +68,9 @@ def oil(fluid: str, p: Parameters) -> Lubricant:
 def rolling(key: tuple[str, float, float], nodes: int = 257, entrainment: float = 1.0) -> Rolling:
     fluid, M, L = key
     p = Parameters.from_moes(M, L)
-    return rolling2d.steady(p.lambda_bar, oil(fluid, p), nodes, entrainment)
+    motion = replace(STEADY_ROLLING, entrainment=constant(entrainment))
+    solver = replace(SOLVERS["steady"], nodes=nodes)
+    return steady2d.steady(Case(p, oil(fluid, p), solver, kind="rolling", motion=motion))
 
 
 @every_case
@@ -142,7 +147,7 @@ def test_pressure_is_nowhere_negative_and_oil_lacks_only_where_there_is_none() -
     p = Parameters.from_moes(*key[1:])
     s = rolling(key).finest
     c = contact.ball_on_plane(s.grid, p.lambda_bar, oil(key[0], p))
-    r = np.asarray(contact.residual(c, s.P, s.H, rolling2d.STEADY, 1.0))
+    r = np.asarray(contact.residual(c, s.P, s.H, steady2d.STEADY, 1.0))
     P = np.asarray(s.P)
     assert P.min() >= 0
     assert np.abs(r[P > 0]).max() <= 1e-8
@@ -175,5 +180,5 @@ def test_mass_is_conserved_along_the_flow() -> None:
 
 def test_pressure_tends_to_hertz() -> None:
     s = rolling(("roelands", 1000, 10)).finest
-    hertz, _ = rolling2d.hertz_pressure(s.grid, rolling2d.STATIC_LOAD)
+    hertz, _ = steady2d.hertz_pressure(s.grid, 1.0)
     assert float(jnp.sqrt(jnp.mean((s.P - hertz) ** 2))) < 0.02

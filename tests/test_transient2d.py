@@ -13,16 +13,16 @@ from ertel.analysis import at_max_approach
 from ertel.case import Case, Time
 from ertel.config import parse_case
 from ertel.contact import Rate
-from ertel.impact2d import Impact2D
 from ertel.level import Level
 from ertel.simulation import Result, simulate, transient
+from ertel.transient2d import Transient2D
 
 TIGHT = {"tolerance": 1e-8}
 
 
-def march(method: Impact2D, step: float, steps: int) -> list[Level]:
+def march(method: Transient2D, step: float, steps: int) -> list[Level]:
     """Levels of a fixed-step run, newest first."""
-    levels = [method.start()]
+    levels = [method.start().level]
     for _ in range(steps):
         attempt = method.advance(levels[:3], step)
         assert attempt.status.ok
@@ -39,7 +39,7 @@ def run(case_id: str, nodes: int) -> Result:
 
 def test_mass_what_leaves_and_what_is_stored_balance() -> None:
     """Per step: the change of stored mass (as BDF sees it) plus the outflow through the edge is zero."""
-    method = Impact2D(impact(200, 10, 65, solver=TIGHT))
+    method = Transient2D(impact(200, 10, 65, solver=TIGHT))
     levels = march(method, 0.02, 60)
     c, h, oil = method.contact, method.grid.spacing, method.contact.lubricant
     now, before, earlier = levels[:3]
@@ -59,7 +59,7 @@ def test_mass_what_leaves_and_what_is_stored_balance() -> None:
 def test_mass_in_an_adaptive_run_to_the_solver_tolerance() -> None:
     """The default tolerance bounds the mass that each step may lose, in units of film: tolerance (film scale + H)."""
     case = impact(200, 10, 65)
-    method = Impact2D(case)
+    method = Transient2D(case)
     *_, last = transient(case, method=method)
     now, before, earlier = last.state.levels
     rates = bdf.derivative_weights([now.T, before.T, earlier.T])
@@ -72,21 +72,21 @@ def test_mass_in_an_adaptive_run_to_the_solver_tolerance() -> None:
 
 
 def test_the_film_is_what_its_pressure_makes_it() -> None:
-    method = Impact2D(impact(200, 10, 65))
+    method = Transient2D(impact(200, 10, 65))
     now = march(method, 0.02, 60)[0]
     H = contact.film_thickness(method.contact, now.P, now.approach)
     np.testing.assert_allclose(np.asarray(now.H), np.asarray(H), atol=1e-12)
 
 
 def test_symmetry_to_round_off() -> None:
-    now = march(Impact2D(impact(200, 10, 65, solver=TIGHT)), 0.02, 70)[0]
+    now = march(Transient2D(impact(200, 10, 65, solver=TIGHT)), 0.02, 70)[0]
     for field in (np.asarray(now.P), np.asarray(now.H)):
         for image in (field[::-1], field[:, ::-1], field.T):
             np.testing.assert_allclose(field, image, rtol=0, atol=1e-12)
 
 
 def test_newtons_law_is_kept_by_the_discrete_motion() -> None:
-    method = Impact2D(impact(200, 10, 65, solver=TIGHT))
+    method = Transient2D(impact(200, 10, 65, solver=TIGHT))
     levels = march(method, 0.02, 60)
     rates = bdf.derivative_weights([level.T for level in levels[:3]])
     V, a = (sum(w * getattr(o, k) for w, o in zip(rates, levels, strict=False)) for k in ("approach", "velocity"))

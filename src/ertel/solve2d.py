@@ -1,0 +1,201 @@
+"""One solve on the 2-D grid: P and Delta at a new time level, or of the steady state, of an impact or of rolling.
+
+The equation is always `contact.residual`, the closure always one line (`closure.ClosureLine`).  What is chosen here is
+how to solve: two ways to close the system, two preconditioners.
+
+    eliminated, bordered    Delta follows from the load at once where it has a weight of its own in the closure's line
+                            (inertia); a balanced load has none, and Newton's iteration carries Delta as an unknown
+    still, carried          nodes smoothed one by one, or along the lines on which the oil is carried (entrainment)
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from ertel import contact, halfspace, lines, multigrid, newton, roughness
+from ertel.case import Case
+from ertel.closure import HERTZ_LOAD, ClosureLine
+from ertel.contact import Contact, Rate
+from ertel.grid import Grid
+from ertel.multigrid import Elasticity
+
+Number = Array | float
+
+
+class Problem(NamedTuple):
+    """What holds at the new level: the squeeze rate, the entrainment U, the closure's line; and what may be left over.
+
+    tolerance: of Reynolds' equation at each node, (n, n) or a number.  load_tolerance: of a line with Delta unknown.
+    """
+
+    rate: Rate
+    entrainment: Number
+    line: ClosureLine
+    tolerance: Number
+    load_tolerance: Number
+
+
+Preconditioner = Callable[[Contact, tuple[Elasticity, ...], Array, Array, Array, Problem], newton.Map]
+Close = Callable[[Contact, Problem, Array, Number], "Closed"]
+
+
+class Closed(NamedTuple):
+    """The system in a form that Newton's iteration takes: first H, how H follows a change of P, the border if any.
+
+    approach: Delta from the solution.
+    """
+
+    H: Array
+    film_change: newton.Map
+    border: newton.Border
+    approach: Callable[[newton.Solution], Array]
+
+
+def grid_of(case: Case) -> Grid:
+    """The grid that a case asks for, the inlet where the oil comes from at T = 0."""
+    s = case.solver
+    centre = 0.0 if s.inlet is None else s.half_width - s.inlet
+    upstream_is_left = case.motion.entrainment(0.0) >= 0
+    return Grid(s.nodes, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre if upstream_is_left else -centre)
+
+
+def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
+    """The two surfaces and the oil at time T on a grid."""
+    smooth = contact.ball_on_plane(grid, case.parameters.lambda_bar, case.lubricant)
+    return moved(smooth, smooth.gap, case, grid, T)
+
+
+def moved(c: Contact, smooth_gap: Array, case: Case, grid: Grid, T: float) -> Contact:
+    """The contact with its roughness where it is at time T."""
+    if not case.roughness:
+        return c
+    rough = roughness.height(case.roughness, case.motion, T, grid.x[None, :], grid.y[:, None])
+    return replace(c, gap=smooth_gap - jnp.asarray(rough))
+
+
+def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
+    """Films and pressures: H_c, P_c at (0, 0), H_min the smallest where P > 0, where that is, load = integral of P."""
+    row, column = (int(np.abs(axis).argmin()) for axis in (grid.y, grid.x))
+    H_c, P_c, P_max, load, H_min, where = (float(v) for v in _measure(P, H, row, column))
+    i, j = divmod(int(where), grid.nodes)
+    films = {"H_c": H_c, "H_min": H_min, "X_min": float(grid.x[j]), "Y_min": abs(float(grid.y[i]))}
+    return {**films, "P_c": P_c, "P_max": P_max, "load": load * grid.spacing**2}
+
+
+@jax.jit
+def _measure(P: Array, H: Array, row: int, column: int) -> Array:
+    pressed = jnp.where((P > 0.0) | (P.max() <= 0.0), H, jnp.inf)
+    least = jnp.argmin(pressed)
+    return jnp.stack([H[row, column], P[row, column], P.max(), jnp.sum(P), pressed.min(), least.astype(P.dtype)])
+
+
+@partial(jax.jit, static_argnames=("close", "preconditioner", "options"))
+def solve(
+    c: Contact,
+    elastic: tuple[Elasticity, ...],
+    problem: Problem,
+    P: Array,
+    approach: Number,
+    *,
+    close: Close,
+    preconditioner: Preconditioner,
+    options: newton.Options,
+) -> tuple[newton.Solution, Array]:
+    """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P)."""
+    closed = close(c, problem, P, approach)
+
+    def residual(P: Array, H: Array) -> Array:
+        return contact.residual(c, P, H, problem.rate, problem.entrainment)
+
+    def inverse(P: Array, H: Array, free: Array) -> newton.Map:
+        return preconditioner(c, elastic, P, H, free, problem)
+
+    solution = newton.solve(
+        residual, closed.film_change, inverse, P, closed.H, problem.tolerance, options, closed.border
+    )
+    return solution, closed.approach(solution)
+
+
+def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int, bordered: bool = False) -> float:
+    """Work in convolutions on this grid (one on a coarser grid counts by its nodes).
+
+    A V-cycle and one each Krylov iteration, one each Newton iteration, and there a V-cycle more where Delta is unknown.
+    """
+    v_cycle = multigrid.v_cycle_convolutions(grid)
+    return 1 + newton_iterations * (1 + bordered * v_cycle) + krylov_iterations * (1 + v_cycle)
+
+
+# -- Delta ------------------------------------------------------------------------------------------------------------
+
+
+def eliminated(c: Contact, problem: Problem, P: Array, approach: Number) -> Closed:
+    """Delta from the load: the line where Delta has a weight."""
+    line = problem.line
+
+    def of(P: Array) -> Array:
+        return (line.value - line.load_weight * contact.load(c, P)) / line.approach_weight
+
+    def film_change(dP: Array) -> Array:
+        rise = line.load_weight * contact.load(c, dP) / line.approach_weight
+        return halfspace.displacement(c.kernel, dP) + rise
+
+    return Closed(contact.film_thickness(c, P, of(P)), film_change, newton.NO_BORDER, lambda s: of(s.P))
+
+
+def bordered(c: Contact, problem: Problem, P: Array, approach: Number) -> Closed:
+    """Delta as one more unknown, with the line as its equation."""
+    line = problem.line
+
+    def misfit(P: Array, approach: Array) -> Array:
+        return line.approach_weight * approach + line.load_weight * contact.load(c, P) - line.value
+
+    def film_change(dP: Array) -> Array:
+        return halfspace.displacement(c.kernel, dP)
+
+    weight = HERTZ_LOAD * (1.0 + problem.rate.new) / c.spacing
+    border = newton.Border(approach, -1.0, misfit, problem.load_tolerance, weight)
+    return Closed(contact.film_thickness(c, P, approach), film_change, border, lambda s: s.s)
+
+
+# -- preconditioners --------------------------------------------------------------------------------------------------
+
+
+def still(c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free: Array, problem: Problem) -> newton.Map:
+    """For U = 0."""
+    rate = problem.rate.new
+    eps, stretch, local, free = _coefficients(c, P, H, free)
+    levels = multigrid.hierarchy(elastic, _in_precision_of(elastic, eps, rate * stretch, rate * local, free))
+    return lambda r: multigrid.precondition(levels, r)
+
+
+def carried(
+    c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free: Array, problem: Problem
+) -> newton.Map:
+    """For any U, of either sign."""
+    U = problem.entrainment
+
+    def downstream(f: Array) -> Array:
+        """The lines in the direction of the flow (and, by the same reversal, back again)."""
+        return jnp.where(U >= 0, f, f[:, ::-1])
+
+    def smoother(e: Elasticity, coefficients: multigrid.Coefficients) -> lines.Lines:
+        return lines.lines(e, coefficients, problem.rate.new, jnp.abs(U))
+
+    finest = _in_precision_of(elastic, *(downstream(f) for f in _coefficients(c, P, H, free)))
+    levels = multigrid.hierarchy(elastic, finest, smoother)
+    return lambda r: downstream(multigrid.precondition(levels, downstream(r)))
+
+
+def _coefficients(c: Contact, P: Array, H: Array, free: Array) -> tuple[Array, Array, Array, Array]:
+    density, slope = jax.jvp(c.lubricant.density, (P,), (jnp.ones_like(P),))
+    return contact.mobility(c, P, H), density, slope * H, contact.inside(free)
+
+
+def _in_precision_of(elastic: Sequence[Elasticity], *fields: Array) -> multigrid.Coefficients:
+    return multigrid.Coefficients(*(f.astype(elastic[0].spectrum.dtype) for f in fields))

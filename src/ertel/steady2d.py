@@ -1,0 +1,134 @@
+"""Steady rolling on the 2-D grid: `contact`'s residual without squeeze, with a given load, coarse grid first.
+
+The unknowns are P and the approach Delta; Newton's iteration carries both.  A solution on a coarse grid is the first
+guess on the next finer one (nested iteration), and tells the error of the film at no cost.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from ertel import contact, multigrid, newton, solve2d
+from ertel.case import Case
+from ertel.closure import HERTZ_LOAD, balanced
+from ertel.contact import Contact, Rate
+from ertel.grid import Grid, check_nodes
+from ertel.solve2d import Problem
+from ertel.status import Status
+
+PRECONDITIONER_PRECISION = "float64"  # single loses its way at high load: M = 3000 on 513 nodes
+FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
+LEAST_FILM = 0.5  # share of the coarse grid's smallest film that a first guess keeps
+TOLERANCE = 1e-8  # of the film that a transient run starts from
+OPTIONS = newton.Options(krylov_limit=30)
+STEADY = Rate(0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class GridSolution:
+    """The steady contact on one grid: fields (nodes, nodes), approach in a^2/R, how it ended, and the work it took.
+
+    history: the largest residual before the first and after each Newton iteration.  convolutions: on this grid.
+    """
+
+    grid: Grid
+    P: Array
+    H: Array
+    approach: float
+    residual: float
+    status: Status
+    newton: int
+    krylov: int
+    convolutions: float
+    history: tuple[float, ...] = ()
+
+    def measure(self) -> dict[str, float]:
+        """Films, pressures and load, see `solve2d.measure`, and Delta."""
+        return {"Delta": self.approach, **solve2d.measure(self.grid, self.P, self.H)}
+
+
+class Extrapolation(NamedTuple):
+    """A value on the finest grid, an estimate of its error there, and the value extrapolated to zero spacing."""
+
+    value: float
+    error: float
+    extrapolated: float
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """The solutions on all grids, coarsest first."""
+
+    solutions: tuple[GridSolution, ...]
+
+    @property
+    def finest(self) -> GridSolution:
+        return self.solutions[-1]
+
+    @property
+    def convolutions(self) -> float:
+        """The work on all grids, in convolutions on the finest."""
+        return sum(s.convolutions * (s.grid.nodes / self.finest.grid.nodes) ** 2 for s in self.solutions)
+
+    def extrapolate(self, name: str) -> Extrapolation:
+        """A quantity of `measure` by Richardson's extrapolation: the error falls with the square of the spacing."""
+        coarse, fine = (s.measure()[name] for s in self.solutions[-2:])
+        return Extrapolation(fine, abs(fine - coarse) / 3, fine + (fine - coarse) / 3)
+
+
+def steady(case: Case) -> Rolling:
+    """The steady contact with the load and the entrainment of T = 0, on all grids."""
+    return Rolling(tuple(nested(case)))
+
+
+def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSolution]:
+    """Solutions from the coarsest grid to the case's own; goes on after those that are done.
+
+    The case's tolerance bounds the residual of Reynolds' equation where its method is "steady".
+    """
+    check_nodes(case.solver.nodes)
+    tolerance = case.solver.tolerance if case.solver.method == "steady" else TOLERANCE
+    grids = [solve2d.grid_of(case)]
+    while (grids[-1].nodes - 1) // 2 + 1 >= FIRST_GRID:
+        grids.append(grids[-1].coarser())
+    last = done[-1] if done else None
+    for grid in reversed(grids[: len(grids) - len(done)]):
+        c = solve2d.contact_of(case, grid)
+        P, approach = first_guess(c, last) if last else hertz_pressure(grid, case.motion.load(0.0))
+        last = solve(case, grid, c, P, approach, tolerance)
+        yield last
+
+
+def hertz_pressure(grid: Grid, load: float) -> tuple[Array, float]:
+    """Pressure and approach of the dry contact under a load in units F*, which it carries exactly on this grid."""
+    radius = load ** (1 / 3)
+    square = grid.x[None, :] ** 2 + grid.y[:, None] ** 2
+    P = jnp.sqrt(jnp.maximum(radius**2 - square, 0.0))
+    return P * (load * HERTZ_LOAD / (jnp.sum(P) * grid.spacing**2)), radius**2
+
+
+def first_guess(c: Contact, coarse: GridSolution) -> tuple[Array, float]:
+    """Pressure and approach from twice the spacing; the bodies are moved apart where they would overlap."""
+    P = multigrid.prolong(coarse.P)
+    least = LEAST_FILM * max(coarse.measure()["H_min"], 0.0)
+    overlap = least - float(contact.film_thickness(c, P, coarse.approach).min())
+    return P, coarse.approach - max(overlap, 0.0)
+
+
+def solve(case: Case, grid: Grid, c: Contact, P: Array, approach: float, tolerance: float) -> GridSolution:
+    """The steady solution on one grid from a first guess of P and the approach."""
+    problem = Problem(
+        STEADY, case.motion.entrainment(0.0), balanced(case.motion.load(0.0)), tolerance, tolerance / HERTZ_LOAD
+    )
+    elastic = multigrid.elasticities(grid, PRECONDITIONER_PRECISION)
+    s, Delta = solve2d.solve(
+        c, elastic, problem, P, approach, close=solve2d.bordered, preconditioner=solve2d.carried, options=OPTIONS
+    )
+    status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
+    n, k = int(s.newton), int(s.krylov)
+    work = solve2d.convolutions(grid, n, k, bordered=True)
+    history = tuple((s.history[: n + 1] * tolerance).tolist())
+    return GridSolution(grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history)

@@ -1,0 +1,142 @@
+"""The 2-D grid in time: one BDF step of `contact`'s residual, for an impact, for rolling, and for both at once."""
+
+from collections.abc import Sequence
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from ertel import bdf, contact, multigrid, newton, solve2d, steady2d
+from ertel.case import Case
+from ertel.closure import HERTZ_LOAD, Closure, ClosureLine, NewtonsLaw
+from ertel.contact import Contact, Rate
+from ertel.grid import check_nodes
+from ertel.level import Attempt, Level
+from ertel.multigrid import Elasticity
+from ertel.solve2d import Close, Preconditioner, Problem
+from ertel.status import Status
+
+STILL_PRECISION, CARRIED_PRECISION = "float32", "float64"  # of the preconditioner
+THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
+STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
+LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
+OPTIONS = newton.Options()
+
+
+class Transient2D:
+    """The methods "2d" and "transient": see `level.Method`.
+
+    An impact starts with the bodies apart, rolling from its steady film.  closure is the law for Delta: Newton's law
+    with the case's load and inertia unless another is given.
+    """
+
+    def __init__(self, case: Case, closure: Closure | None = None):
+        check_nodes(case.solver.nodes)
+        self.case = case
+        self.grid = solve2d.grid_of(case)
+        self.smooth = contact.ball_on_plane(self.grid, case.parameters.lambda_bar, case.lubricant)
+        self.closure = closure or NewtonsLaw.of(case.motion)
+        flows = any(case.motion.entrainment.range(np.inf))
+        self.preconditioner = solve2d.carried if flows else solve2d.still
+        self.elastic = multigrid.elasticities(self.grid, CARRIED_PRECISION if flows else STILL_PRECISION)
+        self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
+
+    def start(self) -> Attempt:
+        """The bodies apart, moving in with unit speed, no pressure yet; or the steady film with the motion at T = 0."""
+        if self.case.kind == "rolling":
+            steady = steady2d.steady(self.case)
+            s = steady.finest
+            level = Level(0.0, s.approach, 0.0, s.P, s.H)
+            return Attempt(level, s.status, s.newton, s.krylov, steady.convolutions)
+        c, approach = self.contact(0.0), self.case.time.start_approach
+        P = jnp.zeros((self.grid.nodes, self.grid.nodes))
+        level = Level(0.0, approach, 1.0, P, contact.film_thickness(c, P, approach))
+        return Attempt(level, Status.CONVERGED, 0, 0, 1.0)
+
+    def contact(self, T: float) -> Contact:
+        """The surfaces and the oil at time T."""
+        return solve2d.moved(self.smooth, self.smooth.gap, self.case, self.grid, T)
+
+    def advance(self, levels: Sequence[Level], step: float) -> Attempt:
+        """One BDF step (BDF1 from one level, BDF2 from more)."""
+        T = levels[0].T + step
+        times = [level.T for level in levels]
+        rates = bdf.derivative_weights([T, *times[:2]])
+        approaches = [level.approach for level in levels]
+        line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
+        padded = [*levels, *[levels[-1]] * 2][:3]  # one shape, so one compilation, whatever the history
+        predict = bdf.interpolation_weights(T, times)
+        solution, approach = _advance(
+            self.contact(T),
+            self.elastic,
+            jnp.stack([level.P for level in padded]),
+            jnp.stack([level.H for level in padded]),
+            float(predict @ approaches),
+            _pad(predict),
+            _pad(rates),
+            line,
+            self.case.motion.entrainment(T),
+            self.case.solver.tolerance,
+            self.case.film_scale,
+            close=solve2d.eliminated if line.approach_weight else solve2d.bordered,
+            preconditioner=self.preconditioner,
+        )
+        n, k = int(solution.newton), int(solution.krylov)
+        approach = float(approach)
+        velocity = self.closure.velocity(T, rates, approach, approaches)
+        status = Status.CONVERGED if bool(solution.converged) else Status.NEWTON_STALLED
+        work = solve2d.convolutions(self.grid, n, k, bordered=not line.approach_weight)
+        return Attempt(Level(T, approach, velocity, solution.P, solution.H), status, n, k, work)
+
+    def measure(self, level: Level) -> dict[str, float]:
+        """Load, pressures and films of one level; of a smooth impact X_min is the radius of the least film."""
+        values = solve2d.measure(self.grid, level.P, level.H)
+        values["F"] = values.pop("load") / HERTZ_LOAD
+        if self.case.kind == "impact":
+            values |= {"X_min": float(np.hypot(values["X_min"], values["Y_min"])), "Y_min": 0.0}
+        return values
+
+    def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
+        """Relative difference of two films, root mean square over the load that P carries."""
+        return float(_film_error(H, H_predicted, P, THIN * self.case.film_scale))
+
+
+def _pad(weights: np.ndarray) -> np.ndarray:
+    return np.pad(weights, (0, 3 - len(weights)))
+
+
+@jax.jit
+def _film_error(H: Array, H_predicted: Array, P: Array, thin: float) -> Array:
+    relative = (H - H_predicted) / (jnp.abs(H) + thin)
+    return jnp.sqrt(jnp.sum(P * relative**2) / jnp.maximum(jnp.sum(P), jnp.finfo(P.dtype).tiny))
+
+
+@partial(jax.jit, static_argnames=("close", "preconditioner"))
+def _advance(
+    c: Contact,
+    elastic: tuple[Elasticity, ...],
+    P_old: Array,
+    H_old: Array,
+    approach: float,
+    predict: Array,
+    rates: Array,
+    line: ClosureLine,
+    entrainment: float,
+    tolerance: float,
+    film_scale: float,
+    *,
+    close: Close,
+    preconditioner: Preconditioner,
+) -> tuple[newton.Solution, Array]:
+    mass = c.lubricant.density(P_old[:2]) * H_old[:2]
+    rate = Rate(rates[0], jnp.tensordot(rates[1:], mass, axes=1))
+    P = jnp.tensordot(predict, P_old, axes=1)
+    # Newton comes down to a small pressure in few iterations and up from none in many (the viscosity is exponential),
+    # and a free boundary retreats in one and advances a node at a time: so predict no steep fall
+    P = jnp.maximum(P, STEEPEST_FALL * P_old[0])
+    # a residual r adds r/rates[0] to the film in this step
+    allowed = tolerance * rates[0] * (film_scale + jnp.abs(H_old[0]))
+    problem = Problem(rate, entrainment, line, allowed, LOAD_SHARE * tolerance)
+    return solve2d.solve(c, elastic, problem, P, approach, close=close, preconditioner=preconditioner, options=OPTIONS)
