@@ -36,7 +36,7 @@ class Transient2D:
         check_nodes(case.solver.nodes)
         self.case = case
         self.grid = solve2d.grid_of(case)
-        self.smooth = contact.ball_on_plane(self.grid, case.parameters.lambda_bar, case.lubricant)
+        self.contact = contact.ball_on_plane(self.grid, case.parameters.lambda_bar, case.lubricant)
         self.closure = closure or NewtonsLaw.of(case.motion)
         flows = any(case.motion.entrainment.range(np.inf))
         self.preconditioner = solve2d.carried if flows else solve2d.still
@@ -50,14 +50,14 @@ class Transient2D:
             s = steady.finest
             level = Level(0.0, s.approach, 0.0, s.P, s.H)
             return Attempt(level, s.status, s.newton, s.krylov, steady.convolutions)
-        c, approach = self.contact(0.0), self.case.time.start_approach
+        c, approach = self.contact_at(0.0), self.case.time.start_approach
         P = jnp.zeros((self.grid.nodes, self.grid.nodes))
         level = Level(0.0, approach, 1.0, P, contact.film_thickness(c, P, approach))
         return Attempt(level, Status.CONVERGED, 0, 0, 1.0)
 
-    def contact(self, T: float) -> Contact:
+    def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
-        return solve2d.moved(self.smooth, self.smooth.gap, self.case, self.grid, T)
+        return solve2d.moved(self.contact, self.contact.gap, self.case, self.grid, T)
 
     def advance(self, levels: Sequence[Level], step: float) -> Attempt:
         """One BDF step (BDF1 from one level, BDF2 from more)."""
@@ -69,7 +69,7 @@ class Transient2D:
         padded = [*levels, *[levels[-1]] * 2][:3]  # one shape, so one compilation, whatever the history
         predict = bdf.interpolation_weights(T, times)
         solution, approach = _advance(
-            self.contact(T),
+            self.contact_at(T),
             self.elastic,
             jnp.stack([level.P for level in padded]),
             jnp.stack([level.H for level in padded]),
