@@ -11,7 +11,8 @@ from scipy.integrate import quad
 from ertel.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, Signal, constant
 
 numbers = st.floats(-3.0, 3.0)
-polylines = st.lists(st.tuples(st.floats(-2.0, 5.0), numbers), min_size=1, max_size=5, unique_by=lambda p: round(p[0], 2))
+points = st.tuples(st.floats(-2.0, 5.0), numbers)
+polylines = st.lists(points, min_size=1, max_size=5, unique_by=lambda point: round(point[0], 2))
 signals = st.one_of(
     polylines.map(lambda points: Polyline(tuple(sorted(points)))),
     st.builds(Oscillation, numbers, numbers, st.floats(0.3, 5.0), numbers),
