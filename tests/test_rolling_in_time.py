@@ -123,7 +123,7 @@ def test_a_heavy_ball_swings_about_the_applied_load() -> None:
     load = Polyline(((0.0, 1.0), (0.05, 1.2)))
     levels = march(rolling(replace(STEADY_ROLLING, load=load, inertia=0.5)), 0.05, 50)
     loads = [float(jnp.sum(level.P)) * (6 / 32) ** 2 / HERTZ_LOAD for level in levels]
-    assert max(loads) > 1.25 and min(loads[: len(loads) // 2]) < 1.3
+    assert max(loads) > 1.3 and loads[0] < max(loads) - 0.1
 
 
 # -- laws -------------------------------------------------------------------------------------------------------------
@@ -158,9 +158,10 @@ def test_a_film_wave_travels_at_the_mean_speed_of_the_surfaces() -> None:
     x = Transient2D(rolling(nodes=65)).grid.x
     inside = np.abs(x) < 0.8
     steady = np.asarray(levels[-1].H)[32]
-    crest = {round(level.T, 2): x[inside][np.argmax((np.asarray(level.H)[32] - steady)[inside])] for level in levels}
-    speed = (crest[1.4] - crest[1.0]) / 0.4
-    assert speed == pytest.approx(1.0, abs=0.25)
+    carried = [level for level in levels if level.T > 0.55]
+    crest = [x[inside][np.argmax((np.asarray(level.H)[32] - steady)[inside])] for level in carried]
+    speed = np.polyfit([level.T for level in carried], crest, 1)[0]
+    assert speed == pytest.approx(1.0, abs=0.05)
 
 
 def test_second_order_in_time() -> None:

@@ -182,3 +182,11 @@ def test_pressure_tends_to_hertz() -> None:
     s = rolling(("roelands", 1000, 10)).finest
     hertz, _ = steady2d.hertz_pressure(s.grid, 1.0)
     assert float(jnp.sqrt(jnp.mean((s.P - hertz) ** 2))) < 0.02
+
+
+@pytest.mark.parametrize("part", ["load", "entrainment"])
+def test_no_load_or_no_flow_is_refused(part) -> None:
+    p = Parameters.from_moes(200, 10)
+    motion = replace(STEADY_ROLLING, **{part: constant(0.0)})
+    with pytest.raises(ValueError, match=rf"^motion\.{part} = 0.0 at T = 0"):
+        steady2d.steady(Case(p, oil("barus", p), SOLVERS["steady"], kind="rolling", motion=motion))

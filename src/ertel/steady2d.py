@@ -87,9 +87,11 @@ def steady(case: Case) -> Rolling:
 def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSolution]:
     """Solutions from the coarsest grid to the case's own; goes on after those that are done.
 
-    The case's tolerance bounds the residual of Reynolds' equation where its method is "steady".
+    The case's tolerance bounds the residual of Reynolds' equation where its method is "steady".  Raises ValueError where
+    there is no load or no entrainment at T = 0, and so no steady film.
     """
     check_nodes(case.solver.nodes)
+    check_motion(case)
     tolerance = case.solver.tolerance if case.solver.method == "steady" else TOLERANCE
     grids = [solve2d.grid_of(case)]
     while (grids[-1].nodes - 1) // 2 + 1 >= FIRST_GRID:
@@ -100,6 +102,15 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
         P, approach = first_guess(c, last) if last else hertz_pressure(grid, case.motion.load(0.0))
         last = solve(case, grid, c, P, approach, tolerance)
         yield last
+
+
+def check_motion(case: Case) -> None:
+    """Raise ValueError unless there is a steady film at T = 0."""
+    load, entrainment = case.motion.load(0.0), case.motion.entrainment(0.0)
+    if not load > 0:
+        raise ValueError(f"motion.load = {load} at T = 0: must be above zero, a steady film carries a load")
+    if entrainment == 0:
+        raise ValueError(f"motion.entrainment = {entrainment} at T = 0: must not be zero, a steady film needs a flow")
 
 
 def hertz_pressure(grid: Grid, load: float) -> tuple[Array, float]:
