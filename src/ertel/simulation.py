@@ -262,7 +262,7 @@ def _accept(
     frames, next_frame = _due_frames(case, levels, state.next_frame)
     reached = state.max_approach
     if case.kind == "impact" and reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
-        peak = interpolate(levels, _turning_time(levels))
+        peak = interpolate(levels, turning_time(levels))
         reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak)}
         frames.append(_frame(peak, "max-approach"))
     status = Status.CONVERGED if _ended(case, attempt.level, measured["F"], reached) else Status.RUNNING
@@ -311,7 +311,7 @@ def interpolate(levels: Sequence[Level], T: float) -> Level:
     return Level(T, float(approach), float(velocity), P.clip(0.0), H)
 
 
-def _turning_time(levels: Sequence[Level]) -> float:
+def turning_time(levels: Sequence[Level]) -> float:
     """When V = 0 between the last two levels, by bisection of its parabola."""
     times = [level.T for level in levels]
     V = np.array([level.velocity for level in levels])
