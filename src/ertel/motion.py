@@ -51,7 +51,7 @@ class Polyline:
 
     def integral(self, T: float) -> float:
         # the trapezium rule is exact between 0, the points and T
-        knots = sorted({0.0, T, *(t for t, _ in self.points if min(0.0, T) < t < max(0.0, T))}, reverse=T < 0)
+        knots = sorted({0.0, T, *(t for t, _ in self.points if min(0.0, T) < t < max(0.0, T))}, reverse=bool(T < 0))
         return sum((late - early) * (self(early) + self(late)) / 2 for early, late in pairwise(knots))
 
     def range(self, until: float) -> tuple[float, float]:

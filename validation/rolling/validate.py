@@ -1,0 +1,199 @@
+"""Validate rolling: reference numbers, limits, a measured micro-cavity; writes reference.md, limits.md, cavity.md.
+
+    python validation/rolling/validate.py [reference] [limits] [cavity] [--nodes N]
+
+Times on two cores, once compiled: reference 5 minutes, limits 3, cavity 1 on 257 nodes (8 on 513).
+The reference numbers are read from ../shared/reference beside the checkout (or from ERTEL_REFERENCE); they stay there.
+"""
+
+import csv
+import json
+import os
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ertel import compiling, formulas, steady2d
+from ertel.case import Case
+from ertel.config import load_case, parse_case
+from ertel.simulation import simulate
+
+HERE = Path(__file__).parent
+REFERENCE = Path(os.environ.get("ERTEL_REFERENCE", HERE.parents[2] / "shared" / "reference"))
+MOURIER = REFERENCE / "mourier_2006"
+FLUIDS = {
+    "barus incompressible": {"viscosity": "barus", "density": "incompressible"},
+    "roelands + dowson-higginson": {"p0": "196078400 Pa", "z": 0.668678},  # the file's
+}
+BLACK, BLUE, ORANGE = "black", "#0072B2", "#D55E00"
+Values = NDArray[np.float64]
+
+
+def case(M: float, L: float, nodes: int, oil: dict[str, Any], **solver: Any) -> Case:
+    contact = {"kind": "rolling", "M": M, "L": L}
+    return parse_case({"contact": contact, "lubricant": oil, "solver": {"nodes": nodes, **solver}})
+
+
+def table(head: list[str], rows: list[list[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+
+
+# -- reference numbers ------------------------------------------------------------------------------------------------
+
+
+def reference(nodes: int) -> str:
+    """Every case of rolling.json: the discrete solutions, the extrapolated film, its order, and the error estimate."""
+    rows = []
+    for entry in json.loads((REFERENCE / "rolling.json").read_text())["cases"]:
+        rows.append(_compare(entry, nodes))
+        print(rows[-1], flush=True)
+    head = [
+        "fluid",
+        "M",
+        "L",
+        "largest deviation of the discrete solution",
+        "H_c",
+        "extrapolated",
+        "reference",
+        "order",
+    ]
+    return table([*head, "true error/estimate of H_c", "of H_min"], rows)
+
+
+def _compare(entry: dict[str, Any], nodes: int) -> list[str]:
+    oil = dict(FLUIDS[entry["fluid"]])
+    if entry["L"] == 0:
+        oil = {"viscosity": "isoviscous", "density": "incompressible"}
+    rolling = steady2d.steady(case(entry["M"], entry["L"], nodes, oil))
+    deviations = []
+    for s in rolling.solutions:
+        found, exact = s.measure(), entry["grids"].get(str(s.grid.nodes), {})
+        deviations += [abs(found[name] / exact[name] - 1) for name in ("Delta", "H_c", "H_min", "P_c") if name in exact]
+    H_c = [s.measure()["H_c"] for s in rolling.solutions[-3:]]
+    order = np.log2((H_c[1] - H_c[0]) / (H_c[2] - H_c[1]))
+    converged = entry["converged"]
+    ratios = []
+    for name in ("H_c", "H_min"):
+        e = rolling.extrapolate(name)
+        ratios.append(f"{abs(e.value - converged[name]) / e.error:.2f}")
+    numbers = [f"{rolling.extrapolate('H_c').value:.6f}", f"{rolling.extrapolate('H_c').extrapolated:.6f}"]
+    exact = f"{converged['H_c']:.6f} ± {entry['plus_minus']['H_c']:.0e}"
+    status = "" if rolling.finest.status.ok else f" ({rolling.finest.status.value})"
+    first = [entry["fluid"] + status, f"{entry['M']:g}", f"{entry['L']:g}", f"{max(deviations):.0e}"]
+    return [*first, *numbers, exact, f"{order:.2f}", *ratios]
+
+
+# -- limits -----------------------------------------------------------------------------------------------------------
+
+
+def limits(nodes: int) -> str:
+    """The isoviscous film of soft bodies and the piezoviscous one, towards high load."""
+    rows = []
+    for L, oil in ((0, {"viscosity": "isoviscous", "density": "incompressible"}), (10, FLUIDS["barus incompressible"])):
+        for M in (30, 100, 300, 1000) if L == 0 else (100, 300, 1000):
+            rows.append(_limit(M, L, nodes, oil))
+            print(rows[-1], flush=True)
+    head = ["M", "L", "H_c", "error", "extrapolated", "over its asymptote", "over Nijenbanning-Venner-Moes"]
+    return table(head, rows)
+
+
+def _limit(M: float, L: float, nodes: int, oil: dict[str, Any]) -> list[str]:
+    e = steady2d.steady(case(M, L, nodes, oil)).extrapolate("H_c")
+    limit = formulas.piezoviscous_elastic(M, L) if L else formulas.isoviscous_elastic(M)
+    curve = formulas.nijenbanning_venner_moes(M, L)
+    film = [f"{e.value:.5f}", f"{e.error / e.value:.1%}", f"{e.extrapolated:.5f}"]
+    return [f"{M:g}", f"{L:g}", *film, f"{e.extrapolated / limit:.3f}", f"{e.extrapolated / curve:.3f}"]
+
+
+# -- a micro-cavity through the contact -------------------------------------------------------------------------------
+
+
+def cavity(nodes: int) -> str:
+    """Film along the middle while a cavity passes, beside what was measured and computed by Mourier et al. (2006)."""
+    c = load_case(HERE / "micro_cavity.toml", [f"solver.nodes={nodes}"])
+    steady = simulate(_undisturbed(c)).summary
+    data = simulate(c, _report).dataset.sel(Y=0.0, method="nearest")
+    T, x = data["frame"].values, data["X"].values * c.scales.a * 1e6
+    films = data["H"].values * c.scales.film * 1e9
+    rows, figure = [], Figure(figsize=(6.5, 11), layout="constrained", dpi=150)
+    for number, axes in enumerate(figure.subplots(5, 1, sharex=True, sharey=True), start=1):
+        measured, published = (_curve(f"{kind}_{number}{end}") for kind, end in (("exp", ""), ("sim", "_h")))
+        frame = 0 if number == 1 else _nearest(x, films, published)
+        centre = _cavity_at(c, T[frame]) * c.scales.a * 1e6
+        rows.append(_row(number, x, films[frame], centre, measured, published))
+        axes.plot(*measured.T, "o", color=BLACK, ms=3, label="measured")
+        axes.plot(*published.T, color=BLUE, lw=1, label="computed, published")
+        axes.plot(x, films[frame], color=ORANGE, lw=1.4, label="ertel")
+        axes.set(xlim=(-180, 180), ylim=(0, 450), ylabel="film thickness (nm)")
+        axes.set_title(f"cavity at {centre:.0f} µm" if number > 1 else "no cavity in the contact", fontsize="small")
+    axes.set_xlabel("x (µm), flow from left to right")
+    figure.axes[0].legend(frameon=False, fontsize="small", loc="upper center", ncols=3)
+    figure.savefig(HERE / "cavity.png")
+    si = steady["si"]
+    film = f"h_c = {si['h_c_m'] * 1e9:.1f} nm, error {si['h_c_error_m'] * 1e9:.1f} nm on {nodes}², extrapolated "
+    film += f"{steady['H_c_extrapolated'] * c.scales.film * 1e9:.1f} nm; measured 206 to 217 nm"
+    head = ["position", "cavity's centre (µm)", "r.m.s. to the published computation (nm)"]
+    return f"Undisturbed film: {film}.\n\n" + table([*head, "median to the measurement outside the cavity (nm)"], rows)
+
+
+def _undisturbed(c: Case) -> Case:
+    steady = replace(c.solver, method="steady", tolerance=1e-8)
+    return replace(c, solver=steady, roughness=())
+
+
+def _curve(name: str) -> Values:
+    """Two columns, x in µm and film in nm, by rising x."""
+    with (MOURIER / f"mourier_ssr0_{name}.csv").open() as file:
+        rows = [[float(value) for value in row] for row in list(csv.reader(file))[1:] if len(row) == 2]
+    values = np.array(rows)
+    return values[np.argsort(values[:, 0])]
+
+
+def _nearest(x: Values, films: Values, published: Values) -> int:
+    """The map that comes closest to the published film inside the contact: its time is not stated there."""
+    inside = published[np.abs(published[:, 0]) < 130]
+    distance = [np.mean((np.interp(inside[:, 0], x, film) - inside[:, 1]) ** 2) for film in films]
+    return int(np.argmin(distance))
+
+
+def _cavity_at(c: Case, T: float) -> float:
+    feature = c.roughness[0]
+    return feature.shape.X + c.motion.travel(feature.surface, T)
+
+
+def _row(number: int, x: Values, film: Values, centre: float, measured: Values, published: Values) -> list[str]:
+    inside = published[np.abs(published[:, 0]) < 130]
+    to_published = np.sqrt(np.mean((np.interp(inside[:, 0], x, film) - inside[:, 1]) ** 2))
+    smooth = measured[(np.abs(measured[:, 0]) < 110) & (np.abs(measured[:, 0] - centre) > 40)]
+    to_measured = np.median(np.abs(np.interp(smooth[:, 0], x, film) - smooth[:, 1]))
+    place = f"{centre:.0f}" if number > 1 else "outside"
+    return [f"{number}", place, f"{to_published:.1f}", f"{to_measured:.1f}"]
+
+
+def _report(step: Any) -> None:
+    if step.state.counts.steps % 25 == 0:
+        print(f"T = {step.record['T']:.3f}, {step.record['convolutions']:.0f} convolutions", flush=True)
+
+
+# -- all --------------------------------------------------------------------------------------------------------------
+
+NODES = {"reference": 257, "limits": 513, "cavity": 257}
+
+
+def main(arguments: list[str]) -> None:
+    compiling.keep_on_disk()
+    nodes = int(arguments[arguments.index("--nodes") + 1]) if "--nodes" in arguments else None
+    for name in [name for name in arguments if name in NODES] or NODES:
+        text = globals()[name](nodes or NODES[name])
+        (HERE / f"{name}.md").write_text(text, encoding="utf-8")
+        print(text)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
