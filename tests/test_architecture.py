@@ -16,9 +16,10 @@ PACKAGE = Path(next(iter(ertel.__path__)))
 # From the ground up.  A module may import only modules that stand before it.
 PHYSICS = ["status", "bdf", "lubricant", "scales", "hertz", "motion", "roughness", "formulas"]
 NUMERICS = ["grid", "halfspace", "multigrid", "lines", "newton"]
-MODEL = ["closure", "contact", "case", "level", "radial", "solve2d", "steady2d", "transient2d"]
-RUNNING = ["compiling", "dataset", "analysis", "simulation"]
-EDGES = ["config", "store", "plotting", "cli"]
+MODEL = ["closure", "contact", "case", "level", "radial", "solve2d", "steady2d", "transient2d", "tangent2d"]
+RUNNING = ["compiling", "sweep", "dataset", "analysis", "simulation", "response"]
+EDGES = ["units", "casefile", "config", "store", "drawing", "plotting_steady", "plotting"]
+EDGES += ["page", "paper_front", "paper_waves", "paper", "cli"]
 ORDER = [*PHYSICS, *NUMERICS, *MODEL, *RUNNING, *EDGES, "__init__", "__main__"]
 
 TREES = {path.stem: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(PACKAGE.glob("*.py"))}

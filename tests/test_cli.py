@@ -167,7 +167,7 @@ def test_full_disk(here, monkeypatch):
 
 def test_interrupt_and_resume(here, monkeypatch):
     ertel_("run", "small.toml", "--out", "whole", "-q")
-    original = store.RunStore.append
+    original = store.TransientStore.append
 
     def append(self, step):
         original(self, step)
@@ -175,7 +175,7 @@ def test_interrupt_and_resume(here, monkeypatch):
             signal.raise_signal(signal.SIGINT)
 
     with monkeypatch.context() as patch:
-        patch.setattr(store.RunStore, "append", append)
+        patch.setattr(store.TransientStore, "append", append)
         result = ertel_("run", "small.toml", "--out", "cut", code=130)
     assert "interrupted; go on with: ertel resume cut" in result.stderr
     assert json.loads(ertel_("show", "cut", "--json").stdout)["steps"] == 5

@@ -78,8 +78,8 @@ def test_elliptic_nijenbanning_by_hand() -> None:
     }
     for film, moes in by_hand.items():
         assert film / formulas.moes_unit(100) == pytest.approx(moes, rel=1e-5)
-    # joined with s = 1.5 (1 + exp(-1.2 * 1.646015/3.279014)) = 2.321259: the isoviscous part (0.037992^{3/2} +
-    # (1.646015^-4 + 7.2^-4)^{-3/8} = 2.117035)^{2s/3}, the piezoviscous one (3.391820^-8 + 3.279014^-8)^{-s/8} = 13.35756
+    # joined with s = 1.5 (1 + exp(-1.2 * 1.646015/3.279014)) = 2.321259; the isoviscous part 0.037992^{3/2} +
+    # (1.646015^-4 + 7.2^-4)^{-3/8} = 2.117035, the piezoviscous part (3.391820^-8 + 3.279014^-8)^{-s/8} = 13.35756
     film = (2.117035 ** (2 * 2.321259 / 3) + 13.35756) ** (1 / 2.321259)
     assert formulas.nijenbanning_venner_moes(100, 5, 0.25) / formulas.moes_unit(100) == pytest.approx(film, rel=1e-5)
     assert film == pytest.approx(3.35007, rel=1e-5)

@@ -123,10 +123,10 @@ def test_radial_profiles_are_mirrored():
 
 
 def test_radial_map_is_the_profile_turned_round():
-    x, P = plotting.map_of(made_up(MOES, radial=True), "P", 48)
-    r = np.hypot(x[:, None], x[None, :])
-    np.testing.assert_allclose(P, hertz.pressure(r, float(hertz.contact_radius(1.45))), atol=0.12)
-    np.testing.assert_array_equal(P, P.T)
+    field = plotting.map_of(made_up(MOES, radial=True), "P", 48)
+    r = np.hypot(field.y[:, None], field.x[None, :])
+    np.testing.assert_allclose(field.values, hertz.pressure(r, float(hertz.contact_radius(1.45))), atol=0.12)
+    np.testing.assert_array_equal(field.values, field.values.T)
 
 
 def test_map_shows_the_film(moes):
@@ -201,6 +201,16 @@ def test_a_run_without_maps_says_so():
     data = made_up(MOES).isel(frame=slice(0, 0))
     with pytest.raises(ValueError, match="no maps"):
         plotting.overview(data)
+
+
+def test_impact_has_no_flow(moes):
+    assert not [text for axes in panels(plotting.maps(moes)) for text in axes.texts if text.get_text() == "flow"]
+
+
+def test_long_headings_are_broken(ball):
+    heading = plotting.overview(ball).get_suptitle()
+    assert heading.count("\n") == 0
+    assert plotting.maps(ball).get_suptitle().replace("\n", "  ") == heading
 
 
 def test_nothing_is_shown_and_pyplot_is_left_alone():

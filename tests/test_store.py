@@ -20,7 +20,7 @@ from ertel import dataset, store
 from ertel.config import load_case, parse_case
 from ertel.simulation import Frame, State, Step, method_of, simulate, transient
 from ertel.status import Status
-from ertel.store import RunStore, StoreError
+from ertel.store import RunStore, StoreError, TransientStore
 
 CASE = {
     "name": "small",
@@ -63,7 +63,7 @@ def stop_after(steps: int):
 
 
 def test_a_stored_run_is_the_run_in_memory(tmp_path, case, method, uninterrupted):
-    run = RunStore.create(tmp_path / "run", case, method.coordinates)
+    run = RunStore.create(tmp_path / "run", case, method)
     summary = store.run(run, go_on, method)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -78,7 +78,7 @@ def test_a_stored_run_is_the_run_in_memory(tmp_path, case, method, uninterrupted
 
 
 def test_the_resolved_case_is_the_case(tmp_path, case, method):
-    RunStore.create(tmp_path / "run", case, method.coordinates)
+    RunStore.create(tmp_path / "run", case, method)
     again = load_case(tmp_path / "run" / "case.toml")
     assert again == case
     assert again.source == case.source
@@ -100,7 +100,7 @@ def test_frames_are_at_their_times(uninterrupted, case):
 
 def test_writing_is_cheap(tmp_path, case, uninterrupted, method):
     """A flush costs far less than the seconds between two of them."""
-    run = RunStore.create(tmp_path / "run", case, method.coordinates)
+    run = RunStore.create(tmp_path / "run", case, method)
     for step in transient(case, None, method):
         run.append(step)
     started = time.perf_counter()
@@ -113,7 +113,7 @@ def test_writing_is_cheap(tmp_path, case, uninterrupted, method):
 
 @pytest.mark.parametrize("steps", [1, 2, 7])
 def test_resumed_equals_uninterrupted(tmp_path, case, method, uninterrupted, steps):
-    run = RunStore.create(tmp_path / "run", case, method.coordinates)
+    run = RunStore.create(tmp_path / "run", case, method)
     assert store.run(run, stop_after(steps), method)["status"] == "interrupted"
     assert run.dataset().sizes["time"] == steps
     again = RunStore.open(tmp_path / "run")
@@ -126,7 +126,7 @@ def test_resumed_equals_uninterrupted(tmp_path, case, method, uninterrupted, ste
 def test_resumed_equals_uninterrupted_for_the_radial_method(tmp_path):
     case = parse_case({**CASE, "solver": {"method": "radial", "nodes": 49}})
     method = method_of(case)
-    run = RunStore.create(tmp_path / "run", case, method.coordinates)
+    run = RunStore.create(tmp_path / "run", case, method)
     store.run(run, stop_after(9), method)
     again = RunStore.open(tmp_path / "run")
     store.run(again, go_on)
@@ -135,7 +135,7 @@ def test_resumed_equals_uninterrupted_for_the_radial_method(tmp_path):
 
 
 def test_resumed_many_times(tmp_path, case, method, uninterrupted):
-    RunStore.create(tmp_path / "run", case, method.coordinates)
+    RunStore.create(tmp_path / "run", case, method)
     for _ in range(100):
         run = RunStore.open(tmp_path / "run")
         if store.run(run, stop_after(3), method)["status"] == "converged":
@@ -144,7 +144,7 @@ def test_resumed_many_times(tmp_path, case, method, uninterrupted):
 
 
 def test_wall_time_adds_up(tmp_path, case, method):
-    run = RunStore.create(tmp_path / "run", case, method.coordinates)
+    run = RunStore.create(tmp_path / "run", case, method)
     first = store.run(run, stop_after(2), method)["wall_s"]
     second = store.run(RunStore.open(tmp_path / "run"), go_on, method)["wall_s"]
     assert second > first > 0
@@ -156,13 +156,18 @@ class Killed(BaseException):
 
 def deaths():
     """Where a run can die: the functions that a flush calls, before and after each, sooner or later."""
-    places = [(store, "_commit"), (RunStore, "_extend"), (RunStore, "_write_checkpoint"), (State, "to_arrays")]
+    places = [
+        (store, "_commit"),
+        (TransientStore, "_extend"),
+        (TransientStore, "_write_checkpoint"),
+        (State, "to_arrays"),
+    ]
     return [(place, name, when, count) for place, name in places for when in ("before", "after") for count in (2, 5)]
 
 
 @pytest.mark.parametrize(("place", "name", "when", "count"), deaths())
 def test_death_within_a_flush(tmp_path, monkeypatch, case, method, uninterrupted, place, name, when, count):
-    run = RunStore.create(tmp_path / "run", case, method.coordinates)
+    run = RunStore.create(tmp_path / "run", case, method)
     original, calls = getattr(place, name), itertools.count(1)
 
     def deadly(*arguments, **options):
@@ -188,7 +193,7 @@ def test_death_within_a_flush(tmp_path, monkeypatch, case, method, uninterrupted
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
 def test_killed_process(tmp_path, case, method, uninterrupted):
     """A real SIGKILL while the store is being written."""
-    RunStore.create(tmp_path / "run", case, method.coordinates)
+    RunStore.create(tmp_path / "run", case, method)
     program = f"""
         import time
         from pathlib import Path
@@ -217,7 +222,7 @@ def test_killed_process(tmp_path, case, method, uninterrupted):
 
 
 def test_a_run_that_gives_up_keeps_what_it_has(tmp_path, monkeypatch, case, method, uninterrupted):
-    run = RunStore.create(tmp_path / "run", case, method.coordinates)
+    run = RunStore.create(tmp_path / "run", case, method)
     monkeypatch.setattr(import_module("ertel.simulation"), "SMALLEST_STEP", 0.02)
     monkeypatch.setattr(import_module("ertel.simulation"), "FIRST_STEP", 0.03)
     summary = store.run(run, go_on, method)
@@ -228,7 +233,7 @@ def test_a_run_that_gives_up_keeps_what_it_has(tmp_path, monkeypatch, case, meth
 
 
 def test_only_one_at_a_time(tmp_path, case, method):
-    run = RunStore.create(tmp_path / "run", case, method.coordinates)
+    run = RunStore.create(tmp_path / "run", case, method)
     second = RunStore.open(tmp_path / "run")
 
     def meddle(step):
@@ -247,13 +252,13 @@ def test_existing_output_is_left_alone(tmp_path, case, method):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "precious").write_text("data")
     with pytest.raises(StoreError, match=r"run: exists already; choose another --out"):
-        RunStore.create(tmp_path / "run", case, method.coordinates)
+        RunStore.create(tmp_path / "run", case, method)
     assert [path.name for path in tmp_path.rglob("*")] == ["run", "precious"]
 
 
 def test_an_empty_directory_will_do(tmp_path, case, method):
     (tmp_path / "run").mkdir()
-    RunStore.create(tmp_path / "run", case, method.coordinates)
+    RunStore.create(tmp_path / "run", case, method)
     assert RunStore.open(tmp_path / "run").case == case
 
 
@@ -261,7 +266,7 @@ def test_a_file_in_the_way(tmp_path, case, method):
     (tmp_path / "file").write_text("")
     for target in (tmp_path / "file", tmp_path / "file" / "run"):
         with pytest.raises(StoreError):
-            RunStore.create(target, case, method.coordinates)
+            RunStore.create(target, case, method)
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
@@ -271,7 +276,7 @@ def test_failure_while_making_leaves_nothing(tmp_path, monkeypatch, case, method
 
     monkeypatch.setattr(store, "_create_arrays", full)
     with pytest.raises(StoreError, match="run: cannot write there, no space left on device"):
-        RunStore.create(tmp_path / "run", case, method.coordinates)
+        RunStore.create(tmp_path / "run", case, method)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -279,7 +284,7 @@ def test_a_case_without_source_cannot_be_stored(tmp_path, case, method):
     from dataclasses import replace
 
     with pytest.raises(StoreError, match="parse_case"):
-        RunStore.create(tmp_path / "run", replace(case, source={}), method.coordinates)
+        RunStore.create(tmp_path / "run", replace(case, source={}), method)
 
 
 @pytest.mark.parametrize("missing", ["case.toml", "run.zarr"])
@@ -291,7 +296,7 @@ def test_not_a_run(tmp_path, missing):
 
 
 def test_nothing_computed_yet(tmp_path, case, method):
-    run = RunStore.create(tmp_path / "run", case, method.coordinates)
+    run = RunStore.create(tmp_path / "run", case, method)
     assert run.summary() is None
     assert run.dataset().sizes["time"] == 0
     with pytest.raises(StoreError, match="nothing is computed yet"):

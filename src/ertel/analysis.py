@@ -1,20 +1,31 @@
-"""What a run says: restitution, warnings about resolution and domain, and the summary."""
+"""What a run says: restitution, warnings about resolution and domain, error estimates, and the summary."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from math import cbrt, inf
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
 
-from ertel import dataset, hertz
+from ertel import dataset, formulas, hertz
 from ertel.case import Case
 from ertel.closure import HERTZ_LOAD
+from ertel.formulas import Film
+from ertel.roughness import RingWaviness, Shape, Spot, Waviness
+from ertel.scales import HamrockDowson, Parameters
 from ertel.status import Status
+from ertel.steady2d import GridSolution, Rolling
 
 CELLS_IN_FRONT = 10.0  # wanted across sqrt(alpha_bar lambda_bar dA/dT), the length of the front's pressure sweep
 FRONT_POSITION = 0.9  # where the front is looked at: the films of interest lie inside
 MISSING_SHARE = 2e-3  # of the dry maximum load that the oil outside the domain may carry, in the mean over time
 GAP_SHARE = 3.0  # initial gap in units of the trapped film, below which the shape depends on it
+INLET_PRESSURE = 0.02  # p_h, half way to the edge upstream: what may be missing of a rolling contact's inlet
+LARGE_ERROR = 0.1  # of a film: its estimated discretisation error from which it is said to be uncertain
+CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
+FILMS = ("H_c", "H_min")  # that have an error estimate
 
 
 def at_max_approach(data: xr.Dataset) -> xr.Dataset:
@@ -37,9 +48,113 @@ def restitution(data: xr.Dataset) -> float | None:
 
 
 def warnings(case: Case, data: xr.Dataset) -> list[str]:
-    """What a careful colleague would say about a run: front not resolved, domain too small, gap too small."""
-    said = [_film_warning(data), _front_warning(case, data), _gap_warning(case), _domain_warning(data)]
+    """What a careful colleague would say about a run in time: what the grid, the domain or the gap do not give."""
+    said = [_film_warning(data)]
+    if case.kind == "impact":
+        said += [_front_warning(case, data), _gap_warning(case), _domain_warning(data)]
+    else:
+        said += [_centre_warning(case)]
+        if data.sizes["frame"]:
+            said += [_inlet_warning(case, data["P"].isel(frame=-1), float(data["frame"][-1]))]
+    return [sentence for sentence in (*said, _roughness_warning(case)) if sentence]
+
+
+def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
+    """What a careful colleague would say about a steady contact."""
+    finest = solutions[-1]
+    said = [_overlap_warning(finest), _error_warning(case, solutions), _spike_warning(solutions)]
+    P = xr.DataArray(np.asarray(finest.P), {"Y": finest.grid.y, "X": finest.grid.x}, ("Y", "X"))
+    said += [_inlet_warning(case, P, 0.0), _centre_warning(case), _roughness_warning(case)]
     return [sentence for sentence in said if sentence]
+
+
+def _inlet_warning(case: Case, P: xr.DataArray, T: float) -> str:
+    """Half way to the edge upstream the edge's P = 0 is hardly felt.
+
+    With M = 10 to 1000, L = 0 to 10 and the edge at 2.75 and 4.5 the films were thinner than with the edge at 9, by 0.2
+    to 0.7 of the pressure there (p_h) where that is above 0.02.
+    """
+    s = case.solver
+    upstream = -(s.inlet or s.half_width) if case.motion.entrainment(T) >= 0 else s.inlet or s.half_width
+    half_way = float(P.sel(Y=0.0, method="nearest").sel(X=upstream / 2, method="nearest"))
+    if half_way <= INLET_PRESSURE:
+        return ""
+    return (
+        f"half way to the edge of the grid upstream the pressure is still {half_way:.2g} p_h: the films are too thin "
+        f"by some {0.4 * half_way:.0%}, which their error estimate does not know; a larger solver.half_width is wanted"
+    )
+
+
+def _overlap_warning(finest: GridSolution) -> str:
+    least = float(finest.H.min())
+    if least > 0.0:
+        return ""
+    return (
+        f"the surfaces overlap, H = {least:.3g} somewhere: the grid does not resolve the film; take more solver.nodes"
+    )
+
+
+def _error_warning(case: Case, solutions: Sequence[GridSolution]) -> str:
+    if len(solutions) < 2:
+        return "there is no error estimate, which takes a coarser grid: solver.nodes = 65 or more would do"
+    if not solutions[-2].status.ok:
+        return f"there is no error estimate: the grid of {solutions[-2].grid.nodes} nodes before did not converge"
+    rolling = Rolling(tuple(solutions))
+    found = {name: rolling.extrapolate(name) for name in FILMS}
+    shares = {name: e.error / abs(e.value) for name, e in found.items() if e.value}
+    worst = max(shares, key=lambda name: shares[name])
+    if shares[worst] <= LARGE_ERROR:
+        return ""
+    return (
+        f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; take more solver.nodes, "
+        f"for example {2 * case.solver.nodes - 1}"
+    )
+
+
+def _spike_warning(solutions: Sequence[GridSolution]) -> str:
+    if len(solutions) < 2:
+        return ""
+    coarse, fine = (s.measure()["P_max"] for s in solutions[-2:])
+    if abs(fine - coarse) <= LARGE_ERROR * fine:
+        return ""
+    return (
+        f"the pressure spike is not resolved, P_max goes from {coarse:.3g} to {fine:.3g}; the films do not depend on it"
+    )
+
+
+def _centre_warning(case: Case) -> str:
+    s = case.solver
+    cells = (s.inlet or s.half_width) * (s.nodes - 1) / (2 * s.half_width)
+    if abs(cells - round(cells)) < 1e-6:
+        return ""
+    return (
+        "the contact's centre is no node of this grid, H_c and P_c are those of the nearest; solver.inlet = 3/4 of "
+        "the grid's length makes it one"
+    )
+
+
+def _roughness_warning(case: Case) -> str:
+    spacing = 2 * case.solver.half_width / (case.solver.nodes - 1)
+    sizes = [_size(feature.shape) for feature in case.roughness]
+    cells = min(sizes, default=inf) / spacing
+    if cells >= CELLS_IN_WAVE:
+        return ""
+    return (
+        f"the finest roughness, {min(sizes):.3g} a wide, lies on {cells:.1f} cells, about {CELLS_IN_WAVE:.0f} are "
+        f"wanted; solver.nodes = {(case.solver.nodes - 1) * CELLS_IN_WAVE / cells:.0f} or more would do"
+    )
+
+
+def _size(shape: Shape) -> float:
+    """The width of a shape (a), infinite where it is not known."""
+    match shape:
+        case Waviness():
+            return min(shape.wavelength_x, shape.wavelength_y)
+        case RingWaviness():
+            return shape.wavelength
+        case Spot():
+            return 2 * shape.radius
+    return inf
 
 
 def _film_warning(data: xr.Dataset) -> str:
@@ -116,34 +231,138 @@ def summary(
     work: Mapping[str, float],
     status: Status,
 ) -> dict[str, Any]:
-    """The outcome of a run as plain data: parameters, values at maximum approach, restitution, work, status.
+    """The outcome of a run in time as plain data: parameters, values, work, status.
 
-    All dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.
+    Of an impact: the values at maximum approach, F in units of the dry maximum load, and the restitution.  Of rolling:
+    the values at the last time, as in `steady_summary`, and T; their errors need a second run, see `with_error`.
+    All dimensionless; physical cases add the same in SI under `si`.
     """
-    p = case.parameters
+    said = warnings(case, data)
+    if case.kind == "rolling":
+        last = {
+            name: float(data[name][-1]) for name in ("time", "F", *dataset.MEASURED) if name in data and len(data.time)
+        }
+        measured = {"T": last.pop("time", None), **dict.fromkeys(dataset.MEASURED), **last}
+        F = measured.pop("F", None)
+        measured["load"] = None if F is None else F * HERTZ_LOAD
+        return _rolling_summary(case, measured, {}, work, status, said)
     reached = None if max_approach is None else {key: float(max_approach[key]) for key in dataset.AT_MAXIMUM}
     content: dict[str, Any] = {
         "kind": case.kind,
-        "lambda_bar": p.lambda_bar,
-        "alpha_bar": p.alpha_bar,
-        "M": p.M,
-        "L": p.L,
+        "method": case.solver.method,
+        **_parameters(case),
         "max_approach": reached,
         "restitution": restitution(data),
         **work,
         "status": status.value,
-        "warnings": warnings(case, data),
+        "warnings": said,
     }
     si = dataset.si_summary(case, reached)
     return content if si is None else {**content, "si": si}
 
 
-def error_estimate(fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any] | None:
-    """Discretisation error of H_c, H_min and Delta at maximum approach, from summaries on a grid and on its half.
+def steady_summary(
+    case: Case, solutions: Sequence[GridSolution], work: Mapping[str, float], status: Status
+) -> dict[str, Any]:
+    """The outcome of a steady run as plain data: parameters, values on the finest grid, their errors, work, status.
+
+    H_c_error, H_min_error estimate the discretisation error, H_c_extrapolated, H_min_extrapolated are without it; None
+    where there are no two grids.  Counts are those of all grids, convolutions in units of one on the finest.
+    work: compilations, wall_s.
+    """
+    rolling = Rolling(tuple(solutions))
+    counts = {
+        "residual": rolling.finest.residual,
+        "newton_iterations": sum(s.newton for s in solutions),
+        "krylov_iterations": sum(s.krylov for s in solutions),
+        "convolutions": round(rolling.convolutions, 1),
+    }
+    estimates: dict[str, float] = {}
+    if len(solutions) > 1 and all(s.status.ok for s in solutions[-2:]):
+        for name in FILMS:
+            found = rolling.extrapolate(name)
+            estimates |= {f"{name}_error": found.error, f"{name}_extrapolated": found.extrapolated}
+    values = rolling.finest.measure()
+    measured = {"nodes": rolling.finest.grid.nodes, **{name: values[name] for name in dataset.MEASURED}}
+    said = steady_warnings(case, solutions)
+    return _rolling_summary(case, measured, estimates, {**counts, **work}, status, said)
+
+
+def _rolling_summary(
+    case: Case,
+    measured: Mapping[str, float | None],
+    estimates: Mapping[str, float],
+    work: Mapping[str, float],
+    status: Status,
+    said: list[str],
+) -> dict[str, Any]:
+    names = [f"{name}_{what}" for what in ("error", "extrapolated") for name in FILMS]
+    content: dict[str, Any] = {
+        "kind": case.kind,
+        "method": case.solver.method,
+        **_parameters(case),
+        **measured,
+        **work,
+        "status": status.value,
+        **{name: estimates.get(name) for name in names},
+        "warnings": said,
+    }
+    return _with_si(case, content)
+
+
+def _with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
+    """A rolling contact's summary with its values in SI; approach_m is Delta, delta_m its scale."""
+    if case.scales is None:
+        return dict(content)
+    values = {key: content[key] for key in content if key.startswith(FILMS) or key in ("T", *dataset.MEASURED)}
+    approach = dataset.in_si({"Delta": values.pop("Delta")}, case.scales)["delta_m"]
+    si = {**dataset.scales_of(case), "approach_m": approach, **dataset.in_si(values, case.scales)}
+    return {**content, "si": si}
+
+
+def _parameters(case: Case) -> dict[str, float]:
+    p = case.parameters
+    return {"M": p.M, "L": p.L, "lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar}
+
+
+def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]:
+    """What the formulas say of a rolling contact with a load w (F*) and a speed U (u_m), in the case's own a^2/R.
+
+    Empty where there is no load or no speed, in which they have no meaning.
+    """
+    speed = abs(entrainment)
+    if load <= 0 or speed == 0:
+        return []
+    p = case.parameters
+    at = Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25)
+    ugw = dataset.ugw_of(case) if case.scales else None
+    found = formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load))
+    unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
+
+    def own(film: float | None) -> float | None:
+        return None if film is None else film * unit
+
+    return [film._replace(central=own(film.central), minimum=own(film.minimum)) for film in found]
+
+
+def with_error(case: Case, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
+    """The summary of a run in time with the discretisation errors that a run on the half grid tells.
 
     For a method of second order the error is a third of the difference, and the value without it, `extrapolated`, lies
-    as much beyond the fine one (Richardson).  None where one of the runs did not reach its maximum.
+    as much beyond the fine one (Richardson).  Of an impact under `error_estimate`, at maximum approach, None where one
+    of the runs did not reach it; of rolling as in `steady_summary`, at the last time.
     """
+    if case.kind == "impact":
+        return {**fine, "error_estimate": error_estimate(fine, coarse)}
+    found: dict[str, float] = {}
+    for name in FILMS:
+        step = (fine[name] - coarse[name]) / 3
+        found |= {f"{name}_error": abs(step), f"{name}_extrapolated": fine[name] + step}
+    return _with_si(case, {**fine, **found})
+
+
+def error_estimate(fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Discretisation error of H_c, H_min and Delta at maximum approach, see `with_error`."""
     if fine["max_approach"] is None or coarse["max_approach"] is None:
         return None
     estimate = {}
@@ -152,3 +371,235 @@ def error_estimate(fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[s
         step = (value - half) / 3
         estimate[name] = {"value": value, "half_grid": half, "error": abs(step), "extrapolated": value + step}
     return estimate
+
+
+# -- the front of an impact, and what it leaves behind -----------------------------------------------------------------
+
+Values = NDArray[np.float64]
+FrontDefinition = Literal["film", "slope", "half-hertz"]
+
+SMALLEST_FRONT = 0.1  # a*: before, there is a bell of pressure and no contact yet
+LOADED_FRONT = 0.02  # of the largest pressure: where there is less, the film is only a gap
+FRONT_WINDOW = 0.06  # t0 to both sides, over which a parabola gives the front's speed
+SPEED_EXPONENT = 0.67  # of the film in the speed: Hamrock and Dowson's, and the paper's
+
+
+class Front(NamedTuple):
+    """Where the contact's front is while it advances: times T, positions A (a*), speeds dA/dT (a*/t0), each (n,)."""
+
+    T: Values
+    A: Values
+    speed: Values
+
+    def passed(self, X: ArrayLike) -> Values:
+        """When the front passed X, of any shape; nan where it did not."""
+        X = np.asarray(X, dtype=float)
+        reached = np.maximum.accumulate(self.A)  # round-off may set it back near the end
+        inside = (X >= reached[0]) & (X <= reached[-1])
+        return np.where(inside, np.interp(X, reached, self.T), np.nan)
+
+    def speed_at(self, X: ArrayLike) -> Values:
+        """The front's speed dA/dT when it passed X, of any shape; nan where it did not."""
+        return np.interp(self.passed(X), self.T, self.speed)
+
+
+def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
+    """Position and speed of an impact's front up to maximum approach, radial or 2-D (there along Y = 0).
+
+    by "film": the place of the least film, at every step.  "slope": where the pressure falls most steeply outwards, on
+    every map.  "half-hertz": from the place where the pressure is half of Hertz' largest at the same approach,
+    sqrt(Delta), as Hertz' is at sqrt(3)/2 of its radius; on every map.  From maps it takes an interval (`Output`) of
+    0.05 t0 or less.  The speed is that of a parabola for A^2, which behaves as Delta, fitted to the neighbours in time.
+
+    Raises ValueError where there are too few times, as without maps in the course of time.
+    """
+    turning = float(at_max_approach(data)["frame"]) if "frame" in data.dims else float(data["frame"])
+    T, A = _front_by_film(data) if by == "film" else _front_by_pressure(data, _FALLS[by])
+    found = (T <= turning) & np.isfinite(A) & (A > SMALLEST_FRONT)
+    T, A = T[found], A[found]
+    first = int(np.argmin(A)) if len(A) else 0  # before, the pressure only gathers
+    T, A = T[first:], A[first:]
+    if len(T) < 4:
+        raise ValueError(f'dataset: has too few times to see its front by "{by}"; keep maps more often')
+    fits = [_parabola(T, A**2, t) for t in T]
+    radius = np.sqrt([square for square, _ in fits])
+    return Front(T, radius, np.array([rate for _, rate in fits]) / (2 * radius))
+
+
+def _front_by_film(data: xr.Dataset) -> tuple[Values, Values]:
+    loaded = data["P_max"].values > LOADED_FRONT * float(data["P_max"].max())
+    return data["time"].values, np.where(loaded, data["X_min"].values, np.nan)
+
+
+def _front_by_pressure(data: xr.Dataset, fall: Callable[[Values, Values, float], float]) -> tuple[Values, Values]:
+    if "frame" not in data.dims:
+        raise ValueError('dataset: has one map only; by = "film" needs none')
+    T = data["frame"].values
+    approach = np.interp(T, data["time"].values, data["Delta"].values)
+    r, P = _outwards(data["P"])
+    return T, np.array([fall(r, p, delta) for p, delta in zip(P, approach, strict=True)])
+
+
+def _outwards(field: xr.DataArray) -> tuple[Values, Values]:
+    """Radius (n,) and field (..., n) along a radius: the half line Y = 0, X >= 0 of a 2-D run."""
+    if "r" in field.dims:
+        return np.asarray(field["r"].values), np.asarray(field.values)
+    half = field.sel(Y=0.0, method="nearest").isel(X=field["X"].values >= 0)
+    return np.asarray(half["X"].values), np.asarray(half.values)
+
+
+def _steepest_fall(r: Values, P: Values, approach: float) -> float:
+    slope, middle = np.diff(P) / np.diff(r), (r[1:] + r[:-1]) / 2
+    i = int(np.argmin(slope))
+    return np.nan if i in (0, len(slope) - 1) else _vertex(middle[i - 1 : i + 2], slope[i - 1 : i + 2])
+
+
+def _half_hertz(r: Values, P: Values, approach: float) -> float:
+    half = np.sqrt(max(approach, 0.0)) / 2
+    above = np.flatnonzero(P > half)
+    if half == 0.0 or above.size == 0 or above[-1] == len(r) - 1:
+        return np.nan
+    i = int(above[-1])
+    place = np.interp(half, P[[i + 1, i]], r[[i + 1, i]])
+    return float(place * 2 / np.sqrt(3))
+
+
+_FALLS: Mapping[str, Callable[[Values, Values, float], float]] = {"slope": _steepest_fall, "half-hertz": _half_hertz}
+
+
+def _vertex(x: Values, y: Values) -> float:
+    """Where the parabola through three points is extreme."""
+    (a, b), (c, d) = np.diff(x), np.diff(y)
+    curvature, slope = (d / b - c / a) / (a + b), c / a
+    return float(x[0] + a / 2 - slope / (2 * curvature)) if curvature else float(x[1])
+
+
+def _parabola(T: Values, values: Values, t: float) -> tuple[float, float]:
+    """Value and rate at t of the parabola fitted to the neighbours of t in time, to five of them at least."""
+    near = np.argsort(np.abs(T - t))[: max(5, int(np.count_nonzero(np.abs(T - t) <= FRONT_WINDOW)))]
+    _, rate, value = np.polyfit(T[near] - t, values[near], min(2, len(near) - 1))
+    return float(value), float(rate)
+
+
+def fit_half_base(T: ArrayLike, A: ArrayLike, smallest: float = 0.5) -> float:
+    """t* of the paper's parabola A = sqrt(1 - T^2/t*^2), eq. (22), by least squares of A^2 where A > smallest.
+
+    T: time from the maximum; A: contact radius as a share of the largest; both (n,).
+    """
+    T, A = np.asarray(T, dtype=float), np.asarray(A, dtype=float)
+    squares = T[A > smallest] ** 2
+    return float(np.sqrt(squares @ squares / (squares @ (1 - A[A > smallest] ** 2))))
+
+
+class Trace(NamedTuple):
+    """What the front left behind: film H at maximum approach and speed of the front when it passed, at X, each (n,)."""
+
+    X: Values
+    H: Values
+    speed: Values
+
+
+def film_behind_front(data: xr.Dataset, front: Front, X: ArrayLike) -> Trace:
+    """The film at maximum approach against the front's speed, where the front passed (the other X are left out)."""
+    X = np.asarray(X, dtype=float)
+    r, H = _outwards((at_max_approach(data) if "frame" in data.dims else data)["H"])
+    speed = front.speed_at(X)
+    passed = np.isfinite(speed)
+    return Trace(X[passed], np.interp(X[passed], r, H), speed[passed])
+
+
+def fit_power(trace: Trace, exponent: float = SPEED_EXPONENT) -> float:
+    """C of H = C v^exponent by least squares of the logarithms; the paper fits on 0.75 < X < 0.95 (Fig. 4)."""
+    return float(np.exp(np.mean(np.log(trace.H / trace.speed**exponent))))
+
+
+def film_from_speed(
+    parameters: Parameters,
+    speed: ArrayLike,
+    A: ArrayLike = 1.0,
+    formula: Callable[[float, float], float] = formulas.nijenbanning_venner_moes,
+) -> Values:
+    """Film (a*^2/R) that a steady film formula gives where the front ran at `speed`, with nothing fitted.
+
+    The front drags oil in as rolling at u_m = da/dt does: lambda_bar -> lambda_bar v.  With A, the radius that the
+    contact had then, Hertz' radius and pressure are those of that moment too: lambda_bar v/A^4, alpha_bar A, and the
+    film scales back with A^2.  formula: H of M and L, in units a^2/R.  Shapes broadcast.
+    """
+
+    def at(v: float, radius: float) -> float:
+        local = Parameters(parameters.lambda_bar * v / radius**4, parameters.alpha_bar * radius)
+        return formula(local.M, local.L) * radius**2
+
+    return np.asarray(np.vectorize(at, otypes=[float])(speed, A))
+
+
+class Deviation(NamedTuple):
+    """Of a prediction from the truth, relative: mean (which side it errs on), root mean square, worst."""
+
+    mean: float
+    rms: float
+    worst: float
+
+
+def deviation(predicted: ArrayLike, true: ArrayLike) -> Deviation:
+    """How far a prediction is off, relative to the truth, both (n,)."""
+    off = np.asarray(predicted, dtype=float) / np.asarray(true, dtype=float) - 1
+    return Deviation(float(off.mean()), float(np.sqrt(np.mean(off**2))), float(np.abs(off).max()))
+
+
+# -- waviness in an impact ---------------------------------------------------------------------------------------------
+
+
+class Wave(NamedTuple):
+    """A complete wave of dH: its amplitude (max - min)/2, its place X halfway between crest and trough, its ends."""
+
+    amplitude: float
+    X: float
+    start: float
+    end: float
+
+
+def waves(X: ArrayLike, dH: ArrayLike, edge: float = 1.0) -> list[Wave]:
+    """The complete waves of dH along 0 < X < edge, from the centre outwards.
+
+    A wave is what lies between a zero of dH and the next but one: one crest and one trough.  It is complete when both
+    zeros lie inside; neighbours overlap by a half.  Zeros and extremes are those of the cubic spline through the nodes,
+    so that crests between nodes are not cut off.
+
+    X : (n,) rising, in a*.  dH : (n,), along Y = 0.  edge: of the contact, 1 or the place of the front.
+    """
+    spline = CubicSpline(np.asarray(X, dtype=float), np.asarray(dH, dtype=float))
+    slope = spline.derivative()
+    zeros, turns = (_inside(s.roots(extrapolate=False), edge) for s in (spline, slope))
+    return [_wave(spline, turns, start, end) for start, end in zip(zeros, zeros[2:], strict=False)]
+
+
+def _inside(places: Values, edge: float) -> Values:
+    return np.sort(places[(places > 0) & (places < edge)])
+
+
+def _wave(spline: CubicSpline, turns: Values, start: float, end: float) -> Wave:
+    extremes = turns[(turns > start) & (turns < end)]
+    values = spline(extremes)
+    high, low = int(np.argmax(values)), int(np.argmin(values))
+    amplitude = (values[high] - values[low]) / 2
+    return Wave(float(amplitude), float(extremes[high] + extremes[low]) / 2, float(start), float(end))
+
+
+def last_wave(X: ArrayLike, dH: ArrayLike, edge: float = 1.0) -> Wave:
+    """The last complete wave inside the contact, whose amplitude is the paper's A_d; see `waves`.
+
+    Raises ValueError where no complete wave lies inside.
+    """
+    found = waves(X, dH, edge)
+    if not found:
+        raise ValueError(f"dH: no complete wave lies inside |X| < {edge}; take a shorter wavelength")
+    return found[-1]
+
+
+def local_nabla2(parameters: Parameters, wavelength: float, speed: ArrayLike) -> Values:
+    """nabla2 of eq. (16) with the front's speed when it passed, lambda_bar -> lambda_bar dA/dT: the global one/sqrt(v).
+
+    wavelength in a*; speed in a*/t0, of any shape.  `Parameters.nabla2` is the global one.
+    """
+    return np.asarray(parameters.nabla2(wavelength) / np.sqrt(np.asarray(speed, dtype=float)))

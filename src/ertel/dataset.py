@@ -10,16 +10,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, is_dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
-from math import floor, log10
+from math import floor, inf, log10
 from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
 
 import ertel
-from ertel import hertz
+from ertel import hertz, solve2d
 from ertel.case import Case
-from ertel.scales import Scales, hamrock_dowson
+from ertel.closure import HERTZ_LOAD
+from ertel.scales import HamrockDowson, Scales, hamrock_dowson
+from ertel.steady2d import GridSolution
 
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
@@ -27,7 +29,7 @@ EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because
 
 @dataclass(frozen=True)
 class Variable:
-    """What a name stands for.  unit: what 1 is, in words; scale: the attribute of Scales that 1 is in SI."""
+    """What a name stands for.  unit: what 1 is, in words; in SI it is `share` of the attribute `scale` of Scales."""
 
     long_name: str
     symbol: str
@@ -35,6 +37,11 @@ class Variable:
     scale: str = ""
     si_name: str = ""
     si_units: str = ""
+    share: float = 1.0
+
+    def factor(self, scales: Scales) -> float:
+        """What 1 is in SI."""
+        return float(getattr(scales, self.scale)) * self.share
 
 
 def _length(long_name: str, symbol: str) -> Variable:
@@ -59,6 +66,8 @@ AXES: Mapping[str, Variable] = {
     "X": _length("position along x", "X"),
     "Y": _length("position along y", "Y"),
     "r": _length("distance from the centre", "r"),
+    "grid": Variable("nodes per side of a grid", "n"),
+    "iteration": Variable("Newton iteration", "k"),
 }
 SCALARS: Mapping[str, Variable] = {
     "dT": _time("time step", "dT"),
@@ -69,7 +78,10 @@ SCALARS: Mapping[str, Variable] = {
     "P_max": _pressure("largest pressure", "P_max"),
     "H_c": _film("central film thickness", "H_c", "h_c"),
     "H_min": _film("least film thickness", "H_min", "h_min"),
-    "X_min": _length("radius of the least film", "X_min"),
+    "X_min": _length("place of the least film", "X_min"),  # smooth impact: its radius
+    "Y_min": _length("place of the least film across", "Y_min"),
+    "U": Variable("entrainment", "U", "a*/t0", "front_speed", "u_m", "m/s"),
+    "w": Variable("applied load", "w", "F*", "load", "w", "N"),
     "error": Variable("local time error of the step", "error", "time.tolerance"),
     "newton_iterations": Variable("Newton iterations of the step", "n_N"),
     "krylov_iterations": Variable("Krylov iterations of the step", "n_K"),
@@ -80,8 +92,14 @@ FIELDS: Mapping[str, Variable] = {
     "P": _pressure("pressure", "P"),
     "H": _film("film thickness", "H", "h"),
 }
+OF_A_GRID: Mapping[str, Variable] = {  # of a steady contact, with some of the scalars
+    "load": Variable("load carried by the film", "integral of P", "a*^2 p_h*", "load", "load", "N", 1 / HERTZ_LOAD),
+    "residual": Variable("largest residual", "res"),
+    "history": Variable("largest residual after each iteration", "res"),
+}
 EVENT = Variable("why the map was kept", "event")
-VARIABLES: Mapping[str, Variable] = {**AXES, **SCALARS, **FIELDS, "event": EVENT}
+VARIABLES: Mapping[str, Variable] = {**AXES, **SCALARS, **FIELDS, **OF_A_GRID, "event": EVENT}
+MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
 AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min")  # of a summary
 
 
@@ -108,7 +126,7 @@ def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
         attributes |= {"flag_values": list(range(len(EVENTS))), "flag_meanings": " ".join(e or "time" for e in EVENTS)}
     if scales and variable.scale:
         attributes |= {"si_name": variable.si_name, "si_units": variable.si_units}
-        attributes["si_factor"] = float(getattr(scales, variable.scale))
+        attributes["si_factor"] = variable.factor(scales)
     return attributes
 
 
@@ -156,6 +174,41 @@ def assemble(
     }
     axes = {name: variables.pop(name) for name in AXES if name in variables}
     return xr.Dataset(variables, axes, {**provenance(case), **(attributes or {})})
+
+
+def assemble_steady(
+    case: Case, solutions: Sequence[GridSolution], attributes: Mapping[str, object] | None = None
+) -> xr.Dataset:
+    """The steady contact as a Dataset: H and P on the finest grid so far, scalars and residuals over `grid`.
+
+    grid: nodes a side, coarsest first.  convolutions: in units of one on that grid.  attributes as in `assemble`.
+    """
+    finest = solutions[-1].grid if solutions else solve2d.grid_of(case)
+    nothing = np.full((finest.nodes, finest.nodes), np.nan)
+    fields = {name: np.asarray(getattr(solutions[-1], name)) if solutions else nothing for name in FIELDS}
+    longest = max((len(s.history) for s in solutions), default=0)
+    history = np.full((len(solutions), longest), np.nan)
+    for row, s in zip(history, solutions, strict=True):
+        row[: len(s.history)] = s.history
+    of_grids = [{**s.measure(), **_work(s)} for s in solutions]
+    names = (*MEASURED, "residual", "newton_iterations", "krylov_iterations", "convolutions")
+    arrays: dict[str, tuple[tuple[str, ...], Any]] = {
+        **{name: (("Y", "X"), values) for name, values in fields.items()},
+        **{name: (("grid",), np.array([row[name] for row in of_grids], dtype=float)) for name in names},
+        "history": (("grid", "iteration"), history),
+    }
+    axes = {"Y": finest.y, "X": finest.x, "grid": np.array([s.grid.nodes for s in solutions], dtype=np.int64)}
+    coordinates = {**axes, "iteration": np.arange(longest)}
+    return xr.Dataset(
+        {name: (dims, values, variable_attributes(name, case.scales)) for name, (dims, values) in arrays.items()},
+        {name: ((name,), values, variable_attributes(name, case.scales)) for name, values in coordinates.items()},
+        {**provenance(case), **(attributes or {})},
+    )
+
+
+def _work(s: GridSolution) -> dict[str, float]:
+    counts = {"newton_iterations": s.newton, "krylov_iterations": s.krylov, "convolutions": s.convolutions}
+    return {"residual": s.residual, **counts}
 
 
 def to_si(dataset: xr.Dataset) -> xr.Dataset:
@@ -226,6 +279,8 @@ def describe(case: Case) -> dict[str, object]:
         "kind": case.kind,
         "parameters": asdict(case.parameters),
         "lubricant": {"viscosity": _describe_law(oil.viscosity_law), "density": _describe_law(oil.density_law)},
+        "motion": {name: _describe_law(value) for name, value in vars(case.motion).items()},
+        "roughness": [{"surface": f.surface, **_describe_law(f.shape)} for f in case.roughness],
         "solver": asdict(case.solver),
         "time": asdict(case.time),
         "output": asdict(case.output),
@@ -234,9 +289,12 @@ def describe(case: Case) -> dict[str, object]:
     }
 
 
-def _describe_law(law: Any) -> dict[str, object]:
+def _describe_law(law: Any) -> Any:
+    """A record as its name and what is in it; infinite means that there is none.  A number as it is."""
+    if isinstance(law, int | float):
+        return law
     values = asdict(law) if is_dataclass(law) and not isinstance(law, type) else {}
-    return {"law": type(law).__name__, **values}
+    return {"law": type(law).__name__, **{name: value for name, value in values.items() if value != inf}}
 
 
 def parameters_of(case: Case) -> dict[str, float]:
@@ -248,21 +306,30 @@ def parameters_of(case: Case) -> dict[str, float]:
 def parameter_summary(case: Case) -> dict[str, Any]:
     """What the parameters of a case say before it is run; under `si` the scales of a physical one, named with units.
 
-    Names: stokes, St = m v0/(6 pi eta0 R^2); trapped_film, the scale of the film in a*^2/R; U, G, W, Hamrock and
-    Dowson's with F* and a*/t0 for load and speed; contact_time_s, of the dry impact.
+    Names: U, G, W, Hamrock and Dowson's, for an impact with F* and a*/t0 for load and speed.  Of an impact: stokes,
+    St = m v0/(6 pi eta0 R^2); trapped_film, the scale of the film in a*^2/R; contact_time_s, of the dry impact.
     """
     p, s = case.parameters, case.scales
-    content: dict[str, Any] = {**parameters_of(case), "stokes": p.stokes, "trapped_film": p.trapped_film}
+    impact = case.kind == "impact"
+    content: dict[str, Any] = {**parameters_of(case)}
+    if impact:
+        content |= {"stokes": p.stokes, "trapped_film": p.trapped_film}
     if s is None:
         return content
+    more = {}
+    if impact:
+        more = {"contact_time_s": hertz.CONTACT_TIME * s.t0, "mass_kg": s.ball_mass}
+        more["trapped_film_m"] = p.trapped_film * s.film
+    return {**content, **ugw_of(case)._asdict(), "si": {**scales_of(case), **more}}
+
+
+def ugw_of(case: Case) -> HamrockDowson:
+    """Hamrock and Dowson's U, G, W of a physical case.  Raises ValueError for a dimensionless one."""
+    p, s = case.parameters, case.scales
+    if s is None:
+        raise ValueError("case: has no U, G, W, it is dimensionless")
     eta0 = p.lambda_bar * s.t0 * s.a**2 * s.p_h / (12 * s.R**2)
-    ugw = hamrock_dowson(s, eta0, p.alpha_bar / s.p_h)
-    more = {
-        "contact_time_s": hertz.CONTACT_TIME * s.t0,
-        "mass_kg": s.ball_mass,
-        "trapped_film_m": p.trapped_film * s.film,
-    }
-    return {**content, **ugw._asdict(), "si": {**scales_of(case), **more}}
+    return hamrock_dowson(s, eta0, p.alpha_bar / s.p_h)
 
 
 def scales_of(case: Case) -> dict[str, float]:
@@ -271,19 +338,29 @@ def scales_of(case: Case) -> dict[str, float]:
     if s is None:
         return {}
     named = {"R_m": s.R, "E_prime_Pa": s.E_prime, "a_m": s.a, "p_h_Pa": s.p_h, "delta_m": s.film}
-    return named | {"F_N": s.load, "t0_s": s.t0, "v0_m_per_s": s.speed}
+    speed = {"v0_m_per_s": s.speed} if case.kind == "impact" else {"u_m_m_per_s": s.front_speed}
+    return named | {"F_N": s.load, "t0_s": s.t0} | speed
 
 
 def si_summary(case: Case, max_approach: Mapping[str, float] | None) -> dict[str, object] | None:
-    """A summary's `si`: the scales and the values at maximum approach; None for a dimensionless case.
+    """An impact's summary in SI: the scales and the values at maximum approach; None for a dimensionless case.
 
     Names end with their unit: t_s, delta_m, f_N, p_c_Pa, p_max_Pa, h_c_m, h_min_m, x_min_m.
     """
-    scales = case.scales
-    if scales is None:
+    if case.scales is None:
         return None
-    values = None
-    if max_approach is not None:
-        table = {key: VARIABLES["time" if key == "T" else key] for key in AT_MAXIMUM}
-        values = {f"{v.si_name}_{v.si_units}": max_approach[key] * getattr(scales, v.scale) for key, v in table.items()}
+    values = None if max_approach is None else in_si({key: max_approach[key] for key in AT_MAXIMUM}, case.scales)
     return {**scales_of(case), "max_approach": values}
+
+
+def in_si(values: Mapping[str, float | None], scales: Scales) -> dict[str, float | None]:
+    """Values by the name of their variable in SI, under its SI name and unit; H_c_error and the like as H_c."""
+    found = {}
+    for name, value in values.items():
+        base = name.removesuffix("_error").removesuffix("_extrapolated")
+        variable = VARIABLES["time" if base == "T" else base]
+        unit = variable.si_units.replace("/", "_per_")
+        found[f"{variable.si_name}{name.removeprefix(base)}_{unit}"] = (
+            None if value is None else value * variable.factor(scales)
+        )
+    return found

@@ -1,14 +1,40 @@
 """Film thickness formulas for steady rolling, to compare with and to extrapolate from.
 
-Formulas of M and L give H in units a^2/R (Moes' unit is (2U)^{1/2} R: H_Moes = H (3M/2)^{2/3}), those of Hamrock and
-Dowson's U, G, W give h/R as published.  All are for fully flooded, isothermal, Newtonian contacts of smooth surfaces.
+All are for fully flooded, isothermal, Newtonian contacts of smooth surfaces.  `films` lists what they say of a
+circular contact.
+
+=========  ========================================================================================================
+symbol     meaning, in every formula here
+=========  ========================================================================================================
+E'         2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
+R          reduced radius along the flow, Rx (Chittenden: R_e); across it Ry (R_s)
+U          eta0 u_m/(E' R) with the *mean* speed u_m = (u1 + u2)/2; Moes' own U is that of the sum, twice as much
+G, W, W'   alpha E'; F/(E' R^2); load per length/(E' R) of a line contact
+M, L       W (2U)^{-3/4}, G (2U)^{1/4}
+=========  ========================================================================================================
+
+Formulas of M and L give H in units a^2/R (Moes' unit is (2U)^{1/2} R: H_Moes = H (3M/2)^{2/3}), those of U, G, W give
+h/R as published; (3W/2)^{2/3} is a^2/R^2.  In both a is the radius of the dry *circular* contact of R under the load F.
 """
 
-from math import cbrt, exp, log
+from math import cbrt, exp, log, pi
+from typing import NamedTuple
 
-from ertel.scales import HamrockDowson, require_not_negative, require_positive
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ertel.scales import HamrockDowson, Parameters, require_not_negative, require_positive
 
 BALL = 1.03  # Hamrock and Dowson's ellipticity of a ball: their fit k = 1.03 (Ry/Rx)^0.64 is not one there
+CLOSE = 0.1  # how near an asymptote has to be to the formula that joins them to be said to hold
+
+SOURCES = {
+    "Nijenbanning-Venner-Moes": "Nijenbanning G, Venner CH, Moes H. Wear 1994;176:217-229",
+    "Hamrock-Dowson": "Hamrock BJ, Dowson D. J Lubr Technol 1977;99:264-276",
+    "Chittenden et al.": "Chittenden RJ, Dowson D, Dunn JF, Taylor CM. Proc R Soc Lond A 1985;397:245-294",
+    "Dowson-Higginson": "Dowson D. Proc Inst Mech Eng 1967-68;182(3A):151-167",
+    "Dowson-Toyoda": "Dowson D, Toyoda S. Proc 5th Leeds-Lyon Symp on Tribology 1979:60-65",
+}
 
 
 def moes_unit(M: float) -> float:
@@ -47,10 +73,11 @@ def piezoviscous_elastic(M: float, L: float, radius_ratio: float = 1.0) -> float
 
 
 def nijenbanning_venner_moes(M: float, L: float, radius_ratio: float = 1.0) -> float:
-    """Central film thickness H_c (a^2/R with R along the flow) for all M > 0 and L >= 0, from its four asymptotes.
+    """Central film thickness H_c (a^2/R) for all M > 0 and L >= 0, from its four asymptotes.
 
     Nijenbanning G, Venner CH, Moes H. Film thickness in elastohydrodynamically lubricated elliptic contacts.
-    Wear 1994;176:217-229.  Barus, incompressible.  radius_ratio = Rx/Ry <= 1.
+    Wear 1994;176:217-229.  radius_ratio = Rx/Ry <= 1: a ball, or wide across the flow.  For a ball 7 % above to 14 %
+    below converged solutions with Barus' law, M = 20 to 1000, L = 0 to 10 (the test holds it to that).
 
     Examples
     --------
@@ -73,7 +100,8 @@ def hamrock_dowson_central(parameters: HamrockDowson, ellipticity: float = BALL)
     """Central film h_c/R = 2.69 U^0.67 G^0.53 W^-0.067 (1 - 0.61 exp(-0.73 k)).
 
     Hamrock BJ, Dowson D. Isothermal elastohydrodynamic lubrication of point contacts, part III. J Lubr Technol
-    1977;99:264-276.  ellipticity: k, the contact's half width across the flow over that along it.
+    1977;99:264-276.  Fitted to 34 computed contacts: k = 1 to 8, U = 8e-13 to 5e-11, G = 2300 to 6800, W over a
+    decade.  ellipticity: k, the contact's half width across the flow over that along it.
     """
     U, G, W = _checked(parameters)
     require_positive("ellipticity", ellipticity)
@@ -85,6 +113,111 @@ def hamrock_dowson_minimum(parameters: HamrockDowson, ellipticity: float = BALL)
     U, G, W = _checked(parameters)
     require_positive("ellipticity", ellipticity)
     return 3.63 * U**0.68 * G**0.49 * W**-0.073 * (1.0 - exp(-0.68 * ellipticity))
+
+
+def chittenden_central(parameters: HamrockDowson, radius_ratio: float = 1.0) -> float:
+    """Central film h_c/R = 4.31 U^0.68 G^0.49 W^-0.073 {1 - exp[-1.23 (Ry/Rx)^{2/3}]}.
+
+    Chittenden RJ, Dowson D, Dunn JF, Taylor CM. A theoretical analysis of the isothermal elastohydrodynamic lubrication
+    of concentrated contacts, I and II. Proc R Soc Lond A 1985;397:245-269, 271-294.  Flow along either axis of the
+    ellipse: radius_ratio = Rx/Ry below one, along the minor axis; above one, along the major axis.
+    """
+    U, G, W = _checked(parameters)
+    require_positive("radius_ratio", radius_ratio)
+    return 4.31 * U**0.68 * G**0.49 * W**-0.073 * (1.0 - exp(-1.23 * radius_ratio ** (-2 / 3)))
+
+
+def chittenden_minimum(parameters: HamrockDowson, radius_ratio: float = 1.0) -> float:
+    """Minimum film h_min/R = 3.68 U^0.68 G^0.49 W^-0.073 {1 - exp[-0.67 (Ry/Rx)^{2/3}]}; as for the central film."""
+    U, G, W = _checked(parameters)
+    require_positive("radius_ratio", radius_ratio)
+    return 3.68 * U**0.68 * G**0.49 * W**-0.073 * (1.0 - exp(-0.67 * radius_ratio ** (-2 / 3)))
+
+
+def dowson_higginson_minimum(parameters: HamrockDowson) -> float:
+    """Minimum film of a line contact, h_min/R = 2.65 U^0.7 G^0.54 W'^-0.13.  W stands for W'.
+
+    Dowson D. Elastohydrodynamics. Proc Inst Mech Eng 1967-68;182(3A):151-167, after Dowson and Higginson's book (1966);
+    from solutions with U = 1e-13 to 1e-11, G = 2500 and 5000, W' = 3e-5 to 3e-4.
+    """
+    U, G, W = _checked(parameters)
+    return 2.65 * U**0.7 * G**0.54 * W**-0.13
+
+
+def dowson_toyoda_central(parameters: HamrockDowson) -> float:
+    """Central film of a line contact, h_c/R = 3.06 U^0.69 G^0.56 W'^-0.10.  W stands for W'.
+
+    Dowson D, Toyoda S. A central film thickness formula for elastohydrodynamic line contacts. Proc 5th Leeds-Lyon
+    Symposium on Tribology (1978), 1979:60-65.
+    """
+    U, G, W = _checked(parameters)
+    return 3.06 * U**0.69 * G**0.56 * W**-0.10
+
+
+def line_contact(parameters: HamrockDowson) -> HamrockDowson:
+    """U, G, W' of the line contact with the radius, the speed and the Hertz pressure of a circular one.
+
+    p_h/E' = a/(pi R) of the circle, (W'/(2 pi))^{1/2} of the line: W' = (2/pi) (3W/2)^{2/3}.
+    """
+    U, G, W = _checked(parameters)
+    return HamrockDowson(U, G, 2.0 / pi * cbrt(1.5 * W) ** 2)
+
+
+class Film(NamedTuple):
+    """What a formula says of a circular contact: films in a^2/R, None where it has none.
+
+    valid: what it is for, in words.  inside: whether the contact is so, None where the source gives no bounds.
+    """
+
+    name: str
+    central: float | None
+    minimum: float | None
+    source: str
+    valid: str
+    inside: bool | None
+
+
+def films(parameters: Parameters, ugw: HamrockDowson | None = None) -> list[Film]:
+    """Every formula for a circular contact, side by side; those of U, G, W only where these are given (and G > 0)."""
+    M, L = parameters.M, parameters.L
+    name, joined = "Nijenbanning-Venner-Moes", nijenbanning_venner_moes(M, L)
+    found = [Film(name, joined, None, SOURCES[name], "all M and L; Barus' law", True)]
+    if ugw is not None and ugw.G > 0:
+        found += _films_of_ugw(ugw)
+    asymptotes = {
+        "isoviscous, rigid": (isoviscous_rigid(M), "M small, L = 0"),
+        "isoviscous, elastic": (isoviscous_elastic(M), "M large, L = 0"),
+    }
+    if L > 0:
+        asymptotes |= {
+            "piezoviscous, rigid": (piezoviscous_rigid(M, L), "M small, L large"),
+            "piezoviscous, elastic": (piezoviscous_elastic(M, L), "M and L large"),
+        }
+    for regime, (film, valid) in asymptotes.items():
+        found.append(Film(regime, film, None, SOURCES[name], valid, abs(film / joined - 1.0) < CLOSE))
+    return found
+
+
+def _films_of_ugw(ugw: HamrockDowson) -> list[Film]:
+    """Hamrock and Dowson's, Chittenden's, and those of the line contact with the same Hertz pressure."""
+    unit, line = cbrt(1.5 * ugw.W) ** 2, line_contact(ugw)
+
+    def film(name: str, central: float | None, minimum: float | None, valid: str, inside: bool | None = None) -> Film:
+        c, m = (value if value is None else value / unit for value in (central, minimum))
+        return Film(name, c, m, SOURCES[name], valid, inside)
+
+    hard = 8e-13 <= ugw.U <= 5.1e-11 and 2300 <= ugw.G <= 6800
+    long = 1e-13 <= line.U <= 1e-11 and 2500 <= line.G <= 5000 and 3e-5 <= line.W <= 3e-4
+    ranges = "U = 8e-13 to 5e-11, G = 2300 to 6800", "U = 1e-13 to 1e-11, G = 2500 to 5000, W' = 3e-5 to 3e-4"
+    same = "line contact of the same p_h"
+    hamrock_dowson = hamrock_dowson_central(ugw), hamrock_dowson_minimum(ugw)
+    chittenden = chittenden_central(ugw), chittenden_minimum(ugw)
+    return [
+        film("Hamrock-Dowson", *hamrock_dowson, ranges[0], hard),
+        film("Chittenden et al.", *chittenden, "piezoviscous, elastic"),
+        film("Dowson-Higginson", None, dowson_higginson_minimum(line), f"{same}: {ranges[1]}", long),
+        film("Dowson-Toyoda", dowson_toyoda_central(line), None, same),
+    ]
 
 
 def _elliptic(D: float) -> float:
@@ -103,3 +236,29 @@ def _checked_ratio(radius_ratio: float) -> float:
             f"radius_ratio = {radius_ratio}: must be above zero and not above one (slender along the flow)"
         )
     return radius_ratio
+
+
+# -- amplitude reduction -----------------------------------------------------------------------------------------------
+
+LINE_NABLA = 0.6076  # nabla1/nabla2 of the same wavelength, contact half width and alpha_bar lambda_bar
+
+
+def amplitude_reduction(nabla2: ArrayLike) -> NDArray[np.float64]:
+    """A_d/A_i = 1/(1 + 0.15 nabla2 + 0.015 nabla2^2), eq. (15): isotropic waviness cos(2 pi X/L) cos(2 pi Y/L).
+
+    nabla2: eq. (16), see `Parameters.nabla2`, of any shape.
+    """
+    n = np.asarray(nabla2, dtype=float)
+    return np.asarray(1.0 / (1.0 + 0.15 * n + 0.015 * n**2))
+
+
+def amplitude_reduction_line(nabla2: ArrayLike) -> NDArray[np.float64]:
+    """A_d/A_i = 1/(1 + 0.125 nabla1 + 0.04 nabla1^2): transverse waviness in a line contact under pure rolling.
+
+    Venner CH, Couhier F, Lubrecht AA, Greenwood JA. Proc Leeds-Lyon 1996 (1997:103-112) for nabla1 = (wavelength/b)
+    M^{3/4}/L^{1/2} with the line contact's M and L; the coefficients as they are cited since, not seen in that text.
+    There alpha_bar lambda_bar = (3 pi^2/8)/sqrt(2 pi) L/M^{3/2}, so nabla1 = 0.608 nabla2 = 1.215 (wavelength/b)/
+    sqrt(alpha_bar lambda_bar).
+    """
+    n = LINE_NABLA * np.asarray(nabla2, dtype=float)
+    return np.asarray(1.0 / (1.0 + 0.125 * n + 0.04 * n**2))

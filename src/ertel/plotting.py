@@ -2,69 +2,53 @@
 
     ertel.plotting.overview(result.dataset).savefig("impact.png")
 
-A run of a physical case is drawn in SI with fitting prefixes, a dimensionless one in units a*, a*^2/R, p_h*, t0.
-Colours are told apart by everybody (Okabe and Ito's; for what is ordered, maps whose lightness is).
+FIGURES draw a run in time, impact or rolling, STEADY_FIGURES a steady contact; `figures_of` knows which.
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
-from numpy.typing import NDArray
+from matplotlib.ticker import NullFormatter
 
 from ertel import hertz
-from ertel.dataset import EVENTS, PREFIXES, exponent, with_prefix
+from ertel.dataset import EVENTS
+from ertel.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    LOADED,
+    ORANGE,
+    ORDERED_COLOURS,
+    Figures,
+    Panel,
+    Values,
+    axis_label,
+    compose,
+    draw_film,
+    draw_flow,
+    draw_pressure,
+    extent,
+    figure_of,
+    film_inside,
+    lateral,
+    map_of,
+    named,
+    scale,
+    title,
+)
+from ertel.plotting_steady import STEADY_FIGURES
 
-Values = NDArray[np.float64]
-
-BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#777777"
-FILM_COLOURS, PRESSURE_COLOURS = "YlGnBu_r", "YlOrRd"
-TIME_COLOURS = LinearSegmentedColormap.from_list("time", colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
-UNITS = {"a*": "$a^*$", "a*^2/R": "$a^{*2}/R$", "p_h*": "$p_h^*$", "t0": "$t_0$", "F*": "$F^*$"}
-MARGIN = 1.3  # of what is shown round the contact
+MAXIMUM, LAST = "maximum approach", "last map"
 
 
 # -- what is drawn ----------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Scale:
-    """How a dimensionless variable is shown: times a factor, under a label."""
-
-    factor: float
-    symbol: str
-    unit: str
-    long_name: str
-
-    @property
-    def label(self) -> str:
-        return f"{self.long_name} {self.symbol} ({self.unit})" if self.unit else f"{self.long_name} {self.symbol}"
-
-
-def scale(dataset: xr.Dataset, name: str, largest: float) -> Scale:
-    """The scale of a variable: SI with the prefix that fits `largest` (dimensionless), or the dimensionless units."""
-    attributes = dataset[name].attrs
-    if "si_factor" not in attributes:
-        unit = attributes.get("in_units_of", "")
-        return Scale(1.0, _mathtext(attributes["symbol"]), UNITS.get(unit, unit), attributes["long_name"])
-    power = exponent(abs(largest) * attributes["si_factor"])
-    unit = PREFIXES[power] + attributes["si_units"]
-    factor = attributes["si_factor"] / 10**power
-    return Scale(factor, _mathtext(attributes["si_name"]), unit, attributes["long_name"])
-
-
-def _mathtext(symbol: str) -> str:
-    """H_min as $H_\\mathrm{min}$, Delta as a Greek letter."""
-    base, _, index = symbol.replace("Delta", r"\Delta").replace("delta", r"\delta").partition("_")
-    return f"${base}_\\mathrm{{{index}}}$" if index else f"${base}$"
 
 
 @dataclass(frozen=True)
@@ -75,7 +59,8 @@ class Profiles:
     T: Values
     P: Values
     H: Values
-    maximum: int  # the frame of maximum approach, or the last where that was not reached
+    chosen: int  # the frame of maximum approach, or the last where there is none
+    moment: str  # what it is: MAXIMUM or LAST
 
 
 def profiles_of(dataset: xr.Dataset) -> Profiles:
@@ -84,13 +69,13 @@ def profiles_of(dataset: xr.Dataset) -> Profiles:
     if not len(T):
         raise ValueError("dataset: has no maps yet, there is nothing to draw")
     at_maximum = np.flatnonzero(dataset["event"].values == EVENTS.index("max-approach"))
-    maximum = int(at_maximum[0]) if len(at_maximum) else len(T) - 1
+    chosen, moment = (int(at_maximum[0]), MAXIMUM) if len(at_maximum) else (len(T) - 1, LAST)
     if "r" in dataset:
         x, P, H = (_mirrored(dataset[name].values, odd=name == "r") for name in ("r", "P", "H"))
     else:
         x = np.asarray(dataset["X"].values)
         P, H = (dataset[name].sel(Y=0.0, method="nearest").values for name in ("P", "H"))
-    return Profiles(x, T, P, H, maximum)
+    return Profiles(x, T, P, H, chosen, moment)
 
 
 def _mirrored(values: Values, odd: bool) -> Values:
@@ -98,73 +83,34 @@ def _mirrored(values: Values, odd: bool) -> Values:
     return np.concatenate([-left if odd else left, values], axis=-1)
 
 
-def map_of(dataset: xr.Dataset, name: str, frame: int) -> tuple[Values, Values]:
-    """X (the same as Y) and a field of one frame over it; a radial profile is turned round the centre."""
-    values = np.asarray(dataset[name].isel(frame=frame).values)
-    if "r" not in dataset:
-        return np.asarray(dataset["X"].values), values
-    r = np.asarray(dataset["r"].values)
-    x = np.linspace(-r[-1], r[-1], 601)
-    return x, np.interp(np.hypot(x[:, None], x[None, :]), r, values)
-
-
-def _loaded_radius(p: Profiles) -> float:
-    """How far from the centre the film carries pressure at the maximum."""
-    loaded = p.x[p.P[p.maximum] > 0.02 * p.P[p.maximum].max()]
-    reach = float(np.abs(loaded).max()) if len(loaded) else float(p.x.max())
-    return max(reach, 0.2 * float(p.x.max()))  # something to see even at first touch
-
-
-def _largest_inside(p: Profiles, H: Values) -> float:
-    """The largest film well inside the contact."""
-    return float(H[np.abs(p.x) < 0.8 * _loaded_radius(p)].max())
-
-
-# -- panels -----------------------------------------------------------------------------------------------------------
+# -- panels ------------------------------------------------------------------------------------------
 
 
 def draw_film_map(axes: Axes, dataset: xr.Dataset) -> None:
-    """Film thickness at maximum approach, with contour lines at equal steps as an interferometer shows them."""
+    """Film thickness at the chosen moment, with contour lines at equal steps as an interferometer shows them."""
     p = profiles_of(dataset)
-    x, H = map_of(dataset, "H", p.maximum)
-    top = 1.5 * _largest_inside(p, p.H[p.maximum])
-    z = scale(dataset, "H", top / 2)
-    levels = np.asarray(MaxNLocator(10).tick_values(0.0, top * z.factor))
-    _draw_map(axes, dataset, p, x, H, z, levels, FILM_COLOURS)
-    step = levels[1] - levels[0]
-    axes.set_title(f"Film thickness, a line every {step:.3g} {z.unit}")
+    P, H = p.P[p.chosen], p.H[p.chosen]
+    field, side = map_of(dataset, "H", p.chosen), extent(p.x, P)
+    draw_film(axes, dataset, field, side, 1.5 * film_inside(p.x, P, H))
+    draw_flow(axes, _entrainment(dataset, p.T[p.chosen]))
 
 
 def draw_pressure_map(axes: Axes, dataset: xr.Dataset) -> None:
-    """Pressure at maximum approach, with contour lines at equal steps."""
+    """Pressure at the chosen moment, with contour lines at equal steps."""
     p = profiles_of(dataset)
-    x, P = map_of(dataset, "P", p.maximum)
-    z = scale(dataset, "P", float(P.max()))
-    levels = np.asarray(MaxNLocator(10).tick_values(0.0, float(P.max()) * z.factor))
-    _draw_map(axes, dataset, p, x, P, z, levels, PRESSURE_COLOURS)
-    axes.set_title(f"Pressure, a line every {levels[1] - levels[0]:.3g} {z.unit}")
+    draw_pressure(axes, dataset, map_of(dataset, "P", p.chosen), extent(p.x, p.P[p.chosen]))
+    draw_flow(axes, _entrainment(dataset, p.T[p.chosen]))
 
 
-def _draw_map(
-    axes: Axes, dataset: xr.Dataset, p: Profiles, x: Values, values: Values, z: Scale, levels: Values, colours: str
-) -> None:
-    """Colours and contour lines round the contact; what is above the highest level has its colour."""
-    across = _lateral(dataset)
-    inside = np.abs(x) <= MARGIN * _loaded_radius(p)
-    along, shown = x[inside] * across.factor, values[np.ix_(inside, inside)] * z.factor
-    limits = Normalize(0.0, levels[-1])
-    image = axes.pcolormesh(along, along, shown, cmap=colours, norm=limits, shading="gouraud", rasterized=True)
-    axes.contour(along, along, shown, levels=levels[1:], colors="black", linewidths=0.4, alpha=0.6)
-    x_name, y_name = ("$x$", "$y$") if _is_physical(dataset) else ("$X$", "$Y$")
-    axes.set(xlabel=f"{x_name} ({across.unit})", ylabel=f"{y_name} ({across.unit})", aspect="equal")
-    extend = "max" if shown.max() > levels[-1] else "neither"
-    _figure(axes).colorbar(image, ax=axes, label=z.label, extend=extend)
+def _entrainment(dataset: xr.Dataset, T: float) -> float:
+    """U at T; zero of a run that does not tell (an impact without flow)."""
+    return float(np.interp(T, dataset["time"].values, dataset["U"].values)) if "U" in dataset else 0.0
 
 
 def draw_film_profiles(axes: Axes, dataset: xr.Dataset) -> None:
-    """Film along the mid-line through time, the maximum approach in black."""
+    """Film along the mid-line through time, the chosen moment in black."""
     p = profiles_of(dataset)
-    top = 2.0 * _largest_inside(p, p.H[p.maximum])
+    top = 2.0 * film_inside(p.x, p.P[p.chosen], p.H[p.chosen])
     z = scale(dataset, "H", top / 2)
     _draw_profiles(axes, dataset, p, p.H * z.factor)
     axes.set(ylim=(0.0, top * z.factor), ylabel=z.label)
@@ -172,7 +118,7 @@ def draw_film_profiles(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def draw_pressure_profiles(axes: Axes, dataset: xr.Dataset) -> None:
-    """Pressure along the mid-line through time, the maximum approach in black."""
+    """Pressure along the mid-line through time, the chosen moment in black."""
     p = profiles_of(dataset)
     z = scale(dataset, "P", float(p.P.max()))
     _draw_profiles(axes, dataset, p, p.P * z.factor)
@@ -182,25 +128,25 @@ def draw_pressure_profiles(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _draw_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles, values: Values) -> None:
     """Lines of the maps that carry load, coloured by time; those of the rebound are dashed."""
-    time, across = scale(dataset, "time", 1.0), _lateral(dataset)
-    loaded = np.flatnonzero(p.P.max(axis=1) > 0.02 * p.P.max())
+    time, across = scale(dataset, "time", 1.0), lateral(dataset)
+    loaded = np.flatnonzero(p.P.max(axis=1) > LOADED * p.P.max())
     shown = loaded[:: max(1, round(len(loaded) / 14))]
-    colours = ScalarMappable(Normalize(p.T[loaded[0]] * time.factor, p.T[loaded[-1]] * time.factor), TIME_COLOURS)
+    colours = ScalarMappable(Normalize(p.T[loaded[0]] * time.factor, p.T[loaded[-1]] * time.factor), ORDERED_COLOURS)
     x = p.x * across.factor
-    for frame in shown[shown != p.maximum]:
-        style, width = ("--", 0.8) if frame > p.maximum else ("-", 1.2)
+    for frame in shown[shown != p.chosen]:
+        style, width = ("--", 0.8) if frame > p.chosen else ("-", 1.2)
         colour = colours.to_rgba(p.T[frame] * time.factor)
         axes.plot(x, values[frame], color=colour, linestyle=style, linewidth=width)
-    axes.plot(x, values[p.maximum], color="black", linewidth=2.0, label=_moment(dataset))
-    if shown[-1] > p.maximum:
+    axes.plot(x, values[p.chosen], color="black", linewidth=2.0, label=p.moment)
+    if shown[-1] > p.chosen:
         axes.plot([], [], color=GREY, linestyle="--", linewidth=0.8, label="rebound")
-    reach = MARGIN * _loaded_radius(p) * across.factor
-    axes.set(xlim=(-reach, reach), xlabel=f"{'$x$' if _is_physical(dataset) else '$X$'} ({across.unit})")
-    _figure(axes).colorbar(colours, ax=axes, label=time.label)
+    side = extent(p.x, p.P[p.chosen]) * across.factor
+    axes.set(xlim=(-side, min(side, x[-1])), xlabel=axis_label(dataset, "x"))
+    figure_of(axes).colorbar(colours, ax=axes, label=time.label)
 
 
 def draw_motion(axes: Axes, dataset: xr.Dataset) -> None:
-    """Approach, load and speed through time, as shares of those of the dry impact."""
+    """Approach, load and speed of an impact through time, as shares of those of the dry impact."""
     lines = {
         "Delta": (r"approach $\delta/\delta^*$", BLUE, "-"),
         "F": ("load $F/F^*$", ORANGE, "-"),
@@ -212,33 +158,51 @@ def draw_motion(axes: Axes, dataset: xr.Dataset) -> None:
     axes.legend(loc="upper left", frameon=False, ncols=3, columnspacing=1.0, handlelength=1.5, fontsize="small")
 
 
+def draw_drive(axes: Axes, dataset: xr.Dataset) -> None:
+    """What drives a rolling contact, load and entrainment, and how it answers, as shares of the static contact's."""
+    lines = {
+        "Delta": (r"approach $\delta R/a^2$", BLUE, "-"),
+        "F": ("load of the film", ORANGE, "-"),
+        "U": ("entrainment", GREEN, "--"),
+        "w": ("applied load", "black", ":"),
+    }
+    lines = {name: line for name, line in lines.items() if name in dataset}
+    _draw_series(axes, dataset, lines, 1.0)
+    low, high = (function([dataset[name].values for name in lines]) for function in (np.min, np.max))
+    span = max(high - min(low, 0.0), 0.1)
+    axes.set(ylabel="share of the static contact's", ylim=(min(low, 0.0) - 0.05 * span, high + 0.3 * span))
+    axes.legend(loc="upper left", frameon=False, ncols=2, columnspacing=1.0, fontsize="small")
+
+
 def draw_film_history(axes: Axes, dataset: xr.Dataset) -> None:
-    """Central and least film thickness through time."""
+    """Central and least film thickness through time, over decades where the film falls by as much."""
     z = scale(dataset, "H_c", float(dataset["H_c"].min()))
-    lines = {"H_c": (_named(dataset, "H_c"), BLUE, "-"), "H_min": (_named(dataset, "H_min"), ORANGE, "-")}
+    lines = {"H_c": (named(dataset, "H_c"), BLUE, "-"), "H_min": (named(dataset, "H_min"), ORANGE, "-")}
     _draw_series(axes, dataset, lines, z.factor)
-    H_min = dataset["H_min"].values * z.factor
-    low = 0.6 * float(H_min[H_min > 0].min(initial=H_min.max()))  # a film may vanish on a coarse grid
-    axes.set(yscale="log", ylabel=f"film thickness ({z.unit})", ylim=(low, None))
-    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.set(ylabel=f"film thickness ({z.unit})")
     axes.legend(loc="upper right", frameon=False, fontsize="small")
+    films = [dataset[name].values * z.factor for name in lines]
+    if np.max(films[0]) < 5.0 * np.min(films[0]):
+        axes.set(ylim=(0.0, 1.35 * np.max(films)))
+        return
+    low = 0.6 * float(films[1][films[1] > 0].min(initial=films[1].max()))  # a film may vanish on a coarse grid
+    axes.set(yscale="log", ylim=(low, None))
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def draw_pressure_history(axes: Axes, dataset: xr.Dataset) -> None:
     """Central and largest pressure through time."""
     z = scale(dataset, "P_max", float(dataset["P_max"].max()))
-    lines = {"P_max": (_named(dataset, "P_max"), ORANGE, "-"), "P_c": (_named(dataset, "P_c"), BLUE, "-")}
+    lines = {"P_max": (named(dataset, "P_max"), ORANGE, "-"), "P_c": (named(dataset, "P_c"), BLUE, "-")}
     _draw_series(axes, dataset, lines, z.factor)
-    axes.set(ylabel=f"pressure ({z.unit})", ylim=(0.0, None))
+    axes.set(ylabel=f"pressure ({z.unit})", ylim=(0.0, 1.3 * float(dataset["P_max"].max()) * z.factor))
     axes.legend(loc="upper left", frameon=False, fontsize="small")
 
 
 def draw_front(axes: Axes, dataset: xr.Dataset) -> None:
-    """The front, where the film is thinnest, beside the edge of the dry contact."""
-    across, T = _lateral(dataset), dataset["time"].values
-    loaded = dataset["P_max"].values > 0.02 * float(dataset["P_max"].max())
+    """The front of an impact, where the film is thinnest, beside the edge of the dry contact."""
+    across, T = lateral(dataset), dataset["time"].values
+    loaded = dataset["P_max"].values > LOADED * float(dataset["P_max"].max())
     X_min = dataset["X_min"].values
     front = np.where(loaded & (X_min > 0), X_min, np.nan)
     touch = -json.loads(dataset.attrs["case"])["time"]["start_approach"]
@@ -248,6 +212,16 @@ def draw_front(axes: Axes, dataset: xr.Dataset) -> None:
     _draw_series(axes, dataset, {"X_min": ("front: place of the least film", GREEN, "-")}, across.factor, front)
     axes.set(ylabel=f"distance from the centre ({across.unit})", ylim=(0.0, 1.25 * across.factor))
     axes.legend(loc="upper left", frameon=False, fontsize="small")
+
+
+def draw_least_film(axes: Axes, dataset: xr.Dataset) -> None:
+    """Where the film of a rolling contact is thinnest, through time: in a side lobe, at the exit, at a feature."""
+    across = lateral(dataset)
+    lines = {"X_min": ("along the flow", BLUE, "-"), "Y_min": ("to the side", ORANGE, "--")}
+    _draw_series(axes, dataset, {name: line for name, line in lines.items() if name in dataset}, across.factor)
+    axes.axhline(0.0, color="black", linewidth=0.5)
+    axes.set(ylabel=f"place of the least film ({across.unit})", ylim=(-1.3 * across.factor, 1.7 * across.factor))
+    axes.legend(loc="upper left", frameon=False, ncols=2, fontsize="small")
 
 
 Lines = Mapping[str, tuple[str, str, str]]  # variable: label, colour, style
@@ -260,94 +234,48 @@ def _draw_series(axes: Axes, dataset: xr.Dataset, lines: Lines, factor: float, v
         shown = dataset[name].values if values is None else values
         axes.plot(T, shown * factor, color=colour, linestyle=style, label=label)
     p = profiles_of(dataset)
-    if _moment(dataset) == MAXIMUM:
-        axes.axvline(p.T[p.maximum] * time.factor, color="black", linewidth=0.8, linestyle=":")
-    axes.set(xlabel=time.label, xlim=(0.0, T[-1]))
-
-
-MAXIMUM = "maximum approach"
-
-
-def _moment(dataset: xr.Dataset) -> str:
-    return MAXIMUM if EVENTS.index("max-approach") in dataset["event"].values else "last map"
-
-
-def _named(dataset: xr.Dataset, name: str) -> str:
-    named = scale(dataset, name, 1.0)
-    return f"{named.long_name} {named.symbol}"
-
-
-def _lateral(dataset: xr.Dataset) -> Scale:
-    return scale(dataset, "r" if "r" in dataset else "X", 1.0)
-
-
-def _is_physical(dataset: xr.Dataset) -> bool:
-    return "si_factor" in dataset["H"].attrs
-
-
-def _figure(axes: Axes) -> Figure:
-    figure = axes.get_figure()
-    assert isinstance(figure, Figure)
-    return figure
+    if p.moment == MAXIMUM:
+        axes.axvline(p.T[p.chosen] * time.factor, color="black", linewidth=0.8, linestyle=":")
+    axes.set(xlabel=time.label, xlim=(0.0, T[-1]) if T[-1] > 0 else None)
 
 
 # -- figures ----------------------------------------------------------------------------------------------------------
 
-Panel = Callable[[Axes, xr.Dataset], None]
-
 
 def maps(dataset: xr.Dataset) -> Figure:
-    """Film and pressure over the surface at maximum approach."""
-    return _compose(dataset, [[draw_film_map, draw_pressure_map]])
+    """Film and pressure over the surface, at maximum approach or at last."""
+    return _of_run(dataset, [[draw_film_map, draw_pressure_map]])
 
 
 def profiles(dataset: xr.Dataset) -> Figure:
     """Film and pressure along the mid-line through time."""
-    return _compose(dataset, [[draw_film_profiles, draw_pressure_profiles]])
+    return _of_run(dataset, [[draw_film_profiles, draw_pressure_profiles]])
 
 
 def history(dataset: xr.Dataset) -> Figure:
-    """Approach, load, film thickness, pressure and front through time."""
-    return _compose(dataset, [[draw_motion, draw_film_history], [draw_front, draw_pressure_history]])
+    """What moves the bodies, film thickness, pressure and the place of the least film through time."""
+    rolling = dataset.attrs["kind"] == "rolling"
+    motion, place = (draw_drive, draw_least_film) if rolling else (draw_motion, draw_front)
+    return _of_run(dataset, [[motion, draw_film_history], [place, draw_pressure_history]])
 
 
 def overview(dataset: xr.Dataset) -> Figure:
-    """The impact on one page: maps at maximum approach, profiles and histories."""
+    """The run on one page: maps, profiles and histories."""
+    motion = draw_drive if dataset.attrs["kind"] == "rolling" else draw_motion
     film: list[Panel] = [draw_film_map, draw_film_profiles, draw_film_history]
-    return _compose(dataset, [film, [draw_pressure_map, draw_pressure_profiles, draw_motion]])
+    return _of_run(dataset, [film, [draw_pressure_map, draw_pressure_profiles, motion]])
 
 
-FIGURES: Mapping[str, Callable[[xr.Dataset], Figure]] = {
-    "overview": overview,
-    "maps": maps,
-    "profiles": profiles,
-    "history": history,
-}
-
-
-def _compose(dataset: xr.Dataset, rows: list[list[Panel]]) -> Figure:
+def _of_run(dataset: xr.Dataset, rows: list[list[Panel]]) -> Figure:
     dataset = dataset.load()
-    figure = Figure(figsize=(5.0 * len(rows[0]), 4.0 * len(rows) + 0.4), layout="constrained", dpi=150)
-    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.1)  # type: ignore[union-attr, call-arg]
-    for panels, line in zip(rows, figure.subplots(len(rows), len(rows[0]), squeeze=False), strict=True):
-        for draw, axes in zip(panels, line, strict=True):
-            draw(axes, dataset)
-    figure.suptitle(_title(dataset), fontsize="medium")
-    return figure
+    p, time = profiles_of(dataset), scale(dataset, "time", 1.0)
+    moment = f"{p.moment} at {time.symbol} = {p.T[p.chosen] * time.factor:.3g} {time.unit}"
+    return compose(dataset, rows, [*title(dataset), moment])
 
 
-def _title(dataset: xr.Dataset) -> str:
-    """What it is and when: name, conditions, the moment of the maps."""
-    a, p = dataset.attrs, profiles_of(dataset)
-    name = str(a["title"]).replace("_", " ")
-    time = scale(dataset, "time", 1.0)
-    conditions = [f"$M$ = {a['M']:.4g}", f"$L$ = {a['L']:.3g}"]
-    if _is_physical(dataset):
-        conditions = [
-            f"$R$ = {with_prefix(a['R_m'], 'm')}",
-            f"$v_0$ = {with_prefix(a['v0_m_per_s'], 'm/s')}",
-            f"$p_h^*$ = {with_prefix(a['p_h_Pa'], 'Pa')}",
-            *conditions,
-        ]
-    moment = f"{_moment(dataset)} at {time.symbol} = {p.T[p.maximum] * time.factor:.3g} {time.unit}"
-    return f"{name[:1].upper()}{name[1:]}:  {',  '.join(conditions)};  {moment}"
+FIGURES: Figures = {"overview": overview, "maps": maps, "profiles": profiles, "history": history}
+
+
+def figures_of(dataset: xr.Dataset) -> Figures:
+    """The figures that a run can be drawn in, by name."""
+    return STEADY_FIGURES if dataset.attrs["method"] == "steady" else FIGURES

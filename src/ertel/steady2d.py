@@ -87,8 +87,8 @@ def steady(case: Case) -> Rolling:
 def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSolution]:
     """Solutions from the coarsest grid to the case's own; goes on after those that are done.
 
-    The case's tolerance bounds the residual of Reynolds' equation where its method is "steady".  Raises ValueError where
-    there is no load or no entrainment at T = 0, and so no steady film.
+    The case's tolerance bounds the residual of Reynolds' equation where its method is "steady".  Raises ValueError
+    where there is no load or no entrainment at T = 0, and so no steady film.
     """
     check_nodes(case.solver.nodes)
     check_motion(case)
