@@ -11,7 +11,8 @@ Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 200
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import NamedTuple, Protocol
 
 import jax
@@ -73,14 +74,18 @@ class Points:
         return self.jacobi * r + spread(self.distributive * r)
 
 
+Operator = Callable[[Array, Array], Array]  # a linear map of e and its deformation K e
+
+
 @register_dataclass
 @dataclass(frozen=True)
 class Level:
-    """One grid of the hierarchy."""
+    """One grid of the hierarchy: the operator, and coefficients near it for the smoother."""
 
     elasticity: Elasticity
     coefficients: Coefficients
     smoother: Smoother
+    operator: Operator = field(metadata={"static": True})
 
 
 def elasticities(grid: Grid, dtype: str) -> tuple[Elasticity, ...]:
@@ -106,12 +111,18 @@ def hierarchy(
     elastic: Sequence[Elasticity],
     finest: Coefficients,
     smoother: Callable[[Elasticity, Coefficients], Smoother] = points,
+    operators: Sequence[Operator] = (),
 ) -> tuple[Level, ...]:
-    """The levels, finest first: eps by full weighting, everything else by injection."""
+    """The levels, finest first: eps by full weighting, everything else by injection.
+
+    operators: one for each level where the operator is not just the one above (an exact Jacobian, say).
+    """
     coefficients = finest
     levels = []
-    for e in elastic:
-        levels.append(Level(e, coefficients, smoother(e, coefficients)))
+    for k, e in enumerate(elastic):
+        smooth = smoother(e, coefficients)
+        operator = operators[k] if operators else partial(_operate, e, coefficients, smooth)
+        levels.append(Level(e, coefficients, smooth, operator))
         coefficients = Coefficients(restrict(coefficients.eps, beyond="edge"), *(c[::2, ::2] for c in coefficients[1:]))
     return tuple(levels)
 
@@ -125,23 +136,46 @@ def diffusion_rules(
     return face_sum(c.eps) / elastic.spacing**2 > stiffness * c.stretch
 
 
-def apply(level: Level, e: Array) -> Array:
-    """The operator."""
-    c = level.coefficients
-    deformation = halfspace.displacement(level.elasticity.spectrum, e)
-    diffusion = _diffuse(c.eps, e) / level.elasticity.spacing**2
-    return c.free * (diffusion + level.smoother.balance(c.stretch * deformation + c.local * e))
+def _operate(elastic: Elasticity, c: Coefficients, smoother: Smoother, e: Array, Ke: Array) -> Array:
+    return _diffuse(c.eps, e) / elastic.spacing**2 + smoother.balance(c.stretch * Ke + c.local * e)
+
+
+def apply(level: Level, e: Array, Ke: Array | None = None) -> Array:
+    """The operator; K e is summed if not given."""
+    deformation = halfspace.displacement(level.elasticity.spectrum, e) if Ke is None else Ke
+    return level.coefficients.free * level.operator(e, deformation)
 
 
 def v_cycle(levels: Sequence[Level], r: Array) -> Array:
-    """An approximate solution e of `apply(levels[0], e) = r`; both vanish where a node is not free."""
+    """An approximate solution e of `apply(levels[0], e) = r`; both vanish where a node is not free.
+
+    No deformation is summed on the grid itself: that of a sweep's change is summed on the coarser grid and corrected
+    for near nodes, that of a correction from the coarser grid is interpolated.
+    """
     level, coarser = levels[0], levels[1:]
     if not coarser:
         return direct_solve(level, r)
     e = smooth(level, r)
-    below = coarser[0].coefficients.free * restrict(r - apply(level, e))
-    e += level.coefficients.free * prolong(v_cycle(coarser, below))
-    return e + smooth(level, r - apply(level, e))
+    Ke = nearly_deformed(level, coarser[0], e)
+    correction = v_cycle(coarser, coarser[0].coefficients.free * restrict(r - apply(level, e, Ke)))
+    e += level.coefficients.free * prolong(correction)
+    Ke += prolong(halfspace.displacement(coarser[0].elasticity.spectrum, correction))
+    return e + smooth(level, r - apply(level, e, Ke))
+
+
+def nearly_deformed(level: Level, coarser: Level, e: Array) -> Array:
+    """K e by multilevel integration: the smooth part on the coarser grid, the rest from the nearest nodes.
+
+    What a coarser grid cannot represent changes sign from node to node, so that its deformation is short-ranged.
+    Source: Brandt A, Lubrecht AA. Multilevel matrix multiplication. J Comput Phys 1990;90:348.
+    """
+    smooth_part = restrict(e)
+    rest = jnp.pad(e - prolong(smooth_part), 1)
+    K = level.elasticity.near
+    beside = rest[1:-1, :-2] + rest[1:-1, 2:] + rest[:-2, 1:-1] + rest[2:, 1:-1]
+    diagonally = rest[:-2, :-2] + rest[:-2, 2:] + rest[2:, :-2] + rest[2:, 2:]
+    near = K[0, 0] * rest[1:-1, 1:-1] + K[0, 1] * beside + K[1, 1] * diagonally
+    return near + prolong(halfspace.displacement(coarser.elasticity.spectrum, smooth_part))
 
 
 def precondition(levels: Sequence[Level], r: Array) -> Array:
@@ -152,7 +186,7 @@ def precondition(levels: Sequence[Level], r: Array) -> Array:
 
 def v_cycle_convolutions(grid: Grid) -> float:
     """The work of a V-cycle: its convolutions, each counted by the nodes of its grid over those of the finest."""
-    return sum(2.0 * (g.nodes / grid.nodes) ** 2 for g in grid.hierarchy()[:-1])
+    return sum(2.0 * (g.nodes / grid.nodes) ** 2 for g in grid.hierarchy()[1:])
 
 
 def smooth(level: Level, r: Array) -> Array:

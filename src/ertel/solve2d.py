@@ -16,7 +16,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, tree
 
 from ertel import contact, halfspace, lines, multigrid, newton, roughness
 from ertel.case import Case
@@ -170,7 +170,8 @@ def still(c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free:
     """For U = 0."""
     rate = problem.rate.new
     eps, stretch, local, free = _coefficients(c, P, H, free)
-    levels = multigrid.hierarchy(elastic, _in_precision_of(elastic, eps, rate * stretch, rate * local, free))
+    finest = _in_precision_of(elastic, eps, rate * stretch, rate * local, free)
+    levels = multigrid.hierarchy(elastic, finest, operators=_jacobians(c, elastic, P, H, rate, 0.0))
     return lambda r: multigrid.precondition(levels, r)
 
 
@@ -178,18 +179,39 @@ def carried(
     c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free: Array, problem: Problem
 ) -> newton.Map:
     """For any U, of either sign."""
-    U = problem.entrainment
+    U, rate = problem.entrainment, problem.rate.new
 
     def downstream(f: Array) -> Array:
         """The lines in the direction of the flow (and, by the same reversal, back again)."""
         return jnp.where(U >= 0, f, f[:, ::-1])
 
     def smoother(e: Elasticity, coefficients: multigrid.Coefficients) -> lines.Lines:
-        return lines.lines(e, coefficients, problem.rate.new, jnp.abs(U))
+        return lines.lines(e, coefficients, rate, jnp.abs(U))
 
     finest = _in_precision_of(elastic, *(downstream(f) for f in _coefficients(c, P, H, free)))
-    levels = multigrid.hierarchy(elastic, finest, smoother)
+    operators = _jacobians(c, elastic, downstream(P), downstream(H), rate, jnp.abs(U))
+    levels = multigrid.hierarchy(elastic, finest, smoother, operators)
     return lambda r: downstream(multigrid.precondition(levels, downstream(r)))
+
+
+def _jacobians(
+    c: Contact, elastic: Sequence[Elasticity], P: Array, H: Array, rate: Number, entrainment: Number
+) -> list[multigrid.Operator]:
+    """The exact Jacobian of the discretisation on every grid, around every second node of P and H."""
+    precision = elastic[0].spectrum.dtype
+    oil = tree.map(lambda v: jnp.asarray(v, precision), replace(c, gap=jnp.zeros(()), kernel=jnp.zeros(())))
+    U, P, H = (jnp.asarray(v, precision) for v in (entrainment, P, H))
+    squeeze = Rate(jnp.asarray(rate, precision), 0.0)
+    operators = []
+    for e in elastic:
+        residual = partial(_residual_at, replace(oil, spacing=e.spacing), squeeze, U)
+        operators.append(jax.linearize(residual, P, H)[1])
+        P, H = P[::2, ::2], H[::2, ::2]
+    return operators
+
+
+def _residual_at(c: Contact, rate: Rate, entrainment: Array, P: Array, H: Array) -> Array:
+    return contact.residual(c, P, H, rate, entrainment)
 
 
 def _coefficients(c: Contact, P: Array, H: Array, free: Array) -> tuple[Array, Array, Array, Array]:
