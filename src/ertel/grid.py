@@ -70,9 +70,10 @@ class Grid:
         return replace(self, nodes=(self.nodes - 1) // 2 + 1, spacing=2.0 * self.spacing)
 
     def hierarchy(self) -> tuple["Grid", ...]:
-        """This grid and its coarser ones, down to the last that is not trivial."""
+        """This grid and its coarser ones, down to the last that is not trivial and has the axes of symmetry, if any."""
         grids = [self]
-        while (grids[-1].nodes - 1) % 2 == 0 and (grids[-1].nodes - 1) // 2 + 1 >= SMALLEST_COARSEST:
+        factor = 4 if any(self.even) else 2
+        while (grids[-1].nodes - 1) % factor == 0 and (grids[-1].nodes - 1) // 2 + 1 >= SMALLEST_COARSEST:
             grids.append(grids[-1].coarser())
         return tuple(grids)
 
