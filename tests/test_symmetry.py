@@ -117,7 +117,7 @@ def test_a_symmetric_impact_on_a_quarter_of_the_plane(features) -> None:
 @pytest.mark.parametrize(
     ("features", "shape"),
     [
-        ((Feature(Waviness(0.01, 0.5, phase_y=0.3)),), (33, 33)),
+        ((Feature(Waviness(0.01, 0.5, 0.5, phase_y=0.3)),), (33, 17)),
         ((Feature(Waviness(0.01, 0.5, phase_x=0.3)),), (17, 33)),
         ((Feature(Waviness(0.01, 0.5, phase_x=np.pi)),), (17, 17)),
         ((Feature(Spot(0.01, 0.2)), Feature(Spot(0.01, 0.2, Y=0.1))), (33, 17)),
