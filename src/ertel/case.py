@@ -26,6 +26,7 @@ class Solver:
 
     nodes: nodes per side (2^k c + 1) or along the radius (radial: 0 to half_width).  half_width: from the middle of the
     grid to its edge.  inlet: from the contact's centre to the edge upstream, None: half_width, so a centred grid.
+    fold: where a case is symmetric compute on a half or a quarter of the plane.
     tolerance: of the discrete equations.  In a time step as a film thickness, in units of the film that is expected
     (`Case.film_scale`); steady, as the residual of Reynolds' equation itself.
     """
@@ -35,6 +36,7 @@ class Solver:
     half_width: float = 2.0
     inlet: float | None = None
     tolerance: float = 1e-3
+    fold: bool = True
 
 
 SOLVERS: Mapping[Method, Solver] = {  # the defaults

@@ -9,7 +9,7 @@ Impact: U = 0 (eq. 1).  Rolling: U = 1.  The scales and the law for the approach
 All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fields have shape (n, n), index [Y, X].
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -19,6 +19,7 @@ from jax.tree_util import register_dataclass
 from ertel import halfspace
 from ertel.grid import Grid
 from ertel.lubricant import Lubricant
+from ertel.symmetry import WHOLE, Even, extended, total
 
 
 @register_dataclass
@@ -27,6 +28,7 @@ class Contact:
     """Two surfaces and the oil between them.
 
     gap: the undeformed surfaces' distance X^2/2 + Y^2/2 - roughness, shape (n, n).  kernel: from `halfspace.spectrum`.
+    even: where the fields are even, only one side of the axis is kept (`symmetry`).
     """
 
     gap: Array
@@ -34,6 +36,7 @@ class Contact:
     spacing: float
     lambda_bar: float
     lubricant: Lubricant
+    even: Even = field(default=WHOLE, metadata={"static": True})
 
 
 class Rate(NamedTuple):
@@ -45,18 +48,23 @@ class Rate(NamedTuple):
 
 def ball_on_plane(grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
     """A smooth ball on a smooth plane, or any two bodies of the same reduced radius."""
-    gap = jnp.asarray(grid.x[None, :] ** 2 / 2 + grid.y[:, None] ** 2 / 2)
-    return Contact(gap, halfspace.spectrum(grid), grid.spacing, lambda_bar, lubricant)
+    gap = jnp.asarray(grid.kept_x[None, :] ** 2 / 2 + grid.kept_y[:, None] ** 2 / 2)
+    return Contact(gap, halfspace.spectrum(grid), grid.spacing, lambda_bar, lubricant, grid.even)
 
 
 def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array:
     """H, eq. (3): - approach + undeformed gap + elastic deformation."""
-    return -approach + contact.gap + halfspace.displacement(contact.kernel, P)
+    return -approach + contact.gap + deformation(contact, P)
+
+
+def deformation(contact: Contact, P: Array) -> Array:
+    """(2/pi^2) double integral of P/distance."""
+    return halfspace.displacement(contact.kernel, P, contact.even)
 
 
 def load(contact: Contact, P: Array) -> Array:
-    """F = double integral of P."""
-    return jnp.sum(P) * contact.spacing**2
+    """Double integral of P."""
+    return total(P, contact.even) * contact.spacing**2
 
 
 def mobility(contact: Contact, P: Array, H: Array) -> Array:
@@ -73,16 +81,16 @@ def residual(contact: Contact, P: Array, H: Array, rate: Rate, entrainment: Arra
     mass = contact.lubricant.density(P) * H
     squeeze = rate.new * mass + rate.past
     wedge = entrainment * upstream_slope(mass, entrainment, contact.spacing)
-    poiseuille = divergence_of_flux(mobility(contact, P, H), P, contact.spacing)
-    return inside(squeeze + wedge - poiseuille)
+    poiseuille = divergence_of_flux(mobility(contact, P, H), P, contact.spacing, contact.even)
+    return inside(squeeze + wedge, contact.even) - poiseuille
 
 
-def divergence_of_flux(eps: Array, P: Array, spacing: float) -> Array:
+def divergence_of_flux(eps: Array, P: Array, spacing: Array | float, even: Even = WHOLE) -> Array:
     """d/dX(eps dP/dX) + d/dY(eps dP/dY), conservative, second order; zero on the edge nodes."""
-    in_X = (eps[1:-1, 1:] + eps[1:-1, :-1]) / 2 * (P[1:-1, 1:] - P[1:-1, :-1])
-    in_Y = (eps[1:, 1:-1] + eps[:-1, 1:-1]) / 2 * (P[1:, 1:-1] - P[:-1, 1:-1])
-    net = (in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])
-    return jnp.pad(net / spacing**2, 1)
+    e, p = extended(eps, even, "edge"), extended(P, even, "edge")
+    in_X = (e[1:-1, 1:] + e[1:-1, :-1]) / 2 * (p[1:-1, 1:] - p[1:-1, :-1])
+    in_Y = (e[1:, 1:-1] + e[:-1, 1:-1]) / 2 * (p[1:, 1:-1] - p[:-1, 1:-1])
+    return inside(((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / spacing**2, even)
 
 
 def upstream_slope(mass: Array, entrainment: Array | float, spacing: float) -> Array:
@@ -96,6 +104,7 @@ def _backward_slope(mass: Array) -> Array:
     return second.at[:, 1].set(first[:, 1]).at[:, 0].set(0.0)
 
 
-def inside(field: Array) -> Array:
-    """The field with its edge set to zero."""
-    return jnp.pad(field[1:-1, 1:-1], 1)
+def inside(values: Array, even: Even = WHOLE) -> Array:
+    """The values with the edge set to zero; an axis of symmetry is no edge."""
+    low_y, low_x = (0 if mirror else 1 for mirror in even)
+    return jnp.pad(values[low_y:-1, low_x:-1], ((low_y, 1), (low_x, 1)))

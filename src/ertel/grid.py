@@ -1,9 +1,11 @@
 """A uniform node-centred grid on a rectangle, and its coarser companions."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ertel.symmetry import WHOLE, Even
 
 LARGEST_COARSEST = 17  # nodes per side that the direct solve on the coarsest grid is meant for
 SMALLEST_COARSEST = 5
@@ -13,18 +15,40 @@ SMALLEST_COARSEST = 5
 class Grid:
     """nodes x nodes centres of square cells around (centre_x, centre_y), spacing apart; lengths in units a*.
 
-    Arrays on it have shape (nodes, nodes), first index Y, second index X.
+    Arrays on it have shape (nodes, nodes), first index Y, second index X, but where fields are even only the side from
+    the axis on is kept (see `symmetry`): then `shape` is smaller.  x and y are those of the whole plane.
     """
 
     nodes: int
     spacing: float
     centre_x: float = 0.0
     centre_y: float = 0.0
+    even: Even = WHOLE
+
+    def __post_init__(self) -> None:
+        if (self.even.y and self.centre_y) or (self.even.x and self.centre_x):
+            raise ValueError(f"even = {self.even}: the grid must be centred on the axis of symmetry")
 
     @classmethod
     def square(cls, nodes: int, half_width: float) -> "Grid":
         """The grid over [-half_width, half_width]^2, with a node at the centre when `nodes` is odd."""
         return cls(nodes, 2.0 * half_width / (nodes - 1))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Of arrays on the grid: what is kept of (nodes, nodes)."""
+        half = (self.nodes + 1) // 2
+        return half if self.even.y else self.nodes, half if self.even.x else self.nodes
+
+    @property
+    def kept_x(self) -> NDArray[np.float64]:
+        """X of the columns of an array on the grid."""
+        return self.x[self.nodes - self.shape[1] :]
+
+    @property
+    def kept_y(self) -> NDArray[np.float64]:
+        """Y of the rows of an array on the grid."""
+        return self.y[self.nodes - self.shape[0] :]
 
     @property
     def x(self) -> NDArray[np.float64]:
@@ -43,12 +67,13 @@ class Grid:
 
     def coarser(self) -> "Grid":
         """Every second node of this grid."""
-        return Grid((self.nodes - 1) // 2 + 1, 2.0 * self.spacing, self.centre_x, self.centre_y)
+        return replace(self, nodes=(self.nodes - 1) // 2 + 1, spacing=2.0 * self.spacing)
 
     def hierarchy(self) -> tuple["Grid", ...]:
-        """This grid and its coarser ones, down to the last that is not trivial."""
+        """This grid and its coarser ones, down to the last that is not trivial and has the axes of symmetry, if any."""
         grids = [self]
-        while (grids[-1].nodes - 1) % 2 == 0 and (grids[-1].nodes - 1) // 2 + 1 >= SMALLEST_COARSEST:
+        factor = 4 if any(self.even) else 2
+        while (grids[-1].nodes - 1) % factor == 0 and (grids[-1].nodes - 1) // 2 + 1 >= SMALLEST_COARSEST:
             grids.append(grids[-1].coarser())
         return tuple(grids)
 

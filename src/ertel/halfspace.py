@@ -14,6 +14,7 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.grid import Grid
+from ertel.symmetry import WHOLE, Even
 
 jax.config.update("jax_enable_x64", True)  # EHL needs double precision: H is a small difference of large numbers
 
@@ -42,18 +43,37 @@ def _unit_spectrum(nodes: int) -> NDArray[np.float64]:
 
 
 def spectrum(grid: Grid, dtype: str = "float64") -> Array:
-    """What `displacement` needs to know of a grid: shape (2 (n-1), n), real."""
-    return jnp.asarray(_unit_spectrum(grid.nodes) * grid.spacing, dtype=dtype)
+    """What `displacement` needs to know of a grid: shape (2 (n-1), n), real; (n, n) where fields are even in Y."""
+    whole = _unit_spectrum(grid.nodes) * grid.spacing
+    return jnp.asarray(whole[: grid.nodes] if grid.even.y else whole, dtype=dtype)
 
 
-def displacement(kernel: Array, P: Array) -> Array:
-    """Normal displacement (eq. 3, third part) under the pressure P, both of shape (n, n); P = 0 on the edge.
+def displacement(kernel: Array, P: Array, even: Even = WHOLE) -> Array:
+    """Normal displacement (eq. 3, third part) under the pressure P, both on the same nodes; P = 0 on the edge.
 
-    Only rows that hold data are transformed along X, and only rows that are wanted are transformed back.
+    Only rows that hold data are transformed along X, and only rows that are wanted are transformed back.  kernel: from
+    `spectrum`, of n nodes along X on the whole plane.
     """
-    n = P.shape[-1]
-    period = 2 * (n - 1)
-    rows = jnp.fft.rfft(P, n=period, axis=1)
-    both = jnp.fft.fft(rows, n=period, axis=0) * kernel
-    wanted = jnp.fft.ifft(both, axis=0)[:n]
-    return jnp.fft.irfft(wanted, n=period, axis=1)[:, :n]
+    period = 2 * (kernel.shape[1] - 1)
+    rows, columns = P.shape
+    along = _cosines(P, period) if even.x else jnp.fft.rfft(P, n=period, axis=1)
+    if even.y:
+        both = _cosines(along.T, period) * kernel.T
+        wanted = _cosines(both, period)[:, :rows].T / period
+    else:
+        wanted = jnp.fft.ifft(jnp.fft.fft(along, n=period, axis=0) * kernel, axis=0)[:rows]
+    if even.x:
+        return _cosines(wanted.real, period)[:, :columns] / period
+    return jnp.fft.irfft(wanted, n=period, axis=1)[:, :columns]
+
+
+def _cosines(half: Array, period: int) -> Array:
+    """Fourier transform along the last axis of even sequences, given from their axis on; frequencies 0 to period/2."""
+    last = period // 2
+    if half.shape[1] > last:  # both ends of the period belong to it once
+        half = half.at[:, last].multiply(0.5)
+    once = (2.0 * half).at[:, 0].multiply(0.5)
+    if jnp.iscomplexobj(once):
+        both = jnp.fft.fft(once, n=period, axis=1)
+        return 0.5 * (both + jnp.roll(both[:, ::-1], 1, axis=1))[:, : last + 1]
+    return jnp.fft.rfft(once, n=period, axis=1).real

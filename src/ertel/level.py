@@ -48,6 +48,10 @@ class Method(Protocol):
         """F (in units of Hertz' load F*), P_c, P_max, H_c, H_min, X_min, Y_min."""
         ...
 
+    def whole(self, field: Array) -> Array:
+        """A field of a level on all nodes of `coordinates`: a level may keep one side of an axis of symmetry only."""
+        ...
+
     def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
         """How far a film is from its prediction, relative, root mean square over the load that P carries."""
         ...

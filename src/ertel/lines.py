@@ -11,7 +11,7 @@ those of a spread change.
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import jax
@@ -21,6 +21,7 @@ from jax.tree_util import register_dataclass
 
 from ertel import multigrid
 from ertel.multigrid import Coefficients, Elasticity
+from ertel.symmetry import WHOLE, Even
 
 JACOBI_DAMPING = 0.6  # both smaller than point by point: a spike of pressure wants it
 DISTRIBUTIVE_DAMPING = 0.5
@@ -37,13 +38,15 @@ class Lines:
     by_jacobi: Array
     rate: Array
     drift_over_spacing: Array
+    even: Even = field(default=WHOLE, metadata={"static": True})
 
     def balance(self, mass: Array) -> Array:
         return self.rate * mass + self.drift_over_spacing * (mass - _upstream(mass))
 
     def change(self, r: Array) -> Array:
         d = jax.lax.linalg.tridiagonal_solve(self.lower, self.diagonal, self.upper, r[..., None])[..., 0]
-        return JACOBI_DAMPING * self.by_jacobi * d + multigrid.spread(DISTRIBUTIVE_DAMPING * (1.0 - self.by_jacobi) * d)
+        together = multigrid.spread(DISTRIBUTIVE_DAMPING * (1.0 - self.by_jacobi) * d, self.even)
+        return JACOBI_DAMPING * self.by_jacobi * d + together
 
 
 class _Pattern(NamedTuple):
@@ -73,12 +76,14 @@ def lines(elastic: Elasticity, c: Coefficients, rate: Array | float, drift: Arra
     upper = coupling(-1, -_downstream(along), -_downstream(along) - 0.25 * own) * c.free
     diagonal = jnp.where(c.free > 0.0, coupling(0, own, 1.25 * own), 1.0)
     # the edge nodes are never free, so that what was rolled around the end of a line is not in use
-    return Lines(lower, diagonal, upper, by_jacobi * c.free, *flow)
+    return Lines(lower, diagonal, upper, by_jacobi * c.free, *flow, elastic.even)
 
 
 def _diffusion(elastic: Elasticity, c: Coefficients) -> tuple[Array, Array]:
     """The own coefficient of - div(eps grad e), and that of the face upstream."""
-    return multigrid.face_sum(c.eps) / elastic.spacing**2, 0.5 * (c.eps + _upstream(c.eps)) / elastic.spacing**2
+    return multigrid.face_sum(c.eps, elastic.even) / elastic.spacing**2, 0.5 * (
+        c.eps + _upstream(c.eps)
+    ) / elastic.spacing**2
 
 
 def _spread(K: Array, k: int) -> Array:
@@ -99,10 +104,10 @@ def _carried(c: Coefficients, pattern: _Pattern, k: int, rate: Array, drift_over
     return rate * mass(k) + slope(k) + (slope(2) if k == 1 else 0.0)
 
 
-def _upstream(field: Array) -> Array:
+def _upstream(f: Array) -> Array:
     """At each node the value of the node before it on its line."""
-    return jnp.roll(field, 1, axis=1)
+    return jnp.roll(f, 1, axis=1)
 
 
-def _downstream(field: Array) -> Array:
-    return jnp.roll(field, -1, axis=1)
+def _downstream(f: Array) -> Array:
+    return jnp.roll(f, -1, axis=1)

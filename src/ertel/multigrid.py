@@ -11,7 +11,8 @@ Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 200
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import NamedTuple, Protocol
 
 import jax
@@ -21,6 +22,7 @@ from jax.tree_util import register_dataclass
 
 from ertel import halfspace
 from ertel.grid import Grid
+from ertel.symmetry import WHOLE, Even, extended
 
 JACOBI_DAMPING = 0.8
 DISTRIBUTIVE_DAMPING = 0.7
@@ -30,11 +32,18 @@ SHORT_WAVES, LONG_WAVES = 0.3, 0.03  # Jacobi where diffusion exceeds these shar
 @register_dataclass
 @dataclass(frozen=True)
 class Elasticity:
-    """The deformation operator on one grid: its spectrum, spacing, and coefficients of the nearest nodes, [Y, X]."""
+    """The deformation operator on one grid: its spectrum, spacing, and coefficients of the nearest nodes, [Y, X].
+
+    even: where fields are kept on one side of an axis (`symmetry`).
+    """
 
     spectrum: Array
     spacing: Array
     near: Array
+    even: Even = field(default=WHOLE, metadata={"static": True})
+
+    def displacement(self, e: Array) -> Array:
+        return halfspace.displacement(self.spectrum, e, self.even)
 
 
 class Coefficients(NamedTuple):
@@ -65,22 +74,27 @@ class Points:
 
     jacobi: Array
     distributive: Array
+    even: Even = field(default=WHOLE, metadata={"static": True})
 
     def balance(self, mass: Array) -> Array:
         return mass
 
     def change(self, r: Array) -> Array:
-        return self.jacobi * r + spread(self.distributive * r)
+        return self.jacobi * r + spread(self.distributive * r, self.even)
+
+
+Operator = Callable[[Array, Array], Array]  # a linear map of e and its deformation K e
 
 
 @register_dataclass
 @dataclass(frozen=True)
 class Level:
-    """One grid of the hierarchy."""
+    """One grid of the hierarchy: the operator, and coefficients near it for the smoother."""
 
     elasticity: Elasticity
     coefficients: Coefficients
     smoother: Smoother
+    operator: Operator = field(metadata={"static": True})
 
 
 def elasticities(grid: Grid, dtype: str) -> tuple[Elasticity, ...]:
@@ -90,29 +104,39 @@ def elasticities(grid: Grid, dtype: str) -> tuple[Elasticity, ...]:
 
 def _elasticity(grid: Grid, dtype: str) -> Elasticity:
     near = halfspace.love_coefficients(4, grid.spacing)
-    return Elasticity(halfspace.spectrum(grid, dtype), jnp.asarray(grid.spacing, dtype), jnp.asarray(near, dtype))
+    spectrum, spacing = halfspace.spectrum(grid, dtype), jnp.asarray(grid.spacing, dtype)
+    return Elasticity(spectrum, spacing, jnp.asarray(near, dtype), grid.even)
 
 
 def points(elastic: Elasticity, c: Coefficients) -> Points:
     """The smoother without entrainment."""
     by_jacobi, K = diffusion_rules(elastic, c), elastic.near
-    diffusion = face_sum(c.eps) / elastic.spacing**2
+    diffusion = face_sum(c.eps, elastic.even) / elastic.spacing**2
     jacobi = JACOBI_DAMPING / (diffusion + c.stretch * K[0, 0] + c.local)
     distributive = DISTRIBUTIVE_DAMPING / (1.25 * diffusion + c.stretch * (K[0, 0] - K[0, 1]) + c.local)
-    return Points(jnp.where(by_jacobi, jacobi, 0.0) * c.free, jnp.where(by_jacobi, 0.0, distributive) * c.free)
+    alone, together = jnp.where(by_jacobi, jacobi, 0.0), jnp.where(by_jacobi, 0.0, distributive)
+    return Points(alone * c.free, together * c.free, elastic.even)
 
 
 def hierarchy(
     elastic: Sequence[Elasticity],
     finest: Coefficients,
     smoother: Callable[[Elasticity, Coefficients], Smoother] = points,
+    operators: Sequence[Operator] = (),
 ) -> tuple[Level, ...]:
-    """The levels, finest first: eps by full weighting, everything else by injection."""
+    """The levels, finest first: eps by full weighting, everything else by injection.
+
+    operators: one for each level where the operator is not just the one above (an exact Jacobian, say).
+    """
     coefficients = finest
     levels = []
-    for e in elastic:
-        levels.append(Level(e, coefficients, smoother(e, coefficients)))
-        coefficients = Coefficients(restrict(coefficients.eps, beyond="edge"), *(c[::2, ::2] for c in coefficients[1:]))
+    for k, e in enumerate(elastic):
+        smooth = smoother(e, coefficients)
+        operator = operators[k] if operators else partial(_operate, e, coefficients, smooth)
+        levels.append(Level(e, coefficients, smooth, operator))
+        coefficients = Coefficients(
+            restrict(coefficients.eps, e.even, "edge"), *(c[::2, ::2] for c in coefficients[1:])
+        )
     return tuple(levels)
 
 
@@ -122,26 +146,49 @@ def diffusion_rules(
     """Where Jacobi smooths: diffusion outweighs the deformation, times stretch and short (long) for such waves."""
     # Jacobi amplifies long waves by their deformation, which is of order one on every grid, over the diffusion
     stiffness = SHORT_WAVES * elastic.near[0, 0] * short + LONG_WAVES * long
-    return face_sum(c.eps) / elastic.spacing**2 > stiffness * c.stretch
+    return face_sum(c.eps, elastic.even) / elastic.spacing**2 > stiffness * c.stretch
 
 
-def apply(level: Level, e: Array) -> Array:
-    """The operator."""
-    c = level.coefficients
-    deformation = halfspace.displacement(level.elasticity.spectrum, e)
-    diffusion = _diffuse(c.eps, e) / level.elasticity.spacing**2
-    return c.free * (diffusion + level.smoother.balance(c.stretch * deformation + c.local * e))
+def _operate(elastic: Elasticity, c: Coefficients, smoother: Smoother, e: Array, Ke: Array) -> Array:
+    return _diffuse(c.eps, e, elastic.even) / elastic.spacing**2 + smoother.balance(c.stretch * Ke + c.local * e)
+
+
+def apply(level: Level, e: Array, Ke: Array | None = None) -> Array:
+    """The operator; K e is summed if not given."""
+    deformation = level.elasticity.displacement(e) if Ke is None else Ke
+    return level.coefficients.free * level.operator(e, deformation)
 
 
 def v_cycle(levels: Sequence[Level], r: Array) -> Array:
-    """An approximate solution e of `apply(levels[0], e) = r`; both vanish where a node is not free."""
-    level, coarser = levels[0], levels[1:]
+    """An approximate solution e of `apply(levels[0], e) = r`; both vanish where a node is not free.
+
+    No deformation is summed on the grid itself: that of a sweep's change is summed on the coarser grid and corrected
+    for near nodes, that of a correction from the coarser grid is interpolated.
+    """
+    level, coarser, even = levels[0], levels[1:], levels[0].elasticity.even
     if not coarser:
         return direct_solve(level, r)
     e = smooth(level, r)
-    below = coarser[0].coefficients.free * restrict(r - apply(level, e))
-    e += level.coefficients.free * prolong(v_cycle(coarser, below))
-    return e + smooth(level, r - apply(level, e))
+    Ke = nearly_deformed(level, coarser[0], e)
+    correction = v_cycle(coarser, coarser[0].coefficients.free * restrict(r - apply(level, e, Ke), even))
+    e += level.coefficients.free * prolong(correction)
+    Ke += prolong(coarser[0].elasticity.displacement(correction))
+    return e + smooth(level, r - apply(level, e, Ke))
+
+
+def nearly_deformed(level: Level, coarser: Level, e: Array) -> Array:
+    """K e by multilevel integration: the smooth part on the coarser grid, the rest from the nearest nodes.
+
+    What a coarser grid cannot represent changes sign from node to node, so that its deformation is short-ranged.
+    Source: Brandt A, Lubrecht AA. Multilevel matrix multiplication. J Comput Phys 1990;90:348.
+    """
+    smooth_part = restrict(e, level.elasticity.even)
+    rest = extended(e - prolong(smooth_part), level.elasticity.even)
+    K = level.elasticity.near
+    beside = rest[1:-1, :-2] + rest[1:-1, 2:] + rest[:-2, 1:-1] + rest[2:, 1:-1]
+    diagonally = rest[:-2, :-2] + rest[:-2, 2:] + rest[2:, :-2] + rest[2:, 2:]
+    near = K[0, 0] * rest[1:-1, 1:-1] + K[0, 1] * beside + K[1, 1] * diagonally
+    return near + prolong(coarser.elasticity.displacement(smooth_part))
 
 
 def precondition(levels: Sequence[Level], r: Array) -> Array:
@@ -152,7 +199,7 @@ def precondition(levels: Sequence[Level], r: Array) -> Array:
 
 def v_cycle_convolutions(grid: Grid) -> float:
     """The work of a V-cycle: its convolutions, each counted by the nodes of its grid over those of the finest."""
-    return sum(2.0 * (g.nodes / grid.nodes) ** 2 for g in grid.hierarchy()[:-1])
+    return sum(2.0 * (g.nodes / grid.nodes) ** 2 for g in grid.hierarchy()[1:])
 
 
 def smooth(level: Level, r: Array) -> Array:
@@ -168,15 +215,15 @@ def direct_solve(level: Level, r: Array) -> Array:
     return jnp.linalg.solve(matrix * free + jnp.diag(1.0 - free), r.ravel()).reshape(r.shape)
 
 
-def spread(d: Array) -> Array:
+def spread(d: Array, even: Even = WHOLE) -> Array:
     """The distributive change: d at the node, -d/4 at each of its four neighbours."""
-    p = jnp.pad(d, 1)
+    p = extended(d, even)
     return d - 0.25 * (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:])
 
 
-def restrict(fine: Array, beyond: str = "constant") -> Array:
+def restrict(fine: Array, even: Even = WHOLE, beyond: str = "constant") -> Array:
     """Full weighting to every second node; beyond the edge the field is zero ("constant") or goes on ("edge")."""
-    p = jnp.pad(fine, 1, mode=beyond)
+    p = extended(fine, even, beyond)
     in_y = 0.25 * (p[:-2:2] + 2.0 * p[1:-1:2] + p[2::2])
     return 0.25 * (in_y[:, :-2:2] + 2.0 * in_y[:, 1:-1:2] + in_y[:, 2::2])
 
@@ -192,14 +239,15 @@ def _interleave(nodes: Array, between: Array) -> Array:
     return jnp.concatenate([pairs.reshape(-1, nodes.shape[1]), nodes[-1:]])
 
 
-def face_sum(eps: Array) -> Array:
+def face_sum(eps: Array, even: Even = WHOLE) -> Array:
     """Sum of eps over the four faces of each cell."""
-    p = jnp.pad(eps, 1, mode="edge")
+    p = extended(eps, even, "edge")
     return 2.0 * eps + 0.5 * (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:])
 
 
-def _diffuse(eps: Array, e: Array) -> Array:
-    """- div(eps grad e) on unit spacing, eps averaged at faces; zero on the edge nodes."""
-    in_X = 0.5 * (eps[1:-1, 1:] + eps[1:-1, :-1]) * (e[1:-1, 1:] - e[1:-1, :-1])
-    in_Y = 0.5 * (eps[1:, 1:-1] + eps[:-1, 1:-1]) * (e[1:, 1:-1] - e[:-1, 1:-1])
-    return jnp.pad((in_X[:, :-1] - in_X[:, 1:]) + (in_Y[:-1, :] - in_Y[1:, :]), 1)
+def _diffuse(eps: Array, e: Array, even: Even) -> Array:
+    """- div(eps grad e) on unit spacing, eps averaged at faces; of no meaning on the edge nodes."""
+    c, p = extended(eps, even, "edge"), extended(e, even)
+    in_X = 0.5 * (c[1:-1, 1:] + c[1:-1, :-1]) * (p[1:-1, 1:] - p[1:-1, :-1])
+    in_Y = 0.5 * (c[1:, 1:-1] + c[:-1, 1:-1]) * (p[1:, 1:-1] - p[:-1, 1:-1])
+    return (in_X[:, :-1] - in_X[:, 1:]) + (in_Y[:-1, :] - in_Y[1:, :])

@@ -9,12 +9,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
-import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 from jax import Array
 
-from ertel import bdf, dataset, roughness, simulation, tangent2d
+from ertel import bdf, dataset, roughness, simulation, solve2d, tangent2d
 from ertel.case import Case
 from ertel.level import Level
 from ertel.roughness import Feature
@@ -62,9 +61,7 @@ class TangentRun:
         self.levels = [tangent2d.start(self._height(0.0))]
 
     def _height(self, T: float) -> Array:
-        grid = self.method.grid
-        rough = roughness.height(self.features, self.method.case.motion, T, grid.x[None, :], grid.y[:, None])
-        return jnp.asarray(rough)
+        return solve2d.heights(self.features, self.method.case, self.method.grid, T)
 
     def follow(self, smooth: Sequence[Level]) -> Status:
         level, krylov = tangent2d.advance(self.method, smooth, self.levels, self._height(smooth[0].T))
@@ -102,7 +99,9 @@ def respond(
     """
     if case.solver.method != "2d":
         raise ValueError(f'solver.method = "{case.solver.method}": must be "2d" for a response to roughness')
-    smooth = replace(case, roughness=(), time=replace(case.time, until="max-approach"))
+    fold = case.solver.fold and all(roughness.even(features) == (True, True) for features in roughnesses)
+    solver, time = replace(case.solver, fold=fold), replace(case.time, until="max-approach")
+    smooth = replace(case, roughness=(), solver=solver, time=time)
     method = Transient2D(smooth)
     companions = [
         TangentRun(method, features) if linear else RoughRun(replace(smooth, roughness=tuple(features)))
@@ -126,8 +125,8 @@ def respond(
 
 
 def _heights(method: Transient2D, roughnesses: Sequence[Sequence[Feature]]) -> np.ndarray:
-    X, Y = method.grid.x[None, :], method.grid.y[:, None]
-    return np.stack([roughness.height(features, method.case.motion, 0.0, X, Y) for features in roughnesses])
+    fields = [solve2d.heights(features, method.case, method.grid, 0.0) for features in roughnesses]
+    return np.stack([np.asarray(method.whole(field)) for field in fields])
 
 
 def _assemble(
@@ -141,8 +140,9 @@ def _assemble(
     """Everything at the moment of maximum approach, between the last levels."""
     T = simulation.turning_time(levels) if status.ok else levels[0].T
     peak = simulation.interpolate(levels, T)
-    frame = Frame(T, np.asarray(peak.P), np.asarray(peak.H), "max-approach")
+    P, H = (np.asarray(method.whole(field)) for field in (peak.P, peak.H))
+    frame = Frame(T, P, H, "max-approach")
     data = dataset.assemble(case, records, [frame], method.coordinates, {"status": status.value}).isel(frame=0)
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
-    changes = np.stack([np.asarray(companion.film_change(levels, weights)) for companion in companions])
-    return data.assign(dH=(("wave", "Y", "X"), changes, FILM_CHANGE))
+    changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]
+    return data.assign(dH=(("wave", "Y", "X"), np.stack([np.asarray(change) for change in changes]), FILM_CHANGE))

@@ -6,7 +6,7 @@ units a.  A shape is a function of position on its surface; a `Feature` is a sha
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
+from math import inf, sin
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,7 +17,10 @@ Array = Any  # NumPy arrays that broadcast
 
 
 class Shape(Protocol):
-    """A height over the position on a surface."""
+    """A height over the position on a surface.
+
+    It may have a property `even`, whether it is even in Y and in X: then half or a quarter of the plane is computed.
+    """
 
     def height(self, X: Array, Y: Array) -> Array: ...
 
@@ -44,6 +47,10 @@ class Waviness:
         across = np.cos(2 * np.pi * Y / self.wavelength_y + self.phase_y)
         return self.amplitude * along * across * self._presence(X)
 
+    @property
+    def even(self) -> tuple[bool, bool]:
+        return _stands(self.phase_y), _stands(self.phase_x) and self.front == inf
+
     def _presence(self, X: Array) -> Array:
         """1 well behind the front, 0 before it, a half cosine between."""
         if self.front == inf:
@@ -61,6 +68,10 @@ class RingWaviness:
     phase: float = 0.0
     X: float = 0.0
     Y: float = 0.0
+
+    @property
+    def even(self) -> tuple[bool, bool]:
+        return self.Y == 0, self.X == 0
 
     def height(self, X: Array, Y: Array) -> Array:
         r = np.hypot(X - self.X, Y - self.Y)
@@ -80,6 +91,10 @@ class Spot:
     X: float = 0.0
     Y: float = 0.0
 
+    @property
+    def even(self) -> tuple[bool, bool]:
+        return self.Y == 0, self.X == 0
+
     def height(self, X: Array, Y: Array) -> Array:
         r = np.hypot(X - self.X, Y - self.Y) / (1.2 * self.radius)
         return self.height_at_centre * np.cos(np.pi / 2 * r) * np.exp(-2 * r**2)
@@ -91,6 +106,17 @@ class Feature:
 
     shape: Shape
     surface: Surface = 1
+
+
+def _stands(phase: float) -> bool:
+    """Whether cos(k x + phase) is even to rounding."""
+    return abs(sin(phase)) < 1e-15
+
+
+def even(features: Sequence[Feature]) -> tuple[bool, bool]:
+    """Whether all features are even in Y, and in X (as long as they do not move)."""
+    each = [getattr(feature.shape, "even", (False, False)) for feature in features]
+    return all(y for y, _ in each), all(x for _, x in each)
 
 
 def height(features: Sequence[Feature], motion: Motion, T: float, X: Array, Y: Array) -> Array:

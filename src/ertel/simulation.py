@@ -259,15 +259,15 @@ def _accept(
 ) -> Step:
     levels = (attempt.level, *state.levels)[:3]
     measured = method.measure(attempt.level)
-    frames, next_frame = _due_frames(case, levels, state.next_frame)
+    frames, next_frame = _due_frames(case, method, levels, state.next_frame)
     reached = state.max_approach
     if case.kind == "impact" and reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
         peak = interpolate(levels, turning_time(levels))
         reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak)}
-        frames.append(_frame(peak, "max-approach"))
+        frames.append(_frame(method, peak, "max-approach"))
     status = Status.CONVERGED if _ended(case, attempt.level, measured["F"], reached) else Status.RUNNING
     if status is Status.CONVERGED and case.time.until != "max-approach":
-        frames.append(_frame(attempt.level, "end"))
+        frames.append(_frame(method, attempt.level, "end"))
     spent = counts.minus(state.counts)
     record = {
         "T": attempt.level.T,
@@ -322,14 +322,15 @@ def turning_time(levels: Sequence[Level]) -> float:
     return (early + late) / 2
 
 
-def _due_frames(case: Case, levels: Sequence[Level], number: int) -> tuple[list[Frame], int]:
+def _due_frames(case: Case, method: Method, levels: Sequence[Level], number: int) -> tuple[list[Frame], int]:
     """The maps due since the step before, at multiples of the interval."""
     frames = []
     while number * case.output.interval <= levels[0].T:
-        frames.append(_frame(interpolate(levels, number * case.output.interval), ""))
+        frames.append(_frame(method, interpolate(levels, number * case.output.interval), ""))
         number += 1
     return frames, number
 
 
-def _frame(level: Level, event: str) -> Frame:
-    return Frame(level.T, np.asarray(level.P), np.asarray(level.H), event)
+def _frame(method: Method, level: Level, event: str) -> Frame:
+    P, H = (np.asarray(method.whole(field)) for field in (level.P, level.H))
+    return Frame(level.T, P, H, event)

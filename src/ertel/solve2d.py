@@ -11,19 +11,22 @@ how to solve: two ways to close the system, two preconditioners.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from math import inf
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, tree
 
-from ertel import contact, halfspace, lines, multigrid, newton, roughness
+from ertel import contact, lines, multigrid, newton, roughness
 from ertel.case import Case
 from ertel.closure import HERTZ_LOAD, ClosureLine
 from ertel.contact import Contact, Rate
 from ertel.grid import Grid
 from ertel.multigrid import Elasticity
+from ertel.roughness import Feature
+from ertel.symmetry import WHOLE, Even, total
 
 Number = Array | float
 
@@ -62,7 +65,15 @@ def grid_of(case: Case) -> Grid:
     s = case.solver
     centre = 0.0 if s.inlet is None else s.half_width - s.inlet
     upstream_is_left = case.motion.entrainment(0.0) >= 0
-    return Grid(s.nodes, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre if upstream_is_left else -centre)
+    centre_x = centre if upstream_is_left else -centre
+    return Grid(s.nodes, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
+
+
+def _symmetry(case: Case, centre_x: float) -> Even:
+    """About which axes a case is symmetric: the flow goes along X."""
+    in_y, in_x = roughness.even(case.roughness)
+    flows = any(case.motion.entrainment.range(inf))
+    return Even(in_y, in_x and not flows and centre_x == 0) if case.solver.fold else WHOLE
 
 
 def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
@@ -75,24 +86,28 @@ def moved(c: Contact, smooth_gap: Array, case: Case, grid: Grid, T: float) -> Co
     """The contact with its roughness where it is at time T."""
     if not case.roughness:
         return c
-    rough = roughness.height(case.roughness, case.motion, T, grid.x[None, :], grid.y[:, None])
-    return replace(c, gap=smooth_gap - jnp.asarray(rough))
+    return replace(c, gap=smooth_gap - heights(case.roughness, case, grid, T))
+
+
+def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Array:
+    """The roughness on the grid at time T, moved with the surfaces of the case."""
+    return jnp.asarray(roughness.height(features, case.motion, T, grid.kept_x[None, :], grid.kept_y[:, None]))
 
 
 def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
     """Films and pressures: H_c, P_c at (0, 0), H_min the smallest where P > 0, where that is, load = integral of P."""
-    row, column = (int(np.abs(axis).argmin()) for axis in (grid.y, grid.x))
-    H_c, P_c, P_max, load, H_min, where = (float(v) for v in _measure(P, H, row, column))
-    i, j = divmod(int(where), grid.nodes)
-    films = {"H_c": H_c, "H_min": H_min, "X_min": float(grid.x[j]), "Y_min": abs(float(grid.y[i]))}
+    row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
+    H_c, P_c, P_max, load, H_min, where = (float(v) for v in _measure(P, H, row, column, grid.even))
+    i, j = divmod(int(where), grid.shape[1])
+    films = {"H_c": H_c, "H_min": H_min, "X_min": float(grid.kept_x[j]), "Y_min": abs(float(grid.kept_y[i]))}
     return {**films, "P_c": P_c, "P_max": P_max, "load": load * grid.spacing**2}
 
 
-@jax.jit
-def _measure(P: Array, H: Array, row: int, column: int) -> Array:
+@partial(jax.jit, static_argnames="even")
+def _measure(P: Array, H: Array, row: int, column: int, even: Even) -> Array:
     pressed = jnp.where((P > 0.0) | (P.max() <= 0.0), H, jnp.inf)
     least = jnp.argmin(pressed)
-    return jnp.stack([H[row, column], P[row, column], P.max(), jnp.sum(P), pressed.min(), least.astype(P.dtype)])
+    return jnp.stack([H[row, column], P[row, column], P.max(), total(P, even), pressed.min(), least.astype(P.dtype)])
 
 
 @partial(jax.jit, static_argnames=("close", "preconditioner", "options"))
@@ -143,7 +158,7 @@ def eliminated(c: Contact, problem: Problem, P: Array, approach: Number) -> Clos
 
     def film_change(dP: Array) -> Array:
         rise = line.load_weight * contact.load(c, dP) / line.approach_weight
-        return halfspace.displacement(c.kernel, dP) + rise
+        return contact.deformation(c, dP) + rise
 
     return Closed(contact.film_thickness(c, P, of(P)), film_change, newton.NO_BORDER, lambda s: of(s.P))
 
@@ -156,7 +171,7 @@ def bordered(c: Contact, problem: Problem, P: Array, approach: Number) -> Closed
         return line.approach_weight * approach + line.load_weight * contact.load(c, P) - line.value
 
     def film_change(dP: Array) -> Array:
-        return halfspace.displacement(c.kernel, dP)
+        return contact.deformation(c, dP)
 
     weight = HERTZ_LOAD * (1.0 + problem.rate.new) / c.spacing
     border = newton.Border(approach, -1.0, misfit, problem.load_tolerance, weight)
@@ -170,7 +185,8 @@ def still(c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free:
     """For U = 0."""
     rate = problem.rate.new
     eps, stretch, local, free = _coefficients(c, P, H, free)
-    levels = multigrid.hierarchy(elastic, _in_precision_of(elastic, eps, rate * stretch, rate * local, free))
+    finest = _in_precision_of(elastic, eps, rate * stretch, rate * local, free)
+    levels = multigrid.hierarchy(elastic, finest, operators=_jacobians(c, elastic, P, H, rate, 0.0))
     return lambda r: multigrid.precondition(levels, r)
 
 
@@ -178,23 +194,44 @@ def carried(
     c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free: Array, problem: Problem
 ) -> newton.Map:
     """For any U, of either sign."""
-    U = problem.entrainment
+    U, rate = problem.entrainment, problem.rate.new
 
     def downstream(f: Array) -> Array:
         """The lines in the direction of the flow (and, by the same reversal, back again)."""
         return jnp.where(U >= 0, f, f[:, ::-1])
 
     def smoother(e: Elasticity, coefficients: multigrid.Coefficients) -> lines.Lines:
-        return lines.lines(e, coefficients, problem.rate.new, jnp.abs(U))
+        return lines.lines(e, coefficients, rate, jnp.abs(U))
 
     finest = _in_precision_of(elastic, *(downstream(f) for f in _coefficients(c, P, H, free)))
-    levels = multigrid.hierarchy(elastic, finest, smoother)
+    operators = _jacobians(c, elastic, downstream(P), downstream(H), rate, jnp.abs(U))
+    levels = multigrid.hierarchy(elastic, finest, smoother, operators)
     return lambda r: downstream(multigrid.precondition(levels, downstream(r)))
+
+
+def _jacobians(
+    c: Contact, elastic: Sequence[Elasticity], P: Array, H: Array, rate: Number, entrainment: Number
+) -> list[multigrid.Operator]:
+    """The exact Jacobian of the discretisation on every grid, around every second node of P and H."""
+    precision = elastic[0].spectrum.dtype
+    oil = tree.map(lambda v: jnp.asarray(v, precision), replace(c, gap=jnp.zeros(()), kernel=jnp.zeros(())))
+    U, P, H = (jnp.asarray(v, precision) for v in (entrainment, P, H))
+    squeeze = Rate(jnp.asarray(rate, precision), 0.0)
+    operators = []
+    for e in elastic:
+        residual = partial(_residual_at, replace(oil, spacing=e.spacing), squeeze, U)
+        operators.append(jax.linearize(residual, P, H)[1])
+        P, H = P[::2, ::2], H[::2, ::2]
+    return operators
+
+
+def _residual_at(c: Contact, rate: Rate, entrainment: Array, P: Array, H: Array) -> Array:
+    return contact.residual(c, P, H, rate, entrainment)
 
 
 def _coefficients(c: Contact, P: Array, H: Array, free: Array) -> tuple[Array, Array, Array, Array]:
     density, slope = jax.jvp(c.lubricant.density, (P,), (jnp.ones_like(P),))
-    return contact.mobility(c, P, H), density, slope * H, contact.inside(free)
+    return contact.mobility(c, P, H), density, slope * H, contact.inside(free, c.even)
 
 
 def _in_precision_of(elastic: Sequence[Elasticity], *fields: Array) -> multigrid.Coefficients:

@@ -18,6 +18,7 @@ from ertel.contact import Contact, Rate
 from ertel.grid import Grid, check_nodes
 from ertel.solve2d import Problem
 from ertel.status import Status
+from ertel.symmetry import total
 
 PRECONDITIONER_PRECISION = "float64"  # single loses its way at high load: M = 3000 on 513 nodes
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
@@ -29,7 +30,7 @@ STEADY = Rate(0.0, 0.0)
 
 @dataclass(frozen=True)
 class GridSolution:
-    """The steady contact on one grid: fields (nodes, nodes), approach in a^2/R, how it ended, and the work it took.
+    """The steady contact on one grid: fields of its shape, approach in a^2/R, how it ended, and the work it took.
 
     history: the largest residual before the first and after each Newton iteration.  convolutions: on this grid.
     """
@@ -116,9 +117,9 @@ def check_motion(case: Case) -> None:
 def hertz_pressure(grid: Grid, load: float) -> tuple[Array, float]:
     """Pressure and approach of the dry contact under a load in units F*, which it carries exactly on this grid."""
     radius = load ** (1 / 3)
-    square = grid.x[None, :] ** 2 + grid.y[:, None] ** 2
+    square = grid.kept_x[None, :] ** 2 + grid.kept_y[:, None] ** 2
     P = jnp.sqrt(jnp.maximum(radius**2 - square, 0.0))
-    return P * (load * HERTZ_LOAD / (jnp.sum(P) * grid.spacing**2)), radius**2
+    return P * (load * HERTZ_LOAD / (total(P, grid.even) * grid.spacing**2)), radius**2
 
 
 def first_guess(c: Contact, coarse: GridSolution) -> tuple[Array, float]:

@@ -17,6 +17,7 @@ from ertel.level import Attempt, Level
 from ertel.multigrid import Elasticity
 from ertel.solve2d import Close, Preconditioner, Problem
 from ertel.status import Status
+from ertel.symmetry import Even, total, unfolded
 
 STILL_PRECISION, CARRIED_PRECISION = "float32", "float64"  # of the preconditioner
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
@@ -51,7 +52,7 @@ class Transient2D:
             level = Level(0.0, s.approach, 0.0, s.P, s.H)
             return Attempt(level, s.status, s.newton, s.krylov, steady.convolutions)
         c, approach = self.contact_at(0.0), self.case.time.start_approach
-        P = jnp.zeros((self.grid.nodes, self.grid.nodes))
+        P = jnp.zeros(self.grid.shape)
         level = Level(0.0, approach, 1.0, P, contact.film_thickness(c, P, approach))
         return Attempt(level, Status.CONVERGED, 0, 0, 1.0)
 
@@ -98,19 +99,23 @@ class Transient2D:
             values |= {"X_min": float(np.hypot(values["X_min"], values["Y_min"])), "Y_min": 0.0}
         return values
 
+    def whole(self, field: Array) -> Array:
+        """A field of a level on the whole plane."""
+        return unfolded(field, self.grid.even)
+
     def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
         """Relative difference of two films, root mean square over the load that P carries."""
-        return float(_film_error(H, H_predicted, P, THIN * self.case.film_scale))
+        return float(_film_error(H, H_predicted, P, THIN * self.case.film_scale, self.grid.even))
 
 
 def _pad(weights: np.ndarray) -> np.ndarray:
     return np.pad(weights, (0, 3 - len(weights)))
 
 
-@jax.jit
-def _film_error(H: Array, H_predicted: Array, P: Array, thin: float) -> Array:
+@partial(jax.jit, static_argnames="even")
+def _film_error(H: Array, H_predicted: Array, P: Array, thin: float, even: Even) -> Array:
     relative = (H - H_predicted) / (jnp.abs(H) + thin)
-    return jnp.sqrt(jnp.sum(P * relative**2) / jnp.maximum(jnp.sum(P), jnp.finfo(P.dtype).tiny))
+    return jnp.sqrt(total(P * relative**2, even) / jnp.maximum(total(P, even), jnp.finfo(P.dtype).tiny))
 
 
 @partial(jax.jit, static_argnames=("close", "preconditioner"))

@@ -1,0 +1,46 @@
+"""Fields that are even about Y = 0 or X = 0, stored on one side of the axis, which is their first row or column.
+
+A smooth impact needs a quarter of the plane, rolling a half.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+
+class Even(NamedTuple):
+    """Whether fields are even in Y (rows) and in X (columns), and so kept for Y >= 0, X >= 0 only."""
+
+    y: bool = False
+    x: bool = False
+
+
+WHOLE = Even()
+
+
+def extended(field: Array, even: Even, beyond: str = "constant") -> Array:
+    """The field with one more node on every side: beyond an axis its mirror image, elsewhere zero or "edge"."""
+    p = jnp.pad(field, 1, mode=beyond)
+    if even.y:
+        p = p.at[0].set(p[2])
+    return p.at[:, 0].set(p[:, 2]) if even.x else p
+
+
+def unfolded(field: Array, even: Even) -> Array:
+    """The field on the whole plane."""
+    if even.y:
+        field = jnp.concatenate([field[:0:-1], field])
+    return jnp.concatenate([field[:, :0:-1], field], axis=1) if even.x else field
+
+
+def folded(field: Array, even: Even) -> Array:
+    """The part that is kept of a field on the whole plane."""
+    rows, columns = field.shape
+    return field[rows // 2 if even.y else 0 :, columns // 2 if even.x else 0 :]
+
+
+def total(field: Array, even: Even) -> Array:
+    """The sum over the whole plane."""
+    rows = 2.0 * jnp.sum(field, axis=0) - field[0] if even.y else jnp.sum(field, axis=0)
+    return 2.0 * jnp.sum(rows) - rows[0] if even.x else jnp.sum(rows)
