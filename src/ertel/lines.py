@@ -22,8 +22,8 @@ from jax.tree_util import register_dataclass
 from ertel import multigrid
 from ertel.multigrid import Coefficients, Elasticity
 
-JACOBI_DAMPING = 0.6  # both smaller than point by point: a spike of pressure wants it
-DISTRIBUTIVE_DAMPING = 0.5
+JACOBI_DAMPING = 0.4  # both smaller than point by point: the second-order wedge and a spike want it
+DISTRIBUTIVE_DAMPING = 0.3
 
 
 @register_dataclass
