@@ -182,3 +182,22 @@ def test_pressure_tends_to_hertz() -> None:
     s = rolling(("roelands", 1000, 10)).finest
     hertz, _ = steady2d.hertz_pressure(s.grid, 1.0)
     assert float(jnp.sqrt(jnp.mean((s.P - hertz) ** 2))) < 0.02
+
+
+@pytest.mark.parametrize(("M", "bound"), [(200, 80), (1000, 80)])
+def test_the_work_to_a_residual_of_a_millionth(M: float, bound: float) -> None:
+    """In convolutions on the finest grid, all grids together."""
+    p = Parameters.from_moes(M, 10)
+    solver = replace(SOLVERS["steady"], nodes=257, tolerance=1e-6)
+    found = steady2d.steady(Case(p, oil("roelands", p), solver, kind="rolling", motion=STEADY_ROLLING))
+    assert found.finest.status.ok
+    assert found.convolutions <= bound
+
+
+@pytest.mark.parametrize("fluid", ["barus", "roelands"])
+@pytest.mark.parametrize("M", [10, 30, 100, 300, 1000, 3000])
+def test_every_load_and_lubricant_converges(fluid: str, M: float) -> None:
+    """From the default start, to 1e-8, on 65 nodes a side and half of them, resolved or not."""
+    for L in (0, 2.5, 5, 10, 20):
+        if fluid == "barus" or L > 0:
+            assert all(s.status.ok for s in rolling((fluid, M, L), 65).solutions), (L,)

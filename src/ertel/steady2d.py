@@ -5,7 +5,7 @@ guess on the next finer one (nested iteration), and tells the error of the film 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -98,10 +98,11 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = solve2d.contact_of(case, grid)
         if solutions:
-            P, approach = first_guess(c, solutions[-1], expected_approach(solutions))
+            guess, film_checked = first_guess(c, solutions[-1], expected_approach(solutions)), 1
         else:
-            P, approach = hertz_pressure(grid, case.motion.load(0.0))
-        solutions.append(solve(case, grid, c, P, approach, tolerance))
+            guess, film_checked = hertz_pressure(grid, case.motion.load(0.0)), 0
+        found = solve(case, grid, c, *guess, tolerance)
+        solutions.append(replace(found, convolutions=found.convolutions + film_checked))
         yield solutions[-1]
 
 
