@@ -9,6 +9,7 @@ many convolutions alone in the same run.
 import statistics
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 COLUMNS = ("case", "nodes", "convolutions", "finest", "Newton", "Krylov", "seconds", "CPU s", "ratio")
@@ -26,11 +27,19 @@ def measure(M: float, nodes: int) -> list[str]:
     import jax.numpy as jnp
 
     from ertel import halfspace, steady2d
-    from ertel.config import parse_case
+    from ertel.case import SOLVERS, Case
+    from ertel.lubricant import ALPHA, ETA0, P0_ROELANDS, DowsonHigginson, Lubricant, Roelands, roelands_exponent
+    from ertel.motion import STEADY_ROLLING
+    from ertel.scales import Parameters
 
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
-    solver = {"method": "steady", "nodes": nodes, "tolerance": 1e-6}
-    case = parse_case({"contact": {"kind": "rolling", "M": M, "L": 10.0}, "solver": solver})
+    p = Parameters.from_moes(M, 10.0)
+    p_h = p.alpha_bar / ALPHA
+    oil = Lubricant(
+        Roelands(p.alpha_bar, roelands_exponent(ALPHA, ETA0), p_h / P0_ROELANDS), DowsonHigginson(p_h / 5.9e8)
+    )
+    solver = replace(SOLVERS["steady"], nodes=nodes, tolerance=1e-6)
+    case = Case(p, oil, solver, kind="rolling", motion=STEADY_ROLLING)
     steady2d.steady(case)
     start, cpu = time.perf_counter(), time.process_time()
     found = steady2d.steady(case)

@@ -24,7 +24,7 @@ Map = Callable[[Array], Array]
 class Options:
     """Limits of the iteration; `largest_change` bounds the change of P in one Newton iteration.
 
-    krylov_reduction: of the linear residual, in the first iteration and, at the least, in the later ones: see `_forcing`.
+    The Krylov iteration reduces by first_reduction in the first one, at most by krylov_reduction later: see `_forcing`.
     """
 
     newton_limit: int = 40  # few are needed, but a free boundary may have many nodes to advance, one at a time
