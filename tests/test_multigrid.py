@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from jax import Array
 
-from ertel import multigrid
+from ertel import halfspace, multigrid
 from ertel.grid import Grid
 from ertel.multigrid import Coefficients, Level
 
@@ -98,3 +98,23 @@ def test_a_spread_change_deforms_only_nearby() -> None:
 
     assert fall(d) == pytest.approx(1, abs=0.05)
     assert fall(multigrid.spread(d)) == pytest.approx(3, abs=0.2)
+
+
+@pytest.mark.parametrize("nodes", [33, 129])
+def test_multilevel_integration_is_near_the_sum(nodes: int) -> None:
+    """Of the worst there is, a random field, and of a smooth one."""
+    fine, coarse = levels_of(nodes, impact_like(nodes))[:2]
+    grid = Grid.square(nodes, 2.0)
+    bump = np.exp(-4 * (grid.x[None, :] ** 2 + grid.y[:, None] ** 2))
+    rough = np.pad(np.random.default_rng(0).standard_normal((nodes - 2, nodes - 2)), 1)
+    for field, bound in ((np.pad(bump[1:-1, 1:-1], 1), 20.0 / nodes**2), (rough, 0.3)):
+        exact = np.asarray(halfspace.displacement(fine.elasticity.spectrum, jnp.asarray(field)))
+        near = np.asarray(multigrid.nearly_deformed(fine, coarse, jnp.asarray(field)))
+        assert np.linalg.norm(near - exact) < bound * np.linalg.norm(exact)
+
+
+def test_smooth_prolongation_is_exact_for_cubics_inside() -> None:
+    x = np.linspace(-1, 1, 9)
+    fine = np.linspace(-1, 1, 17)
+    found = np.asarray(multigrid.prolong_smooth(jnp.asarray(x[None, :] ** 3 + x[:, None] ** 2)))
+    np.testing.assert_allclose(found[2:-2, 2:-2], (fine[None, :] ** 3 + fine[:, None] ** 2)[2:-2, 2:-2], atol=1e-12)

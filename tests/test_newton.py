@@ -133,3 +133,16 @@ def test_a_border_carries_a_number_with_its_own_equation() -> None:
     np.testing.assert_allclose(np.asarray(s.P), 2.0, rtol=1e-10)
     assert float(s.s) == pytest.approx(3.0, rel=1e-10)
     assert int(s.krylov) <= 3
+
+
+def test_forcing_follows_the_gain_of_newtons_iteration() -> None:
+    """Loose while little is gained, the square of the gain later, and not far beyond the tolerance."""
+    options = newton.Options(krylov_reduction=1e-3)
+
+    def forcing(gain: float, size: float) -> float:
+        return float(newton._forcing(options, jnp.asarray(gain), jnp.asarray(size)))
+
+    assert forcing(0.9, 1e6) == newton.LOOSEST
+    assert forcing(0.1, 1e6) == pytest.approx(0.01)
+    assert forcing(1e-4, 1e6) == 1e-3
+    assert forcing(1e-4, 3.0) == pytest.approx(0.1)

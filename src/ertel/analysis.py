@@ -63,7 +63,7 @@ def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
     """What a careful colleague would say about a steady contact."""
     finest = solutions[-1]
     said = [_overlap_warning(finest), _error_warning(case, solutions), _spike_warning(solutions)]
-    P = xr.DataArray(np.asarray(finest.P), {"Y": finest.grid.y, "X": finest.grid.x}, ("Y", "X"))
+    P = xr.DataArray(np.asarray(finest.whole(finest.P)), {"Y": finest.grid.y, "X": finest.grid.x}, ("Y", "X"))
     said += [_inlet_warning(case, P, 0.0), _centre_warning(case), _roughness_warning(case)]
     return [sentence for sentence in said if sentence]
 

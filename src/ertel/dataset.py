@@ -185,7 +185,8 @@ def assemble_steady(
     """
     finest = solutions[-1].grid if solutions else solve2d.grid_of(case)
     nothing = np.full((finest.nodes, finest.nodes), np.nan)
-    fields = {name: np.asarray(getattr(solutions[-1], name)) if solutions else nothing for name in FIELDS}
+    last = solutions[-1] if solutions else None
+    fields = {name: np.asarray(last.whole(getattr(last, name))) if last else nothing for name in FIELDS}
     longest = max((len(s.history) for s in solutions), default=0)
     history = np.full((len(solutions), longest), np.nan)
     for row, s in zip(history, solutions, strict=True):

@@ -23,8 +23,8 @@ from ertel import multigrid
 from ertel.multigrid import Coefficients, Elasticity
 from ertel.symmetry import WHOLE, Even
 
-JACOBI_DAMPING = 0.6  # both smaller than point by point: a spike of pressure wants it
-DISTRIBUTIVE_DAMPING = 0.5
+JACOBI_DAMPING = 0.4  # both smaller than point by point: the second-order wedge and a spike want it
+DISTRIBUTIVE_DAMPING = 0.3
 
 
 @register_dataclass

@@ -22,11 +22,15 @@ Map = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class Options:
-    """Limits of the iteration; `largest_change` bounds the change of P in one Newton iteration."""
+    """Limits of the iteration; `largest_change` bounds the change of P in one Newton iteration.
+
+    The Krylov iteration reduces by first_reduction in the first one, at most by krylov_reduction later: see `_forcing`.
+    """
 
     newton_limit: int = 40  # few are needed, but a free boundary may have many nodes to advance, one at a time
     krylov_limit: int = 16
     krylov_reduction: float = 1e-2
+    first_reduction: float = 1e-2
     largest_change: float = 0.3
 
 
@@ -76,6 +80,7 @@ class _Iterate(NamedTuple):
     newton: Array
     krylov: Array
     history: Array
+    forcing: Array
 
 
 def solve(
@@ -122,27 +127,42 @@ def solve(
         else:
             column = free * change_of_r(jnp.zeros_like(it.P), jnp.full_like(it.H, border.dH_ds))
             precondition = bordered(inverse, column, lambda *d: weight * change_of_misfit(*d))
-        # later iterations often only move a free boundary: they need not be solved far beyond the tolerance
-        enough = jnp.clip(0.3 / it.size, options.krylov_reduction, 0.3)
         (dP, ds), krylov = gcr(
             jacobian,
             precondition,
             (-free * r, -weight * misfit),
-            jnp.where(it.newton == 0, options.krylov_reduction, enough),
+            it.forcing,
             options.krylov_limit,
         )
+        # all nodes by the same share: where the few of a spike alone are held back, their neighbours lose their balance
         share = jnp.minimum(1.0, options.largest_change / jnp.maximum(jnp.max(jnp.abs(dP)), tiny))
         P_new, s_new = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
         H_new = it.H + change_of_H((P_new - it.P, s_new - it.s))
         reached, count = size(P_new, H_new, s_new), it.newton + 1
-        return _Iterate(P_new, H_new, s_new, reached, count, it.krylov + krylov, it.history.at[count].set(reached))
+        history = it.history.at[count].set(reached)
+        forcing = _forcing(options, reached / it.size, reached)
+        return _Iterate(P_new, H_new, s_new, reached, count, it.krylov + krylov, history, forcing)
 
     zero = jnp.zeros((), jnp.int32)
     s = jnp.asarray(border.s, P.dtype)
     start = size(P, H, s)
     history = jnp.full(options.newton_limit + 1, jnp.nan).at[0].set(start)
-    last = jax.lax.while_loop(go_on, improve, _Iterate(P, H, s, start, zero, zero, history))
+    forcing = jnp.full_like(start, options.first_reduction)
+    last = jax.lax.while_loop(go_on, improve, _Iterate(P, H, s, start, zero, zero, history, forcing))
     return Solution(last.P, last.H, last.s, last.size, last.size <= 1.0, last.newton, last.krylov, last.history)
+
+
+LOOSEST = 0.1  # reduction by the Krylov iteration while Newton's gains little
+
+
+def _forcing(options: Options, gain: Array, size: Array) -> Array:
+    """By how much the next linear residual is to be reduced: not beyond what Newton's iteration can make use of.
+
+    gain: the last factor on the largest residual; when Newton's iteration converges, the next is about its square.
+    Source: Eisenstat SC, Walker HF. SIAM J Sci Comput 1996;17:16 (choice 2), and not far beyond the tolerance.
+    """
+    useful = jnp.clip(gain**2, options.krylov_reduction, LOOSEST)
+    return jnp.maximum(useful, jnp.minimum(0.3 / size, 0.3))
 
 
 def unbordered(inverse: Map) -> _PairMap:

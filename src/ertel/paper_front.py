@@ -41,7 +41,7 @@ def radial_task(M: float, L: float, quick: bool) -> Task:
     """A smooth impact by the radial method."""
     nodes, seconds = (301, 8.0) if quick else (801, 60.0)
     solver = {"method": "radial", "nodes": nodes, "half_width": 4.0}
-    return Task(f"smooth_M{M:g}_L{L:g}_{nodes}", smooth_impact, (M, L, solver, INTERVAL), seconds)
+    return Task(f"smooth_M{M:g}_L{L:g}_{nodes}", smooth_impact, (float(M), float(L), solver, INTERVAL), seconds)
 
 
 def radial_tasks(quick: bool) -> list[Task]:

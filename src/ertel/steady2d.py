@@ -5,7 +5,7 @@ guess on the next finer one (nested iteration), and tells the error of the film 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -18,13 +18,13 @@ from ertel.contact import Contact, Rate
 from ertel.grid import Grid, check_nodes
 from ertel.solve2d import Problem
 from ertel.status import Status
-from ertel.symmetry import total
+from ertel.symmetry import folded, total, unfolded
 
 PRECONDITIONER_PRECISION = "float64"  # single loses its way at high load: M = 3000 on 513 nodes
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 LEAST_FILM = 0.5  # share of the coarse grid's smallest film that a first guess keeps
 TOLERANCE = 1e-8  # of the film that a transient run starts from
-OPTIONS = newton.Options(krylov_limit=30)
+OPTIONS = newton.Options(krylov_limit=30, first_reduction=0.1)
 STEADY = Rate(0.0, 0.0)
 
 
@@ -49,6 +49,10 @@ class GridSolution:
     def measure(self) -> dict[str, float]:
         """Films, pressures and load, see `solve2d.measure`, and Delta."""
         return {"Delta": self.approach, **solve2d.measure(self.grid, self.P, self.H)}
+
+    def whole(self, field: Array) -> Array:
+        """P or H on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only."""
+        return unfolded(field, self.grid.even)
 
 
 class Extrapolation(NamedTuple):
@@ -97,12 +101,16 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
     grids = [solve2d.grid_of(case)]
     while (grids[-1].nodes - 1) // 2 + 1 >= FIRST_GRID:
         grids.append(grids[-1].coarser())
-    last = done[-1] if done else None
+    solutions = list(done)
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = solve2d.contact_of(case, grid)
-        P, approach = first_guess(c, last) if last else hertz_pressure(grid, case.motion.load(0.0))
-        last = solve(case, grid, c, P, approach, tolerance)
-        yield last
+        if solutions:
+            guess, film_checked = first_guess(c, solutions[-1], expected_approach(solutions)), 1
+        else:
+            guess, film_checked = hertz_pressure(grid, case.motion.load(0.0)), 0
+        found = solve(case, grid, c, *guess, tolerance)
+        solutions.append(replace(found, convolutions=found.convolutions + film_checked))
+        yield solutions[-1]
 
 
 def check_motion(case: Case) -> None:
@@ -122,12 +130,20 @@ def hertz_pressure(grid: Grid, load: float) -> tuple[Array, float]:
     return P * (load * HERTZ_LOAD / (total(P, grid.even) * grid.spacing**2)), radius**2
 
 
-def first_guess(c: Contact, coarse: GridSolution) -> tuple[Array, float]:
-    """Pressure and approach from twice the spacing; the bodies are moved apart where they would overlap."""
-    P = multigrid.prolong(coarse.P)
+def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:
+    """Pressure from twice the spacing; the approach, and the bodies moved apart where they would overlap."""
+    # linear interpolation leaves steps in the slope, of which the free-flowing inlet makes a large residual
+    P = folded(multigrid.prolong_smooth(unfolded(coarse.P, c.even)), c.even)
+    P = contact.inside(jnp.maximum(P, 0.0), c.even)
     least = LEAST_FILM * max(coarse.measure()["H_min"], 0.0)
-    overlap = least - float(contact.film_thickness(c, P, coarse.approach).min())
-    return P, coarse.approach - max(overlap, 0.0)
+    overlap = least - float(contact.film_thickness(c, P, approach).min())
+    return P, approach - max(overlap, 0.0)
+
+
+def expected_approach(coarser: Sequence[GridSolution]) -> float:
+    """Delta on the next grid from those on the coarser ones (coarsest first): its error falls fourfold from each."""
+    *earlier, last = (s.approach for s in coarser[-2:])
+    return last + sum(last - e for e in earlier) / 4
 
 
 def solve(case: Case, grid: Grid, c: Contact, P: Array, approach: float, tolerance: float) -> GridSolution:

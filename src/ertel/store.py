@@ -22,7 +22,6 @@ import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import astuple
 from pathlib import Path
 from typing import Any, cast
 from uuid import uuid4
@@ -47,6 +46,7 @@ from ertel.level import Method
 from ertel.simulation import Frame, State, Step, method_of, summarise, transient
 from ertel.status import Status
 from ertel.steady2d import GridSolution
+from ertel.symmetry import Even
 
 CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
 OLD_DATA = f"{DATA}.old"
@@ -338,20 +338,24 @@ COUNTED = ("approach", "residual", "newton", "krylov", "convolutions")  # the pl
 def _to_arrays(solutions: Sequence[GridSolution]) -> dict[str, NDArray[Any]]:
     """Solutions as named arrays, exact to the last bit."""
     arrays = {name: np.array([getattr(s, name) for s in solutions]) for name in COUNTED}
-    arrays["grid"] = np.array([astuple(s.grid) for s in solutions], dtype=float)
+    arrays["grid"] = np.array([_grid_numbers(s.grid) for s in solutions], dtype=float)
     arrays["status"] = np.array([s.status.value for s in solutions])
     for i, s in enumerate(solutions):
         arrays |= {f"{name}_{i}": np.asarray(getattr(s, name)) for name in ("P", "H", "history")}
     return arrays
 
 
+def _grid_numbers(grid: Grid) -> tuple[float, ...]:
+    return (grid.nodes, grid.spacing, grid.centre_x, grid.centre_y, *grid.even)
+
+
 def _from_arrays(arrays: Mapping[str, NDArray[Any]]) -> list[GridSolution]:
     """Undo `_to_arrays`; nothing gives none."""
     found = []
-    for i, (nodes, *place) in enumerate(arrays["grid"].tolist() if arrays else []):
+    for i, (nodes, spacing, x, y, *even) in enumerate(arrays["grid"].tolist() if arrays else []):
         found.append(
             GridSolution(
-                grid=Grid(int(nodes), *place),
+                grid=Grid(int(nodes), spacing, x, y, Even(*(bool(e) for e in even))),
                 P=jnp.asarray(arrays[f"P_{i}"]),
                 H=jnp.asarray(arrays[f"H_{i}"]),
                 status=Status(str(arrays["status"][i])),
