@@ -29,7 +29,7 @@ CENTRED = {"half_width": 3.0, "inlet": None}
 def rolling(
     motion: Motion = STEADY_ROLLING, *features: Feature, nodes: int = 33, time: Time | None = None, **solver
 ) -> Case:
-    grid = replace(SOLVERS["transient"], **{"nodes": nodes, "tolerance": TIGHT, **solver})
+    grid = replace(SOLVERS["transient"], **{"nodes": nodes, "tolerance": TIGHT, "fold": False, **solver})
     return Case(P20, OIL, grid, time or Time(), kind="rolling", motion=motion, roughness=features)
 
 
@@ -80,7 +80,7 @@ def test_reversing_everything_mirrors_everything() -> None:
 def impact_on_a_track(speed: float) -> Level:
     """A free ball in its own scales, on a surface that moves."""
     motion = replace(FREE_BALL, entrainment=Polyline(((0.0, speed),)))
-    solver = replace(SOLVERS["2d"], nodes=33, tolerance=TIGHT)
+    solver = replace(SOLVERS["2d"], nodes=33, tolerance=TIGHT, fold=False)
     return march(Case(P20, OIL, solver, Time(start_approach=-0.5), motion=motion), 0.05, 30)[0]
 
 

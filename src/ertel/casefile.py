@@ -108,6 +108,7 @@ class SolverSection(_Section):
     half_width: Annotated[float, Field(gt=1)] | None = None
     inlet: Annotated[float, Field(gt=1)] | None = None
     tolerance: Share | None = None
+    fold: bool | None = None
 
 
 def _event_or_time(value: object) -> object:

@@ -321,6 +321,7 @@ def _solver(section: SolverSection, method: Method, motion: Motion, time: Time) 
         half_width=width,
         inlet=None if inlet == width else inlet,
         tolerance=section.tolerance or found.tolerance,
+        fold=found.fold if section.fold is None else section.fold,
     )
 
 

@@ -122,18 +122,18 @@ def hierarchy(
     elastic: Sequence[Elasticity],
     finest: Coefficients,
     smoother: Callable[[Elasticity, Coefficients], Smoother] = points,
-    operators: Sequence[Operator] = (),
+    operator: Operator | None = None,
 ) -> tuple[Level, ...]:
     """The levels, finest first: eps by full weighting, everything else by injection.
 
-    operators: one for each level where the operator is not just the one above (an exact Jacobian, say).
+    operator: on the finest grid, where it is not just the one above (the exact Jacobian, say).
     """
     coefficients = finest
     levels = []
-    for k, e in enumerate(elastic):
+    for e in elastic:
         smooth = smoother(e, coefficients)
-        operator = operators[k] if operators else partial(_operate, e, coefficients, smooth)
-        levels.append(Level(e, coefficients, smooth, operator))
+        levels.append(Level(e, coefficients, smooth, operator or partial(_operate, e, coefficients, smooth)))
+        operator = None
         coefficients = Coefficients(
             restrict(coefficients.eps, e.even, "edge"), *(c[::2, ::2] for c in coefficients[1:])
         )

@@ -22,7 +22,7 @@ Map = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class Options:
-    """Limits of the iteration; `largest_change` bounds the change of P in one Newton iteration.
+    """Limits of the iteration; `largest_change` bounds the change of P, and that of s, in one Newton iteration.
 
     The Krylov iteration reduces by first_reduction in the first one, at most by krylov_reduction later: see `_forcing`.
     """
@@ -68,7 +68,6 @@ class Solution(NamedTuple):
 
 
 _Pair = tuple[Array, Array]  # a field and a number
-_PairMap = Callable[[_Pair], _Pair]
 _Search = tuple[Any, Any, Any, Any, Array]  # x, r, z and apply(z) of the iterations so far, their number
 
 
@@ -122,20 +121,18 @@ def solve(
             return free * change_of_r(d[0], change_of_H(d)), weight * change_of_misfit(*d)
 
         inverse = preconditioner(it.P, it.H, free)
-        if border is NO_BORDER:
-            precondition = unbordered(inverse)
-        else:
-            column = free * change_of_r(jnp.zeros_like(it.P), jnp.full_like(it.H, border.dH_ds))
-            precondition = bordered(inverse, column, lambda *d: weight * change_of_misfit(*d))
-        (dP, ds), krylov = gcr(
-            jacobian,
-            precondition,
-            (-free * r, -weight * misfit),
-            it.forcing,
-            options.krylov_limit,
-        )
+        column = free * change_of_r(jnp.zeros_like(it.P), jnp.full_like(it.H, border.dH_ds))
+
+        def direction(k: Array, r: _Pair) -> _Pair:
+            """Of the search: a change of s and the field's answer to it first, then changes of the field alone."""
+            if border is NO_BORDER:
+                return inverse(r[0]), r[1]
+            return inverse(jnp.where(k == 0, -column, r[0])), jnp.where(k == 0, 1.0, 0.0)
+
+        (dP, ds), krylov = gcr(jacobian, direction, (-free * r, -weight * misfit), it.forcing, options.krylov_limit)
         # all nodes by the same share: where the few of a spike alone are held back, their neighbours lose their balance
-        share = jnp.minimum(1.0, options.largest_change / jnp.maximum(jnp.max(jnp.abs(dP)), tiny))
+        largest = jnp.maximum(jnp.max(jnp.abs(dP)), jnp.abs(ds))
+        share = jnp.minimum(1.0, options.largest_change / jnp.maximum(largest, tiny))
         P_new, s_new = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
         H_new = it.H + change_of_H((P_new - it.P, s_new - it.s))
         reached, count = size(P_new, H_new, s_new), it.newton + 1
@@ -165,34 +162,18 @@ def _forcing(options: Options, gain: Array, size: Array) -> Array:
     return jnp.maximum(useful, jnp.minimum(0.3 / size, 0.3))
 
 
-def unbordered(inverse: Map) -> _PairMap:
-    """The same map of the field, beside a number that it leaves alone."""
-    return lambda r: (inverse(r[0]), r[1])
-
-
-def bordered(inverse: Map, column: Array, row: Callable[[Array, Array], Array]) -> _PairMap:
-    """Approximate inverse of (d, s) -> (A d + column s, row(d, s)) from one of A, by elimination of the field d."""
-    answer = inverse(column)
-
-    def solve(r: _Pair) -> _Pair:
-        d = inverse(r[0])
-        s = (r[1] - row(d, jnp.zeros_like(r[1]))) / row(-answer, jnp.ones_like(r[1]))
-        return d - s * answer, s
-
-    return solve
-
-
 def _free(P: Array, r: Array) -> Array:
     """1 where the equation holds, 0 where P is held at zero."""
     return jnp.where((P > 0.0) | ~(r >= 0.0), 1.0, 0.0)  # free too where r is not a number, so that it shows
 
 
 def gcr(
-    apply: Callable[[Any], Any], precondition: Callable[[Any], Any], b: Any, reduction: Array | float, limit: int
+    apply: Callable[[Any], Any], direction: Callable[[Array, Any], Any], b: Any, reduction: Array | float, limit: int
 ) -> tuple[Any, Array]:
     """Solve apply(x) = b until |r| <= reduction |b|, at most `limit` iterations; returns x and their number.
 
-    b is an array or a tuple of arrays.
+    b is an array or a tuple of arrays.  direction(k, r) gives the k-th direction of search from the residual: the
+    preconditioner's answer.
     Generalised conjugate residuals (Eisenstat, Elman, Schultz, SIAM J Numer Anal 1983;20:345): the same iterates as
     flexible GMRES, with the residual at hand, so that the preconditioner may be of lower precision.
     """
@@ -206,7 +187,7 @@ def gcr(
 
     def improve(state: _Search) -> _Search:
         x, r, zs, ws, k = state
-        z = precondition(r)
+        z = direction(k, r)
 
         def orthogonalise(j: Array, zw: tuple[Any, Any]) -> tuple[Any, Any]:
             z, w = zw

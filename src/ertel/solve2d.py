@@ -21,7 +21,7 @@ from jax import Array, tree
 
 from ertel import contact, lines, multigrid, newton, roughness
 from ertel.case import Case
-from ertel.closure import HERTZ_LOAD, ClosureLine
+from ertel.closure import ClosureLine
 from ertel.contact import Contact, Rate
 from ertel.grid import Grid
 from ertel.multigrid import Elasticity
@@ -29,6 +29,7 @@ from ertel.roughness import Feature
 from ertel.symmetry import WHOLE, Even, total
 
 Number = Array | float
+LOAD_WEIGHT = 200.0  # of the load's misfit beside the residual: large, so that every direction of search keeps the load
 
 
 class Problem(NamedTuple):
@@ -137,13 +138,12 @@ def solve(
     return solution, closed.approach(solution)
 
 
-def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int, bordered: bool = False) -> float:
+def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int) -> float:
     """Work in convolutions on this grid (one on a coarser grid counts by its nodes).
 
-    A V-cycle and one each Krylov iteration, one each Newton iteration, and there a V-cycle more where Delta is unknown.
+    One for the first film, one each Newton iteration, one and a V-cycle each Krylov iteration.
     """
-    v_cycle = multigrid.v_cycle_convolutions(grid)
-    return 1 + newton_iterations * (1 + bordered * v_cycle) + krylov_iterations * (1 + v_cycle)
+    return 1 + newton_iterations + krylov_iterations * (1 + multigrid.v_cycle_convolutions(grid))
 
 
 # -- Delta ------------------------------------------------------------------------------------------------------------
@@ -173,7 +173,7 @@ def bordered(c: Contact, problem: Problem, P: Array, approach: Number) -> Closed
     def film_change(dP: Array) -> Array:
         return contact.deformation(c, dP)
 
-    weight = HERTZ_LOAD * (1.0 + problem.rate.new) / c.spacing
+    weight = LOAD_WEIGHT * (1.0 + problem.rate.new) / c.spacing
     border = newton.Border(approach, -1.0, misfit, problem.load_tolerance, weight)
     return Closed(contact.film_thickness(c, P, approach), film_change, border, lambda s: s.s)
 
@@ -186,7 +186,7 @@ def still(c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free:
     rate = problem.rate.new
     eps, stretch, local, free = _coefficients(c, P, H, free)
     finest = _in_precision_of(elastic, eps, rate * stretch, rate * local, free)
-    levels = multigrid.hierarchy(elastic, finest, operators=_jacobians(c, elastic, P, H, rate, 0.0))
+    levels = multigrid.hierarchy(elastic, finest, operator=_jacobian(c, elastic[0], P, H, rate, 0.0))
     return lambda r: multigrid.precondition(levels, r)
 
 
@@ -204,25 +204,20 @@ def carried(
         return lines.lines(e, coefficients, rate, jnp.abs(U))
 
     finest = _in_precision_of(elastic, *(downstream(f) for f in _coefficients(c, P, H, free)))
-    operators = _jacobians(c, elastic, downstream(P), downstream(H), rate, jnp.abs(U))
-    levels = multigrid.hierarchy(elastic, finest, smoother, operators)
+    operator = _jacobian(c, elastic[0], downstream(P), downstream(H), rate, jnp.abs(U))
+    levels = multigrid.hierarchy(elastic, finest, smoother, operator)
     return lambda r: downstream(multigrid.precondition(levels, downstream(r)))
 
 
-def _jacobians(
-    c: Contact, elastic: Sequence[Elasticity], P: Array, H: Array, rate: Number, entrainment: Number
-) -> list[multigrid.Operator]:
-    """The exact Jacobian of the discretisation on every grid, around every second node of P and H."""
-    precision = elastic[0].spectrum.dtype
+def _jacobian(
+    c: Contact, finest: Elasticity, P: Array, H: Array, rate: Number, entrainment: Number
+) -> multigrid.Operator:
+    """The exact Jacobian of the residual in P and H on the finest grid, in the precision of the preconditioner."""
+    precision = finest.spectrum.dtype
     oil = tree.map(lambda v: jnp.asarray(v, precision), replace(c, gap=jnp.zeros(()), kernel=jnp.zeros(())))
     U, P, H = (jnp.asarray(v, precision) for v in (entrainment, P, H))
-    squeeze = Rate(jnp.asarray(rate, precision), 0.0)
-    operators = []
-    for e in elastic:
-        residual = partial(_residual_at, replace(oil, spacing=e.spacing), squeeze, U)
-        operators.append(jax.linearize(residual, P, H)[1])
-        P, H = P[::2, ::2], H[::2, ::2]
-    return operators
+    residual = partial(_residual_at, oil, Rate(jnp.asarray(rate, precision), 0.0), U)
+    return jax.linearize(residual, P, H)[1]
 
 
 def _residual_at(c: Contact, rate: Rate, entrainment: Array, P: Array, H: Array) -> Array:

@@ -157,6 +157,6 @@ def solve(case: Case, grid: Grid, c: Contact, P: Array, approach: float, toleran
     )
     status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)
-    work = solve2d.convolutions(grid, n, k, bordered=True)
+    work = solve2d.convolutions(grid, n, k)
     history = tuple((s.history[: n + 1] * tolerance).tolist())
     return GridSolution(grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history)

@@ -87,10 +87,11 @@ def _advance(
     _, change_of_r = jax.linearize(residual, P, H, jnp.zeros_like(P))
     problem = Problem(Rate(rates[0], 0.0), entrainment, line, 1.0, 1.0)
     closed = solve2d.eliminated(c, problem, P, 0.0)
+    inverse = preconditioner(c, elastic, P, H, free, problem)
     known = -line.value / line.approach_weight - shape  # the part of dH that no pressure makes
     (dP, krylov) = newton.gcr(
         lambda d: free * change_of_r(d, closed.film_change(d), jnp.zeros_like(d)),
-        preconditioner(c, elastic, P, H, free, problem),
+        lambda k, r: inverse(r),
         -free * change_of_r(jnp.zeros_like(P), known, past),
         REDUCTION,
         LIMIT,

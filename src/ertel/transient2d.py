@@ -23,7 +23,7 @@ STILL_PRECISION, CARRIED_PRECISION = "float32", "float64"  # of the precondition
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
-OPTIONS = newton.Options()
+OPTIONS = newton.Options(krylov_limit=10)  # 3 or 4 are needed, and each has its two fields
 
 
 class Transient2D:
@@ -88,7 +88,7 @@ class Transient2D:
         approach = float(approach)
         velocity = self.closure.velocity(T, rates, approach, approaches)
         status = Status.CONVERGED if bool(solution.converged) else Status.NEWTON_STALLED
-        work = solve2d.convolutions(self.grid, n, k, bordered=not line.approach_weight)
+        work = solve2d.convolutions(self.grid, n, k)
         return Attempt(Level(T, approach, velocity, solution.P, solution.H), status, n, k, work)
 
     def measure(self, level: Level) -> dict[str, float]:
