@@ -76,7 +76,7 @@ class Unwilling:
     def __init__(self, method: Transient2D, longest: float):
         self.method, self.longest = method, longest
         self.coordinates, self.start = method.coordinates, method.start
-        self.measure, self.film_error = method.measure, method.film_error
+        self.measure, self.film_error, self.whole = method.measure, method.film_error, method.whole
 
     def advance(self, levels: Sequence[Level], step: float) -> Attempt:
         attempt = self.method.advance(levels, step)
