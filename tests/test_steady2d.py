@@ -209,3 +209,12 @@ def test_every_load_and_lubricant_converges(fluid: str, M: float) -> None:
     for L in (0, 2.5, 5, 10, 20):
         if fluid == "barus" or L > 0:
             assert all(s.status.ok for s in rolling((fluid, M, L), 65).solutions), (L,)
+
+
+def test_the_isoviscous_film_grows_with_the_speed_to_three_fifths() -> None:
+    """L = 0: H_c follows 0.438 lambda_bar^{3/5} from below, a tenth off at M = 100."""
+    films = {M: rolling(("barus", M, 0), 129).extrapolate("H_c").extrapolated for M in (30, 100)}
+    speeds = {M: Parameters.from_moes(M, 0).lambda_bar for M in films}
+    exponent = np.log(films[100] / films[30]) / np.log(speeds[100] / speeds[30])
+    assert exponent == pytest.approx(0.6, abs=0.015)
+    assert 0.8 < films[100] / (0.438 * speeds[100] ** 0.6) < 1.0

@@ -530,7 +530,7 @@ def _film_table(
     def deviation(film: float | None, name: str) -> str:
         return f"{film / computed[name] - 1:+.1%}" if film is not None and computed.get(name) else ""
 
-    table = Table("film (in brackets: a formula for other contacts)", box=None, pad_edge=False)
+    table = Table("film", box=None, pad_edge=False, caption="(in brackets: a formula for other contacts)")
     table.columns[0].no_wrap = True
     for column in ("central", "deviates", "minimum", "deviates") if computed else ("central", "minimum"):
         table.add_column(column, justify="right", no_wrap=True)

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from ertel import hertz
 from ertel.dataset import EVENTS
@@ -187,6 +187,8 @@ def draw_film_history(axes: Axes, dataset: xr.Dataset) -> None:
         return
     low = 0.6 * float(films[1][films[1] > 0].min(initial=films[1].max()))  # a film may vanish on a coarse grid
     axes.set(yscale="log", ylim=(low, None))
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
