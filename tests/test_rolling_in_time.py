@@ -103,6 +103,13 @@ def test_a_ball_that_hits_a_track_leans_the_film_towards_the_inlet() -> None:
     lean = np.asarray(moving.P) - np.asarray(moving.P)[:, ::-1]
     assert largest(still.P, np.asarray(still.P)[:, ::-1]) < 1e-8
     assert lean[:, :16].sum() > 0.01  # more pressure upstream
+    case = rolling(replace(FREE_BALL, entrainment=constant(0.3)))
+    found = Transient2D(replace(case, kind="impact", solver=replace(SOLVERS["2d"], nodes=33, fold=False))).measure(
+        moving
+    )
+    H, x = np.asarray(moving.H), np.linspace(-2.0, 2.0, 33)
+    i, j = np.unravel_index(np.argmin(np.where(np.asarray(moving.P) > 0, H, np.inf)), H.shape)
+    assert (found["X_min"], found["Y_min"]) == pytest.approx((x[j], abs(x[i])))
     np.testing.assert_allclose(np.asarray(moving.P)[::-1], np.asarray(moving.P), atol=1e-7)
 
 

@@ -205,7 +205,7 @@ def draw_front(axes: Axes, dataset: xr.Dataset) -> None:
     """The front of an impact, where the film is thinnest, beside the edge of the dry contact."""
     across, T = lateral(dataset), dataset["time"].values
     loaded = dataset["P_max"].values > LOADED * float(dataset["P_max"].max())
-    X_min = dataset["X_min"].values
+    X_min = np.hypot(dataset["X_min"].values, dataset["Y_min"].values)
     front = np.where(loaded & (X_min > 0), X_min, np.nan)
     touch = -json.loads(dataset.attrs["case"])["time"]["start_approach"]
     dry = np.where(hertz.contact_radius(T - touch) > 0, hertz.contact_radius(T - touch), np.nan)

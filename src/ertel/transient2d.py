@@ -39,9 +39,9 @@ class Transient2D:
         self.grid = solve2d.grid_of(case)
         self.contact = contact.ball_on_plane(self.grid, case.parameters.lambda_bar, case.lubricant)
         self.closure = closure or NewtonsLaw.of(case.motion)
-        flows = any(case.motion.entrainment.range(np.inf))
-        self.preconditioner = solve2d.carried if flows else solve2d.still
-        self.elastic = multigrid.elasticities(self.grid, CARRIED_PRECISION if flows else STILL_PRECISION)
+        self.flows = any(case.motion.entrainment.range(np.inf))
+        self.preconditioner = solve2d.carried if self.flows else solve2d.still
+        self.elastic = multigrid.elasticities(self.grid, CARRIED_PRECISION if self.flows else STILL_PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
 
     def start(self) -> Attempt:
@@ -92,10 +92,10 @@ class Transient2D:
         return Attempt(Level(T, approach, velocity, solution.P, solution.H), status, n, k, work)
 
     def measure(self, level: Level) -> dict[str, float]:
-        """Load, pressures and films of one level; of a smooth impact X_min is the radius of the least film."""
+        """Load, pressures and films of one level; without entrainment X_min is the radius of the least film."""
         values = solve2d.measure(self.grid, level.P, level.H)
         values["F"] = values.pop("load") / HERTZ_LOAD
-        if self.case.kind == "impact":
+        if not self.flows:
             values |= {"X_min": float(np.hypot(values["X_min"], values["Y_min"])), "Y_min": 0.0}
         return values
 
