@@ -1,9 +1,17 @@
 """Small cases and reference data shared by the tests."""
 
+import itertools
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
+import xarray as xr
+from typer.testing import CliRunner
+
 from ertel.case import Case
+from ertel.cli import app
 from ertel.config import parse_case
+from ertel.level import Level, Method
 
 
 def impact(M: float, L: float, nodes: int, **sections: dict[str, Any]) -> Case:
@@ -12,3 +20,38 @@ def impact(M: float, L: float, nodes: int, **sections: dict[str, Any]) -> Case:
     for name, values in sections.items():
         source[name] = {**source.get(name, {}), **values}
     return parse_case(source)
+
+
+def march(method: Method, step: float, steps: int) -> list[Level]:
+    """Levels of a fixed-step run, newest first."""
+    levels = [method.start().level]
+    for _ in range(steps):
+        attempt = method.advance(levels[:3], step)
+        assert attempt.status.ok
+        levels.insert(0, attempt.level)
+    return levels
+
+
+def ertel_(*arguments: str, code: int = 0) -> Any:
+    """The command line, expected to end with a code."""
+    result = CliRunner().invoke(app, list(arguments), catch_exceptions=False)
+    assert result.exit_code == code, result.output
+    return result
+
+
+def names(directory: Path) -> set[str]:
+    return {path.name for path in directory.iterdir()}
+
+
+def physics(data: xr.Dataset) -> xr.Dataset:
+    """The data without what differs between runs: date, wall time."""
+    return data.drop_attrs(deep=False)
+
+
+def go_on(item: object) -> bool:
+    return True
+
+
+def stop_after(items: int) -> Callable[[object], bool]:
+    seen = itertools.count(1)
+    return lambda item: next(seen) < items

@@ -10,11 +10,10 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from cases import ertel_, names
 
 import ertel
 from ertel import store
-from ertel.cli import app
 
 MOES = """
 [contact]
@@ -54,16 +53,6 @@ def here(tmp_path, monkeypatch):
     (tmp_path / "small.toml").write_text(MOES)
     (tmp_path / "ball.toml").write_text(BALL)
     return tmp_path
-
-
-def ertel_(*arguments: str, code: int = 0):
-    result = CliRunner().invoke(app, list(arguments), catch_exceptions=False)
-    assert result.exit_code == code, result.output
-    return result
-
-
-def names(directory: Path) -> set[str]:
-    return {path.name for path in directory.iterdir()}
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------

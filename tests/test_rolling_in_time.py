@@ -7,6 +7,7 @@ from itertools import pairwise
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases import march as levels_of
 
 from ertel import bdf, contact, steady2d
 from ertel.case import SOLVERS, Case, Time
@@ -35,13 +36,7 @@ def rolling(
 
 def march(case: Case, step: float, steps: int) -> list[Level]:
     """Levels of a fixed-step run, newest first."""
-    method = Transient2D(case)
-    levels = [method.start().level]
-    for _ in range(steps):
-        attempt = method.advance(levels[:3], step)
-        assert attempt.status.ok
-        levels.insert(0, attempt.level)
-    return levels
+    return levels_of(Transient2D(case), step, steps)
 
 
 def largest(a, b) -> float:

@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
+from cases import ertel_, go_on, names, physics, stop_after
 
 from ertel import analysis, dataset, steady2d, store
-from ertel.cli import app
 from ertel.config import load_case, parse_case
 from ertel.simulation import simulate
 from ertel.status import Status
@@ -30,20 +29,6 @@ KEYS = [  # the issue's
     *("residual", "newton_iterations", "krylov_iterations", "convolutions", "wall_s", "status"),
     *("H_c_error", "H_min_error", "H_c_extrapolated", "H_min_extrapolated", "warnings", "si"),
 ]
-
-
-def physics(data: xr.Dataset) -> xr.Dataset:
-    """The data without what differs between runs: date, wall time."""
-    return data.drop_attrs(deep=False)
-
-
-def go_on(item: object) -> bool:
-    return True
-
-
-def stop_after(items: int):
-    seen = itertools.count(1)
-    return lambda item: next(seen) < items
 
 
 @pytest.fixture(scope="module")
@@ -67,16 +52,6 @@ def here(tmp_path, monkeypatch):
     motion = "[motion]\nload = { mean = 1, amplitude = 0.1, period = 1 }\n"
     (tmp_path / "transient.toml").write_text(f"{transient}{motion}[time]\nuntil = 0.3\ntolerance = 0.01\n")
     return tmp_path
-
-
-def ertel_(*arguments: str, code: int = 0):
-    result = CliRunner().invoke(app, list(arguments), catch_exceptions=False)
-    assert result.exit_code == code, result.output
-    return result
-
-
-def names(directory: Path) -> set[str]:
-    return {path.name for path in directory.iterdir()}
 
 
 # -- in memory --------------------------------------------------------------------------------------------------------

@@ -14,11 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from cases import go_on, physics, stop_after
 
 import ertel
 from ertel import dataset, store
 from ertel.config import load_case, parse_case
-from ertel.simulation import Frame, State, Step, method_of, simulate, transient
+from ertel.simulation import Frame, State, method_of, simulate, transient
 from ertel.status import Status
 from ertel.store import RunStore, StoreError, TransientStore
 
@@ -43,20 +44,6 @@ def method(case):
 @pytest.fixture(scope="module")
 def uninterrupted(case, method):
     return simulate(case, method=method)
-
-
-def physics(data: xr.Dataset) -> xr.Dataset:
-    """The data without what differs between runs: date, wall time."""
-    return data.drop_attrs(deep=False)
-
-
-def go_on(step: Step) -> bool:
-    return True
-
-
-def stop_after(steps: int):
-    seen = itertools.count(1)
-    return lambda step: next(seen) < steps
 
 
 # -- a whole run ------------------------------------------------------------------------------------------------------

@@ -82,7 +82,7 @@ def residual(contact: Contact, P: Array, H: Array, rate: Rate, entrainment: Arra
     squeeze = rate.new * mass + rate.past
     wedge = entrainment * upstream_slope(mass, entrainment, contact.spacing)
     poiseuille = divergence_of_flux(mobility(contact, P, H), P, contact.spacing, contact.even)
-    return inside(squeeze + wedge, contact.even) - poiseuille
+    return inside(squeeze + wedge - poiseuille, contact.even)
 
 
 def divergence_of_flux(eps: Array, P: Array, spacing: Array | float, even: Even = WHOLE) -> Array:

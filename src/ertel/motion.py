@@ -10,7 +10,7 @@ and everything between: a ball thrown on a rolling track, a loaded ball that bou
 
 from dataclasses import dataclass
 from itertools import pairwise
-from math import cos, pi, sin
+from math import cos, inf, pi, sin
 from typing import Literal, Protocol
 
 import numpy as np
@@ -108,6 +108,11 @@ class Motion:
     entrainment: Signal
     inertia: float
     slide_to_roll: float = 0.0
+
+    @property
+    def flows(self) -> bool:
+        """Whether there is entrainment at any time."""
+        return any(self.entrainment.range(inf))
 
     def travel(self, surface: Surface, T: float) -> float:
         """How far a surface has moved along X since T = 0, in units a."""

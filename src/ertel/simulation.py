@@ -280,7 +280,6 @@ def _accept(
         "error": error,
         **{name: float(getattr(spent, name)) for name in Counts.__dataclass_fields__ if name != "steps"},
     }
-    frames.sort(key=lambda frame: frame.T)
     return Step(
         State(levels, following, counts, next_frame, reached),
         record,

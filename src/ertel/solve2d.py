@@ -11,7 +11,6 @@ how to solve: two ways to close the system, two preconditioners.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from math import inf
 from typing import NamedTuple
 
 import jax
@@ -73,21 +72,20 @@ def grid_of(case: Case) -> Grid:
 def _symmetry(case: Case, centre_x: float) -> Even:
     """About which axes a case is symmetric: the flow goes along X."""
     in_y, in_x = roughness.even(case.roughness)
-    flows = any(case.motion.entrainment.range(inf))
-    return Even(in_y, in_x and not flows and centre_x == 0) if case.solver.fold else WHOLE
+    return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
 
 
 def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
     """The two surfaces and the oil at time T on a grid."""
     smooth = contact.ball_on_plane(grid, case.parameters.lambda_bar, case.lubricant)
-    return moved(smooth, smooth.gap, case, grid, T)
+    return moved(smooth, case, grid, T)
 
 
-def moved(c: Contact, smooth_gap: Array, case: Case, grid: Grid, T: float) -> Contact:
-    """The contact with its roughness where it is at time T."""
+def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
+    """The smooth contact with the case's roughness added, where it is at time T."""
     if not case.roughness:
-        return c
-    return replace(c, gap=smooth_gap - heights(case.roughness, case, grid, T))
+        return smooth
+    return replace(smooth, gap=smooth.gap - heights(case.roughness, case, grid, T))
 
 
 def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Array:

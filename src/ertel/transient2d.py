@@ -39,9 +39,9 @@ class Transient2D:
         self.grid = solve2d.grid_of(case)
         self.contact = contact.ball_on_plane(self.grid, case.parameters.lambda_bar, case.lubricant)
         self.closure = closure or NewtonsLaw.of(case.motion)
-        self.flows = any(case.motion.entrainment.range(np.inf))
-        self.preconditioner = solve2d.carried if self.flows else solve2d.still
-        self.elastic = multigrid.elasticities(self.grid, CARRIED_PRECISION if self.flows else STILL_PRECISION)
+        flows = case.motion.flows
+        self.preconditioner = solve2d.carried if flows else solve2d.still
+        self.elastic = multigrid.elasticities(self.grid, CARRIED_PRECISION if flows else STILL_PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
 
     def start(self) -> Attempt:
@@ -58,7 +58,7 @@ class Transient2D:
 
     def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
-        return solve2d.moved(self.contact, self.contact.gap, self.case, self.grid, T)
+        return solve2d.moved(self.contact, self.case, self.grid, T)
 
     def advance(self, levels: Sequence[Level], step: float) -> Attempt:
         """One BDF step (BDF1 from one level, BDF2 from more)."""
@@ -95,7 +95,7 @@ class Transient2D:
         """Load, pressures and films of one level; without entrainment X_min is the radius of the least film."""
         values = solve2d.measure(self.grid, level.P, level.H)
         values["F"] = values.pop("load") / HERTZ_LOAD
-        if not self.flows:
+        if not self.case.motion.flows:
             values |= {"X_min": float(np.hypot(values["X_min"], values["Y_min"])), "Y_min": 0.0}
         return values
 
