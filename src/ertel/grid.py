@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ertel.symmetry import WHOLE, Even
 
 LARGEST_COARSEST = 17  # nodes per side that the direct solve on the coarsest grid is meant for
-SMALLEST_COARSEST = 5
+SMALLEST_COARSEST = 9  # below it a grid costs more to compile than it helps
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def check_nodes(nodes: int) -> None:
 
 def _neighbours(nodes: int) -> tuple[int, int]:
     """The nearest allowed counts at or below and above `nodes`."""
-    allowed = sorted({c * 2**k + 1 for c in range(4, LARGEST_COARSEST) for k in range(12)})
+    allowed = sorted({c * 2**k + 1 for c in range(SMALLEST_COARSEST - 1, LARGEST_COARSEST) for k in range(12)})
     below = [n for n in allowed if n <= nodes] or allowed[:1]
     above = [n for n in allowed if n > nodes] or allowed[-1:]
     return below[-1], above[0]

@@ -69,10 +69,10 @@ def displacement(kernel: Array, P: Array, even: Even = WHOLE) -> Array:
 
 def _cosines(half: Array, period: int) -> Array:
     """Fourier transform along the last axis of even sequences, given from their axis on; frequencies 0 to period/2."""
-    last = period // 2
-    if half.shape[1] > last:  # both ends of the period belong to it once
-        half = half.at[:, last].multiply(0.5)
-    once = (2.0 * half).at[:, 0].multiply(0.5)
+    last, nodes = period // 2, half.shape[1]
+    # every place in a period twice, but for both ends
+    twice = np.where(np.isin(np.arange(nodes), (0, last)), 1.0, 2.0).astype(half.real.dtype)
+    once = half * twice
     if jnp.iscomplexobj(once):
         both = jnp.fft.fft(once, n=period, axis=1)
         return 0.5 * (both + jnp.roll(both[:, ::-1], 1, axis=1))[:, : last + 1]

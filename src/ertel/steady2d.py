@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import Array
 
@@ -132,12 +133,18 @@ def hertz_pressure(grid: Grid, load: float) -> tuple[Array, float]:
 
 def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:
     """Pressure from twice the spacing; the approach, and the bodies moved apart where they would overlap."""
-    # linear interpolation leaves steps in the slope, of which the free-flowing inlet makes a large residual
-    P = folded(multigrid.prolong_smooth(unfolded(coarse.P, c.even)), c.even)
-    P = contact.inside(jnp.maximum(P, 0.0), c.even)
     least = LEAST_FILM * max(coarse.measure()["H_min"], 0.0)
-    overlap = least - float(contact.film_thickness(c, P, approach).min())
-    return P, approach - max(overlap, 0.0)
+    P, thinnest = _from_coarse(c, coarse.P, approach)
+    return P, approach - max(least - float(thinnest), 0.0)
+
+
+@jax.jit
+def _from_coarse(c: Contact, coarse: Array, approach: float) -> tuple[Array, Array]:
+    """Pressure interpolated, and the smallest film with it."""
+    # linear interpolation leaves steps in the slope, of which the free-flowing inlet makes a large residual
+    P = folded(multigrid.prolong_smooth(unfolded(coarse, c.even)), c.even)
+    P = contact.inside(jnp.maximum(P, 0.0), c.even)
+    return P, contact.film_thickness(c, P, approach).min()
 
 
 def expected_approach(coarser: Sequence[GridSolution]) -> float:

@@ -53,7 +53,7 @@ class Transient2D:
             return Attempt(level, s.status, s.newton, s.krylov, steady.convolutions)
         c, approach = self.contact_at(0.0), self.case.time.start_approach
         P = jnp.zeros(self.grid.shape)
-        level = Level(0.0, approach, 1.0, P, contact.film_thickness(c, P, approach))
+        level = Level(0.0, approach, 1.0, P, c.gap - approach)  # nothing is deformed yet
         return Attempt(level, Status.CONVERGED, 0, 0, 1.0)
 
     def contact_at(self, T: float) -> Contact:
