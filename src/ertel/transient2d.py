@@ -23,7 +23,8 @@ STILL_PRECISION, CARRIED_PRECISION = "float32", "float64"  # of the precondition
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
-OPTIONS = newton.Options(krylov_limit=10)  # 3 or 4 are needed, and each has its two fields
+# Krylov: 3 or 4 are needed, and each has its two fields.  Newton: cavitation advances a node in one iteration
+OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
 
 
 class Transient2D:
