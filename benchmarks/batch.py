@@ -2,23 +2,22 @@
 
     python benchmarks/batch.py [nodes ...]      (65 129 unless said; ten minutes, half of it compiling)
 
-The cases differ in M (200 to 1000).  Every batch runs three times, the first time to compile, and the faster of the others counts.  "Lanes waiting" is the share of
-lanes that had ended or were filled up: a batch runs on until its last case has come to its end.
+The cases differ in M (200 to 1000).  Every batch runs three times, the first time to compile, and the faster of the
+others counts.  "Lanes waiting" is the share of lanes that had ended or were filled up: a batch runs on until its last
+case has come to its end.
 """
 
 from operator import itemgetter
 from typing import Any
 
-from common import grids, header, impact, row, timed
+from common import grids, header, impact, keep_compiled, row, timed
 
 SIZES = (1, 2, 4, 8, 16, 32)
 COLUMNS = ("nodes", "N", "seconds", "seconds a case", "one by one / batch", "lanes waiting", "first run, s")
 
 
 def main() -> None:
-    import jax
-
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
+    keep_compiled()
     header(COLUMNS)
     for nodes in grids((65, 129)):
         for size in SIZES:

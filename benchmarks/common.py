@@ -17,7 +17,7 @@ HERE = Path(__file__).parent
 
 
 def impact(M: float, nodes: int, L: float = 10.0, **sections: dict[str, Any]) -> Any:
-    """The case of a dimensionless impact on nodes x nodes, Roelands and Dowson-Higginson; sections as in a case file."""
+    """The case of an impact on nodes x nodes, Roelands and Dowson-Higginson; sections as in a case file."""
     from ertel.config import parse_case
 
     solver = {"nodes": nodes, **sections.pop("solver", {})}
@@ -32,12 +32,12 @@ def rolling(M: float, nodes: int, L: float = 10.0, tolerance: float = 1e-6) -> A
     return parse_case({"contact": {"kind": "rolling", "M": M, "L": L}, "solver": solver})
 
 
-def seconds(work: Callable[..., Any], *arguments: Any, repeats: int = 7) -> float:
-    """Median wall time of a call that was warmed up, waited for."""
+def seconds(work: Callable[..., Any], *arguments: Any, repeats: int = 9) -> float:
+    """Least wall time of a call that was warmed up, waited for: what others do on the machine only adds to it."""
     import jax
 
     jax.block_until_ready(work(*arguments))
-    return statistics.median(timed(lambda: jax.block_until_ready(work(*arguments)))[0] for _ in range(repeats))
+    return min(timed(lambda: jax.block_until_ready(work(*arguments)))[0] for _ in range(repeats))
 
 
 def timed(work: Callable[[], Any]) -> tuple[float, Any]:
@@ -66,17 +66,31 @@ def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
 
 
 def march(method: Any, levels: Sequence[Any], step: float, settle: int, timed_steps: int) -> tuple[list[Any], Any, Any]:
-    """Fixed steps on from these levels: the new levels, and wall times and attempts of the steps after the first few."""
+    """Fixed steps from these levels: the new levels; times (wall, CPU) and attempts of all but the first few."""
     import jax
 
     timings, attempts, levels = [], [], list(levels)
     for number in range(settle + timed_steps):
+        cpu = time.process_time()
         wall, attempt = timed(lambda levels=levels: waited(method.advance(levels, step), jax))
         if number >= settle:
-            timings.append(wall)
+            timings.append((wall, time.process_time() - cpu))
             attempts.append(attempt)
         levels = [attempt.level, *levels][:3]
     return levels, timings, attempts
+
+
+def step_seconds(timings: Sequence[float], attempts: Sequence[Any]) -> float:
+    """Of a step with the mean number of convolutions, from the step that was least disturbed for its number."""
+    each = min(wall / attempt.convolutions for wall, attempt in zip(timings, attempts, strict=True))
+    return each * statistics.mean(attempt.convolutions for attempt in attempts)
+
+
+def keep_compiled() -> None:
+    """Small programs too go to the compilation cache, where one is set."""
+    import jax
+
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
 
 
 def waited(attempt: Any, jax: Any) -> Any:
