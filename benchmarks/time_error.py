@@ -2,9 +2,9 @@
 
     python benchmarks/time_error.py [nodes]     (65 unless said; two minutes)
 
-The impact is M = 1000, L = 10.  The discrete equations are solved to 1e-7, so that the error is that of time
-alone.  The reference is an adaptive run to 1e-8.  "Fixed steps needed" is how many fixed steps have the same error, from a
-straight line through the logarithms of the fixed runs.
+The impact is M = 1000, L = 10.  The discrete equations are solved to 1e-7, so that the error is that of time alone.
+The reference is an adaptive run to 1e-8.  "Fixed / steps" is how many times as many fixed steps have the same error,
+from a straight line through the logarithms of the fixed runs.
 """
 
 from typing import Any
