@@ -6,20 +6,20 @@ Every grid is solved twice, the second time compiled, to a residual of 1e-6; "ra
 many convolutions alone in the same run.
 """
 
-import statistics
 import time
-from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
+
+from common import header, keep_compiled, row, seconds, timed
+from common import rolling as case
 
 COLUMNS = ("case", "nodes", "convolutions", "finest", "Newton", "Krylov", "seconds", "CPU s", "ratio")
 
 
 def main() -> None:
-    print("| " + " | ".join(COLUMNS) + " |\n|" + " --- |" * len(COLUMNS))
+    keep_compiled()
+    header(COLUMNS)
     for M in (200.0, 1000.0):
         for nodes in (257, 513):
-            print("| " + " | ".join(measure(M, nodes)) + " |", flush=True)
+            row(*measure(M, nodes))
 
 
 def measure(M: float, nodes: int) -> list[str]:
@@ -27,43 +27,17 @@ def measure(M: float, nodes: int) -> list[str]:
     import jax.numpy as jnp
 
     from ertel import halfspace, steady2d
-    from ertel.case import SOLVERS, Case
-    from ertel.lubricant import ALPHA, ETA0, P0_ROELANDS, DowsonHigginson, Lubricant, Roelands, roelands_exponent
-    from ertel.motion import STEADY_ROLLING
-    from ertel.scales import Parameters
 
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
-    p = Parameters.from_moes(M, 10.0)
-    p_h = p.alpha_bar / ALPHA
-    oil = Lubricant(
-        Roelands(p.alpha_bar, roelands_exponent(ALPHA, ETA0), p_h / P0_ROELANDS), DowsonHigginson(p_h / 5.9e8)
-    )
-    solver = replace(SOLVERS["steady"], nodes=nodes, tolerance=1e-6)
-    case = Case(p, oil, solver, kind="rolling", motion=STEADY_ROLLING)
-    steady2d.steady(case)
-    start, cpu = time.perf_counter(), time.process_time()
-    found = steady2d.steady(case)
-    jax.block_until_ready(found.finest.H)
-    wall, cpu = time.perf_counter() - start, time.process_time() - cpu
-    grid = found.finest.grid
+    steady2d.steady(case(M, nodes))
+    cpu = time.process_time()
+    wall, found = timed(lambda: steady2d.steady(case(M, nodes)))
+    cpu = time.process_time() - cpu
+    grid, s = found.finest.grid, found.finest
     convolve = jax.jit(halfspace.displacement, static_argnums=2)
-    one = seconds(convolve, halfspace.spectrum(grid), jnp.asarray(found.finest.P), grid.even)
-    s = found.finest
+    one = seconds(convolve, halfspace.spectrum(grid), jnp.asarray(s.P), grid.even, repeats=15)
     counts = [f"{found.convolutions:.0f}", f"{s.convolutions:.0f}", str(s.newton), str(s.krylov)]
     ratio = wall / (found.convolutions * one)
     return [f"M={M:g} L=10", f"{nodes}²", *counts, f"{wall:.2f}", f"{cpu:.2f}", f"{ratio:.1f}"]
-
-
-def seconds(work: Callable[..., Any], *arguments: Any, repeats: int = 15) -> float:
-    import jax
-
-    jax.block_until_ready(work(*arguments))
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        jax.block_until_ready(work(*arguments))
-        times.append(time.perf_counter() - start)
-    return statistics.median(times)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ertel.batch import simulate_batch as simulate_batch
     from ertel.case import Case as Case
     from ertel.case import Output as Output
     from ertel.case import Solver as Solver
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     __version__: str
 
 _HOMES = {
+    "simulate_batch": "batch",
     "Case": "case",
     "Output": "case",
     "Solver": "case",

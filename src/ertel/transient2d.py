@@ -1,6 +1,6 @@
 """The 2-D grid in time: one BDF step of `contact`'s residual, for an impact, for rolling, and for both at once."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import jax
@@ -25,16 +25,18 @@ STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at l
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 # Krylov: 3 or 4 are needed, and each has its two fields.  Newton: cavitation advances a node in one iteration
 OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
+SolveStep = Callable[..., tuple[newton.Solution, Array]]
 
 
 class Transient2D:
     """The methods "2d" and "transient": see `level.Method`.
 
     An impact starts with the bodies apart, rolling from its steady film.  closure is the law for Delta: Newton's law
-    with the case's load and inertia unless another is given.
+    with the case's load and inertia unless another is given.  solve_step: in place of `solve_on_device`, with the
+    same arguments and results (`batch` solves the steps of many cases at once).
     """
 
-    def __init__(self, case: Case, closure: Closure | None = None):
+    def __init__(self, case: Case, closure: Closure | None = None, solve_step: SolveStep | None = None):
         check_nodes(case.solver.nodes)
         self.case = case
         self.grid = solve2d.grid_of(case)
@@ -44,6 +46,7 @@ class Transient2D:
         self.preconditioner = solve2d.carried if flows else solve2d.still
         self.elastic = multigrid.elasticities(self.grid, CARRIED_PRECISION if flows else STILL_PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
+        self._solve_step = solve_step or solve_on_device
 
     def start(self) -> Attempt:
         """The bodies apart, moving in with unit speed, no pressure yet; or the steady film with the motion at T = 0."""
@@ -70,7 +73,7 @@ class Transient2D:
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
         padded = [*levels, *[levels[-1]] * 2][:3]  # one shape, so one compilation, whatever the history
         predict = bdf.interpolation_weights(T, times)
-        solution, approach = _advance(
+        solution, approach = self._solve_step(
             self.contact_at(T),
             self.elastic,
             jnp.stack([level.P for level in padded]),
@@ -120,7 +123,7 @@ def _film_error(H: Array, H_predicted: Array, P: Array, thin: float, even: Even)
 
 
 @partial(jax.jit, static_argnames=("close", "preconditioner"))
-def _advance(
+def solve_on_device(
     c: Contact,
     elastic: tuple[Elasticity, ...],
     P_old: Array,
@@ -136,6 +139,11 @@ def _advance(
     close: Close,
     preconditioner: Preconditioner,
 ) -> tuple[newton.Solution, Array]:
+    """P, H and Delta after one step.
+
+    P_old, H_old: of the last three levels, newest first, shape (3, n, n), with the weights of the prediction and of the
+    time derivative (for the new level, and the last two), both of shape (3,).
+    """
     mass = c.lubricant.density(P_old[:2]) * H_old[:2]
     rate = Rate(rates[0], jnp.tensordot(rates[1:], mass, axes=1))
     P = jnp.tensordot(predict, P_old, axes=1)

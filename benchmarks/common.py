@@ -1,0 +1,134 @@
+"""What the benchmarks share: cases, clocks, tables, processes of their own.  Nothing here is measured.
+
+ertel and JAX are imported where they are needed: a child process chooses its platform and cache first.
+"""
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).parent
+
+
+def impact(M: float, nodes: int, L: float = 10.0, **sections: dict[str, Any]) -> Any:
+    """The case of an impact on nodes x nodes, Roelands and Dowson-Higginson; sections as in a case file."""
+    from ertel.config import parse_case
+
+    solver = {"nodes": nodes, **sections.pop("solver", {})}
+    return parse_case({"contact": {"kind": "impact", "M": M, "L": L}, "solver": solver, **sections})
+
+
+def rolling(M: float, nodes: int, L: float = 10.0, tolerance: float = 1e-6) -> Any:
+    """The case of a dimensionless steady rolling contact, the same oil."""
+    from ertel.config import parse_case
+
+    solver = {"method": "steady", "nodes": nodes, "tolerance": tolerance}
+    return parse_case({"contact": {"kind": "rolling", "M": M, "L": L}, "solver": solver})
+
+
+def seconds(work: Callable[..., Any], *arguments: Any, repeats: int = 9) -> float:
+    """Least wall time of a call that was warmed up, waited for: what others do on the machine only adds to it."""
+    import jax
+
+    jax.block_until_ready(work(*arguments))
+    return min(timed(lambda: jax.block_until_ready(work(*arguments)))[0] for _ in range(repeats))
+
+
+def timed(work: Callable[[], Any]) -> tuple[float, Any]:
+    """Wall time of one call, and what it gave."""
+    start = time.perf_counter()
+    result = work()
+    return time.perf_counter() - start, result
+
+
+def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
+    """The last time levels of an impact at T = until, newest first, interpolated from a run on 65 nodes."""
+    import jax.numpy as jnp
+
+    from ertel import contact, multigrid
+    from ertel.simulation import transient
+
+    coarse = impact(method.case.parameters.M, 65, method.case.parameters.L, time={"until": until})
+    *_, last = transient(coarse)
+    levels = []
+    for level in last.state.levels:
+        P = jnp.asarray(level.P)
+        while P.shape[0] < method.grid.shape[0]:
+            P = multigrid.prolong(P)
+        levels.append(level._replace(P=P, H=contact.film_thickness(method.contact, P, level.approach)))
+    return levels
+
+
+def march(method: Any, levels: Sequence[Any], step: float, settle: int, timed_steps: int) -> tuple[list[Any], Any, Any]:
+    """Fixed steps from these levels: the new levels; times (wall, CPU) and attempts of all but the first few."""
+    import jax
+
+    timings, attempts, levels = [], [], list(levels)
+    for number in range(settle + timed_steps):
+        cpu = time.process_time()
+        wall, attempt = timed(lambda levels=levels: waited(method.advance(levels, step), jax))
+        if number >= settle:
+            timings.append((wall, time.process_time() - cpu))
+            attempts.append(attempt)
+        levels = [attempt.level, *levels][:3]
+    return levels, timings, attempts
+
+
+def step_seconds(timings: Sequence[float], attempts: Sequence[Any]) -> float:
+    """Of a step with the mean number of convolutions, from the step that was least disturbed for its number."""
+    each = min(wall / attempt.convolutions for wall, attempt in zip(timings, attempts, strict=True))
+    return each * statistics.mean(attempt.convolutions for attempt in attempts)
+
+
+def keep_compiled() -> None:
+    """Small programs too go to the compilation cache, where one is set."""
+    import jax
+
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
+
+
+def waited(attempt: Any, jax: Any) -> Any:
+    jax.block_until_ready(attempt.level.H)
+    return attempt
+
+
+def slope(sizes: Sequence[float], values: Sequence[float]) -> float:
+    """Of a straight line through the logarithms."""
+    import numpy as np
+
+    return float(np.polyfit(np.log(sizes), np.log(values), 1)[0])
+
+
+# -- tables ------------------------------------------------------------------------------------------------------------
+
+
+def header(columns: Iterable[str]) -> None:
+    names = list(columns)
+    print("| " + " | ".join(names) + " |\n|" + " --- |" * len(names), flush=True)
+
+
+def row(*cells: object) -> None:
+    print("| " + " | ".join(f"{c:.3g}" if isinstance(c, float) else str(c) for c in cells) + " |", flush=True)
+
+
+def grids(default: Sequence[int]) -> list[int]:
+    """Numbers of nodes from the command line, or these."""
+    return [int(a) for a in sys.argv[1:] if a.isdigit()] or list(default)
+
+
+# -- processes ---------------------------------------------------------------------------------------------------------
+
+
+def child(module: str, call: str, python: str = sys.executable, **environment: str) -> Any:
+    """What a call in a benchmark gives (plain data) in a process of its own: own memory, own compilations."""
+    code = f"import json, {module}; print(json.dumps({module}.{call}))"
+    paths = os.pathsep.join([str(HERE), str(HERE / "peers"), os.environ.get("PYTHONPATH", "")])
+    env = {**os.environ, **environment, "PYTHONPATH": paths}
+    done = subprocess.run([python, "-c", code], check=True, stdout=subprocess.PIPE, text=True, env=env)
+    return json.loads(done.stdout.splitlines()[-1])

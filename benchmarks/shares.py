@@ -1,0 +1,264 @@
+"""Where the time of an impact step and of a steady rolling contact goes.  Prints two tables.
+
+    python benchmarks/shares.py [nodes ...] [--compile]     (129 257 513 1025 unless said; five minutes)
+
+M = 1000, L = 10.  A part's time is that of the part alone, compiled, times how often it is needed; so the parts need
+not add up to the whole, and "rest" is what is left: data moved between operations, and, below zero, what XLA merges.
+Rolling: the parts are of the finest grid.  "Python" is what a step (or the solution on the finest grid) takes outside
+the compiled program.  "A flush" writes the steps of five seconds (here nine), a map and the checkpoint; of a steady
+contact it is all that storing a run adds to it.  With --compile: a first call without a cache, in a process of its own
+(half a minute more for each row).
+"""
+
+import itertools
+import statistics
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+from common import (
+    child,
+    grids,
+    header,
+    impact,
+    impact_levels,
+    keep_compiled,
+    march,
+    rolling,
+    row,
+    seconds,
+    timed,
+)
+
+STEP, SETTLE, TIMED = 0.005, 4, 8
+PARTS = {
+    "fft": "FFT",
+    "smoother": "smoother",
+    "transfer": "transfer",
+    "vectors": "Krylov vectors",
+    "residual": "residual, Jacobian",
+    "coarsest": "coarsest grid, direct",
+    "setup": "V-cycle's coefficients",
+    "python": "Python",
+}
+COLUMNS = ["nodes", "seconds", *PARTS.values(), "rest", "coarser grids", "compile, s", "a flush, s"]
+
+
+def main() -> None:
+    for kind, title in (("impact", "Impact, one step"), ("rolling", "Steady rolling, the finest grid")):
+        print(f"{title}\n", flush=True)
+        header(COLUMNS if kind == "rolling" else [c for c in COLUMNS if c != "coarser grids"])
+        for nodes in grids((129, 257, 513, 1025)):
+            with tempfile.TemporaryDirectory() as cache:
+                cold = "--compile" in sys.argv and child(
+                    "shares", f"compile_seconds({kind!r}, {nodes})", JAX_COMPILATION_CACHE_DIR=cache
+                )
+            found = child("shares", f"measure_{kind}({nodes})")
+            whole = found["seconds"]
+            shares = [found[name] / whole for name in PARTS]
+            coarser = [found["coarser"] / whole] if kind == "rolling" else []
+            numbers = [*shares, 1 - sum(shares), *coarser]
+            row(f"{nodes}²", whole, *(f"{share:.0%}" for share in numbers), cold or "", found["flush"])
+        print()
+
+
+def compile_seconds(kind: str, nodes: int) -> float:
+    """The first step (rolling: the first solution on all grids) less a second one."""
+    if kind == "rolling":
+        from ertel import steady2d
+
+        first, second = (timed(lambda: steady2d.steady(rolling(1000, nodes)))[0] for _ in range(2))
+        return first - second
+    from ertel.transient2d import Transient2D
+
+    method = Transient2D(impact(1000, nodes))
+    levels = [method.start().level]
+    first, second = (timed(lambda: method.advance(levels, 1e-4))[0] for _ in range(2))
+    return first - second
+
+
+# -- impact ------------------------------------------------------------------------------------------------------------
+
+
+def measure_impact(nodes: int) -> dict[str, float]:
+    """Seconds of a step, of its parts, and of a flush."""
+    import jax
+
+    from ertel import solve2d, transient2d
+    from ertel.contact import Rate
+    from ertel.simulation import State, transient
+
+    keep_compiled()
+    on_device: list[float] = []
+
+    def solve(*fields: Any, **choices: Any) -> Any:
+        wall, answer = timed(lambda: jax.block_until_ready(transient2d.solve_on_device(*fields, **choices)))
+        on_device.append(wall)
+        return answer
+
+    case = impact(1000, nodes, time={"step": STEP})
+    method = transient2d.Transient2D(case, solve_step=solve)
+    levels, _, attempts = march(method, impact_levels(method), STEP, SETTLE, TIMED)
+    course = transient(case, State(tuple(levels), STEP), method)
+    next(course)  # compiles what is measured of a step
+    on_device.clear()
+    steps = [timed(lambda: next(course)) for _ in range(TIMED)]
+    walls = [wall for wall, _ in steps]
+    convolutions = [step.record["convolutions"] for _, step in steps]
+    whole = min(w / n for w, n in zip(walls, convolutions, strict=True)) * statistics.mean(convolutions)
+    newton, krylov = (statistics.mean(getattr(a, name) for a in attempts) for name in ("newton", "krylov"))
+    now = levels[0]
+    problem = solve2d.Problem(Rate(1.5 / STEP, 0.0 * now.H), 0.0, None, 1.0, 1.0)
+    parts = _parts(method.contact, method.elastic, problem, now.P, now.H, solve2d.still, transient2d.OPTIONS)
+    return {
+        "seconds": whole,
+        **_times(parts, newton, krylov),
+        "python": min(w - d for w, d in zip(walls, on_device, strict=True)),
+        "flush": _flush_seconds(case, method, [step for _, step in steps]),
+    }
+
+
+def _flush_seconds(case: Any, method: Any, steps: list[Any]) -> float:
+    from dataclasses import replace
+
+    from ertel.simulation import _frame
+    from ertel.store import TransientStore
+
+    with tempfile.TemporaryDirectory() as directory:
+        store = TransientStore.create(Path(directory) / "run", case, method)
+        frame = _frame(method, steps[-1].state.levels[0], "")
+        for step in steps:
+            store.append(replace(step, frames=()))
+        store.append(replace(steps[-1], frames=(frame,)))
+        return timed(store.flush)[0]
+
+
+# -- rolling -----------------------------------------------------------------------------------------------------------
+
+
+def measure_rolling(nodes: int) -> dict[str, float]:
+    """Seconds of the solution on the finest grid, of its parts, of the coarser grids, and of a flush."""
+    import jax
+
+    from ertel import multigrid, solve2d, steady2d
+
+    keep_compiled()
+    case = rolling(1000, nodes)
+    steady2d.steady(case)
+    solve, on_device = solve2d.solve, [0.0]
+
+    def solve_and_wait(*fields: Any, **choices: Any) -> Any:
+        on_device[0], answer = timed(lambda: jax.block_until_ready(solve(*fields, **choices)))
+        return answer
+
+    with mock.patch.object(solve2d, "solve", solve_and_wait):
+        walls, solutions = zip(*_each(steady2d.nested(case)), strict=True)
+    last = solutions[-1]
+    c = solve2d.contact_of(case, last.grid)
+    elastic = multigrid.elasticities(last.grid, steady2d.PRECONDITIONER_PRECISION)
+    problem = solve2d.Problem(steady2d.STEADY, 1.0, None, 1.0, 1.0)
+    parts = _parts(c, elastic, problem, last.P, last.H, solve2d.carried, steady2d.OPTIONS)
+    return {
+        "seconds": walls[-1],
+        **_times(parts, last.newton, last.krylov),
+        "python": walls[-1] - on_device[0],
+        "coarser": sum(walls[:-1]),
+        "flush": _run_seconds(case) - sum(walls),
+    }
+
+
+def _each(course: Iterator[Any]) -> Iterator[tuple[float, Any]]:
+    """What an iterator gives, with the seconds it took."""
+    while True:
+        wall, item = timed(lambda: next(course, None))
+        if item is None:
+            return
+        yield wall, item
+
+
+def _run_seconds(case: Any) -> float:
+    """A stored steady run, the second one: all is imported and compiled."""
+    from ertel import store
+
+    def run(directory: Path) -> float:
+        kept = store.SteadyStore.create(directory, case)
+        return timed(lambda: store.run(kept, lambda item: True))[0]
+
+    with tempfile.TemporaryDirectory() as directory:
+        return [run(Path(directory) / name) for name in ("first", "second")][-1]
+
+
+# -- the parts ---------------------------------------------------------------------------------------------------------
+
+
+def _parts(
+    c: Any, elastic: Any, problem: Any, P: Any, H: Any, preconditioner: Callable[..., Any], options: Any
+) -> dict[str, tuple[float, float, float]]:
+    """Seconds of each part: once in a solve, for each Newton iteration, for each Krylov iteration."""
+    import jax
+    import jax.numpy as jnp
+
+    from ertel import contact, halfspace, lines, multigrid, newton, solve2d
+
+    call = seconds(jax.jit(lambda x: x + 1), 0.0)  # which parts in one program do not need
+
+    def clock(work: Callable[..., Any], *arguments: Any) -> float:
+        return max(seconds(work, *arguments) - call, 0.0)
+
+    one = jnp.ones_like(P)
+    free = contact.inside(one, c.even)
+    finest = solve2d._in_precision_of(elastic, *solve2d._coefficients(c, P, H, free))
+    smoother = multigrid.points
+    if preconditioner is solve2d.carried:
+        smoother = partial(_lines, lines, problem)
+    levels = multigrid.hierarchy(elastic, finest, smoother)
+    convolve = jax.jit(halfspace.displacement, static_argnums=2)
+    exact = clock(convolve, c.kernel, P, c.even)
+    fft = smooth = transfer = operate = 0.0
+    for fine, coarse in itertools.pairwise(levels):
+        e, small = fine.coefficients.free, coarse.coefficients.free
+        fft += 2 * clock(convolve, coarse.elasticity.spectrum, small, c.even)
+        smooth += 2 * clock(jax.jit(multigrid.smooth), fine, e)
+        down, up = jax.jit(partial(multigrid.restrict, even=c.even)), jax.jit(multigrid.prolong)
+        transfer += 2 * clock(down, e) + 4 * clock(up, small)
+        operate += 2 * clock(jax.jit(multigrid._operate), fine.elasticity, fine.coefficients, fine.smoother, e, e)
+    direct = clock(jax.jit(multigrid.direct_solve), levels[-1], levels[-1].coefficients.free)
+
+    def coefficients(P: Any, H: Any) -> Any:
+        values = solve2d._in_precision_of(elastic, *solve2d._coefficients(c, P, H, free))
+        return [(level.coefficients, level.smoother) for level in multigrid.hierarchy(elastic, values, smoother)]
+
+    def residual(P: Any, H: Any) -> Any:
+        return contact.residual(c, P, H, problem.rate, problem.entrainment)
+
+    r = clock(jax.jit(residual), P, H)
+    jvp = clock(jax.jit(jax.linearize(residual, P, H)[1]), P, H)
+    iterations = 4
+    diagonal = 1.0 + jnp.arange(P.size, dtype=P.dtype).reshape(P.shape) / P.size  # so that it does not converge at once
+    search = jax.jit(lambda b: newton.gcr(lambda x: diagonal * x, lambda k, r: r, b, 0.0, iterations))
+    room = clock(jax.jit(lambda: jnp.zeros((2 * options.krylov_limit, *P.shape))))
+    return {
+        "fft": (exact, exact, exact + fft),
+        "smoother": (0.0, 0.0, smooth),
+        "transfer": (0.0, 0.0, transfer),
+        "vectors": (0.0, room, clock(search, P) / iterations),
+        "residual": (r, 2 * r + jvp, jvp + operate),
+        "coarsest": (0.0, 0.0, direct),
+        "setup": (0.0, clock(jax.jit(coefficients), P, H), 0.0),
+    }
+
+
+def _lines(lines: Any, problem: Any, elastic: Any, coefficients: Any) -> Any:
+    return lines.lines(elastic, coefficients, problem.rate.new, problem.entrainment)
+
+
+def _times(parts: dict[str, tuple[float, float, float]], newton: float, krylov: float) -> dict[str, float]:
+    return {name: a + newton * b + krylov * c for name, (a, b, c) in parts.items()}
+
+
+if __name__ == "__main__":
+    main()
