@@ -55,14 +55,14 @@ class Rolled(NamedTuple):
 
 
 class Twin(NamedTuple):
-    """An impact's wave at X and rolling in the place of its front."""
+    """An impact's wave at X, and rolling in the place of its front as it passed there."""
 
     M: float
     L: float
     wavelength: float
     X: float
     nabla2: float
-    impact: float
+    impact: Extrapolated
     rolling: Extrapolated
 
 
@@ -83,15 +83,15 @@ def reduction(results: Sequence[Any], quick: bool) -> Drawn:
     draw_dots(middle, found, [dot.everywhere for dot in found])
     draw_dots(right, found, [dot.hertz for dot in found])
     inner = [dot for dot in waves if not dot.last and dot.X > FORMED]
-    right.plot(
-        [d.hertz for d in inner], [d.ratio.limit for d in inner], ".", color=GREY, ms=3, label="waves further in"
-    )
-    right.plot([t.nabla2 for t in twins], [t.rolling.limit for t in twins], "x", color=BLUE, label="rolling twins")
+    further = [dot.hertz for dot in inner], [dot.ratio.limit for dot in inner]
+    crosses = [twin.nabla2 for twin in twins], [twin.rolling.limit for twin in twins]
+    handles = right.plot(*further, ".", color=GREY, markersize=3, label="impact, waves further in")
+    handles += right.plot(*crosses, "x", color=BLUE, label="rolling in the place of the front")
     left.set_xlabel("local $\\nabla_2$, $\\bar\\lambda v$")
     middle.set_xlabel("global $\\nabla_2$ (rolling: its own)")
     right.set_xlabel("local $\\nabla_2$ with the Hertz contact then")
     left.legend(loc="lower left", frameon=False, fontsize="xx-small")
-    right.legend(*(part[-2:] for part in right.get_legend_handles_labels()), frameon=False, fontsize="x-small")
+    right.legend(handles=handles, loc="lower left", frameon=False, fontsize="x-small")
     caption = (
         "Amplitude reduction.  Dots: the last complete wave inside the contact at maximum impact, extrapolated from "
         f"grids of {p.grids[0]} and {p.grids[1]} nodes a side as for a method of second order; the bar reaches to "
@@ -105,7 +105,7 @@ def reduction(results: Sequence[Any], quick: bool) -> Drawn:
     tables = [
         _dots_table(found),
         _scatter_table(found, inner, rolled, own),
-        _twins_table(p, twins),
+        _twins_table(twins),
         _rolling_table(rolled),
         *_check_tables(quick, impacts, checks, rolling),
     ]
@@ -128,8 +128,8 @@ def curve_of(rolled: Sequence[Rolled]) -> Reduction:
 def _twins(plan: Plan, waves: Sequence[Dot], results: Sequence[tuple[float, float, float]]) -> Iterator[Twin]:
     for (M, L, wavelength, X), coarse, fine in zip(plan.twins, results[::2], results[1::2], strict=True):
         own = [dot for dot in waves if (dot.M, dot.L, dot.wavelength) == (M, L, wavelength)]
-        impact = float(np.interp(X, [dot.X for dot in own], [dot.ratio.limit for dot in own]))
-        yield Twin(M, L, wavelength, X, fine[0], impact, Extrapolated(coarse[1], fine[1]))
+        nearest = min(own, key=lambda dot: abs(dot.X - X))
+        yield Twin(M, L, wavelength, nearest.X, fine[0], nearest.ratio, Extrapolated(coarse[1], fine[1]))
 
 
 # -- what is drawn -----------------------------------------------------------------------------------------------------
@@ -245,15 +245,15 @@ def _about(values: Sequence[float], nabla2: Sequence[float], own: Reduction) -> 
     return [f"{s.mean:+.3f}, {s.rms:.3f}" for s in (scatter(values, curve) for curve in curves)]
 
 
-def _twins_table(plan: Plan, twins: Sequence[Twin]) -> Table:
+def _twins_table(twins: Sequence[Twin]) -> Table:
     head = ["twins: M", "L", "wavelength", "X", "nabla2", "impact at X", "rolling in its place", "impact less rolling"]
     rows = []
     for t in twins:
-        numbers = [f"{t.M:g}", f"{t.L:g}", f"{t.wavelength:g}", f"{t.X:g}", f"{t.nabla2:.2f}", f"{t.impact:.3f}"]
-        rolling = f"{t.rolling.limit:.3f} ± {t.rolling.error:.3f}"
-        rows.append([*numbers, rolling, f"{t.impact - t.rolling.limit:+.3f}"])
-    s = scatter([t.impact for t in twins], np.array([t.rolling.limit for t in twins]))
-    rows.append([*["mean, root mean square"], *[""] * 6, f"{s.mean:+.3f}, {s.rms:.3f}"])
+        numbers = [f"{t.M:g}", f"{t.L:g}", f"{t.wavelength:g}", f"{t.X:.3f}", f"{t.nabla2:.2f}"]
+        ratios = [f"{ratio.limit:.3f} ± {ratio.error:.3f}" for ratio in (t.impact, t.rolling)]
+        rows.append([*numbers, *ratios, f"{t.impact.limit - t.rolling.limit:+.3f}"])
+    s = scatter([t.impact.limit for t in twins], np.array([t.rolling.limit for t in twins]))
+    rows.append(["mean, root mean square", *[""] * 6, f"{s.mean:+.3f}, {s.rms:.3f}"])
     return Table(head, rows)
 
 

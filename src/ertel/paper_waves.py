@@ -36,7 +36,7 @@ SHORTER = 2  # time steps, when checked; their local error is of third order
 class Plan:
     """What is run.  impacts: wavelengths of (M, L); grids: nodes per side, coarse and fine, likewise for rolling.
 
-    twins: M, L, wavelength and X of the `rolling_twin`s.
+    twins: M, L, wavelength and X of the `rolling_twin`s, X the place of a wave.
     """
 
     impacts: Mapping[tuple[float, float], tuple[float, ...]]
@@ -54,7 +54,7 @@ QUICK = Plan(
     grids=(97, 193),
     rolling=((200, 10, 0.5), (200, 10, 1.0), (1000, 10, 0.5)),
     rolling_grids=(65, 129),
-    twins=((1000, 10, 0.4, 0.73), (1000, 10, 0.6, 0.6)),
+    twins=((1000, 10, 0.4, 0.73), (1000, 10, 0.6, 0.5)),
     twin_grids=(65, 129),
     seconds=15.0,
     rolling_seconds=60.0,
@@ -76,12 +76,12 @@ FULL = Plan(
     ),
     rolling_grids=(257, 513),
     twins=(
-        (500, 10, 0.5, 0.64),
-        (1000, 5, 0.5, 0.66),
-        (1000, 10, 0.25, 0.83),
+        (500, 10, 0.5, 0.4),
+        (500, 10, 0.5, 0.66),
+        (1000, 5, 0.5, 0.67),
         (1000, 10, 0.4, 0.53),
         (1000, 10, 0.4, 0.73),
-        (1000, 10, 0.6, 0.61),
+        (1000, 10, 0.6, 0.5),
         (2000, 10, 0.5, 0.67),
     ),
     twin_grids=(129, 257),
