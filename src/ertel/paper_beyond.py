@@ -272,7 +272,8 @@ def other_waves(results: Sequence[Any], quick: bool) -> Drawn:
     n = np.geomspace(0.3, 30, 200)
     for axes, marks in zip(panels, (impacts, rolled), strict=True):
         draw_curves(axes)
-        axes.plot(n, CURVES["(15), longitudinal"](n), color=ORANGE, linewidth=1.0, linestyle=":", label="longitudinal")
+        long = CURVES["(15), longitudinal"](n)
+        axes.plot(n, long, color=ORANGE, linewidth=1.0, linestyle=":", label="(15) of $e\\nabla_2$, longitudinal")
         _draw_marks(axes, marks, STYLES)
     panels[0].set(xlabel="local $\\nabla_2$", title="impact")
     panels[1].set(xlabel="$\\nabla_2$", title="rolling")
@@ -297,7 +298,7 @@ def _draw_marks(axes: Axes, marks: Sequence[Mark], styles: Mapping[str, tuple[st
         place, limit = [mark.local for mark in own], [mark.ratio.limit for mark in own]
         bar = [mark.ratio.error for mark in own]
         if own:
-            axes.errorbar(place, limit, bar, fmt=marker, color=colour, capsize=2, elinewidth=0.8, label=kind)
+            axes.errorbar(place, limit, bar, fmt=marker, color=colour, mfc="none", capsize=2, label=kind)
 
 
 def _columns(marks: Sequence[Mark]) -> dict[str, Values]:

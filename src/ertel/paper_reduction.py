@@ -140,7 +140,7 @@ def draw_curves(axes: Axes) -> None:
     n = np.geomspace(0.3, 30, 200)
     axes.semilogx(n, formulas.amplitude_reduction(n), color="black", label="(15), isotropic")
     axes.semilogx(n, formulas.amplitude_reduction_line(n), color=GREY, linestyle="--", label="line contact, transverse")
-    axes.set(ylim=(0, 1.05), xlim=(0.4, 20), ylabel="$A_d/A_i$")
+    axes.set(ylim=(0, 1.1), xlim=(0.4, 20), ylabel="$A_d/A_i$")
     axes.set_xticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
 
 
