@@ -65,12 +65,9 @@ def test_wavelength_over_film_is_nabla2_where_the_oil_is_piezoviscous():
 SMALL = paper_waves.Plan(
     impacts={(M, L): (WAVE,)},
     grids=(33, 65),
-    rolling=((M, L, 1.0), (M, L, 1.5)),
-    rolling_grids=(33, 65),
+    rolling=((M, L, 1.0, 65), (M, L, 1.5, 65)),
     twins=((M, L, WAVE, 0.6),),
     twin_grids=(33, 65),
-    seconds=1.0,
-    rolling_seconds=1.0,
 )
 BEYOND = paper_beyond.Plan(
     shaped={(M, L): (WAVE,)},
@@ -79,8 +76,6 @@ BEYOND = paper_beyond.Plan(
     grids=(33, 65),
     rolling=((M, L, 1.0),),
     rolling_grids=(33, 65),
-    seconds=1.0,
-    rolling_seconds=1.0,
 )
 
 

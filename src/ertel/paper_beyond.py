@@ -21,7 +21,7 @@ from ertel.drawing import BLUE, GREEN, GREY, ORANGE
 from ertel.page import Drawn, Table
 from ertel.paper_front import new_figure
 from ertel.paper_reduction import RATIO_HEAD, draw_curves, ratio_cells, scatter
-from ertel.paper_waves import HEIGHT, Extrapolated, impact_case, wavy_rolling
+from ertel.paper_waves import HEIGHT, Extrapolated, impact_case, impact_seconds, rolling_seconds, wavy_rolling
 from ertel.response import respond
 from ertel.roughness import Feature, RingWaviness, Shape, Waviness
 from ertel.scales import Parameters
@@ -47,7 +47,7 @@ OILS: Mapping[str, Mapping[str, str]] = {  # a case file's [lubricant]
 class Plan:
     """What is run.  Wavelengths of (M, L) of impacts; M, L, wavelength of rolling; nodes a side, coarse and fine.
 
-    soft: wavelengths of M with the isoviscous oil, L = 0.  seconds: of one impact, of one rolling on the fine grid.
+    soft: wavelengths of M with the isoviscous oil, L = 0.
     """
 
     shaped: Mapping[Case, tuple[float, ...]]
@@ -56,8 +56,6 @@ class Plan:
     grids: tuple[int, int]
     rolling: tuple[tuple[float, float, float], ...]
     rolling_grids: tuple[int, int]
-    seconds: float
-    rolling_seconds: float
 
 
 QUICK = Plan(
@@ -67,8 +65,6 @@ QUICK = Plan(
     grids=(97, 193),
     rolling=((200, 10, 1.0), (1000, 10, 1.0)),
     rolling_grids=(65, 129),
-    seconds=5.0,
-    rolling_seconds=5.0,
 )
 FULL = Plan(
     shaped={(200, 10): (0.3, 0.5), (1000, 10): (0.25, 0.4), (1000, 5): (0.25, 0.5)},
@@ -77,8 +73,6 @@ FULL = Plan(
     grids=(193, 385),
     rolling=((200, 10, 0.5), (200, 10, 1.0), (1000, 10, 0.5), (1000, 10, 1.0)),
     rolling_grids=(129, 257),
-    seconds=10.0,
-    rolling_seconds=40.0,
 )
 
 
@@ -140,10 +134,11 @@ def shape_tasks(quick: bool) -> list[Task]:
         tasks += _impacts(p, "shapes", case, waves, USUAL)
     for M, L, wavelength in p.rolling:
         for nodes in p.rolling_grids:
-            seconds = p.rolling_seconds * (nodes / p.rolling_grids[1]) ** 3
             case_name = f"M{M:g}_L{L:g}_{wavelength:g}_{nodes}"
-            tasks.append(Task(f"transverse_{case_name}", wavy_rolling, (M, L, wavelength, nodes, inf), seconds))
-            tasks.append(Task(f"ridges_{case_name}", ridged_rolling, (M, L, wavelength, nodes), seconds))
+            tasks.append(
+                Task(f"transverse_{case_name}", wavy_rolling, (M, L, wavelength, nodes, inf), rolling_seconds(nodes))
+            )
+            tasks.append(Task(f"ridges_{case_name}", ridged_rolling, (M, L, wavelength, nodes), rolling_seconds(nodes)))
     return tasks
 
 
@@ -171,7 +166,7 @@ def _impacts(p: Plan, name: str, case: Case, waves: tuple[tuple[str, float], ...
             f"{name}_M{M:g}_L{L:g}_{nodes}",
             shaped_impact,
             (M, L, waves, nodes, oil),
-            p.seconds * (len(waves) + 1) * (nodes / p.grids[1]) ** 2,
+            impact_seconds(len(waves) + 1, nodes),
         )
         for nodes in p.grids
     ]

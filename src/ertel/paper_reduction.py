@@ -24,6 +24,7 @@ from ertel.paper_waves import (
     Plan,
     check_tasks,
     dots,
+    half,
     impact_tasks,
     last_wave,
     plan,
@@ -49,6 +50,7 @@ class Rolled(NamedTuple):
     M: float
     L: float
     wavelength: float
+    nodes: int  # of the fine grid
     nabla2: float
     ratio: Extrapolated
     change: float
@@ -97,7 +99,7 @@ def reduction(results: Sequence[Any], quick: bool) -> Drawn:
         f"grids of {p.grids[0]} and {p.grids[1]} nodes a side as for a method of second order; the bar reaches to "
         "where first order would have it.  Horizontally, on the left, the range of three speeds of the front (least "
         "film, half of Hertz' pressure, exact dry law) at that place.  Squares: rolling over the same waviness, at the "
-        f"contact's centre, once periodic, {p.rolling_grids[0]} and {p.rolling_grids[1]} nodes.  Line: eq. (15); "
+        "contact's centre, once periodic, on the grids in the table.  Line: eq. (15); "
         f"dashed: the curve of transverse waviness in a line contact; dotted: {_text(own)}, fitted to the squares.  "
         "Right: nabla2 with radius and pressure of the Hertz contact at the moment when the front passed, lambda_bar "
         "v/A^4, alpha_bar A, wavelength/A; crosses: rolling at just those parameters."
@@ -114,9 +116,9 @@ def reduction(results: Sequence[Any], quick: bool) -> Drawn:
 
 def rolled_over(plan: Plan, results: Sequence[tuple[float, float]]) -> Iterator[Rolled]:
     """The squares, from the results of `rolling_tasks`."""
-    for (M, L, wavelength), coarse, fine in zip(plan.rolling, results[::2], results[1::2], strict=True):
+    for (M, L, wavelength, nodes), coarse, fine in zip(plan.rolling, results[::2], results[1::2], strict=True):
         nabla2 = Parameters.from_moes(M, L).nabla2(wavelength)
-        yield Rolled(M, L, wavelength, nabla2, Extrapolated(coarse[0], fine[0]), fine[1])
+        yield Rolled(M, L, wavelength, nodes, nabla2, Extrapolated(coarse[0], fine[0]), fine[1])
 
 
 def curve_of(rolled: Sequence[Rolled]) -> Reduction:
@@ -258,10 +260,10 @@ def _twins_table(twins: Sequence[Twin]) -> Table:
 
 
 def _rolling_table(rolled: Sequence[Rolled]) -> Table:
-    head = ["rolling: M", "L", "wavelength", "nabla2", *RATIO_HEAD, "(15)", "still changing"]
+    head = ["rolling: M", "L", "wavelength", "nodes", "nabla2", *RATIO_HEAD, "(15)", "still changing"]
     rows = []
     for r in rolled:
-        case = [f"{r.M:g}", f"{r.L:g}", f"{r.wavelength:g}", f"{r.nabla2:.2f}"]
+        case = [f"{r.M:g}", f"{r.L:g}", f"{r.wavelength:g}", f"{half(r.nodes)}, {r.nodes}", f"{r.nabla2:.2f}"]
         curve = float(formulas.amplitude_reduction(r.nabla2))
         rows.append([*case, *ratio_cells(r.ratio), f"{curve:.3f}", f"{r.change:.3f}"])
     return Table(head, rows)
@@ -282,8 +284,8 @@ def _check_tables(
     for number, wavelength in enumerate(wavelengths):
         pair = [last_wave(run, number, 1.0).amplitude for run in (usual, shorter)]
         steps.append([f"impact, {shown}, wavelength {wavelength:g}, {nodes} nodes", *_pair(*pair)])
-    M, L, wavelength = p.rolling[STEPPED]
-    name = f"rolling, M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {p.rolling_grids[0]} nodes"
+    M, L, wavelength, nodes = p.rolling[STEPPED]
+    name = f"rolling, M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {half(nodes)} nodes"
     steps.append([name, *_pair(rolling[::2][STEPPED][0], rolled[0])])
     return [by_height, Table(["time steps", "A_d/A_i, usual", f"{SHORTER} times as many"], steps)]
 

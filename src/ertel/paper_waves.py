@@ -6,7 +6,7 @@ How much a value may still change with the grid is stated in one way everywhere,
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -34,30 +34,25 @@ SHORTER = 2  # time steps, when checked; their local error is of third order
 
 @dataclass(frozen=True)
 class Plan:
-    """What is run.  impacts: wavelengths of (M, L); grids: nodes per side, coarse and fine, likewise for rolling.
+    """What is run.  impacts: wavelengths of (M, L); grids: nodes per side, coarse and fine.
 
-    twins: M, L, wavelength and X of the `rolling_twin`s, X the place of a wave.
+    rolling: M, L, wavelength, and nodes per side of the fine grid.  twins: M, L, wavelength and X of the
+    `rolling_twin`s, X the place of a wave; their grids.
     """
 
     impacts: Mapping[tuple[float, float], tuple[float, ...]]
     grids: tuple[int, int]
-    rolling: tuple[tuple[float, float, float], ...]  # M, L, wavelength
-    rolling_grids: tuple[int, int]
+    rolling: tuple[tuple[float, float, float, int], ...]
     twins: tuple[tuple[float, float, float, float], ...]
     twin_grids: tuple[int, int]
-    seconds: float  # of one impact on the fine grid
-    rolling_seconds: float
 
 
 QUICK = Plan(
     impacts={(200, 10): (0.25, 0.4), (1000, 10): (0.25, 0.4, 0.6), (1000, 5): (0.25, 0.5)},
     grids=(97, 193),
-    rolling=((200, 10, 0.5), (200, 10, 1.0), (1000, 10, 0.5)),
-    rolling_grids=(65, 129),
+    rolling=((200, 10, 0.5, 129), (200, 10, 1.0, 129), (1000, 10, 0.5, 129)),
     twins=((1000, 10, 0.4, 0.73), (1000, 10, 0.6, 0.5)),
     twin_grids=(65, 129),
-    seconds=15.0,
-    rolling_seconds=60.0,
 )
 FULL = Plan(
     impacts={
@@ -66,15 +61,22 @@ FULL = Plan(
         (1000, 5): (0.25, 0.5),
         (1000, 10): (0.15, 0.25, 0.4, 0.6),
         (1000, 20): (0.15, 0.25, 0.5),
+        (2000, 5): (0.4,),
         (2000, 10): (0.2, 0.4, 0.5),
     },
-    grids=(385, 769),
-    rolling=tuple(
-        [(100, 20, 0.25), (100, 10, 0.4)]
-        + [(200, 10, wave) for wave in (0.25, 0.5, 0.75, 1.0)]
-        + [(1000, 10, wave) for wave in (0.3, 0.5, 0.75, 1.0)]
+    grids=(257, 513),
+    rolling=(
+        (100, 20, 0.25, 513),
+        (100, 10, 0.4, 513),
+        (200, 10, 0.25, 513),
+        (200, 10, 0.5, 513),
+        (200, 10, 0.75, 257),
+        (200, 10, 1.0, 257),
+        (1000, 10, 0.3, 513),
+        (1000, 10, 0.5, 513),
+        (1000, 10, 0.75, 257),
+        (1000, 10, 1.0, 257),
     ),
-    rolling_grids=(257, 513),
     twins=(
         (500, 10, 0.5, 0.4),
         (500, 10, 0.5, 0.66),
@@ -85,9 +87,22 @@ FULL = Plan(
         (2000, 10, 0.5, 0.67),
     ),
     twin_grids=(129, 257),
-    seconds=300.0,
-    rolling_seconds=900.0,
 )
+
+
+def impact_seconds(impacts: int, nodes: int) -> float:
+    """What impacts in lockstep take: start and compilation, and 35 s on 513 nodes (measured, one core)."""
+    return 5.0 + impacts * 35.0 * (nodes / 513) ** 2
+
+
+def rolling_seconds(nodes: int) -> float:
+    """What a rolling contact takes: 330 s on 513 nodes, an eighth of it on half as many (measured, one core)."""
+    return 5.0 + 330.0 * (nodes / 513) ** 3
+
+
+def half(nodes: int) -> int:
+    """Nodes of the grid with twice the spacing."""
+    return (nodes + 1) // 2
 
 
 def plan(quick: bool) -> Plan:
@@ -182,7 +197,7 @@ def impact_tasks(quick: bool) -> list[Task]:
     for (M, L), waves in p.impacts.items():
         tasks.append(radial_task(M, L, quick))
         for nodes in p.grids:
-            seconds = p.seconds * (len(waves) + 1) * (nodes / p.grids[1]) ** 2
+            seconds = impact_seconds(len(waves) + 1, nodes)
             name = f"waves_M{M:g}_L{L:g}_{nodes}"
             tasks.append(Task(name, wavy_impact, (M, L, tuple((HEIGHT, w) for w in waves), nodes), seconds))
     return tasks
@@ -192,33 +207,26 @@ def check_tasks(quick: bool) -> list[Task]:
     """On the coarse grid: other heights of the waves, their tangent-linear response, and time steps half as long."""
     p = plan(quick)
     nodes, waves = p.grids[0], [(HEIGHT, wave) for wave in p.impacts[SHOWN]]
-    others, (M, L, wavelength) = tuple((height, waves[0][1]) for height in CHECKED), p.rolling[STEPPED]
-    seconds = 2 * p.seconds
-    return [
-        Task(f"waves_heights_{nodes}", wavy_impact, (*SHOWN, others, nodes, False), seconds),
-        Task(f"waves_linear_{nodes}", wavy_impact, (*SHOWN, (waves[0],), nodes, True), seconds),
-        Task(f"waves_steps_{nodes}", wavy_impact, (*SHOWN, tuple(waves), nodes, False, SHORTER**3), seconds),
-        Task(
-            f"rolling_steps_{p.rolling_grids[0]}",
-            wavy_rolling,
-            (M, L, wavelength, p.rolling_grids[0], None, SHORTER),
-            p.rolling_seconds / 4,
-        ),
+    others, (M, L, wavelength, fine) = tuple((height, waves[0][1]) for height in CHECKED), p.rolling[STEPPED]
+    runs: list[tuple[str, tuple[Any, ...]]] = [
+        ("heights", (others, nodes, False)),
+        ("linear", ((waves[0],), nodes, True)),
+        ("steps", (tuple(waves), nodes, False, SHORTER**3)),
     ]
+    tasks = [
+        Task(f"waves_{name}_{nodes}", wavy_impact, (*SHOWN, *arguments), impact_seconds(len(arguments[0]) + 1, nodes))
+        for name, arguments in runs
+    ]
+    arguments = M, L, wavelength, half(fine), None, SHORTER
+    return [*tasks, Task(f"rolling_steps_{half(fine)}", wavy_rolling, arguments, SHORTER * rolling_seconds(half(fine)))]
 
 
 def rolling_tasks(quick: bool) -> list[Task]:
     """Every rolling contact on both grids."""
-    p = plan(quick)
     return [
-        Task(
-            f"rolling_M{M:g}_L{L:g}_{wave:g}_{nodes}",
-            wavy_rolling,
-            (M, L, wave, nodes),
-            p.rolling_seconds * (nodes / p.rolling_grids[1]) ** 3,
-        )
-        for M, L, wave in p.rolling
-        for nodes in p.rolling_grids
+        Task(f"rolling_M{M:g}_L{L:g}_{wave:g}_{nodes}", wavy_rolling, (M, L, wave, nodes), rolling_seconds(nodes))
+        for M, L, wave, fine in plan(quick).rolling
+        for nodes in (half(fine), fine)
     ]
 
 
@@ -230,7 +238,7 @@ def twin_tasks(quick: bool) -> list[Task]:
             f"twin_M{M:g}_L{L:g}_{wave:g}_at_{X:g}_{nodes}",
             rolling_twin,
             (M, L, wave, X, nodes),
-            20.0 + p.rolling_seconds * (nodes / p.rolling_grids[1]) ** 3,
+            10.0 + rolling_seconds(nodes),
         )
         for M, L, wave, X in p.twins
         for nodes in p.twin_grids
