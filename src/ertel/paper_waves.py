@@ -91,8 +91,8 @@ FULL = Plan(
 
 
 def impact_seconds(impacts: int, nodes: int) -> float:
-    """What impacts in lockstep take: start and compilation, and 35 s on 513 nodes (measured, one core)."""
-    return 5.0 + impacts * 35.0 * (nodes / 513) ** 2
+    """What impacts in lockstep take: start and compilation, and 18 s each on 513 nodes (measured, one core)."""
+    return 5.0 + impacts * 18.0 * (nodes / 513) ** 2
 
 
 def rolling_seconds(nodes: int) -> float:
