@@ -19,7 +19,7 @@ NUMERICS = ["symmetry", "grid", "halfspace", "multigrid", "lines", "newton"]
 MODEL = ["closure", "contact", "case", "level", "radial", "solve2d", "steady2d", "transient2d", "tangent2d"]
 RUNNING = ["compiling", "sweep", "dataset", "analysis", "simulation", "response", "batch"]
 EDGES = ["units", "casefile", "config", "store", "drawing", "plotting_steady", "plotting"]
-EDGES += ["page", "paper_front", "paper_waves", "paper", "cli"]
+EDGES += ["page", "paper_front", "paper_waves", "paper_reduction", "paper_beyond", "paper", "cli"]
 ORDER = [*PHYSICS, *NUMERICS, *MODEL, *RUNNING, *EDGES, "__init__", "__main__"]
 
 TREES = {path.stem: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(PACKAGE.glob("*.py"))}

@@ -113,10 +113,48 @@ def test_local_nabla2_is_that_of_the_local_lambda_bar():
     assert analysis.local_nabla2(p, 0.2, 1.0) == pytest.approx(p.nabla2(0.2))
 
 
+def test_local_nabla2_with_the_hertz_contact_then():
+    """It is that of the rolling contact in the front's place: lambda_bar v/A^4, alpha_bar A, wavelength/A."""
+    p, v, A = Parameters.from_moes(500, 10), 0.4, 0.7
+    then = Parameters(p.lambda_bar * v / A**4, p.alpha_bar * A)
+    assert analysis.local_nabla2(p, 0.3, v, A) == pytest.approx(then.nabla2(0.3 / A))
+
+
+def test_ridges_that_a_front_left_behind():
+    """Ridges of amplitude f(r) on a bell: what the bell has at either crest or trough is the same and drops out."""
+    X = np.linspace(-1.5, 1.5, 241)
+    Y, wavelength = X[:, None], 0.3
+    radius = np.hypot(X, Y)
+    dH = (1 - radius**2 / 2) * np.cos(2 * np.pi * X / wavelength) + np.exp(-(radius**2))
+    r = np.array([0.1, 0.4, 0.8])
+    found = analysis.ridge_amplitude(X, X, dH, wavelength, r)
+    assert np.isnan(found[0])  # no trough so near the centre
+    np.testing.assert_allclose(found[1:], 1 - r[1:] ** 2 / 2, rtol=1e-4)
+
+
+def test_a_reduction_curve_is_found_again():
+    n = np.array([0.5, 1.0, 3.0, 9.0])
+    found = analysis.fit_reduction(n, formulas.amplitude_reduction(n))
+    assert found == pytest.approx((0.15, 0.015), rel=1e-4)
+    np.testing.assert_allclose(found.ratio(n), formulas.amplitude_reduction(n), rtol=1e-6)
+
+
+def test_a_point_with_a_large_error_hardly_bends_the_reduction_curve():
+    n = np.array([0.5, 1.0, 3.0, 9.0])
+    ratio = formulas.amplitude_reduction(n) + np.array([0.3, 0.0, 0.0, 0.0])
+    found = analysis.fit_reduction(n, ratio, [1.0, 0.001, 0.001, 0.001])
+    assert found == pytest.approx((0.15, 0.015), rel=1e-2)
+
+
 def test_amplitude_reduction():
     """Eq. (15), and that the line contact's parameter is that of the same wavelength in the same Hertz contact."""
     assert formulas.amplitude_reduction(0.0) == 1.0
     assert formulas.amplitude_reduction([10.0]) == pytest.approx([0.25])
+    assert formulas.amplitude_reduction(2.0, 0.0) == formulas.amplitude_reduction(2.0)  # transverse: the same curve
+    assert formulas.amplitude_reduction(2.0, 2.0) == formulas.amplitude_reduction(2.0 * np.exp(0.5))
+    assert formulas.amplitude_reduction(2.0, np.inf) == formulas.amplitude_reduction(2.0 * np.e)
+    with pytest.raises(ValueError, match=r"^ratio = -1"):
+        formulas.amplitude_reduction(2.0, -1)
     W, U, G = 1e-4, 1e-11, 4000.0  # of a line contact; U of the sum speed
     M, L = W / np.sqrt(U), G * U**0.25
     lambda_bar, alpha_bar = 3 * np.pi**2 / 8 / M**2, G * np.sqrt(W / (2 * np.pi))

@@ -7,7 +7,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, RectBivariateSpline
+from scipy.optimize import least_squares
 
 from ertel import dataset, formulas, hertz
 from ertel.case import Case
@@ -597,9 +598,53 @@ def last_wave(X: ArrayLike, dH: ArrayLike, edge: float = 1.0) -> Wave:
     return found[-1]
 
 
-def local_nabla2(parameters: Parameters, wavelength: float, speed: ArrayLike) -> Values:
+def local_nabla2(parameters: Parameters, wavelength: float, speed: ArrayLike, A: ArrayLike = 1.0) -> Values:
     """nabla2 of eq. (16) with the front's speed when it passed, lambda_bar -> lambda_bar dA/dT: the global one/sqrt(v).
 
-    wavelength in a*; speed in a*/t0, of any shape.  `Parameters.nabla2` is the global one.
+    With A, the radius that the contact had then, Hertz' radius and pressure are those of that moment too, as in
+    `film_from_speed`: lambda_bar v/A^4, alpha_bar A, wavelength/A, which makes sqrt(A/v) of 1/sqrt(v).
+
+    wavelength in a*; speed in a*/t0, A in a*, of shapes that broadcast.  `Parameters.nabla2` is the global one.
     """
-    return np.asarray(parameters.nabla2(wavelength) / np.sqrt(np.asarray(speed, dtype=float)))
+    ratio = np.asarray(A, dtype=float) / np.asarray(speed, dtype=float)
+    return np.asarray(parameters.nabla2(wavelength) * np.sqrt(ratio))
+
+
+def ridge_amplitude(X: ArrayLike, Y: ArrayLike, dH: ArrayLike, wavelength: float, r: ArrayLike) -> Values:
+    """Amplitude (n,) that is left of ridges cos(2 pi X/wavelength) where a front runs along them, at radii r (n,).
+
+    Along X = 0 a front that runs outwards meets a crest lengthwise, along X = wavelength/2 a trough: half of what dH
+    differs between the two, at the same distance from the centre, as the front passes both at the same moment.  Where
+    r < wavelength/2 there is no trough, and nan.
+
+    X, Y : (n,) rising, in a*.  dH : (Y, X).  r in a*.
+    """
+    field = RectBivariateSpline(np.asarray(Y, dtype=float), np.asarray(X, dtype=float), np.asarray(dH, dtype=float))
+    r, aside = np.asarray(r, dtype=float), wavelength / 2
+    trough = np.sqrt(np.where(r > aside, r**2 - aside**2, np.nan))
+    known = np.isfinite(trough)
+    amplitude = np.full(r.shape, np.nan)
+    amplitude[known] = np.abs(field.ev(trough[known], aside) - field.ev(r[known], 0.0)) / 2
+    return amplitude
+
+
+class Reduction(NamedTuple):
+    """A_d/A_i = 1/(1 + linear nabla2 + quadratic nabla2^2), of the form of eq. (15)."""
+
+    linear: float
+    quadratic: float
+
+    def ratio(self, nabla2: ArrayLike) -> Values:
+        """A_d/A_i, of the shape of nabla2."""
+        n = np.asarray(nabla2, dtype=float)
+        return np.asarray(1.0 / (1.0 + self.linear * n + self.quadratic * n**2))
+
+
+def fit_reduction(nabla2: ArrayLike, ratio: ArrayLike, error: ArrayLike = 1.0) -> Reduction:
+    """The curve of the form of eq. (15) through A_d/A_i, by least squares of the ratios in units of their errors.
+
+    nabla2, ratio : (n,), two points at least.  error: of the ratios, of a shape that broadcasts.
+    """
+    n, A, bar = (np.asarray(values, dtype=float) for values in (nabla2, ratio, error))
+    found = least_squares(lambda c: (Reduction(*c).ratio(n) - A) / bar, [0.15, 0.015], bounds=(0.0, np.inf))
+    return Reduction(*map(float, found.x))

@@ -253,7 +253,7 @@ def _films_as_data(case: "Case", found: "Sequence[Film]") -> dict[str, Any]:
 @app.command()
 def paper(
     figure: Annotated[str, typer.Argument(metavar="all|fig1|fig2|...", help="What to reproduce.")] = "all",
-    quick: Annotated[bool, typer.Option("--quick", help="Coarse grids: a few minutes.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Coarse grids: seven minutes on a core.")] = False,
     out: Annotated[Path, typer.Option(help="Where to; what is there is not computed again.")] = Path("paper"),
     jobs: Annotated[int | None, typer.Option(help="Processes; one per core by default.", min=1)] = None,
     quiet: Quiet = False,

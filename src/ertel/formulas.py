@@ -243,12 +243,17 @@ def _checked_ratio(radius_ratio: float) -> float:
 LINE_NABLA = 0.6076  # nabla1/nabla2 of the same wavelength, contact half width and alpha_bar lambda_bar
 
 
-def amplitude_reduction(nabla2: ArrayLike) -> NDArray[np.float64]:
-    """A_d/A_i = 1/(1 + 0.15 nabla2 + 0.015 nabla2^2), eq. (15): isotropic waviness cos(2 pi X/L) cos(2 pi Y/L).
+def amplitude_reduction(nabla2: ArrayLike, ratio: float = 1.0) -> NDArray[np.float64]:
+    """A_d/A_i = 1/(1 + 0.15 n + 0.015 n^2), n = f(r) nabla2, eq. (15): waviness cos(2 pi x/Lx) cos(2 pi y/Ly).
 
-    nabla2: eq. (16), see `Parameters.nabla2`, of any shape.
+    nabla2: eq. (16) with the shorter of both wavelengths, see `Parameters.nabla2`, of any shape.  ratio: r = Lx/Ly, x
+    along the rolling; f = exp(1 - 1/r) above one, otherwise 1: isotropic and transverse waves (r = 0) have the same
+    curve, longitudinal ones (infinite r) f = e.  f by Venner CH, Lubrecht AA. Proc IMechE J 2005;219:303-312 (the
+    paper's [20]), as it is cited since, not seen in that text.
     """
-    n = np.asarray(nabla2, dtype=float)
+    if not ratio >= 0:
+        raise ValueError(f"ratio = {ratio}: must not be negative")
+    n = np.asarray(nabla2, dtype=float) * (exp(1.0 - 1.0 / ratio) if ratio > 1 else 1.0)
     return np.asarray(1.0 / (1.0 + 0.15 * n + 0.015 * n**2))
 
 

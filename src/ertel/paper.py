@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import ertel
-from ertel import page, paper_front, paper_waves
+from ertel import page, paper_beyond, paper_front, paper_reduction, paper_waves
 from ertel.page import Drawn
 from ertel.sweep import Failure, Task, kept, sweep
 
@@ -36,8 +36,12 @@ FIGURES: Mapping[str, PaperFigure] = {
     "fig4": PaperFigure("Fig. 4  Film behind the front", paper_front.radial_tasks, paper_front.film_predicted),
     "fig5": PaperFigure("Fig. 5  Waves in an impact", paper_waves.impact_tasks, paper_waves.deformed_waves),
     "fig6": PaperFigure(
-        "Fig. 6  Amplitude reduction: impact and rolling", paper_waves.all_tasks, paper_waves.reduction
+        "Fig. 6  Amplitude reduction: impact and rolling", paper_reduction.all_tasks, paper_reduction.reduction
     ),
+    "fig7": PaperFigure(
+        "Beyond the paper: Fig. 7  Waves of other shapes", paper_beyond.shape_tasks, paper_beyond.other_waves
+    ),
+    "fig8": PaperFigure("Beyond the paper: Fig. 8  Other lubricants", paper_beyond.oil_tasks, paper_beyond.other_oils),
 }
 
 

@@ -39,7 +39,7 @@ def smooth_impact(M: float, L: float, solver: Mapping[str, Any], interval: float
 
 def radial_task(M: float, L: float, quick: bool) -> Task:
     """A smooth impact by the radial method."""
-    nodes, seconds = (301, 8.0) if quick else (801, 60.0)
+    nodes, seconds = (301, 4.0) if quick else (801, 20.0)
     solver = {"method": "radial", "nodes": nodes, "half_width": 4.0}
     return Task(f"smooth_M{M:g}_L{L:g}_{nodes}", smooth_impact, (float(M), float(L), solver, INTERVAL), seconds)
 
@@ -51,7 +51,7 @@ def radial_tasks(quick: bool) -> list[Task]:
 
 def two_dimensional_task(quick: bool) -> Task:
     """One of them by the 2-D method."""
-    nodes, half_width, seconds = (129, 1.5, 40.0) if quick else (385, 2.0, 600.0)
+    nodes, half_width, seconds = (129, 1.5, 20.0) if quick else (385, 2.0, 150.0)
     solver = {"nodes": nodes, "half_width": half_width}
     return Task(f"smooth_2d_M{SHOWN}_{nodes}", smooth_impact, (SHOWN, L, solver, 10.0), seconds)
 

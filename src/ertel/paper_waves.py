@@ -1,4 +1,7 @@
-"""Figures 5 and 6 of the paper: what an impact leaves of waviness, and what a rolling contact leaves of it."""
+"""Waviness in impact and in rolling: the runs of Figs. 5 and 6 and what they leave of the waves; Fig. 5.
+
+How much a value may still change with the grid is stated in one way everywhere, see `Extrapolated`.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,14 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 
-from ertel import analysis, formulas, hertz
-from ertel.analysis import Values, Wave
+from ertel import analysis, hertz
+from ertel.analysis import Front, Values, Wave
+from ertel.case import Case, Time
 from ertel.config import parse_case
-from ertel.drawing import BLUE, GREY, ORANGE, ORDERED_COLOURS
+from ertel.drawing import BLUE, GREY, ORANGE
 from ertel.page import Drawn, Table
-from ertel.paper_front import NAMES, new_figure, radial_task
+from ertel.paper_front import new_figure, radial_task, smooth_impact
 from ertel.response import respond
 from ertel.roughness import Feature, Waviness
 from ertel.scales import Parameters
@@ -24,48 +27,82 @@ from ertel.sweep import Task
 HEIGHT = 0.01  # A_i in units of the trapped film sqrt(L/M): small
 CHECKED = (0.005, 0.02, 0.05)  # other heights, to show that A_d/A_i does not depend on it
 HALF_WIDTH, START = 1.5, -0.5  # of the waves' grid (a*), and Delta_0
-SHOWN = (1000, 10)  # M, L of Fig. 5 and of the check
+SHOWN = (1000, 10)  # M, L of Fig. 5 and of the checks
+STEPPED = -1  # of the rolling contacts, the one that is checked
+SHORTER = 2  # time steps, when checked; their local error is of third order
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What is run.  impacts: wavelengths of (M, L); grids: nodes per side, coarse and fine, likewise for rolling."""
+    """What is run.  impacts: wavelengths of (M, L); grids: nodes per side, coarse and fine.
+
+    rolling: M, L, wavelength, and nodes per side of the fine grid.  twins: M, L, wavelength and X of the
+    `rolling_twin`s, X the place of a wave; their grids.
+    """
 
     impacts: Mapping[tuple[float, float], tuple[float, ...]]
     grids: tuple[int, int]
-    rolling: tuple[tuple[float, float, float], ...]  # M, L, wavelength
-    rolling_grids: tuple[int, int]
-    seconds: float  # of one impact on the fine grid
-    rolling_seconds: float
+    rolling: tuple[tuple[float, float, float, int], ...]
+    twins: tuple[tuple[float, float, float, float], ...]
+    twin_grids: tuple[int, int]
 
 
 QUICK = Plan(
     impacts={(200, 10): (0.25, 0.4), (1000, 10): (0.25, 0.4, 0.6), (1000, 5): (0.25, 0.5)},
     grids=(97, 193),
-    rolling=((200, 10, 0.5), (200, 10, 1.0), (1000, 10, 0.5)),
-    rolling_grids=(65, 129),
-    seconds=15.0,
-    rolling_seconds=60.0,
+    rolling=((200, 10, 0.5, 129), (200, 10, 1.0, 129), (1000, 10, 0.5, 129)),
+    twins=((1000, 10, 0.4, 0.73), (1000, 10, 0.6, 0.5)),
+    twin_grids=(65, 129),
 )
 FULL = Plan(
     impacts={
         (100, 10): (0.12, 0.25, 0.4),
+        (200, 10): (0.25, 0.4),
         (500, 10): (0.15, 0.3, 0.5),
         (1000, 5): (0.25, 0.5),
         (1000, 10): (0.15, 0.25, 0.4, 0.6),
-        (1000, 20): (0.15, 0.25, 0.5),
+        (2000, 5): (0.4,),
         (2000, 10): (0.2, 0.4, 0.5),
     },
-    grids=(385, 769),
-    rolling=tuple(
-        [(100, 10, wave) for wave in (0.2, 0.4)]
-        + [(200, 10, wave) for wave in (0.25, 0.5, 0.75, 1.0)]
-        + [(1000, 10, wave) for wave in (0.3, 0.5, 0.75, 1.0)]
+    grids=(257, 513),
+    rolling=(
+        (100, 20, 0.25, 513),
+        (100, 10, 0.4, 513),
+        (200, 10, 0.25, 513),
+        (200, 10, 0.5, 513),
+        (200, 10, 0.75, 257),
+        (200, 10, 1.0, 257),
+        (1000, 10, 0.3, 513),
+        (1000, 10, 0.5, 513),
+        (1000, 10, 0.75, 257),
+        (1000, 10, 1.0, 257),
     ),
-    rolling_grids=(257, 513),
-    seconds=300.0,
-    rolling_seconds=900.0,
+    twins=(
+        (500, 10, 0.5, 0.4),
+        (500, 10, 0.5, 0.66),
+        (1000, 5, 0.5, 0.67),
+        (1000, 10, 0.4, 0.53),
+        (1000, 10, 0.4, 0.73),
+        (1000, 10, 0.6, 0.5),
+        (2000, 10, 0.5, 0.67),
+    ),
+    twin_grids=(129, 257),
 )
+
+
+def impact_seconds(impacts: int, nodes: int) -> float:
+    """What impacts in lockstep take: start and compilation, and 18 s each on 513 nodes (measured, one core)."""
+    return 5.0 + impacts * 18.0 * (nodes / 513) ** 2
+
+
+def rolling_seconds(nodes: int) -> float:
+    """What a rolling contact takes: 330 s on 513 nodes, an eighth of it on half as many (measured, one core)."""
+    return 5.0 + 330.0 * (nodes / 513) ** 3
+
+
+def half(nodes: int) -> int:
+    """Nodes of the grid with twice the spacing."""
+    return (nodes + 1) // 2
 
 
 def plan(quick: bool) -> Plan:
@@ -76,16 +113,27 @@ def plan(quick: bool) -> Plan:
 # -- runs -------------------------------------------------------------------------------------------------------------
 
 
+def impact_case(M: float, L: float, nodes: int, oil: Mapping[str, str] | None = None, finer: float = 1.0) -> Case:
+    """The smooth impact under the waves.  oil: a case file's [lubricant]; finer: divides the tolerance in time."""
+    solver = {"nodes": nodes, "half_width": HALF_WIDTH, "tolerance": 1e-4}
+    time = {"start_approach": START, "tolerance": Time.tolerance / finer}
+    return parse_case({"contact": {"M": M, "L": L}, "lubricant": oil or {}, "solver": solver, "time": time})
+
+
 def wavy_impact(
-    M: float, L: float, waves: Sequence[tuple[float, float]], nodes: int, linear: bool = False
+    M: float,
+    L: float,
+    waves: Sequence[tuple[float, float]],
+    nodes: int,
+    linear: bool = False,
+    finer: float = 1.0,
 ) -> xr.Dataset:
     """H(X), and dH/A_i and the waves' shape (wave, X) along Y = 0 at maximum approach.
 
-    waves: height A_i in units of the trapped film, and wavelength (a*), of each.  Raises RuntimeError where a run gave
-    up.
+    waves: height A_i in units of the trapped film, and wavelength (a*), of each.  finer: see `impact_case`.  Raises
+    RuntimeError where a run gave up.
     """
-    solver = {"nodes": nodes, "half_width": HALF_WIDTH, "tolerance": 1e-4}
-    case = parse_case({"contact": {"M": M, "L": L}, "solver": solver, "time": {"start_approach": START}})
+    case = impact_case(M, L, nodes, finer=finer)
     heights = [share * case.parameters.trapped_film for share, _ in waves]
     shapes = [Waviness(A, wave, wave) for A, (_, wave) in zip(heights, waves, strict=True)]
     data = respond(case, [[Feature(shape)] for shape in shapes], linear)
@@ -96,23 +144,27 @@ def wavy_impact(
     return line.assign(dH=line["dH"] / scale, shape=line["shape"] / scale).drop_attrs().load()
 
 
-def wavy_rolling(M: float, L: float, wavelength: float, nodes: int) -> tuple[float, float]:
+def wavy_rolling(
+    M: float, L: float, wavelength: float, nodes: int, across: float | None = None, finer: int = 1
+) -> tuple[float, float]:
     """A_d/A_i at the centre of a rolling contact, and how much it still changes from a period to the next.
 
     The waves roll in behind a front that starts upstream of the contact; counted are the last two periods before they
-    have filled it and one period more.
+    have filled it and one period more.  across: the wavelength along Y, infinite for transverse waves; the same as
+    along X unless given.  finer: time steps for each that is usual.
     """
     start, length = -1.5, 2.0 * 1.5
     until = -start + 1.0 + 3 * wavelength
+    steps = finer * ceil(wavelength / (length / nodes))
     source = {
         "contact": {"kind": "rolling", "M": M, "L": L},
         "solver": {"method": "transient", "nodes": nodes, "half_width": 1.75, "inlet": 2.25, "tolerance": 1e-4},
-        "time": {"until": until, "step": wavelength / ceil(wavelength / (length / nodes))},
+        "time": {"until": until, "step": wavelength / steps},
         "output": {"interval": until},
     }
     case = parse_case(source)
     height = HEIGHT * case.film_scale
-    wave = Waviness(height, wavelength, wavelength, front=start, ramp=wavelength)
+    wave = Waviness(height, wavelength, across or wavelength, front=start, ramp=wavelength)
     result = simulate(replace(case, roughness=(Feature(wave),)))
     if not result.status.ok:
         raise RuntimeError(f"rolling, M = {M}, L = {L}, wavelength {wavelength}: {result.status.value}")
@@ -126,80 +178,134 @@ def _half_range(T: Values, H: Values, end: float, period: float) -> float:
     return float(during.max() - during.min()) / 2
 
 
+def rolling_twin(M: float, L: float, wavelength: float, X: float, nodes: int) -> tuple[float, float, float]:
+    """Rolling in the place of an impact's front as it passes X: its nabla2, and what `wavy_rolling` tells.
+
+    Its surfaces run with the front's speed v, its Hertz contact is the one that the impact has then, of radius X:
+    lambda_bar v/X^4, alpha_bar X, wavelength/X.
+    """
+    solver = {"method": "radial", "nodes": 401, "half_width": 4.0}
+    speed = float(analysis.front(smooth_impact(M, L, solver, 10.0)).speed_at(X))
+    p = Parameters.from_moes(M, L)
+    local = Parameters(p.lambda_bar * speed / X**4, p.alpha_bar * X)
+    return local.nabla2(wavelength / X), *wavy_rolling(local.M, local.L, wavelength / X, nodes)
+
+
 def impact_tasks(quick: bool) -> list[Task]:
     """For every (M, L): the front by the radial method, the waves on the coarse and on the fine grid."""
     p, tasks = plan(quick), []
     for (M, L), waves in p.impacts.items():
         tasks.append(radial_task(M, L, quick))
         for nodes in p.grids:
-            seconds = p.seconds * (len(waves) + 1) * (nodes / p.grids[1]) ** 2
+            seconds = impact_seconds(len(waves) + 1, nodes)
             name = f"waves_M{M:g}_L{L:g}_{nodes}"
             tasks.append(Task(name, wavy_impact, (M, L, tuple((HEIGHT, w) for w in waves), nodes), seconds))
     return tasks
 
 
-def check_task(quick: bool, linear: bool) -> Task:
-    """One wavelength with other heights; or its tangent-linear response."""
+def check_tasks(quick: bool) -> list[Task]:
+    """On the coarse grid: other heights of the waves, their tangent-linear response, and time steps half as long."""
     p = plan(quick)
-    heights, nodes = (HEIGHT,) if linear else CHECKED, p.grids[0]
-    waves = tuple((height, p.impacts[SHOWN][0]) for height in heights)
-    name = f"waves_{'linear' if linear else 'heights'}_{nodes}"
-    return Task(name, wavy_impact, (*SHOWN, waves, nodes, linear), 2 * p.seconds)
+    nodes, waves = p.grids[0], [(HEIGHT, wave) for wave in p.impacts[SHOWN]]
+    others, (M, L, wavelength, fine) = tuple((height, waves[0][1]) for height in CHECKED), p.rolling[STEPPED]
+    runs: list[tuple[str, tuple[Any, ...]]] = [
+        ("heights", (others, nodes, False)),
+        ("linear", ((waves[0],), nodes, True)),
+        ("steps", (tuple(waves), nodes, False, SHORTER**3)),
+    ]
+    tasks = [
+        Task(f"waves_{name}_{nodes}", wavy_impact, (*SHOWN, *arguments), impact_seconds(len(arguments[0]) + 1, nodes))
+        for name, arguments in runs
+    ]
+    arguments = M, L, wavelength, half(fine), None, SHORTER
+    return [*tasks, Task(f"rolling_steps_{half(fine)}", wavy_rolling, arguments, SHORTER * rolling_seconds(half(fine)))]
 
 
 def rolling_tasks(quick: bool) -> list[Task]:
     """Every rolling contact on both grids."""
-    p = plan(quick)
     return [
-        Task(
-            f"rolling_M{M:g}_L{L:g}_{wave:g}_{nodes}",
-            wavy_rolling,
-            (M, L, wave, nodes),
-            p.rolling_seconds * (nodes / p.rolling_grids[1]) ** 3,
-        )
-        for M, L, wave in p.rolling
-        for nodes in p.rolling_grids
+        Task(f"rolling_M{M:g}_L{L:g}_{wave:g}_{nodes}", wavy_rolling, (M, L, wave, nodes), rolling_seconds(nodes))
+        for M, L, wave, fine in plan(quick).rolling
+        for nodes in (half(fine), fine)
     ]
 
 
-def all_tasks(quick: bool) -> list[Task]:
-    """What Fig. 6 takes."""
-    return [*impact_tasks(quick), check_task(quick, False), check_task(quick, True), *rolling_tasks(quick)]
+def twin_tasks(quick: bool) -> list[Task]:
+    """Rolling in the place of an impact's front, on both grids."""
+    p = plan(quick)
+    return [
+        Task(
+            f"twin_M{M:g}_L{L:g}_{wave:g}_at_{X:g}_{nodes}",
+            rolling_twin,
+            (M, L, wave, X, nodes),
+            10.0 + rolling_seconds(nodes),
+        )
+        for M, L, wave, X in p.twins
+        for nodes in p.twin_grids
+    ]
 
 
 # -- what the runs say ------------------------------------------------------------------------------------------------
 
 
+class Extrapolated(NamedTuple):
+    """A value on two grids, the fine one with half the spacing."""
+
+    coarse: float
+    fine: float
+
+    @property
+    def limit(self) -> float:
+        """Without the error of a method of second order (Richardson)."""
+        return self.fine + (self.fine - self.coarse) / 3
+
+    @property
+    def error(self) -> float:
+        """The bar: from the limit as far as where a method of first order would have it."""
+        return 2 / 3 * abs(self.fine - self.coarse)
+
+
 class Dot(NamedTuple):
-    """One dot of Fig. 6: A_d/A_i on both grids and extrapolated; nabla2 by three speeds of the front, and global."""
+    """One wave in an impact: A_d/A_i at X; nabla2 by three speeds of the front, with the Hertz contact then, global."""
 
     M: float
     L: float
     wavelength: float
     X: float
-    coarse: float
-    fine: float
-    limit: float
+    ratio: Extrapolated
     local: Sequence[float]  # speed by the least film, half of Hertz' pressure, the dry law
+    hertz: float
     everywhere: float
+    last: bool  # of its waves, the one nearest the edge
 
 
 def dots(plan: Plan, results: Sequence[xr.Dataset]) -> Iterator[Dot]:
-    """The dots, from the results of `impact_tasks`."""
+    """Every complete wave inside the contact, from the results of `impact_tasks`; Fig. 6 has the last ones."""
     triples = zip(*[iter(results)] * 3, strict=False)
     for ((M, L), wavelengths), (smooth, *grids) in zip(plan.impacts.items(), triples, strict=False):
-        p = Parameters.from_moes(M, L)
-        by_film, by_pressure = analysis.front(smooth), analysis.front(smooth, "half-hertz")
+        fronts = analysis.front(smooth), analysis.front(smooth, "half-hertz")
         for number, wavelength in enumerate(wavelengths):
-            coarse, fine = (_last_wave(grid, number, float(by_film.A[-1])) for grid in grids)
-            speeds = (f(fine.X) for f in (by_film.speed_at, by_pressure.speed_at, hertz.front_speed))
-            local = [float(analysis.local_nabla2(p, wavelength, speed)) for speed in speeds]
-            limit = fine.amplitude + (fine.amplitude - coarse.amplitude) / 3
-            amplitudes = coarse.amplitude, fine.amplitude, limit
-            yield Dot(M, L, wavelength, fine.X, *amplitudes, local, p.nabla2(wavelength))
+            coarse, fine = (_waves(grid, number, float(fronts[0].A[-1])) for grid in grids)
+            pairs = list(zip(coarse[::-1], fine[::-1], strict=False))  # from the edge inwards
+            for pair in pairs[::-1]:
+                yield _dot(M, L, wavelength, pair, fronts, pair is pairs[0])
 
 
-def _last_wave(data: xr.Dataset, number: int, edge: float) -> Wave:
+def _dot(M: float, L: float, wavelength: float, pair: tuple[Wave, Wave], fronts: Sequence[Front], last: bool) -> Dot:
+    p, X = Parameters.from_moes(M, L), pair[1].X
+    speeds = [float(f(X)) for f in (*(front.speed_at for front in fronts), hertz.front_speed)]
+    local = [float(analysis.local_nabla2(p, wavelength, speed)) for speed in speeds]
+    then = float(analysis.local_nabla2(p, wavelength, speeds[0], X))
+    ratio = Extrapolated(*(wave.amplitude for wave in pair))
+    return Dot(M, L, wavelength, X, ratio, local, then, p.nabla2(wavelength), last)
+
+
+def _waves(data: xr.Dataset, number: int, edge: float) -> list[Wave]:
+    return analysis.waves(data["X"].values, data["dH"][number].values, edge)
+
+
+def last_wave(data: xr.Dataset, number: int, edge: float) -> Wave:
+    """The last complete wave of the wave's number inside the edge, see `analysis.last_wave`."""
     return analysis.last_wave(data["X"].values, data["dH"][number].values, edge)
 
 
@@ -233,7 +339,7 @@ def deformed_waves(results: Sequence[xr.Dataset], quick: bool) -> Drawn:
         dH, shape = fine["dH"][number].values, fine["shape"][number].values
         axes.plot(X, -shape, color=GREY, linewidth=0.7, linestyle=":", label="undeformed: $-\\mathcal{R}/A_i$")
         axes.plot(X, dH, color=BLUE, label="$dH/A_i$")
-        wave = _last_wave(fine, number, edge)
+        wave = last_wave(fine, number, edge)
         axes.axvspan(wave.start, wave.end, color=ORANGE, alpha=0.2, label="last complete wave")
         for side in (-edge, edge):
             axes.axvline(side, color="black", linewidth=0.7)
@@ -251,150 +357,3 @@ def deformed_waves(results: Sequence[xr.Dataset], quick: bool) -> Drawn:
     )
     head = ["wavelength (a*)", "place of the last wave X", "A_d/A_i on this grid"]
     return Drawn(figure, caption, {"dH": columns}, [Table(head, rows)])
-
-
-# -- Fig. 6 -----------------------------------------------------------------------------------------------------------
-
-
-def reduction(results: Sequence[Any], quick: bool) -> Drawn:
-    """Fig. 6: A_d/A_i of impact and of rolling against nabla2, local and global, over the curve (15)."""
-    p = plan(quick)
-    found = list(dots(p, results[: 3 * len(p.impacts)]))
-    heights, linear = results[3 * len(p.impacts) : 3 * len(p.impacts) + 2]
-    rolled = list(_rolled(p, results[3 * len(p.impacts) + 2 :]))
-    figure, (left, right) = new_figure(1, 2)
-    for axes in (left, right):
-        _draw_curves(axes)
-    _draw_dots(left, found, [dot.local[0] for dot in found], errors=True)
-    _draw_dots(right, found, [dot.everywhere for dot in found], errors=False)
-    for axes in (left, right):
-        values = np.array([[n, fine, limit] for n, _, fine, limit, _, _ in rolled])
-        axes.errorbar(
-            values[:, 0],
-            values[:, 2],
-            np.abs(values[:, 2] - values[:, 1]),
-            fmt="s",
-            color="black",
-            markerfacecolor="white",
-            label="rolling",
-            capsize=2,
-        )
-    left.set_xlabel("local $\\nabla_2$")
-    right.set_xlabel("global $\\nabla_2$ (rolling: its own)")
-    left.legend(loc="lower left", frameon=False, fontsize="x-small")
-    tables = [
-        _dots_table(found),
-        _scatter_table(found, rolled),
-        _rolling_table(p, rolled),
-        _check_table(quick, heights, linear),
-    ]
-    caption = (
-        "Amplitude reduction.  Dots: the last complete wave inside the contact at maximum impact, extrapolated from "
-        f"grids of {p.grids[0]} and {p.grids[1]} nodes a side, the bar is what was extrapolated; horizontally the "
-        "range of three speeds of the front (least film, half of Hertz' pressure, exact dry law) at that place.  "
-        "Squares: rolling over the same waviness, at the contact's centre, once periodic.  Line: eq. (15); dashed: the "
-        "curve of transverse waviness in a line contact."
-    )
-    columns = {
-        name: np.array([getattr(dot, name) for dot in found])
-        for name in ("M", "L", "wavelength", "X", "coarse", "fine", "limit", "everywhere")
-    }
-    columns |= {f"local, {name}": np.array([d.local[i] for d in found]) for i, name in enumerate(SPEEDS)}
-    data = {"impact": columns, "rolling": dict(zip(ROLLED, np.array(rolled).T, strict=True))}
-    return Drawn(figure, caption, data, tables)
-
-
-SPEEDS = (NAMES["film"], NAMES["half-hertz"], "dry law")
-ROLLED = ("nabla2", "coarse", "fine", "limit", "change over the last period", "wavelength")
-
-
-def _rolled(plan: Plan, results: Sequence[tuple[float, float]]) -> Iterator[tuple[float, ...]]:
-    for (M, L, wavelength), coarse, fine in zip(plan.rolling, results[::2], results[1::2], strict=True):
-        nabla2 = Parameters.from_moes(M, L).nabla2(wavelength)
-        yield nabla2, coarse[0], fine[0], fine[0] + (fine[0] - coarse[0]) / 3, fine[1], wavelength
-
-
-def _draw_curves(axes: Axes) -> None:
-    n = np.geomspace(0.3, 30, 200)
-    axes.semilogx(n, formulas.amplitude_reduction(n), color="black", label="(15), isotropic")
-    axes.semilogx(n, formulas.amplitude_reduction_line(n), color=GREY, linestyle="--", label="line contact, transverse")
-    axes.set(ylim=(0, 1.05), xlim=(0.4, 20), ylabel="$A_d/A_i$")
-    axes.set_xticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
-
-
-def _draw_dots(axes: Axes, found: Sequence[Dot], nabla2: Sequence[float], errors: bool) -> None:
-    cases = list(dict.fromkeys((dot.M, dot.L) for dot in found))
-    shades = ORDERED_COLOURS(np.linspace(0.95, 0.0, len(cases)))
-    for case, colour, marker in zip(cases, shades, "ovD^P*<>", strict=False):
-        own = [(n, dot) for n, dot in zip(nabla2, found, strict=True) if (dot.M, dot.L) == case]
-        limit = np.array([dot.limit for _, dot in own])
-        place = np.array([n for n, _ in own])
-        across = np.array([(n - min(dot.local), max(dot.local) - n) for n, dot in own]).T if errors else None
-        bar = np.abs(limit - [dot.fine for _, dot in own])
-        label = f"impact, M = {case[0]:g}, L = {case[1]:g}"
-        axes.errorbar(place, limit, bar, across, fmt=marker, color=colour, label=label, capsize=2, elinewidth=0.8)
-
-
-def _dots_table(found: Sequence[Dot]) -> Table:
-    head = ["M", "L", "wavelength", "X", "A_d/A_i coarse", "fine", "extrapolated", "nabla2 local", "global", "(15)"]
-    rows = []
-    for d in found:
-        curve = float(formulas.amplitude_reduction(d.local[0]))
-        numbers = [f"{value:.3f}" for value in (d.X, d.coarse, d.fine, d.limit)]
-        rows.append(
-            [
-                f"{d.M:g}",
-                f"{d.L:g}",
-                f"{d.wavelength:g}",
-                *numbers,
-                f"{d.local[0]:.2f}",
-                f"{d.everywhere:.2f}",
-                f"{curve:.3f}",
-            ]
-        )
-    return Table(head, rows)
-
-
-def _scatter_table(found: Sequence[Dot], rolled: Sequence[tuple[float, ...]]) -> Table:
-    values = [dot.limit for dot in found]
-    kinds = {f"impact, local nabla2, speed by {name}": [d.local[i] for d in found] for i, name in enumerate(SPEEDS)}
-    kinds["impact, global nabla2"] = [d.everywhere for d in found]
-    rows = []
-    for name, n in kinds.items():
-        rows.append([name, *_about(values, n)])
-    rows.append(["rolling", *_about([row[3] for row in rolled], [row[0] for row in rolled])])
-    return Table(["A_d/A_i less the curve: mean, root mean square", "isotropic (15)", "line contact"], rows)
-
-
-def _about(values: Sequence[float], nabla2: Sequence[float]) -> list[str]:
-    curves = formulas.amplitude_reduction(nabla2), formulas.amplitude_reduction_line(nabla2)
-    return [f"{s.mean:+.3f}, {s.rms:.3f}" for s in (scatter(values, curve) for curve in curves)]
-
-
-def _rolling_table(plan: Plan, rolled: Sequence[tuple[float, ...]]) -> Table:
-    head = [
-        "rolling: M",
-        "L",
-        "wavelength",
-        "nabla2",
-        "A_d/A_i coarse",
-        "fine",
-        "extrapolated",
-        "(15)",
-        "still changing",
-    ]
-    rows = []
-    for (M, L, wavelength), (n, coarse, fine, limit, change, _) in zip(plan.rolling, rolled, strict=True):
-        numbers = [f"{value:.3f}" for value in (coarse, fine, limit, float(formulas.amplitude_reduction(n)), change)]
-        rows.append([f"{M:g}", f"{L:g}", f"{wavelength:g}", f"{n:.2f}", *numbers])
-    return Table(head, rows)
-
-
-def _check_table(quick: bool, heights: xr.Dataset, linear: xr.Dataset) -> Table:
-    """That A_d/A_i does not depend on A_i."""
-    rows = [["0: tangent-linear", f"{_last_wave(linear, 0, 1.0).amplitude:.4f}"]]
-    for number, height in enumerate(CHECKED):
-        rows.append([f"{height:g}", f"{_last_wave(heights, number, 1.0).amplitude:.4f}"])
-    M, L = SHOWN
-    wavelength, nodes = plan(quick).impacts[SHOWN][0], plan(quick).grids[0]
-    return Table([f"A_i / sqrt(L/M), M = {M}, L = {L}, wavelength {wavelength:g}, {nodes} nodes", "A_d/A_i"], rows)
