@@ -10,7 +10,7 @@ from functools import lru_cache
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 from numpy.typing import NDArray
 
 from ertel.grid import Grid
@@ -74,6 +74,9 @@ def _cosines(half: Array, period: int) -> Array:
     twice = np.where(np.isin(np.arange(nodes), (0, last)), 1.0, 2.0).astype(half.real.dtype)
     once = half * twice
     if jnp.iscomplexobj(once):
-        both = jnp.fft.fft(once, n=period, axis=1)
-        return 0.5 * (both + jnp.roll(both[:, ::-1], 1, axis=1))[:, : last + 1]
-    return jnp.fft.rfft(once, n=period, axis=1).real
+        return lax.complex(_real_part(once.real, period), _real_part(once.imag, period))
+    return _real_part(once, period)
+
+
+def _real_part(half: Array, period: int) -> Array:
+    return jnp.fft.rfft(half, n=period, axis=1).real
