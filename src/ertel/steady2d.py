@@ -25,7 +25,7 @@ PRECONDITIONER_PRECISION = "float64"  # single loses its way at high load: M = 3
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 LEAST_FILM = 0.5  # share of the coarse grid's smallest film that a first guess keeps
 TOLERANCE = 1e-8  # of the film that a transient run starts from
-OPTIONS = newton.Options(krylov_limit=30, first_reduction=0.1)
+OPTIONS = newton.Options(krylov_limit=12, first_reduction=0.1)
 STEADY = Rate(0.0, 0.0)
 
 
