@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 from cases import ertel_, go_on, names, physics, stop_after
 
-from ertel import analysis, dataset, steady2d, store
+from ertel import analysis, dataset, steady2d, store, validity
 from ertel.config import load_case, parse_case
 from ertel.simulation import simulate
 from ertel.status import Status
@@ -137,7 +137,7 @@ def test_what_moves_is_in_the_provenance():
 
 
 def said(solutions, case) -> str:
-    return " ".join(analysis.steady_warnings(case, solutions))
+    return " ".join(validity.steady_warnings(case, solutions))
 
 
 def test_warnings_of_a_coarse_grid(case):

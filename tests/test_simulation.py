@@ -12,7 +12,7 @@ import xarray as xr
 from cases import impact
 from jax.tree_util import register_dataclass
 
-from ertel import analysis
+from ertel import analysis, validity
 from ertel.case import Case
 from ertel.closure import PrescribedApproach
 from ertel.level import Attempt, Level
@@ -198,7 +198,7 @@ def test_the_load_outside_of_a_known_field(w: float) -> None:
     x = np.linspace(-w, w, 65)
     P = 0.01 / (x[None, :] ** 2 + x[:, None] ** 2 + 1e-12) ** 2
     data = xr.Dataset({"P": (("frame", "Y", "X"), P[None])}, {"X": x, "Y": x})
-    assert float(analysis.missing_load(data)[0]) == pytest.approx(np.pi * 0.01 / w**2 / (2 * np.pi / 3), rel=1e-6)
+    assert float(validity.missing_load(data)[0]) == pytest.approx(np.pi * 0.01 / w**2 / (2 * np.pi / 3), rel=1e-6)
 
 
 def test_error_estimate_is_exact_for_a_second_order_error() -> None:

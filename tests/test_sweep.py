@@ -1,6 +1,9 @@
 """Runs side by side: order, failures, what is kept, what is run again."""
 
 import os
+import signal
+import subprocess
+import sys
 import time
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
@@ -92,3 +95,33 @@ def test_an_interrupt_ends_the_workers_and_keeps_what_is_done(tmp_path: Path):
         sweep(tasks, executor, tmp_path, interrupt)
     assert time.monotonic() - started < 30
     assert kept(tasks, tmp_path) == {"short": 2}
+
+
+KILLED = """
+from ertel.sweep import Task, processes, sweep
+from test_sweep import long_run
+if __name__ == "__main__":
+    with processes(1) as executor:
+        sweep([Task("long", long_run)], executor)
+"""
+
+
+def long_run() -> None:
+    print(os.getpid(), flush=True)
+    time.sleep(600)
+
+
+def test_workers_end_with_a_parent_that_is_killed(tmp_path: Path):
+    script = tmp_path / "killed.py"
+    script.write_text(KILLED)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
+    parent = subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True, env=environment)
+    assert parent.stdout
+    pid = int(parent.stdout.readline())
+    parent.send_signal(signal.SIGKILL)
+    parent.wait()
+    assert parent.stdout.read() == ""  # the worker holds the other end until it ends
+    with pytest.raises(ProcessLookupError):
+        for _ in range(100):
+            os.kill(pid, 0)
+            time.sleep(0.1)

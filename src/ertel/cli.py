@@ -469,8 +469,8 @@ def _grid(case: "Case") -> str:
 
 def _print_rolling(console: Console, case: "Case", summary: Mapping[str, Any]) -> None:
     """Values, errors, and the formulas beside them, all at the load and the speed of the moment."""
-    from ertel.analysis import FILMS, films
-    from ertel.dataset import MEASURED
+    from ertel.analysis import films
+    from ertel.dataset import FILMS, MEASURED
 
     steady, T = summary["method"] == "steady", summary.get("T", 0.0)
     if summary["H_c"] is None:

@@ -99,6 +99,7 @@ OF_A_GRID: Mapping[str, Variable] = {  # of a steady contact, with some of the s
 }
 EVENT = Variable("why the map was kept", "event")
 VARIABLES: Mapping[str, Variable] = {**AXES, **SCALARS, **FIELDS, **OF_A_GRID, "event": EVENT}
+FILMS = ("H_c", "H_min")  # that have an error estimate
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
 AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min")  # of a summary
 
