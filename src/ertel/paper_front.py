@@ -184,7 +184,7 @@ def film_and_speed(runs: Sequence[xr.Dataset], quick: bool) -> Drawn:
         columns[name] = curve
         axes.plot(np.r_[-X[::-1], X], np.r_[curve[::-1], curve], color=colour, linestyle="--", label=name)
     axes.set(xlim=(-1.2, 1.2), ylim=(0, 1.5 * float(H[0])), xlabel="$X$ ($a^*$)", ylabel="film $H$ ($a^{*2}/R$)")
-    axes.legend(loc="upper center", frameon=False, fontsize="small", ncols=2)
+    axes.legend(loc="lower center", frameon=False, fontsize="small")
     centre = float(plane.sel(X=0.0, method="nearest"))
     caption = (
         f"Film at maximum impact, M = {SHOWN}, L = {L:g}, and C v^0.67 with C fitted on {INNER} < X < {OUTER}.  The "
