@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from ertel.symmetry import WHOLE, Even
 
 LARGEST_COARSEST = 17  # nodes per side that the direct solve on the coarsest grid is meant for
-SMALLEST_COARSEST = 9  # below it a grid costs more to compile than it helps
+SMALLEST_COARSEST = 5
+COARSE_ENOUGH = 9  # a grid coarser than this costs more to compile than it helps
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class Grid:
         """This grid and its coarser ones, down to the last that is not trivial and has the axes of symmetry, if any."""
         grids = [self]
         factor = 4 if any(self.even) else 2
-        while (grids[-1].nodes - 1) % factor == 0 and (grids[-1].nodes - 1) // 2 + 1 >= SMALLEST_COARSEST:
+        while (grids[-1].nodes - 1) % factor == 0 and (grids[-1].nodes - 1) // 2 + 1 >= COARSE_ENOUGH:
             grids.append(grids[-1].coarser())
         return tuple(grids)
 
@@ -90,7 +91,7 @@ def check_nodes(nodes: int) -> None:
 
 def _neighbours(nodes: int) -> tuple[int, int]:
     """The nearest allowed counts at or below and above `nodes`."""
-    allowed = sorted({c * 2**k + 1 for c in range(SMALLEST_COARSEST - 1, LARGEST_COARSEST) for k in range(12)})
+    allowed = sorted({c * 2**k + 1 for c in range(4, LARGEST_COARSEST) for k in range(12)})
     below = [n for n in allowed if n <= nodes] or allowed[:1]
     above = [n for n in allowed if n > nodes] or allowed[-1:]
     return below[-1], above[0]

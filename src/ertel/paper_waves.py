@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from math import ceil
 from typing import Any, NamedTuple
 
-import numpy as np
 import xarray as xr
 
 from ertel import analysis, hertz
@@ -308,19 +307,6 @@ def _waves(data: xr.Dataset, number: int, edge: float) -> list[Wave]:
 def last_wave(data: xr.Dataset, number: int, edge: float) -> Wave:
     """The last complete wave of the wave's number inside the edge, see `analysis.last_wave`."""
     return analysis.last_wave(data["X"].values, data["dH"][number].values, edge)
-
-
-class Scatter(NamedTuple):
-    """Of dots about a curve, in A_d/A_i: mean and root mean square."""
-
-    mean: float
-    rms: float
-
-
-def scatter(values: Sequence[float], curve: Values) -> Scatter:
-    """How dots lie about a curve."""
-    off = np.asarray(values) - curve
-    return Scatter(float(off.mean()), float(np.sqrt(np.mean(off**2))))
 
 
 # -- Fig. 5 -----------------------------------------------------------------------------------------------------------
