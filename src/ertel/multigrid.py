@@ -59,6 +59,11 @@ class Coefficients(NamedTuple):
 class Smoother(Protocol):
     """How one grid is relaxed, and what becomes of the mass stretch * (K e) + local * e in its operator."""
 
+    @property
+    def sweeps(self) -> int:
+        """How many before, and how many after, the correction from the coarser grid."""
+        ...
+
     def balance(self, mass: Array) -> Array:
         """The mass as it enters the operator: by itself, or also its rate of change along X (`lines`)."""
         ...
@@ -76,6 +81,7 @@ class Points:
     jacobi: Array
     distributive: Array
     even: Even = field(default=WHOLE, metadata={"static": True})
+    sweeps: int = field(default=1, metadata={"static": True})
 
     def balance(self, mass: Array) -> Array:
         return mass
@@ -169,12 +175,12 @@ def v_cycle(levels: Sequence[Level], r: Array) -> Array:
     level, coarser, even = levels[0], levels[1:], levels[0].elasticity.even
     if not coarser:
         return direct_solve(level, r)
-    e = smooth(level, r)
+    e = relax(level, r)
     Ke = nearly_deformed(level, coarser[0], e)
     correction = v_cycle(coarser, coarser[0].coefficients.free * restrict(r - apply(level, e, Ke), even))
     e += level.coefficients.free * prolong(correction)
     Ke += prolong(coarser[0].elasticity.displacement(correction))
-    return e + smooth(level, r - apply(level, e, Ke))
+    return e + relax(level, r - apply(level, e, Ke))
 
 
 def nearly_deformed(level: Level, coarser: Level, e: Array) -> Array:
@@ -184,12 +190,16 @@ def nearly_deformed(level: Level, coarser: Level, e: Array) -> Array:
     Source: Brandt A, Lubrecht AA. Multilevel matrix multiplication. J Comput Phys 1990;90:348.
     """
     smooth_part = restrict(e, level.elasticity.even)
-    rest = extended(e - prolong(smooth_part), level.elasticity.even)
-    K = level.elasticity.near
-    beside = rest[1:-1, :-2] + rest[1:-1, 2:] + rest[:-2, 1:-1] + rest[2:, 1:-1]
-    diagonally = rest[:-2, :-2] + rest[:-2, 2:] + rest[2:, :-2] + rest[2:, 2:]
-    near = K[0, 0] * rest[1:-1, 1:-1] + K[0, 1] * beside + K[1, 1] * diagonally
-    return near + prolong(coarser.elasticity.displacement(smooth_part))
+    rest = e - prolong(smooth_part)
+    return deformed_nearby(level, rest) + prolong(coarser.elasticity.displacement(smooth_part))
+
+
+def deformed_nearby(level: Level, e: Array) -> Array:
+    """The part of K e that comes from the node itself and the eight around it."""
+    p, K = extended(e, level.elasticity.even), level.elasticity.near
+    beside = p[1:-1, :-2] + p[1:-1, 2:] + p[:-2, 1:-1] + p[2:, 1:-1]
+    diagonally = p[:-2, :-2] + p[:-2, 2:] + p[2:, :-2] + p[2:, 2:]
+    return K[0, 0] * e + K[0, 1] * beside + K[1, 1] * diagonally
 
 
 def precondition(levels: Sequence[Level], r: Array) -> Array:
@@ -201,6 +211,17 @@ def precondition(levels: Sequence[Level], r: Array) -> Array:
 def v_cycle_convolutions(grid: Grid) -> float:
     """The work of a V-cycle: its convolutions, each counted by the nodes of its grid over those of the finest."""
     return sum(2.0 * (g.nodes / grid.nodes) ** 2 for g in grid.hierarchy()[1:])
+
+
+def relax(level: Level, r: Array) -> Array:
+    """The change of e by all sweeps, given the residual r.
+
+    A later sweep sees only what the nearest nodes deform: enough, as a change is either spread or where diffusion rules.
+    """
+    e = smooth(level, r)
+    for _ in range(level.smoother.sweeps - 1):
+        e += smooth(level, r - apply(level, e, deformed_nearby(level, e)))
+    return e
 
 
 def smooth(level: Level, r: Array) -> Array:

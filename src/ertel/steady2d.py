@@ -5,7 +5,7 @@ guess on the next finer one (nested iteration), and tells the error of the film 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import jax
@@ -106,11 +106,10 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = solve2d.contact_of(case, grid)
         if solutions:
-            guess, film_checked = first_guess(c, solutions[-1], expected_approach(solutions)), 1
+            guess = first_guess(c, solutions[-1], expected_approach(solutions))
         else:
-            guess, film_checked = hertz_pressure(grid, case.motion.load(0.0)), 0
-        found = solve(case, grid, c, *guess, tolerance)
-        solutions.append(replace(found, convolutions=found.convolutions + film_checked))
+            guess = hertz_pressure(grid, case.motion.load(0.0))
+        solutions.append(solve(case, grid, c, *guess, tolerance))
         yield solutions[-1]
 
 
@@ -134,17 +133,15 @@ def hertz_pressure(grid: Grid, load: float) -> tuple[Array, float]:
 def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:
     """Pressure from twice the spacing; the approach, and the bodies moved apart where they would overlap."""
     least = LEAST_FILM * max(coarse.measure()["H_min"], 0.0)
-    P, thinnest = _from_coarse(c, coarse.P, approach)
-    return P, approach - max(least - float(thinnest), 0.0)
+    thinnest = coarse.measure()["H_min"] + coarse.approach - approach
+    return _from_coarse(c, coarse.P), approach - max(least - thinnest, 0.0)
 
 
 @jax.jit
-def _from_coarse(c: Contact, coarse: Array, approach: float) -> tuple[Array, Array]:
-    """Pressure interpolated, and the smallest film with it."""
+def _from_coarse(c: Contact, coarse: Array) -> Array:
     # linear interpolation leaves steps in the slope, of which the free-flowing inlet makes a large residual
     P = folded(multigrid.prolong_smooth(unfolded(coarse, c.even)), c.even)
-    P = contact.inside(jnp.maximum(P, 0.0), c.even)
-    return P, contact.film_thickness(c, P, approach).min()
+    return contact.inside(jnp.maximum(P, 0.0), c.even)
 
 
 def expected_approach(coarser: Sequence[GridSolution]) -> float:
