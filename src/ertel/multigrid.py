@@ -199,7 +199,7 @@ def deformed_nearby(level: Level, e: Array) -> Array:
     p, K = extended(e, level.elasticity.even), level.elasticity.near
     beside = p[1:-1, :-2] + p[1:-1, 2:] + p[:-2, 1:-1] + p[2:, 1:-1]
     diagonally = p[:-2, :-2] + p[:-2, 2:] + p[2:, :-2] + p[2:, 2:]
-    return K[0, 0] * e + K[0, 1] * beside + K[1, 1] * diagonally
+    return K[0, 0] * p[1:-1, 1:-1] + K[0, 1] * beside + K[1, 1] * diagonally
 
 
 def precondition(levels: Sequence[Level], r: Array) -> Array:
@@ -216,7 +216,7 @@ def v_cycle_convolutions(grid: Grid) -> float:
 def relax(level: Level, r: Array) -> Array:
     """The change of e by all sweeps, given the residual r.
 
-    A later sweep sees only what the nearest nodes deform: enough, as a change is either spread or where diffusion rules.
+    A later sweep sees only what the nearest nodes deform: enough, as changes are spread, or made where diffusion rules.
     """
     e = smooth(level, r)
     for _ in range(level.smoother.sweeps - 1):

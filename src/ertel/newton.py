@@ -27,6 +27,7 @@ class Options:
     The Krylov iteration reduces by first_reduction in the first one, at most by krylov_reduction later: see `_forcing`.
     """
 
+    newton_least: int = 1  # not 0: the errors of predictions within the tolerance would pile up from solve to solve
     newton_limit: int = 40  # few are needed, but a free boundary may have many nodes to advance, one at a time
     krylov_limit: int = 16
     krylov_reduction: float = 1e-2
@@ -95,8 +96,7 @@ def solve(
     """Solve from the first guess P with its partner H = H(P), both of shape (n, n).
 
     partner_change maps a change of P to that of H.  preconditioner(P, H, free) returns an approximate inverse of the
-    Jacobian on the free nodes.  tolerance bounds |r| at every free node; one iteration is done in any case, because a
-    prediction within the tolerance would let its error pile up from solve to solve.
+    Jacobian on the free nodes.  tolerance bounds |r| at every free node.
     """
     tiny = jnp.finfo(P.dtype).tiny
     weight = jnp.asarray(border.weight, P.dtype)
@@ -107,7 +107,7 @@ def solve(
         return jnp.maximum(jnp.max(jnp.abs(_free(P, r) * r) / tolerance), misfit)
 
     def go_on(it: _Iterate) -> Array:
-        return ((it.size > 1.0) & (it.newton < options.newton_limit)) | (it.newton == 0)
+        return ((it.size > 1.0) & (it.newton < options.newton_limit)) | (it.newton < options.newton_least)
 
     def improve(it: _Iterate) -> _Iterate:
         r, change_of_r = jax.linearize(residual, it.P, it.H)

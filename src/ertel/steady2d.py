@@ -25,7 +25,11 @@ PRECONDITIONER_PRECISION = "float64"  # single loses its way at high load: M = 3
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 LEAST_FILM = 0.5  # share of the coarse grid's smallest film that a first guess keeps
 TOLERANCE = 1e-8  # of the film that a transient run starts from
-OPTIONS = newton.Options(krylov_limit=12, first_reduction=0.1)
+AS_EXACT_AS_THE_GRID = (
+    0.1  # the tolerance that leaves a tenth of the discretisation error or less (measured, H_c, H_min)
+)
+# least: where the tolerance is so loose that the first guess may meet it, one iteration leaves too much
+OPTIONS = newton.Options(newton_least=2, krylov_limit=12, first_reduction=0.1)
 STEADY = Rate(0.0, 0.0)
 
 
