@@ -90,7 +90,7 @@ def keep_compiled() -> None:
     """Programs that take 0.3 s to compile go to the compilation cache, where one is set."""
     import jax
 
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
 
 
 def waited(attempt: Any, jax: Any) -> Any:

@@ -5,7 +5,7 @@ gives the displacement of one cell, a convolution by FFT sums over all.  Because
 length of 2 (nodes - 1) is enough to keep the periodic images apart, and that length stays a fast one.
 """
 
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import jax
 import jax.numpy as jnp
@@ -48,6 +48,7 @@ def spectrum(grid: Grid, dtype: str = "float64") -> Array:
     return jnp.asarray(whole[: grid.nodes] if grid.even.y else whole, dtype=dtype)
 
 
+@partial(jax.jit, static_argnames="even")  # one tracing for each shape
 def displacement(kernel: Array, P: Array, even: Even = WHOLE) -> Array:
     """Normal displacement (eq. 3, third part) under the pressure P, both on the same nodes; P = 0 on the edge.
 

@@ -243,6 +243,7 @@ def spread(d: Array, even: Even = WHOLE) -> Array:
     return d - 0.25 * (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:])
 
 
+@partial(jax.jit, static_argnames=("even", "beyond"))  # one tracing for each shape
 def restrict(fine: Array, even: Even = WHOLE, beyond: str = "constant") -> Array:
     """Full weighting to every second node; beyond the edge the field is zero ("constant") or goes on ("edge")."""
     p = extended(fine, even, beyond)
@@ -250,6 +251,7 @@ def restrict(fine: Array, even: Even = WHOLE, beyond: str = "constant") -> Array
     return 0.25 * (in_y[:, :-2:2] + 2.0 * in_y[:, 1:-1:2] + in_y[:, 2::2])
 
 
+@jax.jit
 def prolong(coarse: Array) -> Array:
     """Bilinear interpolation to twice as many cells."""
     rows = _interleave(coarse, 0.5 * (coarse[1:] + coarse[:-1]))

@@ -3,8 +3,10 @@
 A smooth impact needs a quarter of the plane, rolling a half.
 """
 
+from functools import partial
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import Array
 
@@ -19,6 +21,7 @@ class Even(NamedTuple):
 WHOLE = Even()
 
 
+@partial(jax.jit, static_argnames=("even", "beyond"))  # one tracing for each shape
 def extended(field: Array, even: Even, beyond: str = "constant") -> Array:
     """The field with one more node on every side: beyond an axis its mirror image, elsewhere zero or "edge"."""
     p = jnp.pad(field, 1, mode=beyond)
