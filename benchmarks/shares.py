@@ -222,7 +222,7 @@ def _parts(
     for fine, coarse in itertools.pairwise(levels):
         e, small = fine.coefficients.free, coarse.coefficients.free
         fft += 2 * clock(convolve, coarse.elasticity.spectrum, small, c.even)
-        smooth += 2 * clock(jax.jit(multigrid.smooth), fine, e)
+        smooth += 2 * clock(jax.jit(multigrid.relax), fine, e)
         down, up = jax.jit(partial(multigrid.restrict, even=c.even)), jax.jit(multigrid.prolong)
         transfer += 2 * clock(down, e) + 4 * clock(up, small)
         operate += 2 * clock(jax.jit(multigrid._operate), fine.elasticity, fine.coefficients, fine.smoother, e, e)

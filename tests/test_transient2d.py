@@ -157,6 +157,19 @@ def test_work_per_step_is_bounded(oil: str) -> None:
     assert s["convolutions"] <= 10 * s["steps"]
 
 
+@pytest.mark.parametrize("M", [200, 1000])
+def test_what_the_default_tolerance_leaves_is_small_beside_the_error_of_the_grid(M: float) -> None:
+    """A tenth at most: the counts above are those of steps that are exact enough."""
+    fixed = {"step": 0.01, "until": 1.5}
+    coarse, fine, exact = (
+        simulate(impact(M, 10, nodes, time=fixed, solver=solver)).dataset.isel(time=-1)
+        for nodes, solver in ((65, {}), (129, {}), (129, TIGHT))
+    )
+    for name in ("H_c", "H_min", "Delta", "F"):
+        discretisation = abs(float(fine[name] - coarse[name])) / 3
+        assert abs(float(fine[name] - exact[name])) < 0.1 * discretisation, name
+
+
 def test_iterations_do_not_grow_with_the_grid() -> None:
     counts = []
     for nodes in (33, 65, 129, 257):
