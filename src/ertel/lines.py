@@ -39,7 +39,7 @@ class Lines:
     rate: Array
     drift_over_spacing: Array
     even: Even = field(default=WHOLE, metadata={"static": True})
-    sweeps: int = field(default=2, metadata={"static": True})
+    sweeps: int = field(default=2, metadata={"static": True})  # one, damped as it is, leaves too much
 
     def balance(self, mass: Array) -> Array:
         return self.rate * mass + self.drift_over_spacing * (mass - _upstream(mass))
