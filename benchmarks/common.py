@@ -87,7 +87,7 @@ def step_seconds(timings: Sequence[float], attempts: Sequence[Any]) -> float:
 
 
 def keep_compiled() -> None:
-    """Programs that take 0.3 s to compile go to the compilation cache, where one is set."""
+    """Small programs too go to the compilation cache, where one is set."""
     import jax
 
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)

@@ -75,8 +75,7 @@ def test_reversing_everything_mirrors_everything() -> None:
 def impact_on_a_track(speed: float) -> Level:
     """A free ball in its own scales, on a surface that moves."""
     motion = replace(FREE_BALL, entrainment=Polyline(((0.0, speed),)))
-    # tighter still: what each step leaves over adds up in the approach of a free ball
-    solver = replace(SOLVERS["2d"], nodes=33, tolerance=TIGHT / 100, fold=False)
+    solver = replace(SOLVERS["2d"], nodes=33, tolerance=TIGHT, fold=False)
     return march(Case(P20, OIL, solver, Time(start_approach=-0.5), motion=motion), 0.05, 30)[0]
 
 

@@ -28,8 +28,8 @@ class Solver:
     grid to its edge.  inlet: from the contact's centre to the edge upstream, None: half_width, so a centred grid.
     fold: where a case is symmetric compute on a half or a quarter of the plane.
     tolerance: of the discrete equations.  In a time step as a film thickness, in units of the film that is expected
-    (`Case.film_scale`); steady, as the residual of Reynolds' equation itself (0.1 takes a third of the work, and leaves
-    about a tenth of the grid's own error in H_c and H_min or less: enough for a sweep).
+    (`Case.film_scale`); steady, as the residual of Reynolds' equation itself (0.1 takes less than half the work, and
+    leaves about a tenth of the grid's own error in H_c and H_min or less: enough for a sweep).
     """
 
     method: Method = "2d"

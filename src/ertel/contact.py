@@ -12,7 +12,6 @@ All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fi
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
@@ -77,7 +76,6 @@ def mobility(contact: Contact, P: Array, H: Array) -> Array:
     return oil.density(P) * jnp.maximum(H, 0.0) ** 3 / (oil.viscosity(P) * contact.lambda_bar)
 
 
-@jax.jit  # one tracing for all its uses
 def residual(contact: Contact, P: Array, H: Array, rate: Rate, entrainment: Array | float) -> Array:
     """Reynolds' equation, eq. (1): squeeze + wedge - div(Poiseuille flux), zero on the edge of the grid."""
     mass = contact.lubricant.density(P) * H

@@ -91,7 +91,7 @@ def check_nodes(nodes: int) -> None:
 
 def _neighbours(nodes: int) -> tuple[int, int]:
     """The nearest allowed counts at or below and above `nodes`."""
-    allowed = sorted({c * 2**k + 1 for c in range(4, LARGEST_COARSEST) for k in range(12)})
+    allowed = sorted({c * 2**k + 1 for c in range(SMALLEST_COARSEST - 1, LARGEST_COARSEST) for k in range(12)})
     below = [n for n in allowed if n <= nodes] or allowed[:1]
     above = [n for n in allowed if n > nodes] or allowed[-1:]
     return below[-1], above[0]

@@ -25,9 +25,7 @@ PRECONDITIONER_PRECISION = "float64"  # single loses its way at high load: M = 3
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 LEAST_FILM = 0.5  # share of the coarse grid's smallest film that a first guess keeps
 TOLERANCE = 1e-8  # of the film that a transient run starts from
-AS_EXACT_AS_THE_GRID = (
-    0.1  # the tolerance that leaves a tenth of the discretisation error or less (measured, H_c, H_min)
-)
+AS_EXACT_AS_THE_GRID = 0.1  # the tolerance that leaves about a tenth of the discretisation error (measured, H_c, H_min)
 # least: where the tolerance is so loose that the first guess may meet it, one iteration leaves too much
 OPTIONS = newton.Options(newton_least=2, krylov_limit=12, first_reduction=0.1)
 STEADY = Rate(0.0, 0.0)
@@ -136,8 +134,8 @@ def hertz_pressure(grid: Grid, load: float) -> tuple[Array, float]:
 
 def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:
     """Pressure from twice the spacing; the approach, and the bodies moved apart where they would overlap."""
-    least = LEAST_FILM * max(coarse.measure()["H_min"], 0.0)
-    thinnest = coarse.measure()["H_min"] + coarse.approach - approach
+    H_min = coarse.measure()["H_min"]
+    least, thinnest = LEAST_FILM * max(H_min, 0.0), H_min + coarse.approach - approach
     return _from_coarse(c, coarse.P), approach - max(least - thinnest, 0.0)
 
 
