@@ -159,7 +159,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
         walls, solutions = zip(*_each(steady2d.nested(case)), strict=True)
     last = solutions[-1]
     c = solve2d.contact_of(case, last.grid)
-    elastic = multigrid.elasticities(last.grid, steady2d.PRECONDITIONER_PRECISION)
+    elastic = multigrid.elasticities(last.grid, solve2d.PRECONDITIONER_PRECISION)
     problem = solve2d.Problem(steady2d.STEADY, 1.0, None, 1.0, 1.0)
     parts = _parts(c, elastic, problem, last.P, last.H, solve2d.carried, steady2d.OPTIONS)
     return {
@@ -202,7 +202,7 @@ def _parts(
     import jax
     import jax.numpy as jnp
 
-    from ertel import contact, halfspace, lines, multigrid, newton, solve2d
+    from ertel import contact, halfspace, multigrid, newton
 
     call = seconds(jax.jit(lambda x: x + 1), 0.0)  # which parts in one program do not need
 
@@ -211,11 +211,11 @@ def _parts(
 
     one = jnp.ones_like(P)
     free = contact.inside(one, c.even)
-    finest = solve2d._in_precision_of(elastic, *solve2d._coefficients(c, P, H, free))
-    smoother = multigrid.points
-    if preconditioner is solve2d.carried:
-        smoother = partial(_lines, lines, problem)
-    levels = multigrid.hierarchy(elastic, finest, smoother)
+
+    def levels_at(P: Any, H: Any) -> Any:
+        return preconditioner(c, elastic, P, H, free, problem).args[0]
+
+    levels = levels_at(P, H)
     convolve = jax.jit(halfspace.displacement, static_argnums=2)
     exact = clock(convolve, c.kernel, P, c.even)
     fft = smooth = transfer = operate = 0.0
@@ -229,8 +229,7 @@ def _parts(
     direct = clock(jax.jit(multigrid.direct_solve), levels[-1], levels[-1].coefficients.free)
 
     def coefficients(P: Any, H: Any) -> Any:
-        values = solve2d._in_precision_of(elastic, *solve2d._coefficients(c, P, H, free))
-        return [(level.coefficients, level.smoother) for level in multigrid.hierarchy(elastic, values, smoother)]
+        return [(level.coefficients, level.smoother) for level in levels_at(P, H)]
 
     def residual(P: Any, H: Any) -> Any:
         return contact.residual(c, P, H, problem.rate, problem.entrainment)
@@ -250,10 +249,6 @@ def _parts(
         "coarsest": (0.0, 0.0, direct),
         "setup": (0.0, clock(jax.jit(coefficients), P, H), 0.0),
     }
-
-
-def _lines(lines: Any, problem: Any, elastic: Any, coefficients: Any) -> Any:
-    return lines.lines(elastic, coefficients, problem.rate.new, problem.entrainment)
 
 
 def _times(parts: dict[str, tuple[float, float, float]], newton: float, krylov: float) -> dict[str, float]:

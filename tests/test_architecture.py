@@ -15,7 +15,7 @@ PACKAGE = Path(next(iter(ertel.__path__)))
 
 # From the ground up.  A module may import only modules that stand before it.
 PHYSICS = ["status", "bdf", "lubricant", "scales", "hertz", "motion", "roughness", "formulas"]
-NUMERICS = ["symmetry", "grid", "halfspace", "multigrid", "lines", "newton"]
+NUMERICS = ["symmetry", "grid", "halfspace", "multigrid", "tridiagonal", "lines", "newton"]
 MODEL = ["closure", "contact", "case", "level", "radial", "solve2d", "steady2d", "transient2d", "tangent2d"]
 RUNNING = ["compiling", "sweep", "dataset", "validity", "analysis", "simulation", "response", "batch"]
 EDGES = ["units", "casefile", "config", "store", "drawing", "plotting_steady", "plotting"]

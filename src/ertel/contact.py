@@ -6,6 +6,7 @@
     d(rho H)/dT + U d(rho H)/dX - d/dX(eps dP/dX) - d/dY(eps dP/dY),    eps = rho H^3 / (eta lambda_bar)
 
 Impact: U = 0 (eq. 1).  Rolling: U = 1.  The scales and the law for the approach Delta differ as well, nothing else.
+X points the way the oil is carried (U >= 0); the other way is the mirror image (`solve2d`).
 All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fields have shape (n, n), index [Y, X].
 """
 
@@ -67,6 +68,11 @@ def load(contact: Contact, P: Array) -> Array:
     return total(P, contact.even) * contact.spacing**2
 
 
+def mass(contact: Contact, P: Array, H: Array) -> Array:
+    """rho H."""
+    return contact.lubricant.density(P) * H
+
+
 def mobility(contact: Contact, P: Array, H: Array) -> Array:
     """eps = rho H^3/(eta lambda_bar): how readily the oil flows under a pressure gradient.
 
@@ -78,11 +84,24 @@ def mobility(contact: Contact, P: Array, H: Array) -> Array:
 
 def residual(contact: Contact, P: Array, H: Array, rate: Rate, entrainment: Array | float) -> Array:
     """Reynolds' equation, eq. (1): squeeze + wedge - div(Poiseuille flux), zero on the edge of the grid."""
-    mass = contact.lubricant.density(P) * H
+    oil = mass(contact, P, H), mobility(contact, P, H)
+    return balance(*oil, P, rate, entrainment, contact.spacing, contact.even)
+
+
+def balance(
+    mass: Array,
+    eps: Array,
+    P: Array,
+    rate: Rate,
+    entrainment: Array | float,
+    spacing: Array | float,
+    even: Even = WHOLE,
+) -> Array:
+    """The residual once the laws of the oil have given mass and mobility: linear in the mass, and in the pressure."""
     squeeze = rate.new * mass + rate.past
-    wedge = entrainment * upstream_slope(mass, entrainment, contact.spacing)
-    poiseuille = divergence_of_flux(mobility(contact, P, H), P, contact.spacing, contact.even)
-    return inside(squeeze + wedge - poiseuille, contact.even)
+    wedge = entrainment * upstream_slope(mass, spacing)
+    poiseuille = divergence_of_flux(eps, P, spacing, even)
+    return inside(squeeze + wedge - poiseuille, even)
 
 
 def divergence_of_flux(eps: Array, P: Array, spacing: Array | float, even: Even = WHOLE) -> Array:
@@ -93,15 +112,11 @@ def divergence_of_flux(eps: Array, P: Array, spacing: Array | float, even: Even 
     return inside(((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / spacing**2, even)
 
 
-def upstream_slope(mass: Array, entrainment: Array | float, spacing: float) -> Array:
-    """d(mass)/dX from the two nodes upstream, second order (first order next to the edge)."""
-    return jnp.where(entrainment >= 0, _backward_slope(mass), -_backward_slope(mass[:, ::-1])[:, ::-1]) / spacing
-
-
-def _backward_slope(mass: Array) -> Array:
-    first = mass - jnp.roll(mass, 1, axis=1)
-    second = 1.5 * first - 0.5 * jnp.roll(first, 1, axis=1)
-    return second.at[:, 1].set(first[:, 1]).at[:, 0].set(0.0)
+def upstream_slope(mass: Array, spacing: Array | float) -> Array:
+    """d(mass)/dX from the two nodes upstream, second order (first order next to the edge, zero on it)."""
+    first = mass[:, 1:] - mass[:, :-1]
+    second = 1.5 * first[:, 1:] - 0.5 * first[:, :-1]
+    return jnp.concatenate([jnp.zeros_like(mass[:, :1]), first[:, :1], second], axis=1) / spacing
 
 
 def inside(values: Array, even: Even = WHOLE) -> Array:

@@ -14,14 +14,14 @@ Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 200
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel import multigrid
+from ertel import multigrid, tridiagonal
 from ertel.multigrid import Coefficients, Elasticity
 from ertel.symmetry import WHOLE, Even
+from ertel.tridiagonal import Factors
 
 JACOBI_DAMPING = 0.4  # both smaller than point by point: the second-order wedge and a spike want it
 DISTRIBUTIVE_DAMPING = 0.3
@@ -30,11 +30,9 @@ DISTRIBUTIVE_DAMPING = 0.3
 @register_dataclass
 @dataclass(frozen=True)
 class Lines:
-    """A tridiagonal matrix for each line (all parts of shape (n, n)); where its solution is taken alone or spread."""
+    """The factors of a tridiagonal matrix for each line; by_jacobi, (n, n): where its solution is not spread."""
 
-    lower: Array
-    diagonal: Array
-    upper: Array
+    factors: Factors
     by_jacobi: Array
     rate: Array
     drift_over_spacing: Array
@@ -45,7 +43,7 @@ class Lines:
         return self.rate * mass + self.drift_over_spacing * (mass - _upstream(mass))
 
     def change(self, r: Array) -> Array:
-        d = jax.lax.linalg.tridiagonal_solve(self.lower, self.diagonal, self.upper, r[..., None])[..., 0]
+        d = tridiagonal.solve(self.factors, r)
         together = multigrid.spread(DISTRIBUTIVE_DAMPING * (1.0 - self.by_jacobi) * d, self.even)
         return JACOBI_DAMPING * self.by_jacobi * d + together
 
@@ -59,25 +57,32 @@ class _Pattern(NamedTuple):
 
 def lines(elastic: Elasticity, c: Coefficients, rate: Array | float, drift: Array | float) -> Lines:
     """The smoother with entrainment: rate and drift as in the operator above."""
+    flow = (jnp.asarray(rate, c.eps.dtype), jnp.asarray(drift, c.eps.dtype) / elastic.spacing)
+    # the derivative multiplies short waves by 1/spacing, long ones by one
+    by_jacobi = multigrid.diffusion_rules(elastic, c, flow[0] + flow[1], rate + drift).astype(c.eps.dtype)
+    factors = tridiagonal.factorise(*_bands(elastic, c, by_jacobi, *flow))
+    return Lines(factors, by_jacobi * c.free, *flow, elastic.even)
+
+
+def _bands(
+    elastic: Elasticity, c: Coefficients, by_jacobi: Array, rate: Array, drift_over_spacing: Array
+) -> tuple[Array, Array, Array]:
+    """The operator's three bands on the lines, for a change of each node's kind."""
     K, own, along = elastic.near, *_diffusion(elastic, c)
     alone = _Pattern((K[0, 0], K[0, 1], K[0, 2]), (1.0, 0.0, 0.0))
     spread = _Pattern((_spread(K, 0), _spread(K, 1), _spread(K, 2)), (1.0, -0.25, 0.0))
-    flow = (jnp.asarray(rate, K.dtype), jnp.asarray(drift, K.dtype) / elastic.spacing)
-    # the derivative multiplies short waves by 1/spacing, long ones by one
-    by_jacobi = multigrid.diffusion_rules(elastic, c, flow[0] + flow[1], rate + drift).astype(K.dtype)
 
     def coupling(k: int, diffusion_alone: Array, diffusion_spread: Array) -> Array:
         """Row i, column i - k: the change sits k nodes upstream."""
         kind = jnp.roll(by_jacobi, k, axis=1)
-        return kind * (diffusion_alone + _carried(c, alone, k, *flow)) + (1.0 - kind) * (
-            diffusion_spread + _carried(c, spread, k, *flow)
+        return kind * (diffusion_alone + _carried(c, alone, k, rate, drift_over_spacing)) + (1.0 - kind) * (
+            diffusion_spread + _carried(c, spread, k, rate, drift_over_spacing)
         )
 
     lower = coupling(1, -along, -along - 0.25 * own) * c.free
     upper = coupling(-1, -_downstream(along), -_downstream(along) - 0.25 * own) * c.free
-    diagonal = jnp.where(c.free > 0.0, coupling(0, own, 1.25 * own), 1.0)
     # the edge nodes are never free, so that what was rolled around the end of a line is not in use
-    return Lines(lower, diagonal, upper, by_jacobi * c.free, *flow, elastic.even)
+    return lower, jnp.where(c.free > 0.0, coupling(0, own, 1.25 * own), 1.0), upper
 
 
 def _diffusion(elastic: Elasticity, c: Coefficients) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ how to solve: two ways to close the system, two preconditioners.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -28,6 +28,7 @@ from ertel.roughness import Feature
 from ertel.symmetry import WHOLE, Even, total
 
 Number = Array | float
+PRECONDITIONER_PRECISION = "float32"
 LOAD_WEIGHT = 200.0  # of the load's misfit beside the residual: large, so that every direction of search keeps the load
 
 
@@ -122,6 +123,9 @@ def solve(
     options: newton.Options,
 ) -> tuple[newton.Solution, Array]:
     """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P)."""
+    turned = partial(along_the_flow, problem.entrainment)
+    c, P = replace(c, gap=turned(c.gap)), turned(P)
+    problem = tree.map(turned, problem)._replace(entrainment=jnp.abs(problem.entrainment))
     closed = close(c, problem, P, approach)
 
     def residual(P: Array, H: Array) -> Array:
@@ -133,7 +137,12 @@ def solve(
     solution = newton.solve(
         residual, closed.film_change, inverse, P, closed.H, problem.tolerance, options, closed.border
     )
-    return solution, closed.approach(solution)
+    return solution._replace(P=turned(solution.P), H=turned(solution.H)), closed.approach(solution)
+
+
+def along_the_flow(entrainment: Number, field: Any) -> Any:
+    """A field with X the way the oil is carried (and, by the same reversal, back again); a number stays as it is."""
+    return jnp.where(entrainment >= 0, field, field[..., ::-1]) if jnp.ndim(field) > 1 else field
 
 
 def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int) -> float:
@@ -181,51 +190,50 @@ def bordered(c: Contact, problem: Problem, P: Array, approach: Number) -> Closed
 
 def still(c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free: Array, problem: Problem) -> newton.Map:
     """For U = 0."""
-    rate = problem.rate.new
-    eps, stretch, local, free = _coefficients(c, P, H, free)
-    finest = _in_precision_of(elastic, eps, rate * stretch, rate * local, free)
-    levels = multigrid.hierarchy(elastic, finest, operator=_jacobian(c, elastic[0], P, H, rate, 0.0))
-    return lambda r: multigrid.precondition(levels, r)
+    return partial(multigrid.precondition, levels(c, elastic, P, H, free, problem, problem.rate.new, multigrid.points))
 
 
 def carried(
     c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free: Array, problem: Problem
 ) -> newton.Map:
-    """For any U, of either sign."""
-    U, rate = problem.entrainment, problem.rate.new
-
-    def downstream(f: Array) -> Array:
-        """The lines in the direction of the flow (and, by the same reversal, back again)."""
-        return jnp.where(U >= 0, f, f[:, ::-1])
-
-    def smoother(e: Elasticity, coefficients: multigrid.Coefficients) -> lines.Lines:
-        return lines.lines(e, coefficients, rate, jnp.abs(U))
-
-    finest = _in_precision_of(elastic, *(downstream(f) for f in _coefficients(c, P, H, free)))
-    operator = _jacobian(c, elastic[0], downstream(P), downstream(H), rate, jnp.abs(U))
-    levels = multigrid.hierarchy(elastic, finest, smoother, operator)
-    return lambda r: downstream(multigrid.precondition(levels, downstream(r)))
+    """For any U >= 0."""
+    smoother = partial(lines.lines, rate=problem.rate.new, drift=problem.entrainment)
+    return partial(multigrid.precondition, levels(c, elastic, P, H, free, problem, 1.0, smoother))
 
 
-def _jacobian(
-    c: Contact, finest: Elasticity, P: Array, H: Array, rate: Number, entrainment: Number
-) -> multigrid.Operator:
-    """The exact Jacobian of the residual in P and H on the finest grid, in the precision of the preconditioner."""
-    precision = finest.spectrum.dtype
-    oil = tree.map(lambda v: jnp.asarray(v, precision), replace(c, gap=jnp.zeros(()), kernel=jnp.zeros(())))
-    U, P, H = (jnp.asarray(v, precision) for v in (entrainment, P, H))
-    residual = partial(_residual_at, oil, Rate(jnp.asarray(rate, precision), 0.0), U)
-    return jax.linearize(residual, P, H)[1]
+def levels(
+    c: Contact,
+    elastic: tuple[Elasticity, ...],
+    P: Array,
+    H: Array,
+    free: Array,
+    problem: Problem,
+    rate: Number,
+    smoother: Callable[[Elasticity, multigrid.Coefficients], multigrid.Smoother],
+) -> tuple[multigrid.Level, ...]:
+    """The V-cycle's grids for the Jacobian, on the finest grid the exact one.
 
+    rate: of the mass, where the smoother adds none of its own.
+    """
 
-def _residual_at(c: Contact, rate: Rate, entrainment: Array, P: Array, H: Array) -> Array:
-    return contact.residual(c, P, H, rate, entrainment)
+    def laws(P: Array, H: Array) -> tuple[Array, Array]:
+        return contact.mass(c, P, H), contact.mobility(c, P, H)
 
+    # in double precision: of a thick oil the viscosity is beyond single, its inverse and their derivatives are not
+    one, zero = jnp.ones_like(P), jnp.zeros_like(P)
+    (mass, eps), by_P = jax.jvp(laws, (P, H), (one, zero))
+    _, by_H = jax.jvp(laws, (P, H), (zero, one))
 
-def _coefficients(c: Contact, P: Array, H: Array, free: Array) -> tuple[Array, Array, Array, Array]:
-    density, slope = jax.jvp(c.lubricant.density, (P,), (jnp.ones_like(P),))
-    return contact.mobility(c, P, H), density, slope * H, contact.inside(free, c.even)
+    def balance(mass: Array, eps: Array, P: Array) -> Array:
+        return contact.balance(mass, eps, P, Rate(new, 0.0), U, spacing, c.even)
 
+    def jacobian(e: Array, Ke: Array) -> Array:
+        dmass, deps = (p * e + h * Ke for p, h in zip(by_P, by_H, strict=True))
+        return change(dmass, deps, e)
 
-def _in_precision_of(elastic: Sequence[Elasticity], *fields: Array) -> multigrid.Coefficients:
-    return multigrid.Coefficients(*(f.astype(elastic[0].spectrum.dtype) for f in fields))
+    single = partial(jnp.asarray, dtype=elastic[0].spectrum.dtype)
+    mass, eps, by_P, by_H, P, free = tree.map(single, (mass, eps, by_P, by_H, P, contact.inside(free, c.even)))
+    rate, new, U, spacing = map(single, (rate, problem.rate.new, problem.entrainment, c.spacing))
+    _, change = jax.linearize(balance, mass, eps, P)
+    finest = multigrid.Coefficients(eps, rate * by_H[0], rate * by_P[0], free)
+    return multigrid.hierarchy(elastic, finest, smoother, jacobian)

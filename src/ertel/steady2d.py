@@ -21,7 +21,6 @@ from ertel.solve2d import Problem
 from ertel.status import Status
 from ertel.symmetry import folded, total, unfolded
 
-PRECONDITIONER_PRECISION = "float64"  # single loses its way at high load: M = 3000 on 513 nodes
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 LEAST_FILM = 0.5  # share of the coarse grid's smallest film that a first guess keeps
 TOLERANCE = 1e-8  # of the film that a transient run starts from
@@ -157,7 +156,7 @@ def solve(case: Case, grid: Grid, c: Contact, P: Array, approach: float, toleran
     problem = Problem(
         STEADY, case.motion.entrainment(0.0), balanced(case.motion.load(0.0)), tolerance, tolerance / HERTZ_LOAD
     )
-    elastic = multigrid.elasticities(grid, PRECONDITIONER_PRECISION)
+    elastic = multigrid.elasticities(grid, solve2d.PRECONDITIONER_PRECISION)
     s, Delta = solve2d.solve(
         c, elastic, problem, P, approach, close=solve2d.bordered, preconditioner=solve2d.carried, options=OPTIONS
     )

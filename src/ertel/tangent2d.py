@@ -76,16 +76,18 @@ def _advance(
     *,
     preconditioner: Preconditioner,
 ) -> tuple[Array, Array, Array, Array]:
-    P, H = new.P, new.H
+    turned = partial(solve2d.along_the_flow, entrainment)
+    P, H, P_old, H_old, dP_old, dH_old, shape = map(turned, (new.P, new.H, P_old, H_old, dP_old, dH_old, shape))
+    U = jnp.abs(entrainment)
     free = jnp.where(P > 0.0, 1.0, 0.0)
     _, mass_change = jax.jvp(lambda P, H: c.lubricant.density(P) * H, (P_old, H_old), (dP_old, dH_old))
     past = jnp.tensordot(rates[1:], mass_change, axes=1)
 
     def residual(P: Array, H: Array, past: Array) -> Array:
-        return contact.residual(c, P, H, Rate(rates[0], past), entrainment)
+        return contact.residual(c, P, H, Rate(rates[0], past), U)
 
     _, change_of_r = jax.linearize(residual, P, H, jnp.zeros_like(P))
-    problem = Problem(Rate(rates[0], 0.0), entrainment, line, 1.0, 1.0)
+    problem = Problem(Rate(rates[0], 0.0), U, line, 1.0, 1.0)
     closed = solve2d.eliminated(c, problem, P, 0.0)
     inverse = preconditioner(c, elastic, P, H, free, problem)
     known = -line.value / line.approach_weight - shape  # the part of dH that no pressure makes
@@ -97,4 +99,4 @@ def _advance(
         LIMIT,
     )
     approach = (line.value - line.load_weight * contact.load(c, dP)) / line.approach_weight
-    return dP, closed.film_change(dP) + known, approach, krylov
+    return turned(dP), turned(closed.film_change(dP) + known), approach, krylov

@@ -19,7 +19,6 @@ from ertel.solve2d import Close, Preconditioner, Problem
 from ertel.status import Status
 from ertel.symmetry import Even, total, unfolded
 
-STILL_PRECISION, CARRIED_PRECISION = "float32", "float64"  # of the preconditioner
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
@@ -42,9 +41,8 @@ class Transient2D:
         self.grid = solve2d.grid_of(case)
         self.contact = contact.ball_on_plane(self.grid, case.parameters.lambda_bar, case.lubricant)
         self.closure = closure or NewtonsLaw.of(case.motion)
-        flows = case.motion.flows
-        self.preconditioner = solve2d.carried if flows else solve2d.still
-        self.elastic = multigrid.elasticities(self.grid, CARRIED_PRECISION if flows else STILL_PRECISION)
+        self.preconditioner = solve2d.carried if case.motion.flows else solve2d.still
+        self.elastic = multigrid.elasticities(self.grid, solve2d.PRECONDITIONER_PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
         self._solve_step = solve_step or solve_on_device
 
