@@ -226,7 +226,7 @@ def _parts(
         down, up = jax.jit(partial(multigrid.restrict, even=c.even)), jax.jit(multigrid.prolong)
         transfer += 2 * clock(down, e) + 4 * clock(up, small)
         operate += 2 * clock(jax.jit(multigrid._operate), fine.elasticity, fine.coefficients, fine.smoother, e, e)
-    direct = clock(jax.jit(multigrid.direct_solve), levels[-1], levels[-1].coefficients.free)
+    direct = clock(jax.jit(multigrid.v_cycle), levels[-1:], levels[-1].coefficients.free)
 
     def coefficients(P: Any, H: Any) -> Any:
         return [(level.coefficients, level.smoother) for level in levels_at(P, H)]

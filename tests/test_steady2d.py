@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from ertel import contact, steady2d
+from ertel import contact, solve2d, steady2d
 from ertel.case import SOLVERS, Case
 from ertel.closure import HERTZ_LOAD
 from ertel.lubricant import Barus, DowsonHigginson, Incompressible, Lubricant, Roelands
@@ -229,6 +229,26 @@ def test_every_load_and_lubricant_converges(fluid: str, M: float) -> None:
     for L in (0, 2.5, 5, 10, 20):
         if fluid == "barus" or L > 0:
             assert all(s.status.ok for s in rolling((fluid, M, L), 65).solutions), (L,)
+
+
+@pytest.mark.parametrize("key", [("roelands", 1000, 10), ("barus", 3000, 20)], ids=str)
+def test_the_preconditioner_loses_nothing_in_single_precision(key, monkeypatch) -> None:
+    """Beside double: the Krylov iterations.  Of the second case the viscosity is far beyond single precision."""
+    single = rolling(key, 129)
+    monkeypatch.setattr(solve2d, "PRECONDITIONER_PRECISION", "float64")
+    double = rolling.__wrapped__(key, 129)
+    for s, d in zip(single.solutions, double.solutions, strict=True):
+        assert s.status.ok and d.status.ok
+        assert s.krylov <= d.krylov + 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("M", "L", "bound"), [(20, 10, 192), (300, 20, 204)])
+def test_the_sharpest_spikes_converge_on_a_fine_grid(M: float, L: float, bound: int) -> None:
+    """Barus on 513 nodes a side; Krylov iterations there: 160 and 170."""
+    finest = rolling(("barus", M, L), 513).finest
+    assert finest.status.ok
+    assert finest.krylov <= bound
 
 
 def test_the_isoviscous_film_grows_with_the_speed_to_three_fifths() -> None:

@@ -99,7 +99,7 @@ def balance(
 ) -> Array:
     """The residual once the laws of the oil have given mass and mobility: linear in the mass, and in the pressure."""
     squeeze = rate.new * mass + rate.past
-    wedge = entrainment * upstream_slope(mass, spacing)
+    wedge = 0.0 if even.x else entrainment * upstream_slope(mass, spacing)  # what flows along X is not even in X
     poiseuille = divergence_of_flux(eps, P, spacing, even)
     return inside(squeeze + wedge - poiseuille, even)
 

@@ -10,6 +10,7 @@ from ertel.symmetry import WHOLE, Even
 LARGEST_COARSEST = 17  # nodes per side that the direct solve on the coarsest grid is meant for
 SMALLEST_COARSEST = 5
 COARSE_ENOUGH = 9  # a grid coarser than this costs more to compile than it helps
+FEW = 170  # nodes kept on a grid, that are solved at once with a dense matrix: one grid less to compile
 
 
 @dataclass(frozen=True)
@@ -74,8 +75,10 @@ class Grid:
         """This grid and its coarser ones, down to the last that is not trivial and has the axes of symmetry, if any."""
         grids = [self]
         factor = 4 if any(self.even) else 2
-        while (grids[-1].nodes - 1) % factor == 0 and (grids[-1].nodes - 1) // 2 + 1 >= COARSE_ENOUGH:
-            grids.append(grids[-1].coarser())
+        while (last := grids[-1]).shape[0] * last.shape[1] > FEW and (last.nodes - 1) % factor == 0:
+            if (coarser := last.coarser()).nodes < COARSE_ENOUGH:
+                break
+            grids.append(coarser)
         return tuple(grids)
 
 

@@ -14,6 +14,7 @@ Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 200
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
@@ -74,14 +75,13 @@ def _bands(
 
     def coupling(k: int, diffusion_alone: Array, diffusion_spread: Array) -> Array:
         """Row i, column i - k: the change sits k nodes upstream."""
-        kind = jnp.roll(by_jacobi, k, axis=1)
+        kind = _shifted(by_jacobi, k)
         return kind * (diffusion_alone + _carried(c, alone, k, rate, drift_over_spacing)) + (1.0 - kind) * (
             diffusion_spread + _carried(c, spread, k, rate, drift_over_spacing)
         )
 
     lower = coupling(1, -along, -along - 0.25 * own) * c.free
     upper = coupling(-1, -_downstream(along), -_downstream(along) - 0.25 * own) * c.free
-    # the edge nodes are never free, so that what was rolled around the end of a line is not in use
     return lower, jnp.where(c.free > 0.0, coupling(0, own, 1.25 * own), 1.0), upper
 
 
@@ -112,8 +112,13 @@ def _carried(c: Coefficients, pattern: _Pattern, k: int, rate: Array, drift_over
 
 def _upstream(f: Array) -> Array:
     """At each node the value of the node before it on its line."""
-    return jnp.roll(f, 1, axis=1)
+    return _shifted(f, 1)
 
 
 def _downstream(f: Array) -> Array:
-    return jnp.roll(f, -1, axis=1)
+    return _shifted(f, -1)
+
+
+def _shifted(f: Array, k: int) -> Array:
+    """k nodes further down the lines; zero comes in at their ends."""
+    return jax.lax.pad(f, jnp.zeros((), f.dtype), ((0, 0, 0), (k, -k, 0)))

@@ -79,7 +79,8 @@ class Roelands:
     )
 
     def viscosity(self, P: Array) -> Array:
-        return jnp.exp(self.alpha_bar / (self.p_ratio * self.z) * ((1.0 + self.p_ratio * P) ** self.z - 1.0))
+        power = jnp.exp(self.z * jnp.log(1.0 + self.p_ratio * P))  # so written, its derivative needs no second power
+        return jnp.exp(self.alpha_bar / (self.p_ratio * self.z) * (power - 1.0))
 
 
 @register_dataclass

@@ -11,7 +11,7 @@ Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 200
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple, Protocol
 
@@ -96,12 +96,16 @@ Operator = Callable[[Array, Array], Array]  # a linear map of e and its deformat
 @register_dataclass
 @dataclass(frozen=True)
 class Level:
-    """One grid of the hierarchy: the operator, and coefficients near it for the smoother."""
+    """One grid of the hierarchy: the operator, and coefficients near it for the smoother.
+
+    inverse: of the operator, dense; of the coarsest grid alone.
+    """
 
     elasticity: Elasticity
     coefficients: Coefficients
     smoother: Smoother
     operator: Operator = field(metadata={"static": True})
+    inverse: Array | None = None
 
 
 def elasticities(grid: Grid, dtype: str) -> tuple[Elasticity, ...]:
@@ -144,7 +148,7 @@ def hierarchy(
         coefficients = Coefficients(
             restrict(coefficients.eps, e.even, "edge"), *(c[::2, ::2] for c in coefficients[1:])
         )
-    return tuple(levels)
+    return *levels[:-1], replace(levels[-1], inverse=_inverse(levels[-1]))
 
 
 def diffusion_rules(
@@ -173,8 +177,8 @@ def v_cycle(levels: Sequence[Level], r: Array) -> Array:
     for near nodes, that of a correction from the coarser grid is interpolated.
     """
     level, coarser, even = levels[0], levels[1:], levels[0].elasticity.even
-    if not coarser:
-        return direct_solve(level, r)
+    if level.inverse is not None:
+        return (level.inverse @ r.ravel()).reshape(r.shape)
     e = relax(level, r)
     Ke = nearly_deformed(level, coarser[0], e)
     correction = v_cycle(coarser, coarser[0].coefficients.free * restrict(r - apply(level, e, Ke), even))
@@ -229,12 +233,13 @@ def smooth(level: Level, r: Array) -> Array:
     return level.coefficients.free * level.smoother.change(r)
 
 
-def direct_solve(level: Level, r: Array) -> Array:
-    """Exact solution on the coarsest grid, by a small dense matrix."""
-    unit_vectors = jnp.eye(r.size, dtype=r.dtype).reshape(r.size, *r.shape)
-    matrix = jax.vmap(lambda e: apply(level, e).ravel())(unit_vectors).T
-    free = level.coefficients.free.ravel()
-    return jnp.linalg.solve(matrix * free + jnp.diag(1.0 - free), r.ravel()).reshape(r.shape)
+def _inverse(level: Level) -> Array:
+    """The operator's inverse on the coarsest grid as a matrix; the identity where a node is not free."""
+    free = level.coefficients.free
+    unit_vectors = jnp.eye(free.size, dtype=free.dtype).reshape(free.size, *free.shape)
+    matrix = jax.vmap(lambda e: apply(level, e).ravel())(unit_vectors).T * free.ravel() + jnp.diag(1.0 - free.ravel())
+    # in double precision: its rows differ by many orders, and elimination compares them
+    return jnp.linalg.inv(matrix.astype("float64")).astype(free.dtype)
 
 
 def spread(d: Array, even: Even = WHOLE) -> Array:
@@ -254,8 +259,8 @@ def restrict(fine: Array, even: Even = WHOLE, beyond: str = "constant") -> Array
 @jax.jit
 def prolong(coarse: Array) -> Array:
     """Bilinear interpolation to twice as many cells."""
-    rows = _interleave(coarse, 0.5 * (coarse[1:] + coarse[:-1]))
-    return _interleave(rows.T, 0.5 * (rows.T[1:] + rows.T[:-1])).T
+    rows = interleave(coarse, 0.5 * (coarse[1:] + coarse[:-1]))
+    return interleave(rows.T, 0.5 * (rows.T[1:] + rows.T[:-1])).T
 
 
 def prolong_smooth(coarse: Array) -> Array:
@@ -265,10 +270,11 @@ def prolong_smooth(coarse: Array) -> Array:
 
 def _interpolate(coarse: Array) -> Array:
     linear = 0.5 * (coarse[1:] + coarse[:-1])
-    return _interleave(coarse, linear.at[1:-1].add((2 * linear[1:-1] - linear[2:] - linear[:-2]) / 8))
+    return interleave(coarse, linear.at[1:-1].add((2 * linear[1:-1] - linear[2:] - linear[:-2]) / 8))
 
 
-def _interleave(nodes: Array, between: Array) -> Array:
+def interleave(nodes: Array, between: Array) -> Array:
+    """Rows in turn: those of the nodes, and between them the others, one fewer."""
     pairs = jnp.stack([nodes[:-1], between], axis=1)
     return jnp.concatenate([pairs.reshape(-1, nodes.shape[1]), nodes[-1:]])
 

@@ -80,7 +80,7 @@ def _advance(
     P, H, P_old, H_old, dP_old, dH_old, shape = map(turned, (new.P, new.H, P_old, H_old, dP_old, dH_old, shape))
     U = jnp.abs(entrainment)
     free = jnp.where(P > 0.0, 1.0, 0.0)
-    _, mass_change = jax.jvp(lambda P, H: c.lubricant.density(P) * H, (P_old, H_old), (dP_old, dH_old))
+    _, mass_change = jax.jvp(partial(contact.mass, c), (P_old, H_old), (dP_old, dH_old))
     past = jnp.tensordot(rates[1:], mass_change, axes=1)
 
     def residual(P: Array, H: Array, past: Array) -> Array:

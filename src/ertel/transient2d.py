@@ -142,7 +142,7 @@ def solve_on_device(
     P_old, H_old: of the last three levels, newest first, shape (3, n, n), with the weights of the prediction and of the
     time derivative (for the new level, and the last two), both of shape (3,).
     """
-    mass = c.lubricant.density(P_old[:2]) * H_old[:2]
+    mass = contact.mass(c, P_old[:2], H_old[:2])
     rate = Rate(rates[0], jnp.tensordot(rates[1:], mass, axes=1))
     P = jnp.tensordot(predict, P_old, axes=1)
     # Newton comes down to a small pressure in few iterations and up from none in many (the viscosity is exponential),

@@ -13,6 +13,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from ertel.multigrid import interleave
+
 SHORT = 33  # nodes on a line that elimination solves as fast
 
 
@@ -63,8 +65,7 @@ def _solve(halvings: Sequence[Halving], rest: Rows, b: Array) -> Array:
     left_out = b[:, 1::2]
     x = _solve(shorter, rest, scale * (b[:, ::2] - even.lower * _before(left_out) - even.upper * _after(left_out)))
     between = left_out - odd.lower * x[:, :-1] - odd.upper * x[:, 1:]
-    pairs = jnp.stack([x[:, :-1], between], axis=2).reshape(len(x), -1)
-    return jnp.concatenate([pairs, x[:, -1:]], axis=1)
+    return interleave(x.T, between.T).T
 
 
 def _halve(rows: Rows) -> tuple[Halving, Rows]:
