@@ -67,10 +67,10 @@ def test_the_film_is_what_its_pressure_makes_it() -> None:
     np.testing.assert_allclose(np.asarray(now.H), np.asarray(H), atol=1e-12)
 
 
-@pytest.mark.parametrize("fold", [True, False], ids=["quarter", "whole plane"])
-def test_symmetry_to_round_off(fold: bool) -> None:
-    """In P 1e-14 on a quarter; 1e-12 when solved to 1e-8 only, as the V-cycle in single precision is not symmetric."""
-    method = Transient2D(impact(200, 10, 65, solver={"tolerance": 1e-10, "fold": fold}))
+@pytest.mark.parametrize("solver", [TIGHT, {"tolerance": 1e-10, "fold": False}], ids=["quarter", "whole plane"])
+def test_symmetry_to_round_off(solver: dict[str, object]) -> None:
+    """The whole plane, where nothing makes it symmetric, is so to 1.5e-12 when solved to 1e-8 only."""
+    method = Transient2D(impact(200, 10, 65, solver=solver))
     now = march(method, 0.02, 70)[0]
     for field in (np.asarray(method.whole(now.P)), np.asarray(method.whole(now.H))):
         for image in (field[::-1], field[:, ::-1], field.T):

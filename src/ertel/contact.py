@@ -84,8 +84,8 @@ def mobility(contact: Contact, P: Array, H: Array) -> Array:
 
 def residual(contact: Contact, P: Array, H: Array, rate: Rate, entrainment: Array | float) -> Array:
     """Reynolds' equation, eq. (1): squeeze + wedge - div(Poiseuille flux), zero on the edge of the grid."""
-    oil = mass(contact, P, H), mobility(contact, P, H)
-    return balance(*oil, P, rate, entrainment, contact.spacing, contact.even)
+    rho_H, eps = mass(contact, P, H), mobility(contact, P, H)
+    return balance(rho_H, eps, P, rate, entrainment, contact.spacing, contact.even)
 
 
 def balance(
@@ -97,9 +97,11 @@ def balance(
     spacing: Array | float,
     even: Even = WHOLE,
 ) -> Array:
-    """The residual once the laws of the oil have given mass and mobility: linear in the mass, and in the pressure."""
+    """The residual, mass rho H and mobility eps given: the equation without the laws of the oil."""
     squeeze = rate.new * mass + rate.past
-    wedge = 0.0 if even.x else entrainment * upstream_slope(mass, spacing)  # what flows along X is not even in X
+    wedge = (
+        0.0 if even.x else entrainment * upstream_slope(mass, spacing)
+    )  # fields even in X: nothing is carried along X
     poiseuille = divergence_of_flux(eps, P, spacing, even)
     return inside(squeeze + wedge - poiseuille, even)
 

@@ -41,7 +41,8 @@ class Lines:
     sweeps: int = field(default=2, metadata={"static": True})  # one, damped as it is, leaves too much
 
     def balance(self, mass: Array) -> Array:
-        return self.rate * mass + self.drift_over_spacing * (mass - _upstream(mass))
+        rise = jnp.pad(mass[:, 1:] - mass[:, :-1], ((0, 0), (1, 0)))
+        return self.rate * mass + self.drift_over_spacing * rise
 
     def change(self, r: Array) -> Array:
         d = tridiagonal.solve(self.factors, r)

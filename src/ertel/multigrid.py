@@ -201,8 +201,8 @@ def nearly_deformed(level: Level, coarser: Level, e: Array) -> Array:
 def deformed_nearby(level: Level, e: Array) -> Array:
     """The part of K e that comes from the node itself and the eight around it."""
     p, K = extended(e, level.elasticity.even), level.elasticity.near
-    beside = p[1:-1, :-2] + p[1:-1, 2:] + p[:-2, 1:-1] + p[2:, 1:-1]
-    diagonally = p[:-2, :-2] + p[:-2, 2:] + p[2:, :-2] + p[2:, 2:]
+    beside = (p[1:-1, :-2] + p[1:-1, 2:]) + (p[:-2, 1:-1] + p[2:, 1:-1])
+    diagonally = (p[:-2, :-2] + p[2:, 2:]) + (p[:-2, 2:] + p[2:, :-2])
     return K[0, 0] * p[1:-1, 1:-1] + K[0, 1] * beside + K[1, 1] * diagonally
 
 
@@ -244,8 +244,9 @@ def _inverse(level: Level) -> Array:
 
 def spread(d: Array, even: Even = WHOLE) -> Array:
     """The distributive change: d at the node, -d/4 at each of its four neighbours."""
+    # summed in pairs, here and below: to the last bit the same whichever axis comes first
     p = extended(d, even)
-    return d - 0.25 * (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:])
+    return d - 0.25 * ((p[:-2, 1:-1] + p[2:, 1:-1]) + (p[1:-1, :-2] + p[1:-1, 2:]))
 
 
 @partial(jax.jit, static_argnames=("even", "beyond"))  # one tracing for each shape
@@ -282,7 +283,7 @@ def interleave(nodes: Array, between: Array) -> Array:
 def face_sum(eps: Array, even: Even = WHOLE) -> Array:
     """Sum of eps over the four faces of each cell."""
     p = extended(eps, even, "edge")
-    return 2.0 * eps + 0.5 * (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:])
+    return 2.0 * eps + 0.5 * ((p[:-2, 1:-1] + p[2:, 1:-1]) + (p[1:-1, :-2] + p[1:-1, 2:]))
 
 
 def _diffuse(eps: Array, e: Array, even: Even) -> Array:

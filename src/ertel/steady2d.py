@@ -26,7 +26,7 @@ LEAST_FILM = 0.5  # share of the coarse grid's smallest film that a first guess 
 TOLERANCE = 1e-8  # of the film that a transient run starts from
 AS_EXACT_AS_THE_GRID = 0.1  # the tolerance that leaves about a tenth of the discretisation error (measured, H_c, H_min)
 # least: where the tolerance is so loose that the first guess may meet it, one iteration leaves too much
-# Krylov: 3 to 6 are needed, a sharp spike on a fine grid wants all; each keeps its two fields.  Newton: 5 to 7, or 73
+# Krylov: 3 to 6 are needed, a sharp spike on a fine grid wants all; each keeps its two fields; Newton: likewise, 5 to 7
 OPTIONS = newton.Options(newton_limit=100, newton_least=2, krylov_limit=18, first_reduction=0.1)
 STEADY = Rate(0.0, 0.0)
 
