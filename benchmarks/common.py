@@ -18,7 +18,7 @@ HERE = Path(__file__).parent
 
 def impact(M: float, nodes: int, L: float = 10.0, **sections: dict[str, Any]) -> Any:
     """The case of an impact on nodes x nodes, Roelands and Dowson-Higginson; sections as in a case file."""
-    from ertel.config import parse_case
+    from ertel.inputs.case_files import parse_case
 
     solver = {"nodes": nodes, **sections.pop("solver", {})}
     return parse_case({"contact": {"kind": "impact", "M": M, "L": L}, "solver": solver, **sections})
@@ -26,7 +26,7 @@ def impact(M: float, nodes: int, L: float = 10.0, **sections: dict[str, Any]) ->
 
 def rolling(M: float, nodes: int, L: float = 10.0, tolerance: float = 1e-6) -> Any:
     """The case of a dimensionless steady rolling contact, the same oil."""
-    from ertel.config import parse_case
+    from ertel.inputs.case_files import parse_case
 
     solver = {"method": "steady", "nodes": nodes, "tolerance": tolerance}
     return parse_case({"contact": {"kind": "rolling", "M": M, "L": L}, "solver": solver})
@@ -51,8 +51,9 @@ def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
     """The last time levels of an impact at T = until, newest first, interpolated from a run on 65 nodes."""
     import jax.numpy as jnp
 
-    from ertel import contact, multigrid
-    from ertel.simulation import transient
+    from ertel.model import contact
+    from ertel.numerics import multigrid
+    from ertel.runs.drive import transient
 
     coarse = impact(method.case.parameters.M, 65, method.case.parameters.L, time={"until": until})
     *_, last = transient(coarse)

@@ -41,8 +41,8 @@ def measure(nodes: int, cores: int) -> list[Any]:
     import jax.numpy as jnp
     import numpy as np
 
-    from ertel import halfspace
-    from ertel.grid import Grid
+    from ertel.numerics import halfspace
+    from ertel.numerics.grid import Grid
 
     kernel = halfspace.spectrum(Grid.square(nodes, 2.0))
     P = np.zeros((nodes, nodes))

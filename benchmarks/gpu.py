@@ -49,7 +49,7 @@ def measure(nodes: int, device: Any) -> tuple[float, tuple[Any, Any]]:
     """Seconds a step, and P and H after the last."""
     import jax
 
-    from ertel.transient2d import Transient2D
+    from ertel.solvers.transient import Transient2D
 
     with jax.default_device(device):
         method = Transient2D(impact(1000, nodes, solver={"tolerance": 1e-10}))

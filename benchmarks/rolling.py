@@ -31,13 +31,14 @@ def measure(M: float, nodes: int) -> Iterator[list[str]]:
     import jax
     import jax.numpy as jnp
 
-    from ertel import halfspace, steady2d
+    from ertel.numerics import halfspace
+    from ertel.solvers import steady
 
-    exact = steady2d.steady(case(M, nodes, tolerance=1e-9))
+    exact = steady.steady(case(M, nodes, tolerance=1e-9))
     grid = exact.finest.grid
     convolve = jax.jit(halfspace.displacement, static_argnums=2)
     one = seconds(convolve, halfspace.spectrum(grid), jnp.asarray(exact.finest.P), grid.even, repeats=15)
-    for tolerance in (1e-6, steady2d.AS_EXACT_AS_THE_GRID):
+    for tolerance in (1e-6, steady.AS_EXACT_AS_THE_GRID):
         found, wall, cpu = quickest(case(M, nodes, tolerance=tolerance))
         s = found.finest
         counts = [f"{found.convolutions:.0f}", f"{s.convolutions:.0f}", str(s.newton), str(s.krylov)]
@@ -52,12 +53,12 @@ def measure(M: float, nodes: int) -> Iterator[list[str]]:
 
 def quickest(problem: Any, repeats: int = 4) -> tuple[Any, float, float]:
     """The solution, and the least wall and CPU time: the first run compiles, other work on the machine only adds."""
-    from ertel import steady2d
+    from ertel.solvers import steady
 
     walls, cpus = [], []
     for _ in range(repeats):
         cpu = time.process_time()
-        wall, found = timed(lambda: steady2d.steady(problem))
+        wall, found = timed(lambda: steady.steady(problem))
         walls.append(wall)
         cpus.append(time.process_time() - cpu)
     return found, min(walls), min(cpus)

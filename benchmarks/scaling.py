@@ -65,7 +65,7 @@ def main() -> None:
 
 def measure_impact(nodes: int) -> dict[str, float]:
     keep_compiled()
-    from ertel.transient2d import Transient2D, solve_on_device
+    from ertel.solvers.transient import Transient2D, solve_on_device
 
     seen: list[Any] = []
 
@@ -86,16 +86,16 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     keep_compiled()
     from unittest import mock
 
-    from ertel import solve2d, steady2d
+    from ertel.solvers import nonlinear, steady
 
     case = rolling(1000, nodes)
-    with mock.patch.object(solve2d, "solve", wraps=solve2d.solve) as solver:
-        steady2d.steady(case)
+    with mock.patch.object(nonlinear, "solve", wraps=nonlinear.solve) as solver:
+        steady.steady(case)
     cpu = time.process_time()
-    seconds, found = timed(lambda: steady2d.steady(case))
+    seconds, found = timed(lambda: steady.steady(case))
     cpu = time.process_time() - cpu
     last = solver.call_args
-    memory = _memory(solve2d.solve.lower(*last.args, **last.kwargs).compile())
+    memory = _memory(nonlinear.solve.lower(*last.args, **last.kwargs).compile())
     return _figures(found.finest.grid, seconds, cpu, found.convolutions, memory)
 
 

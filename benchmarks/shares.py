@@ -69,11 +69,11 @@ def main() -> None:
 def compile_seconds(kind: str, nodes: int) -> float:
     """The first step (rolling: the first solution on all grids) less a second one."""
     if kind == "rolling":
-        from ertel import steady2d
+        from ertel.solvers import steady
 
-        first, second = (timed(lambda: steady2d.steady(rolling(1000, nodes)))[0] for _ in range(2))
+        first, second = (timed(lambda: steady.steady(rolling(1000, nodes)))[0] for _ in range(2))
         return first - second
-    from ertel.transient2d import Transient2D
+    from ertel.solvers.transient import Transient2D
 
     method = Transient2D(impact(1000, nodes))
     levels = [method.start().level]
@@ -88,22 +88,23 @@ def measure_impact(nodes: int) -> dict[str, float]:
     """Seconds of a step, of its parts, and of a flush."""
     import jax
 
-    from ertel import solve2d, transient2d
-    from ertel.contact import Rate
-    from ertel.simulation import State, transient
+    from ertel.model.contact import Rate
+    from ertel.runs import drive
+    from ertel.runs.drive import State
+    from ertel.solvers import nonlinear, transient
 
     keep_compiled()
     on_device: list[float] = []
 
     def solve(*fields: Any, **choices: Any) -> Any:
-        wall, answer = timed(lambda: jax.block_until_ready(transient2d.solve_on_device(*fields, **choices)))
+        wall, answer = timed(lambda: jax.block_until_ready(transient.solve_on_device(*fields, **choices)))
         on_device.append(wall)
         return answer
 
     case = impact(1000, nodes, time={"step": STEP})
-    method = transient2d.Transient2D(case, solve_step=solve)
+    method = transient.Transient2D(case, solve_step=solve)
     levels, _, attempts = march(method, impact_levels(method), STEP, SETTLE, TIMED)
-    course = transient(case, State(tuple(levels), STEP), method)
+    course = drive.transient(case, State(tuple(levels), STEP), method)
     next(course)  # compiles what is measured of a step
     on_device.clear()
     steps = [timed(lambda: next(course)) for _ in range(TIMED)]
@@ -112,8 +113,8 @@ def measure_impact(nodes: int) -> dict[str, float]:
     whole = min(w / n for w, n in zip(walls, convolutions, strict=True)) * statistics.mean(convolutions)
     newton, krylov = (statistics.mean(getattr(a, name) for a in attempts) for name in ("newton", "krylov"))
     now = levels[0]
-    problem = solve2d.Problem(Rate(1.5 / STEP, 0.0 * now.H), 0.0, None, 1.0, 1.0)
-    parts = _parts(method.contact, method.elastic, problem, now.P, now.H, solve2d.still, transient2d.OPTIONS)
+    problem = nonlinear.Problem(Rate(1.5 / STEP, 0.0 * now.H), 0.0, None, 1.0, 1.0)
+    parts = _parts(method.contact, method.elastic, problem, now.P, now.H, nonlinear.still, transient.OPTIONS)
     return {
         "seconds": whole,
         **_times(parts, newton, krylov),
@@ -125,8 +126,8 @@ def measure_impact(nodes: int) -> dict[str, float]:
 def _flush_seconds(case: Any, method: Any, steps: list[Any]) -> float:
     from dataclasses import replace
 
-    from ertel.simulation import _frame
-    from ertel.store import TransientStore
+    from ertel.runs.drive import _frame
+    from ertel.runs.store import TransientStore
 
     with tempfile.TemporaryDirectory() as directory:
         store = TransientStore.create(Path(directory) / "run", case, method)
@@ -144,24 +145,25 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     """Seconds of the solution on the finest grid, of its parts, of the coarser grids, and of a flush."""
     import jax
 
-    from ertel import multigrid, solve2d, steady2d
+    from ertel.numerics import multigrid
+    from ertel.solvers import nonlinear, steady
 
     keep_compiled()
     case = rolling(1000, nodes)
-    steady2d.steady(case)
-    solve, on_device = solve2d.solve, [0.0]
+    steady.steady(case)
+    solve, on_device = nonlinear.solve, [0.0]
 
     def solve_and_wait(*fields: Any, **choices: Any) -> Any:
         on_device[0], answer = timed(lambda: jax.block_until_ready(solve(*fields, **choices)))
         return answer
 
-    with mock.patch.object(solve2d, "solve", solve_and_wait):
-        walls, solutions = zip(*_each(steady2d.nested(case)), strict=True)
+    with mock.patch.object(nonlinear, "solve", solve_and_wait):
+        walls, solutions = zip(*_each(steady.nested(case)), strict=True)
     last = solutions[-1]
-    c = solve2d.contact_of(case, last.grid)
-    elastic = multigrid.elasticities(last.grid, solve2d.PRECONDITIONER_PRECISION)
-    problem = solve2d.Problem(steady2d.STEADY, 1.0, None, 1.0, 1.0)
-    parts = _parts(c, elastic, problem, last.P, last.H, solve2d.carried, steady2d.OPTIONS)
+    c = nonlinear.contact_of(case, last.grid)
+    elastic = multigrid.elasticities(last.grid, nonlinear.PRECONDITIONER_PRECISION)
+    problem = nonlinear.Problem(steady.STEADY, 1.0, None, 1.0, 1.0)
+    parts = _parts(c, elastic, problem, last.P, last.H, nonlinear.carried, steady.OPTIONS)
     return {
         "seconds": walls[-1],
         **_times(parts, last.newton, last.krylov),
@@ -182,7 +184,7 @@ def _each(course: Iterator[Any]) -> Iterator[tuple[float, Any]]:
 
 def _run_seconds(case: Any) -> float:
     """A stored steady run, the second one: all is imported and compiled."""
-    from ertel import store
+    from ertel.runs import store
 
     def run(directory: Path) -> float:
         kept = store.SteadyStore.create(directory, case)
@@ -202,7 +204,8 @@ def _parts(
     import jax
     import jax.numpy as jnp
 
-    from ertel import contact, halfspace, multigrid, newton
+    from ertel.model import contact
+    from ertel.numerics import halfspace, multigrid, newton
 
     call = seconds(jax.jit(lambda x: x + 1), 0.0)  # which parts in one program do not need
 

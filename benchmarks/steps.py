@@ -29,8 +29,8 @@ def measure(nodes: int) -> dict[str, float]:
     """All figures of one grid but the cached compile time."""
     import jax
 
-    from ertel import contact
-    from ertel.transient2d import Transient2D
+    from ertel.model import contact
+    from ertel.solvers.transient import Transient2D
 
     keep_compiled()
     method = Transient2D(impact(1000, nodes))

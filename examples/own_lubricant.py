@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from jax.tree_util import register_dataclass
 
 import ertel
-from ertel.lubricant import Lubricant
+from ertel.physics.lubricant import Lubricant
 
 
 @register_dataclass

@@ -8,10 +8,10 @@ from typing import Any
 import xarray as xr
 from typer.testing import CliRunner
 
-from ertel.case import Case
-from ertel.cli import app
-from ertel.config import parse_case
-from ertel.level import Level, Method
+from ertel.apps.cli import app
+from ertel.inputs.case_files import parse_case
+from ertel.model.case import Case
+from ertel.model.state import Level, Method
 
 
 def impact(M: float, L: float, nodes: int, **sections: dict[str, Any]) -> Case:

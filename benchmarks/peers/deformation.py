@@ -54,8 +54,8 @@ def by_ertel(nodes: int, P: Any) -> Callable[[], Any]:
     import jax
     import jax.numpy as jnp
 
-    from ertel import halfspace
-    from ertel.grid import Grid
+    from ertel.numerics import halfspace
+    from ertel.numerics.grid import Grid
 
     kernel, convolve = halfspace.spectrum(Grid.square(nodes, HALF_WIDTH)), jax.jit(halfspace.displacement)
     on_device = jnp.asarray(P)

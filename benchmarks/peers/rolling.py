@@ -26,10 +26,10 @@ COLUMNS = ("program", "nodes", "H_c", "error", "H_min", "error", "iterations", "
 
 def main() -> None:
     keep_compiled()
-    from ertel import steady2d
+    from ertel.solvers import steady
 
     python = os.environ.get("SLIPPY_PYTHON", sys.executable)
-    fine = steady2d.steady(case(513))
+    fine = steady.steady(case(513))
     exact = {name: fine.extrapolate(name).extrapolated for name in ("H_c", "H_min")}
     print(f"M = {M:g}, L = {L:g}; converged: H_c = {exact['H_c']:.4f}, H_min = {exact['H_min']:.4f}\n", flush=True)
     skipped = ""
@@ -52,19 +52,19 @@ def case(nodes: int) -> Any:
 
 
 def by_ertel(nodes: int) -> dict[str, Any]:
-    from ertel import steady2d
+    from ertel.solvers import steady
 
-    steady2d.steady(case(nodes))
+    steady.steady(case(nodes))
     start = time.process_time()
-    found = steady2d.steady(case(nodes)).finest
+    found = steady.steady(case(nodes)).finest
     found_in = time.process_time() - start
     return {**found.measure(), "iterations": found.newton, "seconds": found_in}
 
 
 def physical() -> dict[str, float]:
     """The case in SI."""
-    from ertel.lubricant import ALPHA, ETA0, P0_ROELANDS, roelands_exponent
-    from ertel.scales import Parameters, scales_of
+    from ertel.physics.lubricant import ALPHA, ETA0, P0_ROELANDS, roelands_exponent
+    from ertel.physics.scales import Parameters, scales_of
 
     s = scales_of(Parameters.from_moes(M, L), R, E_PRIME, ETA0, ALPHA)
     oil = {"eta0": ETA0, "p0": P0_ROELANDS, "z": roelands_exponent(ALPHA, ETA0)}

@@ -12,42 +12,42 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ertel.batch import simulate_batch as simulate_batch
-    from ertel.case import Case as Case
-    from ertel.case import Output as Output
-    from ertel.case import Solver as Solver
-    from ertel.case import Time as Time
-    from ertel.config import ConfigError as ConfigError
-    from ertel.config import load_case as load_case
-    from ertel.config import parse_case as parse_case
-    from ertel.dataset import to_si as to_si
-    from ertel.lubricant import Lubricant as Lubricant
-    from ertel.scales import Parameters as Parameters
-    from ertel.scales import Scales as Scales
-    from ertel.simulation import Result as Result
-    from ertel.simulation import simulate as simulate
-    from ertel.simulation import transient as transient
-    from ertel.status import Status as Status
+    from ertel.inputs.case_files import ConfigError as ConfigError
+    from ertel.inputs.case_files import load_case as load_case
+    from ertel.inputs.case_files import parse_case as parse_case
+    from ertel.model.case import Case as Case
+    from ertel.model.case import Output as Output
+    from ertel.model.case import Solver as Solver
+    from ertel.model.case import Time as Time
+    from ertel.model.status import Status as Status
+    from ertel.physics.lubricant import Lubricant as Lubricant
+    from ertel.physics.scales import Parameters as Parameters
+    from ertel.physics.scales import Scales as Scales
+    from ertel.results.variables import to_si as to_si
+    from ertel.runs.batch import simulate_batch as simulate_batch
+    from ertel.runs.drive import Result as Result
+    from ertel.runs.drive import simulate as simulate
+    from ertel.runs.drive import transient as transient
 
     __version__: str
 
 _HOMES = {
-    "simulate_batch": "batch",
-    "Case": "case",
-    "Output": "case",
-    "Solver": "case",
-    "Time": "case",
-    "ConfigError": "config",
-    "load_case": "config",
-    "parse_case": "config",
-    "to_si": "dataset",
-    "Lubricant": "lubricant",
-    "Parameters": "scales",
-    "Scales": "scales",
-    "Result": "simulation",
-    "simulate": "simulation",
-    "transient": "simulation",
-    "Status": "status",
+    "simulate_batch": "runs.batch",
+    "Case": "model.case",
+    "Output": "model.case",
+    "Solver": "model.case",
+    "Time": "model.case",
+    "ConfigError": "inputs.case_files",
+    "load_case": "inputs.case_files",
+    "parse_case": "inputs.case_files",
+    "to_si": "results.variables",
+    "Lubricant": "physics.lubricant",
+    "Parameters": "physics.scales",
+    "Scales": "physics.scales",
+    "Result": "runs.drive",
+    "simulate": "runs.drive",
+    "transient": "runs.drive",
+    "Status": "model.status",
 }
 __all__ = ["__version__", *_HOMES]
 

@@ -1,6 +1,6 @@
 """python -m ertel"""
 
-from ertel.cli import main
+from ertel.apps.cli import main
 
 if __name__ == "__main__":
     main()

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from ertel import compiling
-from ertel.analysis import at_max_approach
-from ertel.case import Case
-from ertel.config import parse_case
-from ertel.simulation import Result, simulate
+from ertel.inputs.case_files import parse_case
+from ertel.model.case import Case
+from ertel.results.analysis import at_max_approach
+from ertel.runs import compiling
+from ertel.runs.drive import Result, simulate
 
 HERE = Path(__file__).parent
 REFERENCE = Path(os.environ.get("ERTEL_REFERENCE", HERE.parents[2] / "shared" / "reference")) / "impact.json"

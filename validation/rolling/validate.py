@@ -18,10 +18,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ertel import compiling, formulas, steady2d
-from ertel.case import Case
-from ertel.config import load_case, parse_case
-from ertel.simulation import simulate
+from ertel.inputs.case_files import load_case, parse_case
+from ertel.model.case import Case
+from ertel.physics import film_formulas
+from ertel.runs import compiling
+from ertel.runs.drive import simulate
+from ertel.solvers import steady
 
 HERE = Path(__file__).parent
 REFERENCE = Path(os.environ.get("ERTEL_REFERENCE", HERE.parents[2] / "shared" / "reference"))
@@ -70,7 +72,7 @@ def _compare(entry: dict[str, Any], nodes: int) -> list[str]:
     oil = dict(FLUIDS[entry["fluid"]])
     if entry["L"] == 0:
         oil = {"viscosity": "isoviscous", "density": "incompressible"}
-    rolling = steady2d.steady(case(entry["M"], entry["L"], nodes, oil))
+    rolling = steady.steady(case(entry["M"], entry["L"], nodes, oil))
     deviations = []
     for s in rolling.solutions:
         found, exact = s.measure(), entry["grids"].get(str(s.grid.nodes), {})
@@ -104,9 +106,9 @@ def limits(nodes: int) -> str:
 
 
 def _limit(M: float, L: float, nodes: int, oil: dict[str, Any]) -> list[str]:
-    e = steady2d.steady(case(M, L, nodes, oil)).extrapolate("H_c")
-    limit = formulas.piezoviscous_elastic(M, L) if L else formulas.isoviscous_elastic(M)
-    curve = formulas.nijenbanning_venner_moes(M, L)
+    e = steady.steady(case(M, L, nodes, oil)).extrapolate("H_c")
+    limit = film_formulas.piezoviscous_elastic(M, L) if L else film_formulas.isoviscous_elastic(M)
+    curve = film_formulas.nijenbanning_venner_moes(M, L)
     film = [f"{e.value:.5f}", f"{e.error / e.value:.1%}", f"{e.extrapolated:.5f}"]
     return [f"{M:g}", f"{L:g}", *film, f"{e.extrapolated / limit:.3f}", f"{e.extrapolated / curve:.3f}"]
 

@@ -1,0 +1,1 @@
+"""The figures of the paper, simulated, and beyond."""

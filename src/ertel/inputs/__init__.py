@@ -1,0 +1,1 @@
+"""What a user writes, and the Case that it stands for."""

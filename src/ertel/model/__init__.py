@@ -1,0 +1,1 @@
+"""What is asked (`case`), what is known (`state`), and what must hold (`contact`, `approach`)."""

@@ -1,0 +1,127 @@
+"""The lubricated contact: film thickness and THE residual, one for impact and rolling.
+
+    squeeze + wedge - div(Poiseuille flux) = 0   where P > 0
+                                          >= 0   where P = 0
+
+    d(rho H)/dT + U d(rho H)/dX - d/dX(eps dP/dX) - d/dY(eps dP/dY),    eps = rho H^3 / (eta lambda_bar)
+
+Impact: U = 0 (eq. 1).  Rolling: U = 1.  The scales and the law for the approach Delta differ as well, nothing else.
+X points the way the oil is carried (U >= 0); the other way is the mirror image (`solve2d`).
+All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fields have shape (n, n), index [Y, X].
+"""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+from jax.tree_util import register_dataclass
+
+from ertel.numerics import halfspace
+from ertel.numerics.grid import Grid
+from ertel.numerics.symmetry import WHOLE, Even, extended, total
+from ertel.physics.lubricant import Lubricant
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Contact:
+    """Two surfaces and the oil between them.
+
+    gap: the undeformed surfaces' distance X^2/2 + Y^2/2 - roughness, shape (n, n).  kernel: from `halfspace.spectrum`.
+    even: where the fields are even, only one side of the axis is kept (`symmetry`).
+    """
+
+    gap: Array
+    kernel: Array
+    spacing: float
+    lambda_bar: float
+    lubricant: Lubricant
+    even: Even = field(default=WHOLE, metadata={"static": True})
+
+
+class Rate(NamedTuple):
+    """The time derivative of rho H at the new level: `new` * (rho H) + `past`, from backward differences."""
+
+    new: Array | float
+    past: Array | float
+
+
+def ball_on_plane(grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
+    """A smooth ball on a smooth plane, or any two bodies of the same reduced radius."""
+    gap = jnp.asarray(grid.kept_x[None, :] ** 2 / 2 + grid.kept_y[:, None] ** 2 / 2)
+    return Contact(gap, halfspace.spectrum(grid), grid.spacing, lambda_bar, lubricant, grid.even)
+
+
+def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array:
+    """H, eq. (3): - approach + undeformed gap + elastic deformation."""
+    return -approach + contact.gap + deformation(contact, P)
+
+
+def deformation(contact: Contact, P: Array) -> Array:
+    """(2/pi^2) double integral of P/distance."""
+    return halfspace.displacement(contact.kernel, P, contact.even)
+
+
+def load(contact: Contact, P: Array) -> Array:
+    """Double integral of P."""
+    return total(P, contact.even) * contact.spacing**2
+
+
+def mass(contact: Contact, P: Array, H: Array) -> Array:
+    """rho H."""
+    return contact.lubricant.density(P) * H
+
+
+def mobility(contact: Contact, P: Array, H: Array) -> Array:
+    """eps = rho H^3/(eta lambda_bar): how readily the oil flows under a pressure gradient.
+
+    Where a grid too coarse for the film lets the surfaces overlap (H < 0), nothing flows.
+    """
+    oil = contact.lubricant
+    return oil.density(P) * jnp.maximum(H, 0.0) ** 3 / (oil.viscosity(P) * contact.lambda_bar)
+
+
+def residual(contact: Contact, P: Array, H: Array, rate: Rate, entrainment: Array | float) -> Array:
+    """Reynolds' equation, eq. (1): squeeze + wedge - div(Poiseuille flux), zero on the edge of the grid."""
+    rho_H, eps = mass(contact, P, H), mobility(contact, P, H)
+    return balance(rho_H, eps, P, rate, entrainment, contact.spacing, contact.even)
+
+
+def balance(
+    mass: Array,
+    eps: Array,
+    P: Array,
+    rate: Rate,
+    entrainment: Array | float,
+    spacing: Array | float,
+    even: Even = WHOLE,
+) -> Array:
+    """The residual, mass rho H and mobility eps given: the equation without the laws of the oil."""
+    squeeze = rate.new * mass + rate.past
+    wedge = (
+        0.0 if even.x else entrainment * upstream_slope(mass, spacing)
+    )  # fields even in X: nothing is carried along X
+    poiseuille = divergence_of_flux(eps, P, spacing, even)
+    return inside(squeeze + wedge - poiseuille, even)
+
+
+def divergence_of_flux(eps: Array, P: Array, spacing: Array | float, even: Even = WHOLE) -> Array:
+    """d/dX(eps dP/dX) + d/dY(eps dP/dY), conservative, second order; zero on the edge nodes."""
+    e, p = extended(eps, even, "edge"), extended(P, even, "edge")
+    in_X = (e[1:-1, 1:] + e[1:-1, :-1]) / 2 * (p[1:-1, 1:] - p[1:-1, :-1])
+    in_Y = (e[1:, 1:-1] + e[:-1, 1:-1]) / 2 * (p[1:, 1:-1] - p[:-1, 1:-1])
+    return inside(((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / spacing**2, even)
+
+
+def upstream_slope(mass: Array, spacing: Array | float) -> Array:
+    """d(mass)/dX from the two nodes upstream, second order (first order next to the edge, zero on it)."""
+    first = mass[:, 1:] - mass[:, :-1]
+    second = 1.5 * first[:, 1:] - 0.5 * first[:, :-1]
+    return jnp.concatenate([jnp.zeros_like(mass[:, :1]), first[:, :1], second], axis=1) / spacing
+
+
+def inside(values: Array, even: Even = WHOLE) -> Array:
+    """The values with the edge set to zero; an axis of symmetry is no edge."""
+    low_y, low_x = (0 if mirror else 1 for mirror in even)
+    return jnp.pad(values[low_y:-1, low_x:-1], ((low_y, 1), (low_x, 1)))

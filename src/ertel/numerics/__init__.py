@@ -1,0 +1,1 @@
+"""Mathematics without a word of lubrication: grids, Fourier sums, multigrid, Newton, Krylov, time differences."""

@@ -1,0 +1,294 @@
+"""A multigrid V-cycle for the linear operators that lubrication leads to, used as a preconditioner.
+
+On every grid the operator is
+
+    e  ->  - div(eps grad e) + stretch * (K e) + local * e        (zero where a node is not free)
+
+with eps from almost nothing (inside a contact, where the elastic deformation K e rules) to very large (outside, where
+diffusion rules).  Each node is smoothed by what is stiff there: Jacobi where diffusion is, and where the deformation
+is, distributive Jacobi: a change is spread as (1; -1/4 to the four neighbours), whose deformation is short-ranged.
+Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import NamedTuple, Protocol
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.tree_util import register_dataclass
+
+from ertel.numerics import halfspace
+from ertel.numerics.grid import Grid
+from ertel.numerics.symmetry import WHOLE, Even, extended
+
+JACOBI_DAMPING = 0.8
+DISTRIBUTIVE_DAMPING = 0.7
+SPREAD_DIFFUSION = 2.0  # 1.25 is the diagonal, but the shortest wave meets 4 and would grow where eps is large
+SHORT_WAVES, LONG_WAVES = 0.3, 0.03  # Jacobi where diffusion exceeds these shares of the deformation's stiffness
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Elasticity:
+    """The deformation operator on one grid: its spectrum, spacing, and coefficients of the nearest nodes, [Y, X].
+
+    even: where fields are kept on one side of an axis (`symmetry`).
+    """
+
+    spectrum: Array
+    spacing: Array
+    near: Array
+    even: Even = field(default=WHOLE, metadata={"static": True})
+
+    def displacement(self, e: Array) -> Array:
+        return halfspace.displacement(self.spectrum, e, self.even)
+
+
+class Coefficients(NamedTuple):
+    """The operator's coefficients on one grid, each of shape (n, n); free is 1 where e may differ from zero."""
+
+    eps: Array
+    stretch: Array
+    local: Array
+    free: Array
+
+
+class Smoother(Protocol):
+    """How one grid is relaxed, and what becomes of the mass stretch * (K e) + local * e in its operator."""
+
+    @property
+    def sweeps(self) -> int:
+        """How many before, and how many after, the correction from the coarser grid."""
+        ...
+
+    def balance(self, mass: Array) -> Array:
+        """The mass as it enters the operator: by itself, or also its rate of change along X (`lines`)."""
+        ...
+
+    def change(self, r: Array) -> Array:
+        """The change of e by one sweep, given the residual r."""
+        ...
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Points:
+    """Node by node: the inverse diagonals of the two kinds of change (zero where not in use)."""
+
+    jacobi: Array
+    distributive: Array
+    even: Even = field(default=WHOLE, metadata={"static": True})
+    sweeps: int = field(default=1, metadata={"static": True})
+
+    def balance(self, mass: Array) -> Array:
+        return mass
+
+    def change(self, r: Array) -> Array:
+        return self.jacobi * r + spread(self.distributive * r, self.even)
+
+
+Operator = Callable[[Array, Array], Array]  # a linear map of e and its deformation K e
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Level:
+    """One grid of the hierarchy: the operator, and coefficients near it for the smoother.
+
+    inverse: of the operator, dense; of the coarsest grid alone.
+    """
+
+    elasticity: Elasticity
+    coefficients: Coefficients
+    smoother: Smoother
+    operator: Operator = field(metadata={"static": True})
+    inverse: Array | None = None
+
+
+def elasticities(grid: Grid, dtype: str) -> tuple[Elasticity, ...]:
+    """The deformation operators of a grid and all its coarser ones."""
+    return tuple(_elasticity(g, dtype) for g in grid.hierarchy())
+
+
+def _elasticity(grid: Grid, dtype: str) -> Elasticity:
+    near = halfspace.love_coefficients(4, grid.spacing)
+    spectrum, spacing = halfspace.spectrum(grid, dtype), jnp.asarray(grid.spacing, dtype)
+    return Elasticity(spectrum, spacing, jnp.asarray(near, dtype), grid.even)
+
+
+def points(elastic: Elasticity, c: Coefficients) -> Points:
+    """The smoother without entrainment."""
+    by_jacobi, K = diffusion_rules(elastic, c), elastic.near
+    diffusion = face_sum(c.eps, elastic.even) / elastic.spacing**2
+    jacobi = JACOBI_DAMPING / (diffusion + c.stretch * K[0, 0] + c.local)
+    distributive = DISTRIBUTIVE_DAMPING / (SPREAD_DIFFUSION * diffusion + c.stretch * (K[0, 0] - K[0, 1]) + c.local)
+    alone, together = jnp.where(by_jacobi, jacobi, 0.0), jnp.where(by_jacobi, 0.0, distributive)
+    return Points(alone * c.free, together * c.free, elastic.even)
+
+
+def hierarchy(
+    elastic: Sequence[Elasticity],
+    finest: Coefficients,
+    smoother: Callable[[Elasticity, Coefficients], Smoother] = points,
+    operator: Operator | None = None,
+) -> tuple[Level, ...]:
+    """The levels, finest first: eps by full weighting, everything else by injection.
+
+    operator: on the finest grid, where it is not just the one above (the exact Jacobian, say).
+    """
+    coefficients = finest
+    levels = []
+    for e in elastic:
+        smooth = smoother(e, coefficients)
+        levels.append(Level(e, coefficients, smooth, operator or partial(_operate, e, coefficients, smooth)))
+        operator = None
+        coefficients = Coefficients(
+            restrict(coefficients.eps, e.even, "edge"), *(c[::2, ::2] for c in coefficients[1:])
+        )
+    return *levels[:-1], replace(levels[-1], inverse=_inverse(levels[-1]))
+
+
+def diffusion_rules(
+    elastic: Elasticity, c: Coefficients, short: Array | float = 1.0, long: Array | float = 1.0
+) -> Array:
+    """Where Jacobi smooths: diffusion outweighs the deformation, times stretch and short (long) for such waves."""
+    # Jacobi amplifies long waves by their deformation, which is of order one on every grid, over the diffusion
+    stiffness = SHORT_WAVES * elastic.near[0, 0] * short + LONG_WAVES * long
+    return face_sum(c.eps, elastic.even) / elastic.spacing**2 > stiffness * c.stretch
+
+
+def _operate(elastic: Elasticity, c: Coefficients, smoother: Smoother, e: Array, Ke: Array) -> Array:
+    return _diffuse(c.eps, e, elastic.even) / elastic.spacing**2 + smoother.balance(c.stretch * Ke + c.local * e)
+
+
+def apply(level: Level, e: Array, Ke: Array | None = None) -> Array:
+    """The operator; K e is summed if not given."""
+    deformation = level.elasticity.displacement(e) if Ke is None else Ke
+    return level.coefficients.free * level.operator(e, deformation)
+
+
+def v_cycle(levels: Sequence[Level], r: Array) -> Array:
+    """An approximate solution e of `apply(levels[0], e) = r`; both vanish where a node is not free.
+
+    No deformation is summed on the grid itself: that of a sweep's change is summed on the coarser grid and corrected
+    for near nodes, that of a correction from the coarser grid is interpolated.
+    """
+    level, coarser, even = levels[0], levels[1:], levels[0].elasticity.even
+    if level.inverse is not None:
+        return (level.inverse @ r.ravel()).reshape(r.shape)
+    e = relax(level, r)
+    Ke = nearly_deformed(level, coarser[0], e)
+    correction = v_cycle(coarser, coarser[0].coefficients.free * restrict(r - apply(level, e, Ke), even))
+    e += level.coefficients.free * prolong(correction)
+    Ke += prolong(coarser[0].elasticity.displacement(correction))
+    return e + relax(level, r - apply(level, e, Ke))
+
+
+def nearly_deformed(level: Level, coarser: Level, e: Array) -> Array:
+    """K e by multilevel integration: the smooth part on the coarser grid, the rest from the nearest nodes.
+
+    What a coarser grid cannot represent changes sign from node to node, so that its deformation is short-ranged.
+    Source: Brandt A, Lubrecht AA. Multilevel matrix multiplication. J Comput Phys 1990;90:348.
+    """
+    smooth_part = restrict(e, level.elasticity.even)
+    rest = e - prolong(smooth_part)
+    return deformed_nearby(level, rest) + prolong(coarser.elasticity.displacement(smooth_part))
+
+
+def deformed_nearby(level: Level, e: Array) -> Array:
+    """The part of K e that comes from the node itself and the eight around it."""
+    p, K = extended(e, level.elasticity.even), level.elasticity.near
+    beside = (p[1:-1, :-2] + p[1:-1, 2:]) + (p[:-2, 1:-1] + p[2:, 1:-1])
+    diagonally = (p[:-2, :-2] + p[2:, 2:]) + (p[:-2, 2:] + p[2:, :-2])
+    return K[0, 0] * p[1:-1, 1:-1] + K[0, 1] * beside + K[1, 1] * diagonally
+
+
+def precondition(levels: Sequence[Level], r: Array) -> Array:
+    """A V-cycle in the precision of the levels, for a residual r of any size and precision."""
+    size = jnp.linalg.norm(r)  # keeps a small residual away from the end of the float range
+    return v_cycle(levels, (r / size).astype(levels[0].coefficients.eps.dtype)).astype(r.dtype) * size
+
+
+def v_cycle_convolutions(grid: Grid) -> float:
+    """The work of a V-cycle: its convolutions, each counted by the nodes of its grid over those of the finest."""
+    return sum(2.0 * (g.nodes / grid.nodes) ** 2 for g in grid.hierarchy()[1:])
+
+
+def relax(level: Level, r: Array) -> Array:
+    """The change of e by all sweeps, given the residual r.
+
+    A later sweep sees only what the nearest nodes deform: enough, as changes are spread, or made where diffusion rules.
+    """
+    e = smooth(level, r)
+    for _ in range(level.smoother.sweeps - 1):
+        e += smooth(level, r - apply(level, e, deformed_nearby(level, e)))
+    return e
+
+
+def smooth(level: Level, r: Array) -> Array:
+    """The change of e by one sweep, given the residual r."""
+    return level.coefficients.free * level.smoother.change(r)
+
+
+def _inverse(level: Level) -> Array:
+    """The operator's inverse on the coarsest grid as a matrix; the identity where a node is not free."""
+    free = level.coefficients.free
+    unit_vectors = jnp.eye(free.size, dtype=free.dtype).reshape(free.size, *free.shape)
+    matrix = jax.vmap(lambda e: apply(level, e).ravel())(unit_vectors).T * free.ravel() + jnp.diag(1.0 - free.ravel())
+    # in double precision: its rows differ by many orders, and elimination compares them
+    return jnp.linalg.inv(matrix.astype("float64")).astype(free.dtype)
+
+
+def spread(d: Array, even: Even = WHOLE) -> Array:
+    """The distributive change: d at the node, -d/4 at each of its four neighbours."""
+    # summed in pairs, here and below: to the last bit the same whichever axis comes first
+    p = extended(d, even)
+    return d - 0.25 * ((p[:-2, 1:-1] + p[2:, 1:-1]) + (p[1:-1, :-2] + p[1:-1, 2:]))
+
+
+@partial(jax.jit, static_argnames=("even", "beyond"))  # one tracing for each shape
+def restrict(fine: Array, even: Even = WHOLE, beyond: str = "constant") -> Array:
+    """Full weighting to every second node; beyond the edge the field is zero ("constant") or goes on ("edge")."""
+    p = extended(fine, even, beyond)
+    in_y = 0.25 * (p[:-2:2] + 2.0 * p[1:-1:2] + p[2::2])
+    return 0.25 * (in_y[:, :-2:2] + 2.0 * in_y[:, 1:-1:2] + in_y[:, 2::2])
+
+
+@jax.jit
+def prolong(coarse: Array) -> Array:
+    """Bilinear interpolation to twice as many cells."""
+    rows = interleave(coarse, 0.5 * (coarse[1:] + coarse[:-1]))
+    return interleave(rows.T, 0.5 * (rows.T[1:] + rows.T[:-1])).T
+
+
+def prolong_smooth(coarse: Array) -> Array:
+    """Cubic interpolation to twice as many cells, linear next to the edge: second derivatives are kept."""
+    return _interpolate(_interpolate(coarse).T).T
+
+
+def _interpolate(coarse: Array) -> Array:
+    linear = 0.5 * (coarse[1:] + coarse[:-1])
+    return interleave(coarse, linear.at[1:-1].add((2 * linear[1:-1] - linear[2:] - linear[:-2]) / 8))
+
+
+def interleave(nodes: Array, between: Array) -> Array:
+    """Rows in turn: those of the nodes, and between them the others, one fewer."""
+    pairs = jnp.stack([nodes[:-1], between], axis=1)
+    return jnp.concatenate([pairs.reshape(-1, nodes.shape[1]), nodes[-1:]])
+
+
+def face_sum(eps: Array, even: Even = WHOLE) -> Array:
+    """Sum of eps over the four faces of each cell."""
+    p = extended(eps, even, "edge")
+    return 2.0 * eps + 0.5 * ((p[:-2, 1:-1] + p[2:, 1:-1]) + (p[1:-1, :-2] + p[1:-1, 2:]))
+
+
+def _diffuse(eps: Array, e: Array, even: Even) -> Array:
+    """- div(eps grad e) on unit spacing, eps averaged at faces; of no meaning on the edge nodes."""
+    c, p = extended(eps, even, "edge"), extended(e, even)
+    in_X = 0.5 * (c[1:-1, 1:] + c[1:-1, :-1]) * (p[1:-1, 1:] - p[1:-1, :-1])
+    in_Y = 0.5 * (c[1:, 1:-1] + c[:-1, 1:-1]) * (p[1:, 1:-1] - p[:-1, 1:-1])
+    return (in_X[:, :-1] - in_X[:, 1:]) + (in_Y[:-1, :] - in_Y[1:, :])

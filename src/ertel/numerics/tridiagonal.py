@@ -1,0 +1,85 @@
+"""Many tridiagonal systems at once, factorised once and solved often, by cyclic reduction.
+
+Every second unknown is eliminated, then every second of those left: the grids of multigrid, on which the coarse problem
+is exact.  No unknown waits for its neighbour, as it does in elimination along the line.  Rows are not exchanged: for
+matrices whose diagonal is not small beside the rest of its row.
+Source: Hockney RW. A fast direct solution of Poisson's equation using Fourier analysis. J ACM 1965;12:95.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from ertel.numerics.multigrid import interleave
+
+SHORT = 33  # nodes on a line that elimination solves as fast
+
+
+class Rows(NamedTuple):
+    """Rows of matrices with a diagonal of one, both parts of shape (lines, n): what multiplies the nodes beside."""
+
+    lower: Array
+    upper: Array
+
+
+class Halving(NamedTuple):
+    """The rows of the odd and the even nodes; by what the even ones are multiplied once the odd are eliminated."""
+
+    odd: Rows
+    even: Rows
+    scale: Array
+
+
+class Factors(NamedTuple):
+    """By what the rows were multiplied, the halvings, longest lines first, and the rows that are left."""
+
+    scale: Array
+    halvings: tuple[Halving, ...]
+    rest: Rows
+
+
+def factorise(lower: Array, diagonal: Array, upper: Array) -> Factors:
+    """Of the matrices with these bands, (lines, n): what multiplies unknowns i - 1, i and i + 1 in row i.
+
+    Halves the lines as long as their number of nodes is odd and above SHORT.
+    """
+    rows, halvings = Rows(lower / diagonal, upper / diagonal), []
+    while (n := rows.lower.shape[1]) > SHORT and n % 2:
+        halving, rows = _halve(rows)
+        halvings.append(halving)
+    return Factors(1.0 / diagonal, tuple(halvings), rows)
+
+
+def solve(factors: Factors, b: Array) -> Array:
+    """The solutions for right-hand sides b of shape (lines, n)."""
+    return _solve(factors.halvings, factors.rest, factors.scale * b)
+
+
+def _solve(halvings: Sequence[Halving], rest: Rows, b: Array) -> Array:
+    if not halvings:
+        return jax.lax.linalg.tridiagonal_solve(rest.lower, jnp.ones_like(b), rest.upper, b[..., None])[..., 0]
+    (odd, even, scale), *shorter = halvings
+    left_out = b[:, 1::2]
+    x = _solve(shorter, rest, scale * (b[:, ::2] - even.lower * _before(left_out) - even.upper * _after(left_out)))
+    between = left_out - odd.lower * x[:, :-1] - odd.upper * x[:, 1:]
+    return interleave(x.T, between.T).T
+
+
+def _halve(rows: Rows) -> tuple[Halving, Rows]:
+    """The halving, and the rows of the even nodes without the odd ones."""
+    odd, even = (Rows(*(part[:, first::2] for part in rows)) for first in (1, 0))
+    diagonal = 1.0 - even.lower * _before(odd.upper) - even.upper * _after(odd.lower)
+    lower, upper = -even.lower * _before(odd.lower), -even.upper * _after(odd.upper)
+    return Halving(odd, even, 1.0 / diagonal), Rows(lower / diagonal, upper / diagonal)
+
+
+def _before(odd: Array) -> Array:
+    """At each even node the value of the odd one before it; zero before the first."""
+    return jnp.pad(odd, ((0, 0), (1, 0)))
+
+
+def _after(odd: Array) -> Array:
+    return jnp.pad(odd, ((0, 0), (0, 1)))

@@ -1,0 +1,1 @@
+"""What a run says: variables, Dataset, summary, diagnostics, fronts, waves, pictures."""

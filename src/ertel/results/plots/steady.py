@@ -1,0 +1,196 @@
+"""Pictures of a steady rolling contact and of the grids that it was solved on: Dataset -> matplotlib Figure."""
+
+import json
+from dataclasses import dataclass
+from functools import partial
+from math import isfinite, pi
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MaxNLocator
+
+from ertel.physics import hertz
+from ertel.results.plots.drawing import (
+    BLUE,
+    GREY,
+    ORANGE,
+    ORDERED_COLOURS,
+    Figures,
+    Panel,
+    Values,
+    axis_label,
+    compose,
+    draw_film,
+    draw_flow,
+    draw_pressure,
+    extent,
+    lateral,
+    map_of,
+    named,
+    scale,
+    title,
+)
+
+# -- error bars --------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value on every grid, its estimated errors (NaN on the coarsest), and the value extrapolated from the finest."""
+
+    values: Values
+    errors: Values
+    extrapolated: float
+
+
+def estimate_of(dataset: xr.Dataset, name: str) -> Estimate:
+    """As `steady2d.Rolling.extrapolate` has it, for every grid: the error falls with the square of the spacing."""
+    values = np.asarray(dataset[name].values)
+    steps = np.diff(values, prepend=np.nan) / 3.0
+    return Estimate(values, np.abs(steps), float(values[-1] + steps[-1]))
+
+
+def _with_error(dataset: xr.Dataset, name: str) -> str:
+    """A film on the finest grid as h_c = 146 ± 10 nm: as many digits as the error deserves."""
+    film = estimate_of(dataset, name)
+    z = scale(dataset, name, float(film.values[-1]))
+    value, error = film.values[-1] * z.factor, film.errors[-1] * z.factor
+    if not (isfinite(error) and error > 0):
+        return f"{z.symbol} = {value:.4g} {z.unit}"
+    digits = max(0, 1 - int(np.floor(np.log10(error))))
+    return f"{z.symbol} = {value:.{digits}f} ± {error:.{digits}f} {z.unit}"
+
+
+# -- panels ----------------------------------------------------------------------------------------------------------
+
+
+def draw_horseshoe(axes: Axes, dataset: xr.Dataset) -> None:
+    """Film thickness of a steady contact, with contour lines at equal steps as an interferometer shows them."""
+    H = float(dataset["H_c"].values[-1])
+    draw_film(axes, dataset, map_of(dataset, "H"), _side(dataset), 1.75 * H, lines=16)
+    draw_flow(axes, _flow(dataset))
+
+
+def draw_spike(axes: Axes, dataset: xr.Dataset) -> None:
+    """Pressure of a steady contact with its spike."""
+    draw_pressure(axes, dataset, map_of(dataset, "P"), _side(dataset))
+    draw_flow(axes, _flow(dataset))
+
+
+def _side(dataset: xr.Dataset) -> float:
+    """How far from the centre the contact is shown."""
+    field = map_of(dataset, "P")
+    return extent(field.x, field.values.max(axis=0))
+
+
+def _flow(dataset: xr.Dataset) -> float:
+    """+1 where the oil goes to the right: pressure reaches far upstream, and ends soon behind the contact."""
+    X = dataset["X"].values
+    return -float(np.sign(np.mean(X[(dataset["P"].values > 0).any(axis=0)])))
+
+
+def draw_midline(axes: Axes, dataset: xr.Dataset, along: str) -> None:
+    """Film and pressure through the centre along "x" (with the flow) or "y" (across it), beside Hertz' pressure."""
+    section = dataset[["H", "P"]].sel({"Y" if along == "x" else "X": 0.0}, method="nearest")
+    x = np.asarray(section[along.upper()].values)
+    H, P = section["H"].values, section["P"].values
+    across, h = lateral(dataset), scale(dataset, "H", float(dataset["H_c"].values[-1]))
+    p, right = scale(dataset, "P", float(P.max())), axes.twinx()
+    radius = float(dataset["load"].values[-1] / (2.0 * pi / 3.0)) ** (1 / 3)
+    right.plot(x * across.factor, hertz.pressure(x, radius) * p.factor, color=GREY, linewidth=0.8, linestyle="--")
+    right.plot(x * across.factor, P * p.factor, color=ORANGE)
+    axes.plot(x * across.factor, H * h.factor, color=BLUE)
+    side = _side(dataset) * across.factor
+    axes.set(xlim=(-side, min(side, x[-1] * across.factor)), xlabel=axis_label(dataset, along))
+    axes.set_ylim(0.0, 4.0 * float(dataset["H_c"].values[-1]) * h.factor)
+    right.set_ylim(0.0, 1.1 * max(float(P.max()), radius) * p.factor)
+    for scaled, z, colour in ((axes, h, BLUE), (right, p, ORANGE)):
+        scaled.set_ylabel(z.label, color=colour)
+        scaled.tick_params(axis="y", colors=colour)
+    axes.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
+    axes.set_title(f"Through the centre, {'along' if along == 'x' else 'across'} the flow (dashed: Hertz)")
+
+
+def draw_convergence(axes: Axes, dataset: xr.Dataset) -> None:
+    """The largest residual against Newton's iterations, on every grid."""
+    grids = dataset["grid"].values
+    for nodes, colour, history in zip(grids, _shades(len(grids)), dataset["history"].values, strict=True):
+        known = history[np.isfinite(history)]
+        axes.semilogy(np.arange(len(known)), known, "o-", color=colour, markersize=3.5, label=f"{int(nodes)}²")
+    tolerance = json.loads(dataset.attrs["case"])["solver"]["tolerance"]
+    axes.axhline(tolerance, color="black", linewidth=0.8, linestyle=":", label="tolerance")
+    axes.set(xlabel="Newton iteration", ylabel="largest residual", title="Convergence on each grid")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.yaxis.set_major_locator(LogLocator(numticks=8))
+    axes.legend(loc="upper right", frameon=False, fontsize="small", title="nodes", title_fontsize="small")
+
+
+def _shades(number: int) -> Values:
+    return ORDERED_COLOURS(np.linspace(0.9, 0.0, number))
+
+
+def draw_grids(axes: Axes, dataset: xr.Dataset) -> None:
+    """The films on every grid with their estimated errors, and extrapolated to no spacing at all."""
+    grids = [int(nodes) for nodes in dataset["grid"].values]
+    z, place = scale(dataset, "H_c", float(dataset["H_c"].values[-1])), np.arange(len(grids) + 1)
+    top = 0.0
+    for name, colour, marker in (("H_c", BLUE, "o"), ("H_min", ORANGE, "s")):
+        film = estimate_of(dataset, name)
+        shown, errors = film.values * z.factor, film.errors * z.factor
+        label = named(dataset, name)
+        axes.errorbar(place[:-1], shown, errors, color=colour, marker=marker, markersize=4.0, capsize=4.0, label=label)
+        axes.plot(place[-1:], [film.extrapolated * z.factor], marker, color=colour, markerfacecolor="white")
+        axes.axhline(film.extrapolated * z.factor, color=colour, linewidth=0.8, linestyle="--")
+        top = max(top, float(np.nanmax([*film.values, film.extrapolated])) * z.factor)
+    axes.set_xticks(place, [*(f"{nodes}²" for nodes in grids), "∞"])
+    axes.set(xlabel="nodes (∞: extrapolated)", ylabel=f"film thickness ({z.unit})", ylim=(0.0, 1.4 * top))
+    axes.set_title("Film on each grid with its error estimate")
+    axes.legend(loc="upper left", frameon=False, fontsize="small")
+
+
+# -- figures ---------------------------------------------------------------------------------------------------------
+
+
+def overview(dataset: xr.Dataset) -> Figure:
+    """The steady contact on one page: maps, sections, convergence, and what the grid does to the film."""
+    above: list[Panel] = [draw_horseshoe, partial(draw_midline, along="x"), draw_grids]
+    return _of(dataset, [above, [draw_spike, partial(draw_midline, along="y"), draw_convergence]])
+
+
+def film(dataset: xr.Dataset) -> Figure:
+    """The horseshoe."""
+    return _of(dataset, [[draw_horseshoe]])
+
+
+def pressure(dataset: xr.Dataset) -> Figure:
+    """The pressure and its spike."""
+    return _of(dataset, [[draw_spike]])
+
+
+def midlines(dataset: xr.Dataset) -> Figure:
+    """Film and pressure through the centre, along the flow and across it."""
+    return _of(dataset, [[partial(draw_midline, along="x"), partial(draw_midline, along="y")]])
+
+
+def convergence(dataset: xr.Dataset) -> Figure:
+    """How Newton's iteration converged on every grid, and the film with the grid."""
+    return _of(dataset, [[draw_convergence, draw_grids]])
+
+
+def _of(dataset: xr.Dataset, rows: list[list[Panel]]) -> Figure:
+    if not dataset.sizes["grid"]:
+        raise ValueError("dataset: has no solution yet, there is nothing to draw")
+    dataset = dataset.load()
+    films = [_with_error(dataset, name) for name in ("H_c", "H_min")]
+    return compose(dataset, rows, [*title(dataset), *films])
+
+
+STEADY_FIGURES: Figures = {
+    "overview": overview,
+    "film": film,
+    "pressure": pressure,
+    "midlines": midlines,
+    "convergence": convergence,
+}

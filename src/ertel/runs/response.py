@@ -1,0 +1,152 @@
+"""The response of an impact to roughness: dH = H_rough - H_smooth at maximum approach, eq. (17).
+
+Rough impacts run beside the smooth one in lockstep, on its grid and its time steps, so that what they differ by is the
+roughness and not the discretisation.  Or the response is computed directly, as the derivative of the run with respect
+to the height of the roughness (tangent-linear).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+import xarray as xr
+from jax import Array
+
+from ertel.model.case import Case
+from ertel.model.state import Level
+from ertel.model.status import Status
+from ertel.numerics import bdf
+from ertel.physics import surfaces
+from ertel.physics.surfaces import Feature
+from ertel.results import variables
+from ertel.runs import drive
+from ertel.runs.drive import Frame, Step
+from ertel.solvers import nonlinear, tangent
+from ertel.solvers.transient import Transient2D
+
+FILM_CHANGE = {"long_name": "change of the film thickness by the roughness", "symbol": "dH", "units": "1"}
+HEIGHT = {"long_name": "height of the roughness", "symbol": "R", "units": "1"}
+
+
+class Companion(Protocol):
+    """A run beside the smooth one."""
+
+    def follow(self, smooth: Sequence[Level]) -> Status:
+        """Make the step that the smooth run has made; its levels are given newest first."""
+        ...
+
+    def film_change(self, smooth: Sequence[Level], weights: bdf.Weights) -> Array:
+        """dH between the last levels, interpolated with the weights."""
+        ...
+
+
+class RoughRun:
+    """A rough impact of finite height."""
+
+    def __init__(self, case: Case):
+        self.method = Transient2D(case)
+        self.levels = [self.method.start().level]
+
+    def follow(self, smooth: Sequence[Level]) -> Status:
+        attempt = self.method.advance(self.levels, smooth[0].T - smooth[1].T)
+        self.levels = [attempt.level, *self.levels][:3]
+        return attempt.status
+
+    def film_change(self, smooth: Sequence[Level], weights: bdf.Weights) -> Array:
+        return sum(w * (rough.H - level.H) for w, rough, level in zip(weights, self.levels, smooth, strict=True))
+
+
+class TangentRun:
+    """The derivative of the smooth impact with respect to the roughness, times the roughness."""
+
+    def __init__(self, method: Transient2D, features: Sequence[Feature]):
+        self.method, self.features = method, features
+        self.levels = [tangent.start(self._height(0.0))]
+
+    def _height(self, T: float) -> Array:
+        return nonlinear.heights(self.features, self.method.case, self.method.grid, T)
+
+    def follow(self, smooth: Sequence[Level]) -> Status:
+        level, krylov = tangent.advance(self.method, smooth, self.levels, self._height(smooth[0].T))
+        self.levels = [level, *self.levels][:3]
+        return Status.CONVERGED if krylov < tangent.LIMIT else Status.NEWTON_STALLED
+
+    def film_change(self, smooth: Sequence[Level], weights: bdf.Weights) -> Array:
+        return sum(w * level.H for w, level in zip(weights, self.levels, strict=True))
+
+
+def respond(
+    case: Case,
+    roughnesses: Sequence[Sequence[Feature]],
+    linear: bool = False,
+    on_step: Callable[[Step], object] | None = None,
+) -> xr.Dataset:
+    """The smooth impact up to maximum approach, and what each roughness changes there.
+
+    Parameters
+    ----------
+    case : Case
+        An impact by the method "2d"; its own roughness is left out of the smooth run.
+    roughnesses : sequence of sequences of Feature
+        One for each response.  Heights in a^2/R, positive = metal towards the film.
+    linear : bool
+        The tangent-linear response (exact as the height goes to zero) instead of runs of finite height.
+    on_step : callable
+        Sees each step of the smooth run.
+
+    Returns
+    -------
+    xarray.Dataset
+        H, P (Y, X) of the smooth impact at maximum approach, its scalars over time, and dH, roughness (wave, Y, X) in
+        units a*^2/R.  The attribute `status` is not "converged" where a run gave up; dH is then not to be used.
+    """
+    if case.solver.method != "2d":
+        raise ValueError(f'solver.method = "{case.solver.method}": must be "2d" for a response to roughness')
+    fold = case.solver.fold and all(surfaces.even(features) == (True, True) for features in roughnesses)
+    solver, time = replace(case.solver, fold=fold), replace(case.time, until="max-approach")
+    smooth = replace(case, roughness=(), solver=solver, time=time)
+    method = Transient2D(smooth)
+    companions = [
+        TangentRun(method, features) if linear else RoughRun(replace(smooth, roughness=tuple(features)))
+        for features in roughnesses
+    ]
+    records: list[Mapping[str, float]] = []
+    levels: tuple[Level, ...] = (method.start().level,)
+    status = Status.RUNNING
+    for step in drive.transient(smooth, method=method):
+        records.append(step.record)
+        levels, status = step.state.levels, step.status
+        failed = [s for s in (companion.follow(levels) for companion in companions) if not s.ok]
+        if failed:
+            status = failed[0]
+            break
+        if on_step:
+            on_step(step)
+    return _assemble(smooth, method, levels, companions, records, status).assign_coords(
+        roughness=(("wave", "Y", "X"), _heights(method, roughnesses), HEIGHT)
+    )
+
+
+def _heights(method: Transient2D, roughnesses: Sequence[Sequence[Feature]]) -> np.ndarray:
+    fields = [nonlinear.heights(features, method.case, method.grid, 0.0) for features in roughnesses]
+    return np.stack([np.asarray(method.whole(field)) for field in fields])
+
+
+def _assemble(
+    case: Case,
+    method: Transient2D,
+    levels: Sequence[Level],
+    companions: Sequence[Companion],
+    records: Sequence[Mapping[str, float]],
+    status: Status,
+) -> xr.Dataset:
+    """Everything at the moment of maximum approach, between the last levels."""
+    T = drive.turning_time(levels) if status.ok else levels[0].T
+    peak = drive.interpolate(levels, T)
+    P, H = (np.asarray(method.whole(field)) for field in (peak.P, peak.H))
+    frame = Frame(T, P, H, "max-approach")
+    data = variables.assemble(case, records, [frame], method.coordinates, {"status": status.value}).isel(frame=0)
+    weights = bdf.interpolation_weights(T, [level.T for level in levels])
+    changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]
+    return data.assign(dH=(("wave", "Y", "X"), np.stack([np.asarray(change) for change in changes]), FILM_CHANGE))

@@ -1,0 +1,1 @@
+"""How a time level, or the steady state, is found."""

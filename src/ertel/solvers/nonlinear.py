@@ -1,0 +1,241 @@
+"""One solve on the 2-D grid: P and Delta at a new time level, or of the steady state, of an impact or of rolling.
+
+The equation is always `contact.residual`, the closure always one line (`closure.ClosureLine`).  What is chosen here is
+how to solve: two ways to close the system, two preconditioners.
+
+    eliminated, bordered    Delta follows from the load at once where it has a weight of its own in the closure's line
+                            (inertia); a balanced load has none, and Newton's iteration carries Delta as an unknown
+    still, carried          nodes smoothed one by one, or along the lines on which the oil is carried (entrainment)
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array, tree
+
+from ertel.model import contact
+from ertel.model.approach import ClosureLine
+from ertel.model.case import Case
+from ertel.model.contact import Contact, Rate
+from ertel.numerics import line_smoother, multigrid, newton
+from ertel.numerics.grid import Grid
+from ertel.numerics.multigrid import Elasticity
+from ertel.numerics.symmetry import WHOLE, Even, total
+from ertel.physics import surfaces
+from ertel.physics.surfaces import Feature
+
+Number = Array | float
+PRECONDITIONER_PRECISION = "float32"
+LOAD_WEIGHT = 200.0  # of the load's misfit beside the residual: large, so that every direction of search keeps the load
+
+
+class Problem(NamedTuple):
+    """What holds at the new level: the squeeze rate, the entrainment U, the closure's line; and what may be left over.
+
+    tolerance: of Reynolds' equation at each node, (n, n) or a number.  load_tolerance: of a line with Delta unknown.
+    """
+
+    rate: Rate
+    entrainment: Number
+    line: ClosureLine
+    tolerance: Number
+    load_tolerance: Number
+
+
+Preconditioner = Callable[[Contact, tuple[Elasticity, ...], Array, Array, Array, Problem], newton.Map]
+Close = Callable[[Contact, Problem, Array, Number], "Closed"]
+
+
+class Closed(NamedTuple):
+    """The system in a form that Newton's iteration takes: first H, how H follows a change of P, the border if any.
+
+    approach: Delta from the solution.
+    """
+
+    H: Array
+    film_change: newton.Map
+    border: newton.Border
+    approach: Callable[[newton.Solution], Array]
+
+
+def grid_of(case: Case) -> Grid:
+    """The grid that a case asks for, the inlet where the oil comes from at T = 0."""
+    s = case.solver
+    centre = 0.0 if s.inlet is None else s.half_width - s.inlet
+    upstream_is_left = case.motion.entrainment(0.0) >= 0
+    centre_x = centre if upstream_is_left else -centre
+    return Grid(s.nodes, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
+
+
+def _symmetry(case: Case, centre_x: float) -> Even:
+    """About which axes a case is symmetric: the flow goes along X."""
+    in_y, in_x = surfaces.even(case.roughness)
+    return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
+
+
+def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
+    """The two surfaces and the oil at time T on a grid."""
+    smooth = contact.ball_on_plane(grid, case.parameters.lambda_bar, case.lubricant)
+    return moved(smooth, case, grid, T)
+
+
+def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
+    """The smooth contact with the case's roughness added, where it is at time T."""
+    if not case.roughness:
+        return smooth
+    return replace(smooth, gap=smooth.gap - heights(case.roughness, case, grid, T))
+
+
+def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Array:
+    """The roughness on the grid at time T, moved with the surfaces of the case."""
+    return jnp.asarray(surfaces.height(features, case.motion, T, grid.kept_x[None, :], grid.kept_y[:, None]))
+
+
+def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
+    """Films and pressures: H_c, P_c at (0, 0), H_min the smallest where P > 0, where that is, load = integral of P."""
+    row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
+    H_c, P_c, P_max, load, H_min, where = (float(v) for v in _measure(P, H, row, column, grid.even))
+    i, j = divmod(int(where), grid.shape[1])
+    films = {"H_c": H_c, "H_min": H_min, "X_min": float(grid.kept_x[j]), "Y_min": abs(float(grid.kept_y[i]))}
+    return {**films, "P_c": P_c, "P_max": P_max, "load": load * grid.spacing**2}
+
+
+@partial(jax.jit, static_argnames="even")
+def _measure(P: Array, H: Array, row: int, column: int, even: Even) -> Array:
+    pressed = jnp.where((P > 0.0) | (P.max() <= 0.0), H, jnp.inf)
+    least = jnp.argmin(pressed)
+    return jnp.stack([H[row, column], P[row, column], P.max(), total(P, even), pressed.min(), least.astype(P.dtype)])
+
+
+@partial(jax.jit, static_argnames=("close", "preconditioner", "options"))
+def solve(
+    c: Contact,
+    elastic: tuple[Elasticity, ...],
+    problem: Problem,
+    P: Array,
+    approach: Number,
+    *,
+    close: Close,
+    preconditioner: Preconditioner,
+    options: newton.Options,
+) -> tuple[newton.Solution, Array]:
+    """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P)."""
+    turned = partial(along_the_flow, problem.entrainment)
+    c, P = replace(c, gap=turned(c.gap)), turned(P)
+    problem = tree.map(turned, problem)._replace(entrainment=jnp.abs(problem.entrainment))
+    closed = close(c, problem, P, approach)
+
+    def residual(P: Array, H: Array) -> Array:
+        return contact.residual(c, P, H, problem.rate, problem.entrainment)
+
+    def inverse(P: Array, H: Array, free: Array) -> newton.Map:
+        return preconditioner(c, elastic, P, H, free, problem)
+
+    solution = newton.solve(
+        residual, closed.film_change, inverse, P, closed.H, problem.tolerance, options, closed.border
+    )
+    return solution._replace(P=turned(solution.P), H=turned(solution.H)), closed.approach(solution)
+
+
+def along_the_flow(entrainment: Number, field: Any) -> Any:
+    """A field with X the way the oil is carried (and, by the same reversal, back again); a number stays as it is."""
+    return jnp.where(entrainment >= 0, field, field[..., ::-1]) if jnp.ndim(field) > 1 else field
+
+
+def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int) -> float:
+    """Work in convolutions on this grid (one on a coarser grid counts by its nodes).
+
+    One for the first film, one each Newton iteration, one and a V-cycle each Krylov iteration.
+    """
+    return 1 + newton_iterations + krylov_iterations * (1 + multigrid.v_cycle_convolutions(grid))
+
+
+# -- Delta ------------------------------------------------------------------------------------------------------------
+
+
+def eliminated(c: Contact, problem: Problem, P: Array, approach: Number) -> Closed:
+    """Delta from the load: the line where Delta has a weight."""
+    line = problem.line
+
+    def of(P: Array) -> Array:
+        return (line.value - line.load_weight * contact.load(c, P)) / line.approach_weight
+
+    def film_change(dP: Array) -> Array:
+        rise = line.load_weight * contact.load(c, dP) / line.approach_weight
+        return contact.deformation(c, dP) + rise
+
+    return Closed(contact.film_thickness(c, P, of(P)), film_change, newton.NO_BORDER, lambda s: of(s.P))
+
+
+def bordered(c: Contact, problem: Problem, P: Array, approach: Number) -> Closed:
+    """Delta as one more unknown, with the line as its equation."""
+    line = problem.line
+
+    def misfit(P: Array, approach: Array) -> Array:
+        return line.approach_weight * approach + line.load_weight * contact.load(c, P) - line.value
+
+    def film_change(dP: Array) -> Array:
+        return contact.deformation(c, dP)
+
+    weight = LOAD_WEIGHT * (1.0 + problem.rate.new) / c.spacing
+    border = newton.Border(approach, -1.0, misfit, problem.load_tolerance, weight)
+    return Closed(contact.film_thickness(c, P, approach), film_change, border, lambda s: s.s)
+
+
+# -- preconditioners --------------------------------------------------------------------------------------------------
+
+
+def still(c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free: Array, problem: Problem) -> newton.Map:
+    """For U = 0."""
+    return partial(multigrid.precondition, levels(c, elastic, P, H, free, problem, problem.rate.new, multigrid.points))
+
+
+def carried(
+    c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free: Array, problem: Problem
+) -> newton.Map:
+    """For any U >= 0."""
+    smoother = partial(line_smoother.lines, rate=problem.rate.new, drift=problem.entrainment)
+    return partial(multigrid.precondition, levels(c, elastic, P, H, free, problem, 1.0, smoother))
+
+
+def levels(
+    c: Contact,
+    elastic: tuple[Elasticity, ...],
+    P: Array,
+    H: Array,
+    free: Array,
+    problem: Problem,
+    rate: Number,
+    smoother: Callable[[Elasticity, multigrid.Coefficients], multigrid.Smoother],
+) -> tuple[multigrid.Level, ...]:
+    """The V-cycle's grids for the Jacobian, on the finest grid the exact one.
+
+    rate: of the mass, where the smoother adds none of its own.
+    """
+
+    def laws(P: Array, H: Array) -> tuple[Array, Array]:
+        return contact.mass(c, P, H), contact.mobility(c, P, H)
+
+    # in double precision: of a thick oil the viscosity is beyond single, its inverse and their derivatives are not
+    one, zero = jnp.ones_like(P), jnp.zeros_like(P)
+    (mass, eps), by_P = jax.jvp(laws, (P, H), (one, zero))
+    _, by_H = jax.jvp(laws, (P, H), (zero, one))
+
+    def balance(mass: Array, eps: Array, P: Array) -> Array:
+        return contact.balance(mass, eps, P, Rate(new, 0.0), U, spacing, c.even)
+
+    def jacobian(e: Array, Ke: Array) -> Array:
+        dmass, deps = (p * e + h * Ke for p, h in zip(by_P, by_H, strict=True))
+        return change(dmass, deps, e)
+
+    single = partial(jnp.asarray, dtype=elastic[0].spectrum.dtype)
+    mass, eps, by_P, by_H, P, free = tree.map(single, (mass, eps, by_P, by_H, P, contact.inside(free, c.even)))
+    rate, new, U, spacing = map(single, (rate, problem.rate.new, problem.entrainment, c.spacing))
+    _, change = jax.linearize(balance, mass, eps, P)
+    finest = multigrid.Coefficients(eps, rate * by_H[0], rate * by_P[0], free)
+    return multigrid.hierarchy(elastic, finest, smoother, jacobian)

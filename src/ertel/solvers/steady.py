@@ -1,0 +1,170 @@
+"""Steady rolling on the 2-D grid: `contact`'s residual without squeeze, with a given load, coarse grid first.
+
+The unknowns are P and the approach Delta; Newton's iteration carries both.  A solution on a coarse grid is the first
+guess on the next finer one (nested iteration), and tells the error of the film at no cost.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from ertel.model import contact
+from ertel.model.approach import HERTZ_LOAD, balanced
+from ertel.model.case import Case
+from ertel.model.contact import Contact, Rate
+from ertel.model.status import Status
+from ertel.numerics import multigrid, newton
+from ertel.numerics.grid import Grid, check_nodes
+from ertel.numerics.symmetry import folded, total, unfolded
+from ertel.solvers import nonlinear
+from ertel.solvers.nonlinear import Problem
+
+FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
+LEAST_FILM = 0.5  # share of the coarse grid's smallest film that a first guess keeps
+TOLERANCE = 1e-8  # of the film that a transient run starts from
+AS_EXACT_AS_THE_GRID = 0.1  # the tolerance that leaves about a tenth of the discretisation error (measured, H_c, H_min)
+# least: where the tolerance is so loose that the first guess may meet it, one iteration leaves too much
+# Krylov: 3 to 6 are needed, a sharp spike on a fine grid wants all; each keeps its two fields; Newton: likewise, 5 to 7
+OPTIONS = newton.Options(newton_limit=100, newton_least=2, krylov_limit=18, first_reduction=0.1)
+STEADY = Rate(0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class GridSolution:
+    """The steady contact on one grid: fields of its shape, approach in a^2/R, how it ended, and the work it took.
+
+    history: the largest residual before the first and after each Newton iteration.  convolutions: on this grid.
+    """
+
+    grid: Grid
+    P: Array
+    H: Array
+    approach: float
+    residual: float
+    status: Status
+    newton: int
+    krylov: int
+    convolutions: float
+    history: tuple[float, ...] = ()
+
+    def measure(self) -> dict[str, float]:
+        """Films, pressures and load, see `nonlinear.measure`, and Delta."""
+        return {"Delta": self.approach, **nonlinear.measure(self.grid, self.P, self.H)}
+
+    def whole(self, field: Array) -> Array:
+        """P or H on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only."""
+        return unfolded(field, self.grid.even)
+
+
+class Extrapolation(NamedTuple):
+    """A value on the finest grid, an estimate of its error there, and the value extrapolated to zero spacing."""
+
+    value: float
+    error: float
+    extrapolated: float
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """The solutions on all grids, coarsest first."""
+
+    solutions: tuple[GridSolution, ...]
+
+    @property
+    def finest(self) -> GridSolution:
+        return self.solutions[-1]
+
+    @property
+    def convolutions(self) -> float:
+        """The work on all grids, in convolutions on the finest."""
+        return sum(s.convolutions * (s.grid.nodes / self.finest.grid.nodes) ** 2 for s in self.solutions)
+
+    def extrapolate(self, name: str) -> Extrapolation:
+        """A quantity of `measure` by Richardson's extrapolation: the error falls with the square of the spacing."""
+        coarse, fine = (s.measure()[name] for s in self.solutions[-2:])
+        return Extrapolation(fine, abs(fine - coarse) / 3, fine + (fine - coarse) / 3)
+
+
+def steady(case: Case) -> Rolling:
+    """The steady contact with the load and the entrainment of T = 0, on all grids."""
+    return Rolling(tuple(nested(case)))
+
+
+def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSolution]:
+    """Solutions from the coarsest grid to the case's own; goes on after those that are done.
+
+    The case's tolerance bounds the residual of Reynolds' equation where its method is "steady".  Raises ValueError
+    where there is no load or no entrainment at T = 0, and so no steady film.
+    """
+    check_nodes(case.solver.nodes)
+    check_motion(case)
+    tolerance = case.solver.tolerance if case.solver.method == "steady" else TOLERANCE
+    grids = [nonlinear.grid_of(case)]
+    while (grids[-1].nodes - 1) // 2 + 1 >= FIRST_GRID:
+        grids.append(grids[-1].coarser())
+    solutions = list(done)
+    for grid in reversed(grids[: len(grids) - len(done)]):
+        c = nonlinear.contact_of(case, grid)
+        if solutions:
+            guess = first_guess(c, solutions[-1], expected_approach(solutions))
+        else:
+            guess = hertz_pressure(grid, case.motion.load(0.0))
+        solutions.append(solve(case, grid, c, *guess, tolerance))
+        yield solutions[-1]
+
+
+def check_motion(case: Case) -> None:
+    """Raise ValueError unless there is a steady film at T = 0."""
+    load, entrainment = case.motion.load(0.0), case.motion.entrainment(0.0)
+    if not load > 0:
+        raise ValueError(f"motion.load = {load} at T = 0: must be above zero, a steady film carries a load")
+    if entrainment == 0:
+        raise ValueError(f"motion.entrainment = {entrainment} at T = 0: must not be zero, a steady film needs a flow")
+
+
+def hertz_pressure(grid: Grid, load: float) -> tuple[Array, float]:
+    """Pressure and approach of the dry contact under a load in units F*, which it carries exactly on this grid."""
+    radius = load ** (1 / 3)
+    square = grid.kept_x[None, :] ** 2 + grid.kept_y[:, None] ** 2
+    P = jnp.sqrt(jnp.maximum(radius**2 - square, 0.0))
+    return P * (load * HERTZ_LOAD / (total(P, grid.even) * grid.spacing**2)), radius**2
+
+
+def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:
+    """Pressure from twice the spacing; the approach, and the bodies moved apart where they would overlap."""
+    H_min = coarse.measure()["H_min"]
+    least, thinnest = LEAST_FILM * max(H_min, 0.0), H_min + coarse.approach - approach
+    return _from_coarse(c, coarse.P), approach - max(least - thinnest, 0.0)
+
+
+@jax.jit
+def _from_coarse(c: Contact, coarse: Array) -> Array:
+    # linear interpolation leaves steps in the slope, of which the free-flowing inlet makes a large residual
+    P = folded(multigrid.prolong_smooth(unfolded(coarse, c.even)), c.even)
+    return contact.inside(jnp.maximum(P, 0.0), c.even)
+
+
+def expected_approach(coarser: Sequence[GridSolution]) -> float:
+    """Delta on the next grid from those on the coarser ones (coarsest first): its error falls fourfold from each."""
+    *earlier, last = (s.approach for s in coarser[-2:])
+    return last + sum(last - e for e in earlier) / 4
+
+
+def solve(case: Case, grid: Grid, c: Contact, P: Array, approach: float, tolerance: float) -> GridSolution:
+    """The steady solution on one grid from a first guess of P and the approach."""
+    problem = Problem(
+        STEADY, case.motion.entrainment(0.0), balanced(case.motion.load(0.0)), tolerance, tolerance / HERTZ_LOAD
+    )
+    elastic = multigrid.elasticities(grid, nonlinear.PRECONDITIONER_PRECISION)
+    s, Delta = nonlinear.solve(
+        c, elastic, problem, P, approach, close=nonlinear.bordered, preconditioner=nonlinear.carried, options=OPTIONS
+    )
+    status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
+    n, k = int(s.newton), int(s.krylov)
+    work = nonlinear.convolutions(grid, n, k)
+    history = tuple((s.history[: n + 1] * tolerance).tolist())
+    return GridSolution(grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history)

@@ -1,0 +1,125 @@
+"""The paper's waves: bars, dots and marks on made-up fields whose answer is known, and on small runs."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from ertel.apps.boundary_layers import beyond, reduction, waves
+from ertel.apps.boundary_layers.waves import Extrapolated
+from ertel.physics import amplitude_reduction
+from ertel.physics.scales import Parameters
+from ertel.results import analysis
+
+M, L, WAVE = 200, 10, 0.4
+X = np.linspace(-1.5, 1.5, 301)
+
+
+def test_extrapolation_and_its_bar():
+    """Of errors with h^2 the limit is exact; with h the bar just reaches it."""
+    second, first = Extrapolated(0.5 + 0.04, 0.5 + 0.01), Extrapolated(0.5 + 0.04, 0.5 + 0.02)
+    assert second.limit == pytest.approx(0.5)
+    assert first.limit - first.error == pytest.approx(0.5)
+
+
+def fading(amplitude: float) -> xr.Dataset:
+    """What an impact leaves of one wave, and a front that comes to rest at 1, A^2 = 1 - (1 - T)^2."""
+    T = np.linspace(0, 1, 101)
+    dH = amplitude * np.cos(2 * np.pi * X / WAVE)
+    return xr.Dataset(
+        {
+            "dH": (("wave", "X"), [dH, dH / 2]),
+            "along": (("wave", "X"), [np.full_like(X, amplitude / 4)] * 2),
+            "X_min": ("time", np.sqrt(1 - (1 - T) ** 2)),
+            "P_max": ("time", np.ones_like(T)),
+        },
+        {"X": X, "time": T, "frame": 1.0},
+    )
+
+
+def test_marks_of_other_shapes():
+    plan = replace(beyond.QUICK, shaped={(M, L): (WAVE,)})
+    across, rings, along = beyond.shaped_marks(plan, [fading(0.6), fading(0.5)])
+    assert [mark.kind for mark in (across, rings, along)] == ["transverse", "rings", "longitudinal"]
+    assert across.ratio == pytest.approx((0.6, 0.5), rel=1e-3)
+    assert rings.ratio == pytest.approx((0.3, 0.25), rel=1e-3)
+    assert along.ratio == pytest.approx((0.15, 0.125))
+    assert along.X == across.X == pytest.approx(0.7)
+    speed = np.sqrt(1 - across.X**2) / across.X
+    p = Parameters.from_moes(M, L)
+    assert across.local == pytest.approx(float(analysis.local_nabla2(p, WAVE, speed)), rel=0.02)
+    assert across.hertz == pytest.approx(float(analysis.local_nabla2(p, WAVE, speed, across.X)), rel=0.02)
+
+
+def test_wavelength_over_film_is_nabla2_where_the_oil_is_piezoviscous():
+    p = Parameters.from_moes(M, L)
+    assert beyond.over_film(p, WAVE) == pytest.approx(p.nabla2(WAVE))
+    assert beyond.over_film(p, WAVE, 0.3, 0.7) == pytest.approx(float(analysis.local_nabla2(p, WAVE, 0.3, 0.7)))
+    soft = Parameters.from_moes(M, 0)
+    assert beyond.over_film(soft, WAVE) == pytest.approx(WAVE / (0.3135 * np.sqrt(soft.lambda_bar)))
+
+
+# -- the figures themselves, from small runs ---------------------------------------------------------------------------
+
+SMALL = waves.Plan(
+    impacts={(M, L): (WAVE,)},
+    grids=(33, 65),
+    rolling=((M, L, 1.0, 65), (M, L, 1.5, 65)),
+    twins=((M, L, WAVE, 0.6),),
+    twin_grids=(33, 65),
+)
+BEYOND = beyond.Plan(
+    shaped={(M, L): (WAVE,)},
+    oils={(M, L): (WAVE,)},
+    soft={M: (WAVE,)},
+    grids=(33, 65),
+    rolling=((M, L, 1.0),),
+    rolling_grids=(33, 65),
+)
+
+
+@pytest.fixture
+def small(monkeypatch):
+    monkeypatch.setattr(waves, "QUICK", SMALL)
+    monkeypatch.setattr(waves, "SHOWN", (M, L))
+    monkeypatch.setattr(reduction, "SHOWN", (M, L))
+    monkeypatch.setattr(beyond, "QUICK", BEYOND)
+
+
+def drawn(tasks: Callable[[bool], list[Any]], draw: Callable[[list[Any], bool], Any]) -> Any:
+    made = draw([task.function(*task.arguments) for task in tasks(True)], True)
+    for table in made.tables:
+        assert table.rows and all(len(row) == len(table.head) for row in table.rows)
+    for columns in made.data.values():
+        assert len({len(values) for values in columns.values()}) == 1
+        assert all(np.isfinite(values).any() for values in columns.values())
+    return made
+
+
+@pytest.mark.slow
+def test_figure_6(small):
+    made = drawn(reduction.all_tasks, reduction.reduction)
+    assert 0.3 < made.data["rolling"]["limit"][0] < 0.8
+    assert made.data["impact"]["last"].sum() == 1
+
+
+@pytest.mark.slow
+def test_figure_7(small):
+    made = drawn(beyond.shape_tasks, beyond.other_waves)
+    assert (made.data["impact"]["fine"] < 1.05).all()
+
+
+@pytest.mark.slow
+def test_figure_8(small):
+    made = drawn(beyond.oil_tasks, beyond.other_oils)
+    assert len(made.tables[1].rows) == 2
+
+
+def test_long_ridges_under_rolling():
+    """Hardly deformed where they are short, nearly flat where they are long, as (15) has it with f = e."""
+    nabla2 = Parameters.from_moes(M, L).nabla2(0.5)
+    found = beyond.ridged_rolling(M, L, 0.5, 65)
+    assert found == pytest.approx(float(amplitude_reduction.ratio_left(nabla2, np.inf)), abs=0.2)

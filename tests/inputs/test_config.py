@@ -1,0 +1,381 @@
+"""Case files: what they may say, what they mean, and what is said about the ones that may not."""
+
+import tomllib
+from math import isclose, pi
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ertel.inputs.case_files import ConfigError, load_case, parse_case
+from ertel.inputs.quantities import LENGTH, parse_quantity
+from ertel.inputs.schema import apply_overrides, to_toml
+from ertel.model import case as defaults
+from ertel.physics import lubricant, scales
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+MOES = {"M": 1000, "L": 10}
+BALL = {
+    "radius": "10 mm",
+    "mass": "32.6726 g",
+    "speed": "0.1 m/s",
+    "E_prime": "226.37 GPa",
+}
+OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
+STEEL = {"E1": "210 GPa", "nu1": 0.3, "E2": "210 GPa", "nu2": 0.3}
+
+
+def complaint(**sections: object) -> str:
+    with pytest.raises(ConfigError) as caught:
+        parse_case({"contact": MOES, **sections})
+    message = str(caught.value)
+    assert "\n" not in message
+    return message
+
+
+# -- what a case file means -------------------------------------------------------------------------------------------
+
+
+def test_moes_numbers():
+    case = parse_case({"contact": MOES})
+    assert isclose(case.parameters.M, 1000, rel_tol=1e-13)
+    assert isclose(case.parameters.L, 10, rel_tol=1e-13)
+    assert case.scales is None
+
+
+def test_lambda_bar_and_alpha_bar():
+    case = parse_case({"contact": {"lambda_bar": 0.01, "alpha_bar": 20}})
+    assert case.parameters == scales.Parameters(0.01, 20)
+
+
+def test_defaults_are_those_of_the_case_module():
+    case = parse_case({"contact": MOES})
+    assert (case.solver, case.time, case.output) == (defaults.Solver(), defaults.Time(), defaults.Output())
+
+
+def test_physical_input_is_the_dimensional_example():
+    """The dimensional example of reference/impact.json, to its five digits."""
+    case = parse_case({"contact": BALL, "lubricant": OIL})
+    si = case.scales
+    assert si is not None
+    found = [si.film, si.a, si.load, si.p_h, si.t0, case.parameters.lambda_bar, case.parameters.alpha_bar]
+    expected = [3.74064e-06, 0.000193407, 109.181, 1393610000.0, 3.74064e-05, 0.0615385, 30.6595]
+    assert all(isclose(a, b, rel_tol=1e-5) for a, b in zip(found, expected, strict=True))
+
+
+def test_ways_to_say_the_same_ball():
+    density = 0.0326726 / (4 / 3 * pi * 0.01**3)
+    height = 0.1**2 / (2 * 9.80665)
+    other = {"radius_1": "20 mm", "radius_2": "20 mm", "mass": "32.6726 g", "drop_height": f"{height!r} m"}
+    one = parse_case({"contact": BALL, "lubricant": OIL}).parameters
+    two = parse_case({"contact": other | {"E_prime": "226.37 GPa"}, "lubricant": OIL}).parameters
+    heavy = {k: v for k, v in BALL.items() if k != "mass"} | {"ball_density": f"{density!r} kg/m^3"}
+    three = parse_case({"contact": heavy, "lubricant": OIL}).parameters
+    for same in (two, three):
+        assert isclose(one.M, same.M, rel_tol=1e-12)
+        assert isclose(one.L, same.L, rel_tol=1e-12)
+
+
+def test_density_is_that_of_the_first_ball():
+    contact = {"radius_1": "10 mm", "radius_2": "40 mm", "ball_density": "8 g/cm^3", "speed": "1 m/s", **STEEL}
+    si = parse_case({"contact": contact, "lubricant": OIL}).scales
+    assert si is not None
+    assert isclose(si.R, 0.008)
+    assert isclose(si.ball_mass, 8000 * 4 / 3 * pi * 0.01**3)
+
+
+def test_roelands_of_a_dimensionless_case_has_the_typical_oil():
+    case = parse_case({"contact": MOES})
+    law = case.lubricant.viscosity_law
+    assert isinstance(law, lubricant.Roelands)
+    p_h = case.parameters.alpha_bar / lubricant.ALPHA
+    assert isclose(law.p_ratio, p_h / lubricant.P0_ROELANDS)
+    assert isclose(law.z, lubricant.roelands_exponent(lubricant.ALPHA, lubricant.ETA0))
+    assert case.lubricant.density_law == lubricant.DowsonHigginson(p_h / lubricant.DENSITY_PRESSURE)
+
+
+def test_roelands_takes_z_and_p0():
+    law = parse_case({"contact": MOES, "lubricant": {"z": 0.6, "p0": "0.2 GPa", "alpha": "20 / GPa"}}).lubricant
+    assert isinstance(law.viscosity_law, lubricant.Roelands)
+    assert law.viscosity_law.z == 0.6
+    assert isclose(law.viscosity_law.p_ratio * 0.2e9, law.viscosity_law.alpha_bar / 20e-9)
+
+
+def test_barus_and_incompressible():
+    case = parse_case({"contact": MOES, "lubricant": {"viscosity": "barus", "density": "incompressible"}})
+    assert case.lubricant == lubricant.Lubricant(lubricant.Barus(case.parameters.alpha_bar), lubricant.Incompressible())
+
+
+@pytest.mark.parametrize("contact", [{"M": 500}, {"M": 500, "L": 0}, {"lambda_bar": 0.01}])
+def test_isoviscous_has_no_pressure_index(contact):
+    case = parse_case({"contact": contact, "lubricant": {"viscosity": "isoviscous", "density": "incompressible"}})
+    assert case.parameters.alpha_bar == 0
+    assert case.lubricant.viscosity_law == lubricant.Isoviscous()
+
+
+def test_physical_isoviscous_needs_no_alpha():
+    oil = {"viscosity": "isoviscous", "eta0": "0.1 Pa*s"}
+    case = parse_case({"contact": BALL, "lubricant": oil})
+    assert case.parameters.alpha_bar == 0
+    assert isinstance(case.lubricant.density_law, lubricant.DowsonHigginson)
+
+
+@pytest.mark.parametrize("until", ["max-approach", "rebound", 2.5, 3])
+def test_until(until):
+    assert parse_case({"contact": MOES, "time": {"until": until}}).time.until == until
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
+def test_examples_are_cases(path):
+    case = load_case(path)
+    assert case.name == path.stem
+    assert case.on_half_grid().solver.nodes == (case.solver.nodes + 1) // 2
+
+
+# -- quantities -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("10 mm", 0.01),
+        ("10mm", 0.01),
+        (" 1e-2 m ", 0.01),
+        ("0.393700787402 inch", 0.01),
+        ("10000 µm", 0.01),
+        ("1 cm", 0.01),
+    ],
+)
+def test_lengths(text, value):
+    found = parse_quantity(text, LENGTH)
+    assert found is not None
+    assert isclose(found, value, rel_tol=1e-11)
+
+
+def test_decimal_input_stays_decimal():
+    """18.6 * 0.001 is 0.018600000000000002 in floats."""
+    assert parse_quantity("18.6 mm", LENGTH) == 0.0186
+
+
+@pytest.mark.parametrize("alpha", ["22 / GPa", "22 1/GPa", "22e-9 1/Pa", "2.2e-8 m^2/N", "22 GPa^-1", "0.022 / MPa"])
+def test_compliances(alpha):
+    case = parse_case({"contact": BALL, "lubricant": OIL | {"alpha": alpha}})
+    assert isclose(case.parameters.alpha_bar, 30.6595, rel_tol=1e-5)
+
+
+# -- round trip -------------------------------------------------------------------------------------------------------
+
+positive = st.floats(1e-6, 1e6)
+units = {"length": ["m", "mm", "µm", "inch"], "speed": ["m/s", "km/hour", "mm/ms"], "stress": ["Pa", "GPa", "bar"]}
+
+
+def quantity(kind: str, low: float, high: float) -> st.SearchStrategy[str]:
+    return st.builds(lambda value, unit: f"{value!r} {unit}", st.floats(low, high), st.sampled_from(units[kind]))
+
+
+balls = st.fixed_dictionaries(
+    {
+        "radius": quantity("length", 0.1, 1e3),
+        "ball_density": st.floats(1e3, 2e4).map(lambda rho: f"{rho!r} kg/m^3"),
+        "speed": quantity("speed", 1e-3, 1e2),
+        "E_prime": quantity("stress", 1.0, 1e3),
+    }
+)
+oils = st.fixed_dictionaries(
+    {"eta0": positive.filter(lambda eta: eta > 1e-4).map(lambda eta: f"{eta!r} Pa*s"), "alpha": st.just("20 / GPa")},
+    optional={"viscosity": st.sampled_from(["roelands", "barus"]), "reference": st.text(max_size=10)},
+)
+moes = st.fixed_dictionaries({"M": st.floats(1, 1e5), "L": st.floats(0.1, 50)})
+solvers = st.fixed_dictionaries(
+    {},
+    optional={"method": st.just("radial"), "nodes": st.sampled_from([65, 129, 257]), "tolerance": st.floats(1e-6, 0.1)},
+)
+times = st.fixed_dictionaries({}, optional={"step": st.floats(1e-4, 0.1), "until": st.floats(0.1, 10)})
+
+
+@given(contact=st.one_of(balls, moes), oil=oils, solver=solvers, time=times)
+def test_resolved_case_reads_back_as_the_same(contact, oil, solver, time):
+    case = parse_case({"contact": contact, "lubricant": oil, "solver": solver, "time": time})
+    again = parse_case(tomllib.loads(to_toml(case.source)))
+    assert again == case  # to the last bit, for a run resumed from its resolved case equals the run
+    assert again.source == case.source
+
+
+@given(st.dictionaries(st.text(min_size=1, max_size=8), st.one_of(st.floats(), st.text(max_size=5), st.booleans())))
+def test_nonsense_is_refused_in_one_line(contact):
+    try:
+        parse_case({"contact": contact})
+    except ConfigError as error:
+        assert len(str(error).splitlines()) == 1
+    else:
+        assert set(contact) == {"M", "L"} or set(contact) == {"lambda_bar", "alpha_bar"}
+
+
+@given(st.text(max_size=12))
+def test_any_text_as_a_length_is_a_length_or_refused(text):
+    try:
+        value = parse_quantity(text, LENGTH)
+    except ValueError:
+        return
+    assert value is not None and 0 < value < float("inf")
+
+
+# -- overrides --------------------------------------------------------------------------------------------------------
+
+
+def test_overrides_are_toml_or_text():
+    data = apply_overrides(
+        {"contact": dict(MOES)},
+        ["solver.nodes=129", "time.until=rebound", "contact.M = 2e3", "lubricant.alpha=20 / GPa", 'name="a b"'],
+    )
+    assert data == {
+        "contact": {"M": 2000.0, "L": 10},
+        "solver": {"nodes": 129},
+        "time": {"until": "rebound"},
+        "lubricant": {"alpha": "20 / GPa"},
+        "name": "a b",
+    }
+
+
+def test_overrides_leave_the_data_alone():
+    data = {"contact": dict(MOES)}
+    apply_overrides(data, ["contact.M=1"])
+    assert data["contact"]["M"] == 1000
+
+
+@pytest.mark.parametrize("item", ["solver.nodes", "=3", "a.b.c=3", "solver.=3"])
+def test_malformed_override(item):
+    with pytest.raises(ConfigError, match=r"--set .*section\.key=value"):
+        apply_overrides({}, [item])
+
+
+# -- what is refused: the message names field, value and what is allowed ----------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("sections", "expected"),
+    [
+        ({"contat": {}}, ["contat", "unknown key", "did you mean contact?", "solver"]),
+        ({"solver": {"node": 3}}, ["solver.node = 3", "unknown key", "did you mean nodes?", "half_width"]),
+        ({"contact": MOES | {"raduis": "1 mm"}}, ['contact.raduis = "1 mm"', "did you mean radius?"]),
+        ({"solver": 5}, ["solver = 5", "must be a section", "[solver]"]),
+        ({"schema": 2}, ["schema = 2", "allowed: 1"]),
+        ({"contact": MOES | {"kind": "bounce"}}, ['contact.kind = "bounce"', "allowed: 'impact' or 'rolling'"]),
+        ({"lubricant": {"viscosity": "baras"}}, ['lubricant.viscosity = "baras"', "'barus'"]),
+        ({"contact": {"M": -5, "L": 10}}, ["contact.M = -5", "greater than 0"]),
+        ({"contact": {"M": 0, "L": 10}}, ["contact.M = 0", "greater than 0"]),
+        ({"contact": {"M": float("nan"), "L": 10}}, ["contact.M = NaN", "finite"]),
+        ({"contact": {"M": float("inf"), "L": 10}}, ["contact.M = Infinity", "finite"]),
+        ({"contact": {"M": "1000", "L": 10}}, ['contact.M = "1000"', "must be a number"]),
+        ({"contact": {"M": True, "L": 10}}, ["contact.M = true", "must be a number"]),
+        ({"contact": {"M": 1000, "L": 0}}, ["contact.L = 0", "above zero", "roelands"]),
+        ({"contact": {}}, ["contact.M: missing", "lambda_bar and alpha_bar", "radius"]),
+        ({"contact": {"M": 1000}}, ["contact.L: missing", "contact.M = 1000", "M and L"]),
+        ({"contact": MOES | {"lambda_bar": 1}}, ["contact.M = 1000", "contact.lambda_bar = 1", "together", "allowed"]),
+        ({"contact": MOES | BALL}, ["contact.M = 1000", 'contact.radius = "10 mm"', "together", "allowed"]),
+        ({"solver": {"nodes": 100}}, ["solver.nodes = 100", "97", "105"]),
+        ({"solver": {"nodes": 5}}, ["solver.nodes = 5", "17"]),
+        ({"solver": {"method": "radial", "nodes": 3}}, ["solver.nodes = 3: must be at least"]),
+        ({"solver": {"nodes": 129.0}}, ["solver.nodes = 129.0", "integer"]),
+        ({"solver": {"half_width": 0.5}}, ["solver.half_width = 0.5", "greater than 1"]),
+        ({"time": {"until": "never"}}, ['time.until = "never"', '"max-approach"', '"rebound"', "time above zero"]),
+        ({"time": {"until": -1}}, ["time.until = -1", "above zero"]),
+        ({"time": {"start_approach": 0.5}}, ["time.start_approach = 0.5", "less than 0"]),
+        ({"time": {"step": 0}}, ["time.step = 0", "above zero"]),
+        ({"output": {"interval": -0.1}}, ["output.interval = -0.1", "above zero"]),
+        ({"lubricant": {"alpha": "3 m"}}, ['lubricant.alpha = "3 m"', "[length]", "22 / GPa"]),
+        ({"lubricant": {"alpha": "3 quux"}}, ['lubricant.alpha = "3 quux"', "unknown unit", "22 / GPa"]),
+        ({"lubricant": {"alpha": "-3 1/Pa"}}, ['lubricant.alpha = "-3 1/Pa"', "above zero"]),
+        ({"lubricant": {"alpha": 2.2e-8}}, ["lubricant.alpha = 2.2e-08", "unit", "22 / GPa"]),
+        ({"lubricant": {"eta0": "1e-6 Pa*s"}}, ["lubricant.eta0 = 1e-06", "Roelands"]),
+        (
+            {"lubricant": {"viscosity": "isoviscous"}},
+            ["contact.L = 10", "0 or left out", "isoviscous"],
+        ),
+        (
+            {"contact": {"M": 1000}, "lubricant": {"viscosity": "isoviscous"}},
+            ['lubricant.density = "dowson-higginson"', "incompressible"],
+        ),
+    ],
+    ids=str,
+)
+def test_refused(sections, expected):
+    message = complaint(**sections)
+    assert all(part in message for part in expected), message
+
+
+@pytest.mark.parametrize(
+    "radius", ["0 mm", "-10 mm", "nan m", "inf m", "10", "mm", "10 kg", "10 degC", 0.01, "", "1e999 m"]
+)
+def test_refused_radius(radius):
+    message = complaint(contact=BALL | {"radius": radius}, lubricant=OIL)
+    assert message.startswith("contact.radius = ")
+    assert "10 mm" in message
+
+
+@pytest.mark.parametrize("key", BALL)
+def test_underdetermined_ball(key):
+    contact = {k: v for k, v in BALL.items() if k != key}
+    message = complaint(contact=contact, lubricant=OIL)
+    assert message.startswith(f"contact.{key}: missing; allowed: {key}; or ")
+
+
+@pytest.mark.parametrize(
+    ("extra", "pair"),
+    [
+        ({"ball_density": "8 g/cm^3"}, ("mass", "ball_density")),
+        ({"drop_height": "1 m"}, ("speed", "drop_height")),
+        ({"radius_1": "1 m", "radius_2": "1 m"}, ("radius", "radius_1")),
+        (STEEL, ("E_prime", "E1")),
+    ],
+    ids=str,
+)
+def test_overdetermined_ball(extra, pair):
+    message = complaint(contact=BALL | extra, lubricant=OIL)
+    assert all(f"contact.{key} = " in message for key in pair)
+    assert "given together" in message
+
+
+@pytest.mark.parametrize("key", STEEL)
+def test_half_an_elasticity(key):
+    contact = {k: v for k, v in (BALL | STEEL).items() if k not in ("E_prime", key)}
+    assert complaint(contact=contact, lubricant=OIL).startswith(f"contact.{key}: missing; contact.")
+
+
+@pytest.mark.parametrize("key", ["eta0", "alpha"])
+def test_physical_contact_needs_its_oil(key):
+    message = complaint(contact=BALL, lubricant={k: v for k, v in OIL.items() if k != key})
+    assert message.startswith(f"lubricant.{key}: missing")
+
+
+@pytest.mark.parametrize("nu", [-1, 0.51, float("nan")])
+def test_refused_poisson_ratio(nu):
+    contact = {k: v for k, v in (BALL | STEEL).items() if k != "E_prime"} | {"nu1": nu}
+    assert complaint(contact=contact, lubricant=OIL).startswith("contact.nu1 = ")
+
+
+def test_no_contact():
+    with pytest.raises(ConfigError, match=r"contact: the section .* is missing"):
+        parse_case({})
+
+
+# -- files ------------------------------------------------------------------------------------------------------------
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(ConfigError, match=r"no\.toml: no such file"):
+        load_case(tmp_path / "no.toml")
+
+
+def test_a_directory_is_no_file(tmp_path):
+    with pytest.raises(ConfigError, match="cannot read"):
+        load_case(tmp_path)
+
+
+@pytest.mark.parametrize("content", [b"[contact", b"\xff\xfe", b"a = 1\na = 2"])
+def test_not_toml(tmp_path, content):
+    path = tmp_path / "case.toml"
+    path.write_bytes(content)
+    with pytest.raises(ConfigError, match="not valid TOML"):
+        load_case(path)

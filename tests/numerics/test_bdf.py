@@ -1,0 +1,221 @@
+"""BDF2 on variable steps: exact for what it must be exact for, of the order claimed, stable, honest on its error."""
+
+from math import exp, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.polynomial import Polynomial
+from numpy.testing import assert_allclose
+
+from ertel.numerics.bdf import StepControl, derivative_weights, error_factor, interpolation_weights
+
+STEPS = st.lists(st.floats(0.01, 1.0), min_size=4, max_size=4)
+COEFFICIENTS = st.lists(st.floats(-3.0, 3.0), min_size=4, max_size=4)
+
+
+def times_of(steps: list[float], now: float = 0.3) -> list[float]:
+    """The newest time and those before it, the newest first."""
+    return [now, *(now - np.cumsum(steps))]
+
+
+# --- polynomials ----------------------------------------------------------------------------------------------------
+
+
+@given(STEPS, COEFFICIENTS, st.integers(1, 4), st.floats(-1.0, 1.0))
+def test_interpolation_is_exact_for_polynomials(steps, coefficients, count, t):
+    y = Polynomial(coefficients[:count])
+    times = times_of(steps)[:count]
+    weights = interpolation_weights(t, times)
+    scale = np.sum(np.abs(weights)) * 20
+    assert weights @ y(np.array(times)) == pytest.approx(y(t), abs=1e-11 * scale)
+    assert np.sum(weights) == pytest.approx(1.0, abs=1e-12 * scale)
+
+
+@given(STEPS, st.integers(1, 4))
+def test_interpolation_reproduces_its_own_points(steps, count):
+    times = times_of(steps)[:count]
+    matrix = [interpolation_weights(t, times) for t in times]
+    assert_allclose(matrix, np.eye(count), atol=1e-13)
+
+
+@given(STEPS, COEFFICIENTS, st.integers(2, 4))
+def test_derivative_is_exact_for_polynomials(steps, coefficients, count):
+    y = Polynomial(coefficients[:count])
+    times = times_of(steps)[:count]
+    weights = derivative_weights(times)
+    scale = np.sum(np.abs(weights)) * 20
+    assert weights @ y(np.array(times)) == pytest.approx(y.deriv()(times[0]), abs=1e-11 * scale)
+    assert np.sum(weights) == pytest.approx(0.0, abs=1e-12 * scale)
+
+
+@given(STEPS, st.integers(2, 4), st.floats(-5.0, 5.0), st.floats(0.1, 10.0))
+def test_weights_know_neither_origin_nor_unit_of_time(steps, count, shift, unit):
+    times = np.array(times_of(steps)[:count])
+    assert_allclose(derivative_weights(times * unit) * unit, derivative_weights(times), rtol=1e-9)
+    assert_allclose(derivative_weights(times + shift), derivative_weights(times), rtol=1e-9, atol=1e-9)
+
+
+def test_equal_steps_give_the_textbook_weights():
+    assert_allclose(derivative_weights([0.2, 0.1]), [10.0, -10.0])
+    assert_allclose(derivative_weights([0.2, 0.1, 0.0]), np.array([1.5, -2.0, 0.5]) / 0.1)
+    assert_allclose(interpolation_weights(0.3, [0.2, 0.1, 0.0]), [3.0, -3.0, 1.0])
+    assert error_factor([0.3, 0.2, 0.1, 0.0]) == pytest.approx((4 / 3) / (4 / 3 + 6))
+
+
+# --- the error estimate ---------------------------------------------------------------------------------------------
+
+
+@given(st.lists(st.floats(0.05, 1.0), min_size=3, max_size=3), st.floats(-2.0, 2.0).filter(lambda c: abs(c) > 0.1))
+def test_error_factor_is_exact_for_cubics(steps, c):
+    """y = c t^3 + a parabola: one BDF2 step from exact values misses y by exactly the estimate."""
+    times = np.array(times_of(steps))
+    y = Polynomial([0.7, -0.4, 1.1, c])
+    weights = derivative_weights(times[:3])
+    solution = (y.deriv()(times[0]) - weights[1:] @ y(times[1:3])) / weights[0]
+    prediction = interpolation_weights(times[0], times[1:]) @ y(times[1:])
+    estimate = error_factor(times) * (solution - prediction)
+    assert estimate == pytest.approx(solution - y(times[0]), rel=1e-8, abs=1e-12)
+
+
+@given(st.lists(st.floats(0.01, 1.0), min_size=3, max_size=3), st.floats(0.1, 10.0))
+def test_error_factor_is_a_share(steps, unit):
+    times = np.array(times_of(steps))
+    assert 0 < error_factor(times) < 1
+    assert error_factor(times * unit) == pytest.approx(error_factor(times), rel=1e-9)
+
+
+# --- orders ---------------------------------------------------------------------------------------------------------
+
+
+def solve_linear(rate: float, force, y0: float, times: np.ndarray) -> np.ndarray:
+    """y' = -rate (y - force(t)) by BDF2, the first step by BDF1."""
+    ys = [y0]
+    for k in range(1, len(times)):
+        weights = derivative_weights(times[k::-1][:3])
+        past = weights[1:] @ ys[::-1][: len(weights) - 1]
+        ys.append((rate * force(times[k]) - past) / (weights[0] + rate))
+    return np.array(ys)
+
+
+def uneven_times(count: int, end: float) -> np.ndarray:
+    """Steps that swing smoothly, and between neighbours by up to a factor 1.5 on the coarsest grid."""
+    s = np.linspace(0.0, 1.0, count + 1)
+    return end * (s + 0.1 * np.sin(2 * np.pi * s))
+
+
+@pytest.mark.parametrize("rate", [1.0, 1e4])  # mild and stiff
+def test_second_order_on_variable_steps(rate):
+    """At the end time: in the stiff case the first step, by BDF1, is of lower order and is soon forgotten."""
+
+    def exact(t):
+        return np.cos(3 * t)
+
+    def force(t):
+        return exact(t) - 3 * np.sin(3 * t) / rate
+
+    errors = []
+    for count in (40, 80, 160, 320):
+        times = uneven_times(count, 2.0)
+        errors.append(abs(solve_linear(rate, force, 1.0, times)[-1] - exact(times[-1])))
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(orders >= 1.9)
+    assert orders[-1] == pytest.approx(2.0, abs=0.15)
+
+
+def test_second_order_on_erratic_steps():
+    """Steps that jump at random by up to a factor 2, every grid from the same jumps halved."""
+    jumps = np.random.default_rng(7).uniform(1.0, 2.0, 40)
+    errors = []
+    for level in range(4):
+        steps = np.repeat(jumps, 2**level)
+        times = np.concatenate([[0.0], np.cumsum(steps)]) * 2.0 / steps.sum()
+        errors.append(np.max(np.abs(solve_linear(1.0, lambda t: 0.0, 1.0, times) - np.exp(-times))))
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert_allclose(orders, 2.0, atol=0.15)
+
+
+def test_first_step_alone_is_first_order():
+    errors = [abs(solve_linear(1.0, lambda t: 0.0, 1.0, np.array([0.0, h]))[1] - exp(-h)) for h in (0.02, 0.01)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.05)  # local error h^2/2
+
+
+# --- stability and step control -------------------------------------------------------------------------------------
+
+
+def test_the_allowed_growth_is_stable():
+    """Steps that grow by a constant factor damp the parasitic solution of BDF2 below the factor 1 + sqrt(2) only."""
+
+    def parasitic(growth: float) -> float:
+        w = derivative_weights([0.0, -1.0, -1.0 - 1.0 / growth])
+        return min(np.abs(np.roots(w)))
+
+    assert parasitic(StepControl().largest_growth) < 0.6
+    assert parasitic(1 + sqrt(2) - 1e-3) < 1
+    roots = np.abs(np.roots(derivative_weights([0.0, -1.0, -1.0 - 1.0 / 2.5])))
+    assert max(roots) > 1
+
+
+@given(st.floats(1e-6, 1.0), st.floats(0.0, 1e9))
+def test_next_step_stays_in_its_bounds(step, error):
+    control = StepControl()
+    new = control.next_step(step, error)
+    assert control.largest_cut * step * (1 - 1e-12) <= new <= control.largest_growth * step * (1 + 1e-12)
+
+
+@given(st.floats(0.0, 1e6), st.floats(0.0, 1e6))
+def test_a_larger_error_never_gives_a_larger_step(one, other):
+    control = StepControl()
+    assert control.next_step(1.0, max(one, other)) <= control.next_step(1.0, min(one, other))
+
+
+@given(st.floats(0.05, 20.0), st.floats(0.1, 10.0))
+def test_steps_settle_where_a_third_order_error_is_below_the_tolerance(step, unit):
+    control = StepControl()
+    for _ in range(40):
+        step = control.next_step(step, (step / unit) ** 3)
+    assert step == pytest.approx(control.safety * unit, rel=1e-9)
+    assert control.accepts(control.safety**3)
+
+
+def test_acceptance():
+    control = StepControl()
+    assert control.accepts(1.0)
+    assert control.accepts(control.rejection)
+    assert not control.accepts(control.rejection * 1.001)
+    assert not control.accepts(float("nan"))
+
+
+def solve_adaptive(tolerance: float) -> tuple[float, int]:
+    """y' = -y (y - 1) 30 from 0.01 to t = 1, an S-shaped front: the largest true error and the number of steps."""
+    rate = 30.0
+
+    def exact(t):
+        return 1 / (1 + 99 * np.exp(-rate * t))
+
+    control, step = StepControl(), 1e-4
+    times = [step * k for k in range(3)]
+    ys = [exact(t) for t in times]
+    worst = 0.0
+    while times[-1] < 1.0:
+        levels = [times[-1] + step, *times[:-4:-1]]
+        w = derivative_weights(levels[:3])
+        past = w[1] * ys[-1] + w[2] * ys[-2]
+        b = w[0] - rate  # w0 y + past = rate (y - y^2), the root that continues the solution
+        y = (-b + sqrt(b * b - 4 * rate * past)) / (2 * rate)
+        prediction = interpolation_weights(levels[0], levels[1:]) @ np.array(ys[:-4:-1])
+        error = abs(error_factor(levels) * (y - prediction)) / tolerance
+        if control.accepts(error):
+            times.append(levels[0])
+            ys.append(y)
+            worst = max(worst, abs(y - exact(levels[0])))
+        step = control.next_step(step, error)
+    return worst, len(times)
+
+
+def test_step_control_buys_accuracy_at_the_price_of_second_order():
+    """A tolerance 1000 times smaller: steps 10 times shorter, true error about 100 times smaller."""
+    (loose, few), (tight, many) = solve_adaptive(1e-5), solve_adaptive(1e-8)
+    assert many / few == pytest.approx(10.0, rel=0.2)
+    assert loose / tight == pytest.approx(100.0, rel=0.4)

@@ -1,0 +1,41 @@
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ertel.numerics.grid import LARGEST_COARSEST, SMALLEST_COARSEST, Grid, check_nodes
+
+
+@given(st.integers(4, 400), st.floats(0.5, 8.0))
+def test_a_square_grid_is_symmetric_to_the_last_bit(half: int, half_width: float) -> None:
+    grid = Grid.square(2 * half + 1, half_width)
+    assert np.array_equal(grid.x, -grid.x[::-1])
+    assert grid.x[half] == 0.0
+    assert grid.x[-1] == pytest.approx(half_width, rel=1e-14)
+
+
+@given(st.integers(4, 16), st.integers(0, 6))
+def test_coarser_grids_share_every_second_node(c: int, k: int) -> None:
+    grids = Grid.square(c * 2**k + 1, 2.0).hierarchy()
+    for fine, coarse in itertools.pairwise(grids):
+        np.testing.assert_allclose(coarse.x, fine.x[::2], rtol=0, atol=1e-15)
+    assert SMALLEST_COARSEST <= grids[-1].nodes <= LARGEST_COARSEST
+
+
+@pytest.mark.parametrize("nodes", [5, 17, 33, 129, 257, 385, 513, 1025])
+def test_allowed_counts(nodes: int) -> None:
+    check_nodes(nodes)
+
+
+@pytest.mark.parametrize("nodes", [-3, 0, 1, 4, 6, 128, 258, 39])
+def test_refused_counts_name_the_nearest(nodes: int) -> None:
+    with pytest.raises(ValueError, match=rf"nodes = {nodes}: .*nearest are"):
+        check_nodes(nodes)
+
+
+def test_the_advice_for_a_refused_count_is_good_advice() -> None:
+    with pytest.raises(ValueError, match="the nearest are 257 and 289"):
+        check_nodes(260)
+    check_nodes(289)

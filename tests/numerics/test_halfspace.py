@@ -1,0 +1,125 @@
+import itertools
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.integrate import dblquad
+
+from ertel.numerics import halfspace
+from ertel.numerics.grid import Grid
+from ertel.physics import hertz
+
+
+def random_pressure(nodes: int, seed: int) -> NDArray[np.float64]:
+    P = np.zeros((nodes, nodes))
+    P[1:-1, 1:-1] = np.random.default_rng(seed).random((nodes - 2, nodes - 2))
+    return P
+
+
+def direct_sum(K: NDArray[np.float64], P: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The slow plain twin of the FFT."""
+    n = len(P)
+    i = np.arange(n)
+    result = np.empty_like(P)
+    for y in range(n):
+        for x in range(n):
+            result[y, x] = np.sum(K[np.ix_(abs(i - y), abs(i - x))] * P)
+    return result
+
+
+def displaced(grid: Grid, P: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(halfspace.displacement(halfspace.spectrum(grid), jnp.asarray(P)))
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.sampled_from([9, 17, 25, 33]), st.floats(0.1, 5.0), st.integers(0, 1000))
+def test_fft_equals_the_direct_sum(nodes: int, half_width: float, seed: int) -> None:
+    grid, P = Grid.square(nodes, half_width), random_pressure(nodes, seed)
+    expected = direct_sum(halfspace.love_coefficients(nodes, grid.spacing), P)
+    np.testing.assert_allclose(displaced(grid, P), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("i", "j"), [(0, 1), (1, 1), (3, 2), (0, 7)])
+def test_a_coefficient_is_the_integral_over_its_cell(i: int, j: int) -> None:
+    h = 0.25
+    integral, _ = dblquad(
+        lambda y, x: 1 / np.hypot(x, y), (j - 0.5) * h, (j + 0.5) * h, (i - 0.5) * h, (i + 0.5) * h, epsabs=1e-13
+    )
+    K = halfspace.love_coefficients(8, h)
+    assert K[i, j] == pytest.approx(2 / np.pi**2 * integral, rel=1e-10)
+
+
+def test_own_cell_and_far_cells_in_closed_form() -> None:
+    K = halfspace.love_coefficients(1000, 0.01)
+    assert K[0, 0] == pytest.approx(2 / np.pi**2 * 0.01 * 4 * np.arcsinh(1.0), rel=1e-14)
+    # seen from far away a cell is a point, and its first correction h^2/(24 r^3) is known
+    far = 2 / np.pi**2 * 0.01 * (1 / 999 + 1 / (24 * 999**3))
+    assert K[0, 999] == pytest.approx(far, rel=1e-11)
+    assert K[999, 0] == pytest.approx(far, rel=1e-11)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(0, 1000))
+def test_the_operator_is_symmetric_and_positive(seed: int) -> None:
+    grid = Grid.square(33, 2.0)
+    P, Q = random_pressure(33, seed) - 0.5, random_pressure(33, seed + 1) - 0.5
+    P[[0, -1]] = Q[[0, -1]] = 0.0
+    P[:, [0, -1]] = Q[:, [0, -1]] = 0.0
+    assert np.sum(Q * displaced(grid, P)) == pytest.approx(np.sum(P * displaced(grid, Q)), rel=1e-11)
+    assert np.sum(P * displaced(grid, P)) > 0
+
+
+def hertz_errors(samples: int) -> tuple[float, float]:
+    """Root mean square error inside the contact on the finest grid, and its order.
+
+    Each cell gets the mean of samples x samples values of Hertz' pressure in it.
+    """
+    errors, spacings = [], []
+    for nodes in (65, 129, 257, 513):
+        grid = Grid.square(nodes, 1.5)
+        offset = ((np.arange(samples) + 0.5) / samples - 0.5) * grid.spacing
+        x = (grid.x[:, None] + offset).ravel()
+        P = hertz.pressure(np.hypot(x[None, :], x[:, None]))
+        P = P.reshape(nodes, samples, nodes, samples).mean(axis=(1, 3))
+        r = np.hypot(grid.x[None, :], grid.y[:, None])
+        error = displaced(grid, P) - hertz.displacement(r)
+        errors.append(np.sqrt(np.mean(error[r < 0.9] ** 2)))
+        spacings.append(grid.spacing)
+    return errors[-1], float(np.polyfit(np.log(spacings), np.log(errors), 1)[0])
+
+
+def test_hertz_pressure_gives_hertz_displacement_second_order() -> None:
+    """P = sqrt(1 - r^2) makes H = 0 inside with Delta = 1; with cell means the error falls with h^2."""
+    error, order = hertz_errors(samples=8)
+    assert error < 1e-5
+    assert 1.8 < order < 2.3
+
+
+def test_nodal_values_lose_half_an_order_to_the_edge_of_hertz_pressure() -> None:
+    """Taken at the nodes, the square root at r = 1 leaves h^1.5: a property of Hertz' pressure, not of the operator."""
+    error, order = hertz_errors(samples=1)
+    assert error < 1e-3
+    assert 1.3 < order < 1.7
+
+
+def test_a_smooth_pressure_is_second_order_everywhere() -> None:
+    values = []
+    for nodes in (33, 65, 129, 257):
+        grid = Grid.square(nodes, 2.0)
+        r2 = grid.x[None, :] ** 2 + grid.y[:, None] ** 2
+        u = displaced(grid, np.exp(-3 * r2))
+        values.append(u[:: (nodes - 1) // 32, :: (nodes - 1) // 32])
+    differences = [np.abs(b - a).max() for a, b in itertools.pairwise(values)]
+    orders = np.log2(np.divide(differences[:-1], differences[1:]))
+    assert orders[0] < orders[1] < 2.05
+    assert orders[1] > 1.9
+
+
+def test_single_precision_is_single_precision() -> None:
+    grid, P = Grid.square(65, 2.0), random_pressure(65, 3)
+    single = halfspace.displacement(halfspace.spectrum(grid, "float32"), jnp.asarray(P, "float32"))
+    assert single.dtype == jnp.float32
+    np.testing.assert_allclose(np.asarray(single), displaced(grid, P), rtol=1e-5)

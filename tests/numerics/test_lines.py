@@ -1,0 +1,44 @@
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from ertel.numerics import line_smoother, multigrid
+from ertel.numerics.grid import Grid
+from ertel.numerics.multigrid import Coefficients
+
+
+def rolling_like(nodes: int, depth: float = 1e-5) -> Coefficients:
+    """Coefficients as in rolling: eps tiny in the contact, large outside, nothing free downstream of it."""
+    grid = Grid(nodes, 6.0 / (nodes - 1), -1.5)
+    x, y = grid.x[None, :], grid.y[:, None]
+    r = np.hypot(x, y)
+    eps = depth + np.where(r > 1, (r**2 - 1) ** 3, 0) * 5
+    free = np.pad(((x < 0.5) | (r < 1))[1:-1, 1:-1].astype(float), 1)
+    return Coefficients(*(jnp.asarray(f) for f in (eps, np.ones_like(r), np.zeros_like(r), free)))
+
+
+@pytest.mark.parametrize("nodes", [33, 65, 129])
+def test_a_v_cycle_contracts_whatever_the_grid(nodes: int) -> None:
+    """The asymptotic factor by which one V-cycle alone reduces the error."""
+    elastic = multigrid.elasticities(Grid(nodes, 6.0 / (nodes - 1), -1.5), "float64")
+    levels = multigrid.hierarchy(elastic, rolling_like(nodes), lambda e, c: line_smoother.lines(e, c, 0.0, 1.0))
+    cycle = jax.jit(lambda e: e - multigrid.v_cycle(levels, multigrid.apply(levels[0], e)))
+    free = levels[0].coefficients.free
+    e = jnp.asarray(np.random.default_rng(1).standard_normal(free.shape)) * free
+    for _ in range(15):
+        e = cycle(e / jnp.linalg.norm(e))
+    assert float(jnp.linalg.norm(e)) < 0.8
+
+
+def test_a_uniform_change_has_no_slope() -> None:
+    """What the bands of a line leave out must not make a drift of a uniform mass."""
+    (elastic,) = multigrid.elasticities(Grid(5, 0.1), "float64")[:1]
+    one = jnp.ones((5, 5))
+    smoother = line_smoother.lines(elastic, Coefficients(0 * one, 0 * one, one, one), 0.0, 1.0)
+    assert not smoother.factors.halvings  # the matrix as it is
+    row_sums = ((1.0 + sum(smoother.factors.rest)) / smoother.factors.scale)[
+        2, 2
+    ]  # rows were scaled to a diagonal of one
+    assert float(row_sums) == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(np.asarray(smoother.balance(one)), 0.0, atol=1e-12)

@@ -1,0 +1,126 @@
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from jax import Array
+
+from ertel.numerics import multigrid
+from ertel.numerics.grid import Grid
+from ertel.numerics.multigrid import Coefficients, Level
+
+
+def impact_like(nodes: int, dt: float = 0.01, depth: float = 3e-6) -> Coefficients:
+    """Coefficients as in an impact: eps tiny in the contact, huge outside, everything stretched by 1.5/dt."""
+    grid = Grid.square(nodes, 2.0)
+    r = np.hypot(grid.x[None, :], grid.y[:, None])
+    eps = depth + np.where(r > 1, (r**2 - 1) ** 3, 0) * 50
+    free = np.pad(np.ones((nodes - 2, nodes - 2)), 1)
+    return Coefficients(*(jnp.asarray(f) for f in (eps, np.full_like(r, 1.5 / dt), np.zeros_like(r), free)))
+
+
+def levels_of(nodes: int, coefficients: Coefficients) -> tuple[Level, ...]:
+    return multigrid.hierarchy(multigrid.elasticities(Grid.square(nodes, 2.0), "float64"), coefficients)
+
+
+def contraction(levels: tuple[Level, ...]) -> float:
+    """Asymptotic factor by which one V-cycle reduces the error: the power method on a random error."""
+    cycle = jax.jit(lambda e: e - multigrid.v_cycle(levels, multigrid.apply(levels[0], e)))
+    free = levels[0].coefficients.free
+    e = jnp.asarray(np.random.default_rng(1).standard_normal(free.shape)) * free
+    for _ in range(15):
+        e = cycle(e / jnp.linalg.norm(e))
+    return float(jnp.linalg.norm(e))
+
+
+@pytest.mark.parametrize("dt", [0.1, 0.01, 0.001])
+def test_a_v_cycle_contracts_whatever_the_grid(dt: float) -> None:
+    factors = [contraction(levels_of(n, impact_like(n, dt))) for n in (33, 65, 129, 257)]
+    assert max(factors) < 0.6, factors
+
+
+@pytest.mark.parametrize("ruled_by", ["diffusion", "deformation"])
+def test_each_regime_alone(ruled_by: str) -> None:
+    nodes = 129
+    c = impact_like(nodes)
+    one = jnp.ones_like(c.eps)
+    c = c._replace(eps=one, stretch=0 * one) if ruled_by == "diffusion" else c._replace(eps=0 * one, stretch=one)
+    assert contraction(levels_of(nodes, c)) < 0.5
+
+
+def test_held_nodes_stay_zero_and_take_no_part() -> None:
+    nodes = 33
+    c = impact_like(nodes)
+    hole = np.ones((nodes, nodes))
+    hole[20:28, 5:11] = 0
+    levels = levels_of(nodes, c._replace(free=c.free * hole))
+    r = jnp.asarray(np.random.default_rng(0).standard_normal((nodes, nodes))) * levels[0].coefficients.free
+    e = multigrid.v_cycle(levels, r)
+    assert np.all(np.asarray(e)[np.asarray(levels[0].coefficients.free) == 0] == 0)
+    assert contraction(levels) < 0.5
+
+
+def test_the_direct_solve_solves() -> None:
+    level = levels_of(9, impact_like(9))[0]
+    r = jnp.asarray(np.random.default_rng(0).standard_normal((9, 9))) * level.coefficients.free
+    e = multigrid.v_cycle([level], r)
+    np.testing.assert_allclose(np.asarray(multigrid.apply(level, e)), np.asarray(r), atol=1e-9)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(0, 1000))
+def test_restriction_is_the_transpose_of_interpolation(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    fine, coarse = rng.standard_normal((33, 33)), rng.standard_normal((17, 17))
+    restricted = np.asarray(multigrid.restrict(jnp.asarray(fine)))
+    prolonged = np.asarray(multigrid.prolong(jnp.asarray(coarse)))
+    assert 4 * np.sum(restricted * coarse) == pytest.approx(np.sum(fine * prolonged), abs=1e-10)
+
+
+def test_transfers_keep_linear_functions() -> None:
+    x, X = Grid.square(33, 2.0).x, Grid.square(17, 2.0).x
+    plane, coarse_plane = (jnp.asarray(2 * a[None, :] - a[:, None] + 3) for a in (x, X))
+    np.testing.assert_allclose(np.asarray(multigrid.prolong(coarse_plane)), np.asarray(plane), atol=1e-14)
+    inner = np.s_[1:-1, 1:-1]
+    restricted = np.asarray(multigrid.restrict(plane))
+    np.testing.assert_allclose(restricted[inner], np.asarray(coarse_plane)[inner], atol=1e-14)
+
+
+def test_a_spread_change_deforms_only_nearby() -> None:
+    """The dipole's displacement falls with the third power of the distance, the monopole's with the first."""
+    levels = levels_of(65, impact_like(65)._replace(eps=jnp.zeros((65, 65)), stretch=jnp.ones((65, 65))))
+    d = jnp.zeros((65, 65)).at[32, 32].set(1.0)
+
+    def fall(change: Array) -> float:
+        u = np.abs(np.asarray(multigrid.apply(levels[0], change)))
+        return float(np.log2(u[32, 40] / u[32, 48]))
+
+    assert fall(d) == pytest.approx(1, abs=0.05)
+    assert fall(multigrid.spread(d)) == pytest.approx(3, abs=0.2)
+
+
+def test_multilevel_integration_is_near_the_sum() -> None:
+    """Of the worst there is, a random field, within 0.3; of a smooth one far nearer, and more so on fine grids."""
+
+    def error(nodes: int, field: np.ndarray) -> float:
+        fine, coarse = levels_of(nodes, impact_like(nodes))[:2]
+        exact = np.asarray(fine.elasticity.displacement(jnp.asarray(field)))
+        near = np.asarray(multigrid.nearly_deformed(fine, coarse, jnp.asarray(field)))
+        return float(np.linalg.norm(near - exact) / np.linalg.norm(exact))
+
+    def bump(nodes: int) -> np.ndarray:
+        x = Grid.square(nodes, 2.0).x[1:-1]
+        return np.pad(np.exp(-4 * (x[None, :] ** 2 + x[:, None] ** 2)), 1)
+
+    for nodes in (33, 129):
+        assert error(nodes, np.pad(np.random.default_rng(0).standard_normal((nodes - 2, nodes - 2)), 1)) < 0.3
+    assert error(33, bump(33)) < 20.0 / 33**2
+    assert error(129, bump(129)) < error(33, bump(33)) / 6
+
+
+def test_smooth_prolongation_is_exact_for_cubics_inside() -> None:
+    x = np.linspace(-1, 1, 9)
+    fine = np.linspace(-1, 1, 17)
+    found = np.asarray(multigrid.prolong_smooth(jnp.asarray(x[None, :] ** 3 + x[:, None] ** 2)))
+    np.testing.assert_allclose(found[2:-2, 2:-2], (fine[None, :] ** 3 + fine[:, None] ** 2)[2:-2, 2:-2], atol=1e-12)

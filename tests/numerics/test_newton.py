@@ -1,0 +1,152 @@
+import itertools
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from jax import Array
+
+from ertel.numerics import newton
+
+
+def identity(r: Array) -> Array:
+    return r
+
+
+def residual_itself(k: Array, r: Array) -> Array:
+    return r
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10**6))
+def test_gcr_solves_unsymmetric_systems(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    A = jnp.asarray(np.eye(36) + 0.3 * rng.standard_normal((36, 36)) / 6)
+    b = jnp.asarray(rng.standard_normal((6, 6)))
+    x, k = newton.gcr(lambda v: (A @ v.ravel()).reshape(6, 6), residual_itself, b, 1e-10, 36)
+    assert float(jnp.linalg.norm((A @ x.ravel()).reshape(6, 6) - b)) <= 1.1e-10 * float(jnp.linalg.norm(b))
+    assert 1 <= int(k) <= 36
+
+
+def test_gcr_stops_at_its_limit_and_never_makes_it_worse() -> None:
+    A = jnp.asarray(np.diag(np.linspace(1, 1000, 36)))
+    b = jnp.ones((6, 6))
+
+    def apply(v: Array) -> Array:
+        return (A @ v.ravel()).reshape(6, 6)
+
+    sizes = [float(jnp.linalg.norm(b - apply(newton.gcr(apply, residual_itself, b, 1e-12, k)[0]))) for k in range(1, 7)]
+    assert all(later <= earlier for earlier, later in itertools.pairwise(sizes))
+
+
+def test_gcr_with_the_exact_inverse_takes_one_iteration() -> None:
+    b = jnp.asarray(np.random.default_rng(0).standard_normal((6, 6)))
+    x, k = newton.gcr(lambda v: 3 * v, lambda k, r: r / 3, b, 1e-10, 9)
+    assert int(k) == 1
+    np.testing.assert_allclose(np.asarray(x), np.asarray(b) / 3, rtol=1e-12)
+
+
+def obstacle(force: np.ndarray, P: np.ndarray, **options: float) -> newton.Solution:
+    """-P'' - force >= 0, P >= 0 with a little of a cubic, in two dimensions: H = 2 + P stands for the partner."""
+
+    def diffuse(P: Array) -> Array:
+        p = jnp.pad(P[1:-1, 1:-1], 1)
+        return jnp.pad(4 * p[1:-1, 1:-1] - p[:-2, 1:-1] - p[2:, 1:-1] - p[1:-1, :-2] - p[1:-1, 2:], 1)
+
+    def residual(P: Array, H: Array) -> Array:
+        return diffuse(P) + 0.1 * (H - 2) ** 3 - jnp.pad(jnp.asarray(force)[1:-1, 1:-1], 1)
+
+    return newton.solve(
+        residual,
+        identity,
+        lambda P, H, free: lambda r: r / 4,
+        jnp.asarray(P),
+        jnp.asarray(2 + P),
+        1e-9,
+        newton.Options(krylov_limit=60, krylov_reduction=1e-4, largest_change=10.0),
+    )
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(0, 10**6))
+def test_the_solution_is_complementary(seed: int) -> None:
+    force = np.random.default_rng(seed).standard_normal((17, 17))
+    s = obstacle(force, np.zeros((17, 17)))
+    assert bool(s.converged)
+    P = np.asarray(s.P)
+    p = np.pad(P, 1)[1:-1, 1:-1]
+    r = 4 * p[1:-1, 1:-1] - p[:-2, 1:-1] - p[2:, 1:-1] - p[1:-1, :-2] - p[1:-1, 2:] + 0.1 * p[1:-1, 1:-1] ** 3
+    r -= force[1:-1, 1:-1]
+    inner = P[1:-1, 1:-1]
+    assert inner.min() >= 0 and r.min() > -1e-8
+    assert np.abs(r[inner > 0]).max() < 1e-8
+    np.testing.assert_allclose(np.asarray(s.H), 2 + P, atol=1e-12)
+
+
+def test_one_iteration_is_done_even_from_the_solution() -> None:
+    force = np.ones((9, 9))
+    first = obstacle(force, np.zeros((9, 9)))
+    again = obstacle(force, np.asarray(first.P))
+    assert int(again.newton) == 1
+    np.testing.assert_allclose(np.asarray(again.P), np.asarray(first.P), atol=1e-10)
+
+
+def test_failure_is_a_value() -> None:
+    """No preconditioner, one Krylov iteration, one Newton iteration: it cannot converge, and says so."""
+    s = newton.solve(
+        lambda P, H: jnp.exp(H) - 40.0,
+        identity,
+        lambda P, H, free: identity,
+        jnp.ones((5, 5)),
+        jnp.ones((5, 5)),
+        1e-9,
+        newton.Options(newton_limit=1, krylov_limit=1),
+    )
+    assert not bool(s.converged)
+    assert float(s.residual) > 1
+
+
+@pytest.mark.parametrize("change", [0.1, 0.3])
+def test_the_step_limit_holds(change: float) -> None:
+    s = newton.solve(
+        lambda P, H: P - 5.0,
+        identity,
+        lambda P, H, free: identity,
+        jnp.zeros((5, 5)),
+        jnp.ones((5, 5)),
+        1e-9,
+        newton.Options(newton_limit=3, largest_change=change),
+    )
+    np.testing.assert_allclose(np.asarray(s.P), 3 * change, rtol=1e-12)
+
+
+def test_a_border_carries_a_number_with_its_own_equation() -> None:
+    """P + H = 3 with H = 2 P - s everywhere and sum(P) = 50: P = 2, s = 3."""
+    s = newton.solve(
+        lambda P, H: P + H - 3.0,
+        lambda d: 2 * d,
+        lambda P, H, free: lambda r: r / 3,
+        jnp.ones((5, 5)),
+        2 * jnp.ones((5, 5)),
+        1e-10,
+        newton.Options(krylov_reduction=1e-12, largest_change=10.0),
+        newton.Border(0.0, -1.0, lambda P, s: jnp.sum(P) - 50.0, 1e-9, 0.1),
+    )
+    assert bool(s.converged)
+    np.testing.assert_allclose(np.asarray(s.P), 2.0, rtol=1e-10)
+    assert float(s.s) == pytest.approx(3.0, rel=1e-10)
+    assert int(s.krylov) <= 3
+
+
+def test_forcing_follows_the_gain_of_newtons_iteration() -> None:
+    """Loose while little is gained, the square of the gain later, and not far beyond the tolerance."""
+    options = newton.Options(krylov_reduction=1e-3)
+
+    def forcing(gain: float, size: float) -> float:
+        return float(newton._forcing(options, jnp.asarray(gain), jnp.asarray(size)))
+
+    assert forcing(0.9, 1e6) == newton.LOOSEST
+    assert forcing(0.1, 1e6) == pytest.approx(0.01)
+    assert forcing(1e-4, 1e6) == 1e-3
+    assert forcing(1e-4, 3.0) == pytest.approx(0.1)

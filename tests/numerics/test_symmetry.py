@@ -1,0 +1,142 @@
+"""Fields kept on one side of an axis: the same numbers as on the whole plane."""
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from ertel.model import contact
+from ertel.model.case import SOLVERS, Case, Solver, Time
+from ertel.model.contact import Rate
+from ertel.model.state import Level
+from ertel.numerics import halfspace
+from ertel.numerics.grid import Grid
+from ertel.numerics.symmetry import WHOLE, Even, extended, folded, total, unfolded
+from ertel.physics.lubricant import Barus, DowsonHigginson, Lubricant
+from ertel.physics.motion import STEADY_ROLLING
+from ertel.physics.scales import Parameters
+from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
+from ertel.solvers import nonlinear, steady
+from ertel.solvers.transient import Transient2D
+
+PARAMETERS = Parameters.from_moes(50, 5)
+OIL = Lubricant(Barus(5.0), DowsonHigginson(1.0))
+every_symmetry = pytest.mark.parametrize("even", [WHOLE, Even(y=True), Even(x=True), Even(True, True)], ids=str)
+
+
+def grid(even: Even = WHOLE) -> Grid:
+    return Grid(17, 0.2, even=even)
+
+
+def bump(even: Even, seed: int = 0) -> np.ndarray:
+    """Random and even, zero on the edge, on the whole plane."""
+    field = np.zeros((17, 17))
+    field[1:-1, 1:-1] = np.random.default_rng(seed).random((15, 15))
+    field = (field + field[::-1]) / 2 if even.y else field
+    return (field + field[:, ::-1]) / 2 if even.x else field
+
+
+@every_symmetry
+def test_unfolding_undoes_folding(even) -> None:
+    whole = bump(even)
+    kept = folded(whole, even)
+    assert kept.shape == grid(even).shape
+    assert_allclose(unfolded(jnp.asarray(kept), even), whole)
+
+
+@every_symmetry
+def test_the_total_is_that_of_the_whole_plane(even) -> None:
+    whole = bump(even)
+    assert float(total(jnp.asarray(folded(whole, even)), even)) == pytest.approx(whole.sum(), rel=1e-14)
+
+
+@every_symmetry
+def test_beyond_an_axis_is_the_mirror_image(even) -> None:
+    whole = jnp.asarray(bump(even))
+    found, expected = extended(jnp.asarray(folded(whole, even)), even), extended(whole, WHOLE)
+    rows, columns = found.shape
+    assert_allclose(found, expected[-rows:, -columns:])
+
+
+@every_symmetry
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_the_deformation_is_that_of_the_whole_plane(even, dtype) -> None:
+    whole = bump(even)
+    expected = halfspace.displacement(halfspace.spectrum(grid()), jnp.asarray(whole))
+    kept = jnp.asarray(folded(whole, even), dtype)
+    found = halfspace.displacement(halfspace.spectrum(grid(even), dtype), kept, even)
+    assert found.dtype == dtype
+    assert_allclose(unfolded(found, even), expected, atol=1e-13 if dtype == "float64" else 1e-5)
+
+
+@every_symmetry
+def test_the_residual_is_that_of_the_whole_plane(even) -> None:
+    """Of eq. (1), with the oil carried along where X is whole."""
+    whole, U = bump(even), 0.0 if even.x else 1.0
+    results = []
+    for g in (grid(), grid(even)):
+        c = contact.ball_on_plane(g, 0.1, OIL)
+        P = jnp.asarray(folded(whole, g.even))
+        H = contact.film_thickness(c, P, -0.2)
+        r = contact.residual(c, P, H, Rate(3.0, 0.1 * P), U)
+        results.append([unfolded(f, g.even) for f in (H, r)] + [contact.load(c, P)])
+    for expected, found in zip(*results, strict=True):
+        assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
+
+
+def test_a_symmetric_grid_is_centred() -> None:
+    with pytest.raises(ValueError, match="centred"):
+        Grid(17, 0.2, centre_x=-1.0, even=Even(x=True))
+
+
+# -- whole solutions --------------------------------------------------------------------------------------------------
+
+TIGHT = {"nodes": 33, "tolerance": 1e-11}
+
+
+def impact(fold: bool, *features: Feature) -> tuple[Transient2D, Level]:
+    solver = Solver("2d", half_width=2.0, fold=fold, **TIGHT)
+    method = Transient2D(Case(PARAMETERS, OIL, solver, Time(start_approach=-0.5), roughness=features))
+    levels = [method.start().level]
+    for _ in range(20):
+        levels.insert(0, method.advance(levels[:3], 0.05).level)
+    return method, levels[0]
+
+
+@pytest.mark.parametrize("features", [(), (Feature(Waviness(0.01, 0.8, 0.5)),), (Feature(RingWaviness(0.01, 0.8)),)])
+def test_a_symmetric_impact_on_a_quarter_of_the_plane(features) -> None:
+    (whole, expected), (quarter, found) = impact(False, *features), impact(True, *features)
+    assert found.P.shape == (17, 17)
+    assert float(expected.P.max()) > 0.3
+    assert_allclose(quarter.whole(found.H), expected.H, atol=1e-10)
+    assert_allclose(quarter.whole(found.P), expected.P, atol=1e-10)
+    assert found.approach == pytest.approx(expected.approach, abs=1e-11)
+    assert quarter.measure(found) == pytest.approx(whole.measure(expected), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("features", "shape"),
+    [
+        ((Feature(Waviness(0.01, 0.5, 0.5, phase_y=0.3)),), (33, 17)),
+        ((Feature(Waviness(0.01, 0.5, phase_x=0.3)),), (17, 33)),
+        ((Feature(Waviness(0.01, 0.5, phase_x=np.pi)),), (17, 17)),
+        ((Feature(Spot(0.01, 0.2)), Feature(Spot(0.01, 0.2, Y=0.1))), (33, 17)),
+    ],
+)
+def test_what_is_not_symmetric_is_not_folded(features, shape) -> None:
+    solver = Solver("2d", **TIGHT)
+    assert nonlinear.grid_of(Case(PARAMETERS, OIL, solver, roughness=features)).shape == shape
+
+
+def test_steady_rolling_on_half_the_plane() -> None:
+    results = []
+    for fold in (False, True):
+        solver = replace(SOLVERS["steady"], fold=fold, **TIGHT)
+        case = Case(PARAMETERS, OIL, solver, kind="rolling", motion=STEADY_ROLLING)
+        results.append(steady.steady(case).finest)
+    whole, half = results
+    assert half.P.shape == (17, 33)
+    assert_allclose(unfolded(half.H, half.grid.even), whole.H, atol=1e-10)
+    assert half.measure() == pytest.approx(whole.measure(), abs=1e-9)

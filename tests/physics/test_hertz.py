@@ -1,0 +1,279 @@
+"""The contact and the impact without oil: against quadrature, against their differential equations, at their limits."""
+
+from math import expm1, log1p, pi, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from scipy.integrate import quad, solve_ivp
+from scipy.special import ellipkm1
+
+from ertel.physics import hertz
+from ertel.physics.hertz import CONTACT_TIME, HALF_CONTACT_TIME
+
+RADII = st.floats(0.05, 2.0)
+TIMES = st.floats(0.0, CONTACT_TIME)
+
+
+# --- statics --------------------------------------------------------------------------------------------------------
+
+
+def ring_displacement(r: float, A: float) -> float:
+    """The double integral of eq. (3) over the Hertzian pressure: rings, each a complete elliptic integral K.
+
+    K(m) is taken of 1 - m, as small as it may be, for its logarithmic peak lies at the ring through r itself.
+    """
+
+    def ring(s: float) -> float:
+        return 4 * s * float(hertz.pressure(s, A)) / (r + s) * ellipkm1(max(((r - s) / (r + s)) ** 2, 1e-300))
+
+    points = [r] if 0 < r < A else None
+    return 2 / pi**2 * quad(ring, 0, A, points=points, epsabs=0, epsrel=1e-10, limit=200)[0]
+
+
+@pytest.mark.parametrize("A", [0.3, 1.0, 1.5])
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.7, 0.95, 1.0, 1.05, 1.5, 4.0])
+def test_displacement_is_the_integral_over_the_pressure(share, A):
+    assert hertz.displacement(share * A, A) == pytest.approx(ring_displacement(share * A, A), rel=1e-7)
+
+
+@given(RADII, st.floats(0.0, 5.0))
+def test_static_hertz_is_self_similar(A, share):
+    r = share * A
+    assert_allclose(hertz.pressure(r, A), A * hertz.pressure(r / A), atol=1e-12)
+    assert_allclose(hertz.displacement(r, A), A**2 * hertz.displacement(r / A), atol=1e-12)
+
+
+@given(RADII)
+def test_load_is_the_integral_of_the_pressure(A):
+    def ring(r: float) -> float:
+        return 2 * pi * r * float(hertz.pressure(r, A))
+
+    integral = quad(ring, 0, A, epsabs=0, epsrel=1e-9)[0]
+    assert hertz.load(A**2) == pytest.approx(integral / (2 * pi / 3), rel=1e-8)
+    assert hertz.load(A**2) == pytest.approx(A**3, rel=1e-12)
+
+
+def test_dry_film_is_closed_inside_and_open_outside():
+    r = np.linspace(0.0, 3.0, 301)
+    film = -1 + r**2 / 2 + hertz.displacement(r)
+    assert_allclose(film[r <= 1], 0, atol=1e-15)
+    assert np.all(film[r > 1] > 0)
+    assert_allclose(film, hertz.gap(r), atol=2e-15)
+    assert np.all(np.diff(hertz.gap(r)[r > 1]) > 0)
+
+
+def test_gap_at_the_edge_opens_with_the_power_three_halves():
+    step = np.array([1e-4, 1e-5])
+    assert_allclose(hertz.gap(1 + step) / step**1.5, 8 * sqrt(2) / (3 * pi), rtol=2e-3)
+
+
+def test_far_away_the_pressure_acts_like_a_point_force():
+    assert hertz.displacement(50.0) == pytest.approx(2 / pi**2 * (2 * pi / 3) / 50, rel=1e-3)
+
+
+def test_statics_do_not_ask_for_the_sign_of_x():
+    x = np.linspace(-2, 2, 41)
+    for function in (hertz.pressure, hertz.displacement, hertz.gap):
+        assert_allclose(function(x), function(-x), rtol=0)
+
+
+@pytest.mark.parametrize("function", [hertz.pressure, hertz.displacement, hertz.gap])
+@pytest.mark.parametrize("A", [0.0, -1.0, float("nan")])
+def test_radius_must_be_positive(function, A):
+    with pytest.raises(ValueError, match=f"A = {A}"):
+        function(0.5, A)
+
+
+# --- exact motion ---------------------------------------------------------------------------------------------------
+
+
+def test_contact_time():
+    """Johnson's 2.94: twice the integral of dx/sqrt(1 - x^{5/2}), with x = 1 - s^2 to be rid of the singularity."""
+    half = quad(lambda s: 2 * s / sqrt(-expm1(2.5 * log1p(-s * s))), 0, 1, epsabs=0, epsrel=1e-13)[0]
+    assert pytest.approx(2 * half, rel=1e-12) == CONTACT_TIME
+    assert pytest.approx(2.943275, abs=5e-7) == CONTACT_TIME
+    assert pytest.approx(1.471638, abs=5e-7) == HALF_CONTACT_TIME
+
+
+def test_motion_solves_newtons_law():
+    """Delta'' = -(5/4) Delta^{3/2}: 15/(8 pi) times the load (2 pi/3) Delta^{3/2}."""
+
+    def law(T, y):
+        return [y[1], -1.25 * max(y[0], 0.0) ** 1.5]
+
+    T = np.linspace(0.0, CONTACT_TIME, 60)
+    solution = solve_ivp(law, (0, CONTACT_TIME), [0.0, 1.0], t_eval=T, method="DOP853", rtol=1e-12, atol=1e-13)
+    assert_allclose(hertz.approach(T), solution.y[0], atol=1e-10)
+    assert_allclose(hertz.velocity(T), solution.y[1], atol=1e-10)
+
+
+@given(TIMES)
+def test_energy_is_kept(T):
+    assert hertz.velocity(T) ** 2 + hertz.approach(T) ** 2.5 == pytest.approx(1.0, abs=1e-14)
+
+
+@given(TIMES)
+def test_rebound_mirrors_the_approach(T):
+    assert hertz.approach(CONTACT_TIME - T) == pytest.approx(float(hertz.approach(T)), abs=1e-13)
+    assert hertz.velocity(CONTACT_TIME - T) == pytest.approx(-float(hertz.velocity(T)), abs=1e-12)
+
+
+@given(st.floats(-2.0, 1.0))
+def test_time_and_approach_invert_each_other(Delta):
+    assert hertz.approach(hertz.time_at(Delta)) == pytest.approx(Delta, abs=1e-13)
+
+
+@given(TIMES)
+def test_time_at_approach(T):
+    # where the ball turns, T is known from Delta only to the square root of the rounding
+    assert hertz.time_at(hertz.approach(T)) == pytest.approx(min(T, CONTACT_TIME - T), abs=5e-8)
+
+
+def test_time_at_against_quadrature():
+    for Delta in (1e-6, 0.1, 0.5, 0.9, 0.999):
+        time = quad(lambda y: 1 / sqrt(1 - y**2.5), 0, Delta, epsabs=0, epsrel=1e-12)[0]
+        assert hertz.time_at(Delta) == pytest.approx(time, rel=1e-11)
+
+
+def test_free_flight_before_and_after():
+    T = np.array([-2.0, -0.5, 0.0, CONTACT_TIME, CONTACT_TIME + 0.5])
+    assert_allclose(hertz.approach(T), [-2.0, -0.5, 0.0, 0.0, -0.5], atol=1e-15)
+    assert_allclose(hertz.velocity(T), [1.0, 1.0, 1.0, -1.0, -1.0], atol=1e-15)
+    assert_allclose(hertz.contact_radius(T), 0.0, atol=1e-7)
+    assert_allclose(hertz.load(hertz.approach(T)), 0.0, atol=1e-15)
+
+
+def test_maximum():
+    assert hertz.approach(HALF_CONTACT_TIME) == 1.0
+    assert hertz.velocity(HALF_CONTACT_TIME) == 0.0
+    assert np.isnan(hertz.time_at(1.0 + 1e-6))
+
+
+def test_velocity_near_the_maximum_does_not_cancel():
+    step = np.array([1e-9, 1e-7, 1e-5])  # Delta'' = -5/4 there
+    assert_allclose(hertz.velocity(HALF_CONTACT_TIME + step), -1.25 * step, rtol=1e-6)
+
+
+@given(st.floats(0.05, HALF_CONTACT_TIME - 0.02))
+def test_front_speed_is_the_derivative_of_the_radius(T):
+    h = 1e-5
+    difference = (hertz.contact_radius(T + h) - hertz.contact_radius(T - h)) / (2 * h)
+    assert hertz.front_speed(hertz.contact_radius(T)) == pytest.approx(difference, rel=1e-6)
+
+
+def test_front_speed_at_its_ends():
+    assert hertz.front_speed(0.0) == np.inf
+    assert hertz.front_speed(1.0) == 0.0
+    assert hertz.front_speed(1e-4) == pytest.approx(1 / 2e-4, rel=1e-12)
+    assert hertz.front_speed(1 - 1e-6) == pytest.approx(sqrt(5) / 2 * 1e-3, rel=1e-5)
+    assert np.all(np.isnan(hertz.front_speed([-0.1, 1.1])))
+
+
+# --- the paper's asymptotes -----------------------------------------------------------------------------------------
+
+T_STAR = st.floats(0.2, 5.0)
+
+
+@given(T_STAR, st.floats(-0.999, 0.999))
+def test_asymptotes_as_the_paper_writes_them(t_star, share):
+    t = share * t_star
+    assert hertz.johnson_approach(t, t_star) == pytest.approx(np.cos(pi * t / (2 * t_star)))
+    assert hertz.johnson_approach(t, t_star) == pytest.approx(np.sin(pi * (t + t_star) / (2 * t_star)), abs=1e-12)
+    assert hertz.johnson_radius(t, t_star) == pytest.approx(sqrt(np.cos(pi * t / (2 * t_star))))
+    taylor = max(1 - pi**2 * t**2 / (8 * t_star**2), 0.0)
+    assert hertz.taylor_radius(t, t_star) ** 2 == pytest.approx(taylor, abs=1e-12)
+    assert hertz.parabola_radius(t, t_star) == pytest.approx(sqrt(1 - share**2))
+    assert t_star * hertz.parabola_front_speed(t, t_star) == pytest.approx(-share / sqrt(1 - share**2))
+    assert t_star * hertz.linear_front_speed(t, t_star) == pytest.approx(-share)
+
+
+@given(T_STAR, st.floats(-0.95, 0.95))
+def test_parabola_speed_is_the_derivative_of_its_radius(t_star, share):
+    t, h = share * t_star, 1e-5 * t_star
+    difference = (hertz.parabola_radius(t + h, t_star) - hertz.parabola_radius(t - h, t_star)) / (2 * h)
+    assert hertz.parabola_front_speed(t, t_star) == pytest.approx(difference, rel=1e-6, abs=1e-9)
+
+
+@given(T_STAR, st.floats(-0.99, -0.01))
+def test_parabola_speed_by_time_and_by_place_agree(t_star, share):
+    A = hertz.parabola_radius(share * t_star, t_star)
+    by_place = hertz.parabola_front_speed_at(A, t_star)
+    assert by_place == pytest.approx(hertz.parabola_front_speed(share * t_star, t_star), rel=1e-9)
+
+
+@pytest.mark.parametrize("t_star", [0.5, HALF_CONTACT_TIME, 2.0])
+def test_orders_of_the_expansions_at_the_maximum(t_star):
+    """(21) drops t^4 terms of (20), (24) drops t^3 terms of (23)."""
+    t = t_star * 0.1 * 2.0 ** -np.arange(5)
+    radius_error = np.abs(hertz.johnson_radius(t, t_star) - hertz.taylor_radius(t, t_star))
+    speed_error = np.abs(hertz.parabola_front_speed(t, t_star) - hertz.linear_front_speed(t, t_star))
+    assert_allclose(np.log2(radius_error[:-1] / radius_error[1:]), 4.0, atol=0.03)
+    assert_allclose(np.log2(speed_error[:-1] / speed_error[1:]), 3.0, atol=0.03)
+
+
+def test_taylor_parabola_has_its_root_at_0_9_t_star():
+    root = sqrt(8) / pi * HALF_CONTACT_TIME
+    assert 2 * root == pytest.approx(2.65, abs=0.005)
+    assert hertz.taylor_radius(root * (1 - 1e-6)) > 0
+    assert hertz.taylor_radius(root * (1 + 1e-6)) == 0
+
+
+def test_how_near_the_asymptotes_come_to_the_exact_motion():
+    """Johnson's cosine misses Delta by 2.1 % at most, the parabola A by 1.2 % in the central 70 %."""
+    T = np.linspace(-HALF_CONTACT_TIME, HALF_CONTACT_TIME, 4001)
+    exact = hertz.approach(T + HALF_CONTACT_TIME)
+    assert np.max(np.abs(hertz.johnson_approach(T) - exact)) == pytest.approx(0.0213, abs=1e-4)
+    central = np.abs(T) < 0.7 * HALF_CONTACT_TIME
+    assert np.max(np.abs(hertz.parabola_radius(T) - np.sqrt(exact))[central]) == pytest.approx(0.0119, abs=1e-4)
+
+
+def test_best_parabola_of_the_central_part_is_the_papers_2_7():
+    """Half base fitted over the central 70 % of the contact time: the full base is 2.69."""
+    T = np.linspace(-0.7, 0.7, 401) * HALF_CONTACT_TIME
+    exact = hertz.contact_radius(T + HALF_CONTACT_TIME)
+    half_bases = np.linspace(1.2, 1.5, 301)
+    misfit = [np.sum((hertz.parabola_radius(T, t_star) - exact) ** 2) for t_star in half_bases]
+    assert 2 * half_bases[np.argmin(misfit)] == pytest.approx(2.69, abs=0.01)
+
+
+def test_asymptotes_end():
+    assert hertz.parabola_front_speed(-1.35) == np.inf
+    assert hertz.parabola_front_speed(1.35) == -np.inf
+    assert np.isnan(hertz.parabola_front_speed(1.5))
+    assert hertz.parabola_front_speed_at(0.0) == np.inf
+    assert np.all(np.isnan(hertz.parabola_front_speed_at([-0.5, 1.5])))
+    for radius in (hertz.johnson_radius, hertz.taylor_radius, hertz.parabola_radius):
+        assert_allclose(radius([-9.0, 9.0]), 0.0, atol=2e-8)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        hertz.johnson_approach,
+        hertz.johnson_radius,
+        hertz.taylor_radius,
+        hertz.parabola_radius,
+        hertz.parabola_front_speed,
+        hertz.parabola_front_speed_at,
+        hertz.linear_front_speed,
+    ],
+)
+def test_t_star_must_be_positive(function):
+    with pytest.raises(ValueError, match="t_star = "):
+        function(0.5, 0.0)
+
+
+@pytest.mark.filterwarnings("error")
+def test_all_functions_are_vectorised_and_silent():
+    values = np.linspace(-3.0, 3.0, 12).reshape(3, 4)
+    names = [name for name in dir(hertz) if callable(getattr(hertz, name)) and not name.startswith("_")]
+    own = [name for name in names if getattr(getattr(hertz, name), "__module__", "") == "ertel.physics.hertz"]
+    assert len(own) == 16
+    for name in own:
+        result = getattr(hertz, name)(values)
+        assert (result.shape, result.dtype) == (values.shape, np.float64)
+        each = [float(getattr(hertz, name)(value)) for value in values.flat]
+        assert_allclose(result.ravel(), each, rtol=1e-15)

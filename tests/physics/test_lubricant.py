@@ -1,0 +1,183 @@
+"""The oil laws: their definitions, their limits, and that the solver can differentiate and compile them."""
+
+from dataclasses import dataclass
+from math import exp, log
+from typing import ClassVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from jax.tree_util import register_dataclass
+from numpy.testing import assert_allclose
+
+from ertel.physics.lubricant import (
+    ALPHA,
+    DENSITY_PRESSURE,
+    ETA0,
+    P0_ROELANDS,
+    Barus,
+    Density,
+    DowsonHigginson,
+    Incompressible,
+    Isoviscous,
+    Lubricant,
+    Roelands,
+    Viscosity,
+    roelands_exponent,
+)
+
+P = np.linspace(0.0, 1.5, 16)
+ALPHA_BAR = st.floats(0.5, 40.0)
+P_RATIO = st.floats(0.1, 20.0)
+Z = st.floats(0.2, 1.2)
+
+
+def roelands_of(p_h: float, alpha: float = ALPHA, eta0: float = ETA0, p0: float = P0_ROELANDS) -> Roelands:
+    """The law of a real oil in a contact of Hertz pressure p_h (Pa)."""
+    return Roelands(alpha_bar=alpha * p_h, z=roelands_exponent(alpha, eta0, p0), p_ratio=p_h / p0)
+
+
+VISCOSITIES = [Isoviscous(), Barus(12.0), roelands_of(1e9)]
+DENSITIES = [Incompressible(), DowsonHigginson(1e9 / DENSITY_PRESSURE)]
+
+
+@given(ALPHA_BAR, Z, P_RATIO)
+def test_pressure_viscosity_index_at_ambient_pressure(alpha_bar, z, p_ratio):
+    """d ln(eta)/dp = alpha at p = 0, that is d ln(eta)/dP = alpha_bar, whatever z and p0."""
+    for law in (Barus(alpha_bar), Roelands(alpha_bar, z, p_ratio)):
+        slope = jax.grad(lambda p, law=law: jnp.log(law.viscosity(p)))(0.0)
+        assert slope == pytest.approx(alpha_bar, rel=1e-12)
+
+
+@given(st.floats(1e-8, 3e-8), st.floats(0.005, 1.0), st.floats(1e8, 2e9), st.floats(0.0, 1.5))
+def test_roelands_is_the_physical_formula(alpha, eta0, p_h, p):
+    """eta = eta0 exp{(ln eta0 + 9.67)[(1 + p/p0)^z - 1]}, p in Pa, eta0 in Pa s."""
+    z = alpha * 1.96e8 / (log(eta0) + 9.67)
+    physical = exp((log(eta0) + 9.67) * ((1 + p * p_h / 1.96e8) ** z - 1))
+    assert roelands_of(p_h, alpha, eta0).viscosity(p) == pytest.approx(physical, rel=1e-10)
+
+
+def test_default_exponent():
+    """The z of equations.md and of reference/impact.json for alpha = 22/GPa, eta0 = 0.04 Pa s, p0 = 0.196 GPa."""
+    assert roelands_exponent(ALPHA, ETA0) == pytest.approx(0.668, abs=5e-4)
+
+
+@given(ALPHA_BAR, P_RATIO)
+def test_roelands_with_z_one_is_barus(alpha_bar, p_ratio):
+    assert_allclose(Roelands(alpha_bar, 1.0, p_ratio).viscosity(P), Barus(alpha_bar).viscosity(P), rtol=1e-11)
+
+
+@given(ALPHA_BAR, Z)
+def test_roelands_at_low_pressure_is_barus(alpha_bar, z):
+    ratio = np.log(Roelands(alpha_bar, z, 1e-6).viscosity(P)) - alpha_bar * P
+    assert np.all(np.abs(ratio) <= 1e-5 * alpha_bar)
+
+
+@given(ALPHA_BAR, st.floats(0.2, 0.99), P_RATIO)
+def test_roelands_lies_between_isoviscous_and_barus(alpha_bar, z, p_ratio):
+    roelands, barus = Roelands(alpha_bar, z, p_ratio).viscosity(P), Barus(alpha_bar).viscosity(P)
+    assert np.all((roelands >= 1) & (roelands <= barus * (1 + 1e-12)))
+
+
+@pytest.mark.parametrize("law", VISCOSITIES, ids=lambda law: type(law).__name__)
+def test_viscosity_is_one_at_ambient_pressure_and_never_falls(law):
+    assert law.viscosity(0.0) == 1.0
+    assert np.all(np.diff(law.viscosity(P)) >= 0)
+
+
+@pytest.mark.parametrize("eta0", [6e-5, 1e-9])
+def test_roelands_has_no_meaning_for_gases(eta0):
+    with pytest.raises(ValueError, match=f"eta0 = {eta0} Pa s: Roelands' law needs"):
+        roelands_exponent(ALPHA, eta0)
+
+
+@given(P_RATIO, st.floats(0.0, 1.5))
+def test_density_is_the_physical_formula(p_ratio, p):
+    pascal = p * p_ratio * 5.9e8
+    physical = (5.9e8 + 1.34 * pascal) / (5.9e8 + pascal)
+    assert DowsonHigginson(p_ratio).density(p) == pytest.approx(physical, rel=1e-13)
+
+
+@given(P_RATIO)
+def test_density_limits(p_ratio):
+    law = DowsonHigginson(p_ratio)
+    assert law.density(0.0) == 1.0
+    assert law.density(1e12) == pytest.approx(1.34, rel=1e-9)
+    assert np.all(np.diff(law.density(P)) > 0)
+    assert np.all(law.density(P) < 1.34)
+    assert jax.grad(law.density)(0.0) == pytest.approx(0.34 * p_ratio, rel=1e-13)
+
+
+def test_an_incompressible_oil_is_the_limit_of_low_pressure():
+    assert_allclose(DowsonHigginson(1e-9).density(P), Incompressible().density(P), rtol=1e-9)
+
+
+@pytest.mark.parametrize("law", [*VISCOSITIES, *DENSITIES], ids=lambda law: type(law).__name__)
+class TestEveryLaw:
+    @staticmethod
+    def value(law: Viscosity | Density, pressure):
+        return law.viscosity(pressure) if hasattr(law, "viscosity") else law.density(pressure)
+
+    def test_keeps_the_shape(self, law):
+        assert self.value(law, P.reshape(4, 4)).shape == (4, 4)
+        assert np.shape(self.value(law, 0.5)) == ()
+
+    @pytest.mark.parametrize("number", [0.5, np.float64(0.5), np.array(0.5), jnp.array(0.5)])
+    def test_takes_any_number(self, law, number):
+        assert float(self.value(law, number)) == float(self.value(law, 0.5))
+
+    def test_is_double_precision(self, law):
+        assert jnp.asarray(self.value(law, P)).dtype == jnp.float64
+
+    def test_compiles_with_the_law_as_an_argument(self, law):
+        assert_allclose(jax.jit(self.value)(law, P), self.value(law, P), rtol=1e-13)
+
+    def test_derivative_agrees_with_a_difference(self, law):
+        h = 1e-6
+        difference = (self.value(law, P[1:] + h) - self.value(law, P[1:] - h)) / (2 * h)
+        derivative = jax.vmap(jax.grad(lambda p: self.value(law, p)))(P[1:])
+        assert_allclose(derivative, difference, rtol=1e-7, atol=1e-8)
+
+    def test_names_its_source(self, law):
+        assert len(law.reference) > 10
+
+    def test_is_immutable_and_comparable(self, law):
+        assert law == type(law)(**law.__dict__)
+        with pytest.raises(AttributeError):
+            law.alpha_bar = 2.0
+
+
+def test_new_constants_need_no_new_compilation():
+    traces = []
+
+    @jax.jit
+    def viscosity(law, pressure):
+        traces.append(law)
+        return law.viscosity(pressure)
+
+    for alpha_bar in (5.0, 10.0, 20.0):
+        assert_allclose(viscosity(Barus(alpha_bar), P), np.exp(alpha_bar * P), rtol=1e-13)
+    assert len(traces) == 1
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class PowerLaw:
+    """A user's own law: eta/eta0 = (1 + c P)^n."""
+
+    c: float
+    n: float
+    reference: ClassVar[str] = "made up for this test"
+
+    def viscosity(self, pressure):
+        return (1 + self.c * pressure) ** self.n
+
+
+def test_a_users_own_law_takes_its_place():
+    oil = Lubricant(PowerLaw(3.0, 4.0), DowsonHigginson(2.0))
+    flow = jax.jit(lambda oil, p: oil.density(p) / oil.viscosity(p))
+    assert_allclose(flow(oil, P), DowsonHigginson(2.0).density(P) / (1 + 3 * P) ** 4, rtol=1e-13)
+    assert jax.grad(lambda p: oil.viscosity(p))(0.0) == pytest.approx(12.0)

@@ -1,0 +1,66 @@
+"""What drives a contact: signals and their integrals, and how far the surfaces travel."""
+
+from dataclasses import replace
+from math import isclose, pi
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, Signal, constant
+
+numbers = st.floats(-3.0, 3.0)
+points = st.tuples(st.floats(-2.0, 5.0), numbers)
+polylines = st.lists(points, min_size=1, max_size=5, unique_by=lambda point: round(point[0], 2))
+signals = st.one_of(
+    polylines.map(lambda points: Polyline(tuple(sorted(points)))),
+    st.builds(Oscillation, numbers, numbers, st.floats(0.3, 5.0), numbers),
+)
+
+
+@given(signals, st.floats(-1.0, 6.0))
+def test_the_integral_is_the_integral(signal: Signal, T: float) -> None:
+    knots = [t for t, _ in signal.points if min(0, T) < t < max(0, T)] if isinstance(signal, Polyline) else None
+    expected, _ = quad(signal, 0.0, T, points=knots or None, limit=200)
+    assert isclose(signal.integral(T), expected, rel_tol=1e-7, abs_tol=1e-7)
+
+
+@given(signals, st.floats(0.1, 6.0), st.floats(0.0, 1.0))
+def test_the_range_holds_every_value(signal: Signal, until: float, share: float) -> None:
+    low, high = signal.range(until)
+    assert low - 1e-12 <= signal(share * until) <= high + 1e-12
+
+
+def test_a_polyline_is_constant_outside_its_points() -> None:
+    start_up = Polyline(((1.0, 0.2), (2.0, 1.0)))
+    assert [start_up(T) for T in (0.0, 1.0, 1.5, 2.0, 9.0)] == pytest.approx([0.2, 0.2, 0.6, 1.0, 1.0])
+
+
+@pytest.mark.parametrize("points", [(), ((1.0, 0.0), (1.0, 1.0)), ((2.0, 0.0), (1.0, 1.0))])
+def test_a_polyline_needs_rising_times(points) -> None:
+    with pytest.raises(ValueError, match=r"^points = .*rising T"):
+        Polyline(points)
+
+
+def test_an_oscillation_needs_a_period() -> None:
+    with pytest.raises(ValueError, match=r"^period = 0"):
+        Oscillation(1.0, 0.1, 0.0)
+
+
+def test_an_oscillation_starts_at_its_phase() -> None:
+    assert Oscillation(1.0, 0.5, 2.0, pi / 2)(0.0) == pytest.approx(1.5)
+
+
+@given(st.floats(-2.0, 2.0), st.floats(0.0, 5.0))
+def test_the_surfaces_travel_at_their_own_speeds(slide_to_roll: float, T: float) -> None:
+    """u1 - u2 = S u_m, and their mean is u_m."""
+    motion = replace(STEADY_ROLLING, slide_to_roll=slide_to_roll)
+    first, second = motion.travel(1, T), motion.travel(2, T)
+    assert isclose((first + second) / 2, T, abs_tol=1e-12)
+    assert isclose(first - second, slide_to_roll * T, abs_tol=1e-12)
+
+
+def test_impact_and_rolling_are_two_motions() -> None:
+    assert Motion(constant(0.0), constant(0.0), 0.8) == FREE_BALL
+    assert Motion(constant(1.0), constant(1.0), 0.0) == STEADY_ROLLING

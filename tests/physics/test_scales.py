@@ -1,0 +1,284 @@
+"""Physical input, (lambda_bar, alpha_bar), Moes' (M, L) and Hamrock and Dowson's (U, G, W) are one set of facts."""
+
+import doctest
+from dataclasses import replace
+from math import inf, isinf, nan, pi, sqrt
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ertel.physics import scales
+from ertel.physics.scales import (
+    Parameters,
+    Scales,
+    drop_speed,
+    hamrock_dowson,
+    impact_scales,
+    parameters,
+    parameters_from_ugw,
+    reduced_modulus,
+    reduced_radius,
+    rolling_scales,
+    scales_of,
+    sphere_mass,
+)
+
+
+def decades(low: float, high: float) -> st.SearchStrategy[float]:
+    """Numbers spread evenly over the decades from 10^low to 10^high."""
+    return st.floats(low, high).map(lambda power: 10.0**power)
+
+
+# from a watch's ruby to a wrecking ball, from rubber to diamond, from slow motion to a gun
+IMPACTS = st.builds(
+    impact_scales, R=decades(-4, 0), mass=decades(-9, 3), speed=decades(-4, 3), E_prime=decades(6, 12.3)
+)
+ROLLING = st.builds(
+    rolling_scales, R=decades(-4, 0), load=decades(-3, 6), mean_speed=decades(-4, 2), E_prime=decades(6, 12.3)
+)
+CONTACTS = st.one_of(IMPACTS, ROLLING)
+ETA0 = decades(-4, 2)
+ALPHA = decades(-10, -7)
+POSITIVE = decades(-6, 6)
+
+
+def close(value: float, rel: float = 1e-12):
+    return pytest.approx(value, rel=rel, abs=0)
+
+
+# reference/impact.json, dimensional_example: steel ball of 20 mm on a steel plane at 0.1 m/s
+STEEL = impact_scales(R=0.01, mass=0.0326726, speed=0.1, E_prime=226.37e9)
+STEEL_PARAMETERS = parameters(STEEL, eta0=0.1, alpha=2.2e-8)
+
+
+@pytest.mark.parametrize(
+    ("value", "reference"),
+    [
+        (STEEL.film, 3.74064e-06),
+        (STEEL.a, 0.000193407),
+        (STEEL.load, 109.181),
+        (STEEL.p_h, 1393610000.0),
+        (STEEL.t0, 3.74064e-05),
+        (STEEL_PARAMETERS.stokes, 17.3333),
+        (STEEL_PARAMETERS.lambda_bar, 0.0615385),
+        (STEEL_PARAMETERS.alpha_bar, 30.6595),
+        (STEEL_PARAMETERS.M, 48.8118),
+        (STEEL_PARAMETERS.L, 23.0237),
+    ],
+)
+def test_steel_ball_of_the_reference(value, reference):
+    assert value == pytest.approx(reference, rel=5e-6)
+
+
+@given(IMPACTS)
+def test_impact_energy_and_hertz_relations(s):
+    energy = 4 / 15 * s.E_prime * sqrt(s.R) * s.film**2.5
+    assert 0.5 * s.ball_mass * s.speed**2 == close(energy)
+    assert s.load == close(2 / 3 * s.E_prime * sqrt(s.R) * s.film**1.5)
+    assert s.p_h == close(1.5 * s.load / (pi * s.a**2))
+    assert s.p_h == close(s.E_prime * s.a / (pi * s.R))
+
+
+@given(decades(-4, 0), decades(-9, 3), decades(-4, 3), decades(6, 12.3))
+def test_impact_scales_keep_their_input(R, mass, speed, E_prime):
+    s = impact_scales(R, mass, speed, E_prime)
+    assert (s.speed, s.ball_mass) == (close(speed), close(mass))
+
+
+@given(decades(-4, 0), decades(-3, 6), decades(-4, 2), decades(6, 12.3))
+def test_rolling_scales_keep_their_input(R, load, mean_speed, E_prime):
+    s = rolling_scales(R, load, mean_speed, E_prime)
+    assert (s.front_speed, s.load) == (close(mean_speed), close(load))
+    assert s.p_h == close(s.E_prime * s.a / (pi * s.R))
+
+
+@given(IMPACTS, ETA0, ALPHA)
+def test_impact_lambda_bar_is_equation_2(s, eta0, alpha):
+    p = parameters(s, eta0, alpha)
+    assert p.lambda_bar == close(12 * eta0 * s.R**3 * s.speed / (s.a**4 * s.p_h))
+    assert p.stokes == close(s.ball_mass * s.speed / (6 * pi * eta0 * s.R**2))
+
+
+@given(ROLLING, ETA0, ALPHA)
+def test_rolling_lambda_bar_is_equation_6(s, eta0, alpha):
+    assert parameters(s, eta0, alpha).lambda_bar == close(12 * eta0 * s.front_speed * s.R**2 / (s.a**3 * s.p_h))
+
+
+@given(CONTACTS, ETA0, ALPHA)
+def test_ugw_route_equals_lambda_alpha_route(s, eta0, alpha):
+    direct, by_ugw = parameters(s, eta0, alpha), parameters_from_ugw(*hamrock_dowson(s, eta0, alpha))
+    assert (by_ugw.M, by_ugw.L) == (close(direct.M), close(direct.L))
+    assert (by_ugw.lambda_bar, by_ugw.alpha_bar) == (close(direct.lambda_bar), close(direct.alpha_bar))
+
+
+@given(ROLLING, ETA0, ALPHA)
+def test_rolling_ugw_by_their_definition(s, eta0, alpha):
+    U, G, W = hamrock_dowson(s, eta0, alpha)
+    assert close(eta0 * s.front_speed / (s.E_prime * s.R)) == U
+    assert close(s.load / (s.E_prime * s.R**2)) == W
+    assert close(alpha * s.E_prime) == G
+
+
+@given(POSITIVE, decades(-3, 3))
+def test_moes_round_trip(M, L):
+    p = Parameters.from_moes(M, L)
+    assert (p.M, p.L) == (close(M), close(L))
+    assert p.lambda_bar == close((128 * pi**3 / (3 * M**4)) ** (1 / 3))
+    assert p.alpha_bar == close(L / pi * (1.5 * M) ** (1 / 3))
+
+
+@given(POSITIVE, POSITIVE)
+def test_lambda_alpha_round_trip(lambda_bar, alpha_bar):
+    p = Parameters(lambda_bar, alpha_bar)
+    q = Parameters.from_moes(p.M, p.L)
+    assert (q.lambda_bar, q.alpha_bar) == (close(lambda_bar), close(alpha_bar))
+    assert p.M == close((128 * pi**3 / (3 * lambda_bar**3)) ** 0.25)
+    assert p.M / p.L == close(4 / (alpha_bar * lambda_bar))
+
+
+@given(CONTACTS, ETA0, ALPHA)
+def test_scales_of_inverts_parameters(s, eta0, alpha):
+    back = scales_of(parameters(s, eta0, alpha), R=s.R, E_prime=s.E_prime, eta0=eta0, alpha=alpha)
+    assert (back.a, back.p_h, back.t0) == (close(s.a), close(s.p_h), close(s.t0))
+
+
+@given(IMPACTS, ETA0, ALPHA, decades(-3, 3), decades(-3, 3), decades(-3, 3))
+def test_dimensionless_numbers_know_no_units(s, eta0, alpha, metre, second, kilogram):
+    """Another system of units changes every input and no dimensionless number: Buckingham's theorem."""
+    pascal = kilogram / (metre * second**2)
+    other = impact_scales(s.R * metre, s.ball_mass * kilogram, s.speed * metre / second, E_prime=s.E_prime * pascal)
+    p, q = parameters(s, eta0, alpha), parameters(other, eta0 * pascal * second, alpha / pascal)
+    assert (q.lambda_bar, q.alpha_bar) == (close(p.lambda_bar, 1e-11), close(p.alpha_bar, 1e-11))
+
+
+@given(POSITIVE, POSITIVE, POSITIVE)
+def test_nabla2_both_forms_of_equation_16(lambda_bar, alpha_bar, wavelength):
+    p = Parameters(lambda_bar, alpha_bar)
+    assert p.nabla2(wavelength) == close(wavelength * sqrt(p.M / p.L))
+    assert p.nabla2(wavelength) == close(wavelength * 2 / sqrt(alpha_bar * lambda_bar))
+
+
+def test_nabla2_is_infinite_without_piezoviscosity():
+    assert isinf(Parameters(0.01, 0.0).nabla2(0.5))
+
+
+@given(POSITIVE, decades(0, 4))
+def test_trapped_film_is_root_of_l_over_m(lambda_bar, alpha_bar):
+    p = Parameters(lambda_bar, alpha_bar)
+    assert p.trapped_film == close(sqrt(p.L / p.M))
+
+
+def test_trapped_film_without_piezoviscosity():
+    assert Parameters(0.01, 0.0).trapped_film == close(0.03135)
+
+
+@given(IMPACTS, ETA0, ALPHA)
+def test_trapped_film_of_a_stiff_impact_in_si(s, eta0, alpha):
+    """A rigid ball stops in a Barus oil at h = sqrt(3 alpha eta0 R v0), independent of E' and m."""
+    film = sqrt(3 * alpha * eta0 * s.R * s.speed)
+    p = parameters(s, eta0, alpha)
+    assert 0.5 * sqrt(p.alpha_bar * p.lambda_bar) * s.film == close(film)
+
+
+@given(decades(9, 12), st.floats(-0.9, 0.5), decades(9, 12), st.floats(-0.9, 0.5))
+def test_reduced_modulus(E1, nu1, E2, nu2):
+    E = reduced_modulus(E1, nu1, E2, nu2)
+    assert close(reduced_modulus(E2, nu2, E1, nu1)) == E
+    assert 2 / E == close((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
+    assert reduced_modulus(E1, nu1, E1, nu1) == close(E1 / (1 - nu1**2))
+
+
+def test_reduced_modulus_of_steel():
+    assert reduced_modulus(206e9, 0.3, 206e9, 0.3) == pytest.approx(226.37e9, abs=0.005e9)
+
+
+@given(POSITIVE, POSITIVE)
+def test_reduced_radius(R1, R2):
+    assert reduced_radius(R1) == close(R1)
+    assert reduced_radius(R1, R2) == close(R1 * R2 / (R1 + R2))
+    assert reduced_radius(R1, R2) == close(reduced_radius(R2, R1))
+    assert reduced_radius(R1, R1) == close(R1 / 2)
+
+
+def test_mass_and_drop():
+    assert sphere_mass(radius=0.01, density=7800) == pytest.approx(0.0326726, abs=5e-8)
+    assert drop_speed(height=0.1) == close(sqrt(2 * 9.80665 * 0.1))
+    assert drop_speed(height=2.0, g=1.62) == close(sqrt(2 * 1.62 * 2.0))
+
+
+POSITIVE_ARGUMENTS = [
+    (impact_scales, {"R": 0.01, "mass": 0.03, "speed": 0.1, "E_prime": 2e11}),
+    (rolling_scales, {"R": 0.01, "load": 10.0, "mean_speed": 1.0, "E_prime": 2e11}),
+    (sphere_mass, {"radius": 0.01, "density": 7800.0}),
+    (drop_speed, {"height": 0.1, "g": 9.81}),
+    (Scales, {"R": 0.01, "E_prime": 2e11, "a": 2e-4, "p_h": 1e9, "t0": 1e-5}),
+]
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "name"), [(f, args, name) for f, args in POSITIVE_ARGUMENTS for name in args]
+)
+@pytest.mark.parametrize("bad", [0.0, -1.0, nan, inf, -inf])
+def test_what_must_be_positive_is_refused_by_name(function, arguments, name, bad):
+    with pytest.raises(ValueError, match=rf"^{name} = {bad}: must be finite and above zero$"):
+        function(**(arguments | {name: bad}))
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, nan, inf])
+def test_parameters_refuse_by_name(bad):
+    s, p = STEEL, STEEL_PARAMETERS
+    si = {"R": 0.01, "E_prime": 2e11, "eta0": 0.1, "alpha": 2e-8}
+    calls = {
+        "lambda_bar": lambda: Parameters(bad, 1.0),
+        "M": lambda: Parameters.from_moes(bad, 10.0),
+        "eta0": lambda: parameters(s, bad, 2e-8),
+        "U": lambda: parameters_from_ugw(bad, 4500.0, 1e-7),
+        "W": lambda: parameters_from_ugw(1e-11, 4500.0, bad),
+        "wavelength": lambda: p.nabla2(bad),
+        "E1": lambda: reduced_modulus(bad, 0.3, 2e11, 0.3),
+        "E2": lambda: reduced_modulus(2e11, 0.3, bad, 0.3),
+        "R1": lambda: reduced_radius(bad),
+    } | {name: lambda name=name: scales_of(p, **(si | {name: bad})) for name in ("R", "E_prime", "alpha")}
+    for name, call in calls.items():
+        with pytest.raises(ValueError, match=f"^{name} = {bad}: must be"):
+            call()
+
+
+@pytest.mark.parametrize("bad", [-1e-9, nan, inf])
+def test_what_may_be_zero_but_not_negative(bad):
+    calls = {
+        "alpha_bar": lambda: Parameters(0.01, bad),
+        "L": lambda: Parameters.from_moes(100.0, bad),
+        "alpha": lambda: parameters(STEEL, 0.1, bad),
+        "G": lambda: parameters_from_ugw(1e-11, bad, 1e-7),
+    }
+    for name, call in calls.items():
+        with pytest.raises(ValueError, match=f"^{name} = {bad}: must be finite and not below zero$"):
+            call()
+
+
+def test_isoviscous_contact_has_no_scales_of_its_own():
+    with pytest.raises(ValueError, match="alpha_bar = 0"):
+        scales_of(Parameters(0.01, 0.0), R=0.01, E_prime=2e11, eta0=0.1, alpha=2e-8)
+
+
+@pytest.mark.parametrize("bad", [-1.0, 0.51, nan, inf])
+def test_poissons_ratio(bad):
+    with pytest.raises(ValueError, match=f"nu1 = {bad}: Poisson's ratio must be above -1 and not above 0.5"):
+        reduced_modulus(2e11, bad, 2e11, 0.3)
+
+
+@pytest.mark.parametrize("bad", [0.0, -0.01, nan])
+def test_second_radius(bad):
+    with pytest.raises(ValueError, match=f"R2 = {bad}"):
+        reduced_radius(0.01, bad)
+
+
+def test_overflow_is_refused_too():
+    with pytest.raises(ValueError, match="must be finite and above zero"):
+        replace(STEEL, t0=1e400)
+
+
+def test_doctests():
+    assert doctest.testmod(scales).failed == 0

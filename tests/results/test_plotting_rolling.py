@@ -1,0 +1,267 @@
+"""Pictures of rolling contacts, steady and in time: made-up fields, of which everything is known."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from ertel.model.case import SOLVERS, Case
+from ertel.numerics.grid import Grid
+from ertel.physics import hertz
+from ertel.physics.lubricant import Barus, Incompressible, Lubricant
+from ertel.physics.motion import STEADY_ROLLING
+from ertel.physics.scales import parameters, rolling_scales
+from ertel.results import variables
+from ertel.results.plots import transient
+from ertel.results.plots.steady import estimate_of
+from ertel.runs.drive import Frame
+from ertel.solvers.nonlinear import grid_of
+from ertel.solvers.steady import Rolling
+
+C1 = rolling_scales(R=0.01, load=38.885237, mean_speed=0.502636, E_prime=2.197802e11)  # M = 200, L = 10
+MOES = Case(
+    parameters=parameters(C1, 0.04, 2.2e-8),
+    lubricant=Lubricant(Barus(parameters(C1, 0.04, 2.2e-8).alpha_bar), Incompressible()),
+    solver=replace(SOLVERS["steady"], nodes=81),
+    kind="rolling",
+    motion=STEADY_ROLLING,
+)
+BALL = replace(MOES, scales=C1, name="steel_ball")
+X, Y = np.linspace(-4.5, 1.5, 81), np.linspace(-3.0, 3.0, 81)
+NODES = (33, 65, 129)
+H_C, H_MIN = np.array([0.07, 0.09, 0.095]), np.array([-0.01, 0.03, 0.04])
+
+
+def fields(x: np.ndarray, y: np.ndarray, film: float, flow: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Hertz' pressure with an inlet upstream, and Hertz' gap with a film and two side lobes: P, H of shape (Y, X)."""
+    r = np.hypot(x[None, :], y[:, None])
+    P = hertz.pressure(r) + np.where(flow * x[None, :] < 0, 1e-3 * np.exp(-(r**2)), 0.0)
+    lobes = 0.5 * film * np.exp(-20 * ((x[None, :] - 0.2) ** 2 + (np.abs(y[:, None]) - 0.8) ** 2))
+    return P, hertz.gap(r) + film - lobes
+
+
+@dataclass
+class Solved:
+    """What `assemble_steady` asks of a `GridSolution`."""
+
+    grid: Grid
+    P: np.ndarray
+    H: np.ndarray
+    values: dict[str, float]
+    history: tuple[float, ...]
+    residual: float = 1e-9
+    newton: int = 3
+    krylov: int = 9
+    convolutions: float = 50.0
+
+    def measure(self) -> dict[str, float]:
+        return self.values
+
+    def whole(self, field: np.ndarray) -> np.ndarray:
+        return field
+
+
+def solutions(case: Case, flow: float = 1.0) -> tuple[Solved, ...]:
+    solved = []
+    histories = [(1.0, 1e-3, 1e-9), (1.0, 1e-2, 1e-5, 1e-9), (1.0, 1e-4, 2e-9)]
+    for nodes, H_c, H_min, past in zip(NODES, H_C, H_MIN, histories, strict=True):
+        grid = grid_of(replace(case, solver=replace(case.solver, nodes=nodes)))
+        values = dict.fromkeys(variables.MEASURED, 1.0)
+        values |= {"H_c": float(H_c), "H_min": float(H_min), "load": 2 * np.pi / 3}
+        solved.append(Solved(grid, *fields(np.asarray(grid.x), np.asarray(grid.y), H_c, flow), values, past))
+    return tuple(solved)
+
+
+def steady(case: Case, flow: float = 1.0) -> xr.Dataset:
+    return variables.assemble_steady(case, solutions(case, flow))
+
+
+def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
+    """A film that breathes, as `variables.assemble` gives it."""
+    case = replace(case, solver=replace(SOLVERS["transient"], nodes=81))
+    records, frames = [], []
+    for T in np.linspace(0, 4, 41):
+        film = 0.1 + 0.02 * float(np.sin(T))
+        P, H = fields(X, Y, film, flow)
+        known = {"T": T, "F": 1.0, "w": 1.0, "U": flow, "Delta": 0.9, "H_c": film, "H_min": film / 2}
+        known |= {"X_min": 0.2, "Y_min": 0.8, "P_c": 1.0, "P_max": 1.0}
+        records.append({**dict.fromkeys(variables.SCALARS, 0.0), **known})
+        frames.append(Frame(float(T), P, H, "end" if T == 4 else ""))
+    return variables.assemble(case, records, frames, {"Y": Y, "X": X})
+
+
+@pytest.fixture(scope="module")
+def ball():
+    return steady(BALL)
+
+
+@pytest.fixture(scope="module")
+def moes():
+    return steady(MOES)
+
+
+def panels(figure):
+    """The axes of a figure without those of colour bars and the right-hand ones of twins."""
+    return [axes for axes in figure.axes if axes.get_label() != "<colorbar>" and axes.get_xlabel()]
+
+
+def right_of(figure, axes):
+    (twin,) = [other for other in figure.axes if other is not axes and other.bbox.bounds == axes.bbox.bounds]
+    return twin
+
+
+def labelled(axes, label):
+    (found,) = [candidate for candidate in axes.get_lines() if candidate.get_label() == label]
+    return found
+
+
+def arrow(axes):
+    """Where the flow's arrow points: x of its end less that of its start."""
+    (found,) = [text for text in axes.texts if getattr(text, "arrow_patch", None)]
+    return found.xy[0] - found.get_position()[0]
+
+
+# -- steady -----------------------------------------------------------------------------------------------------------
+
+
+def test_the_figures_of_a_dataset(moes):
+    assert transient.figures_of(moes) is transient.STEADY_FIGURES
+    assert transient.figures_of(in_time(MOES)) is transient.FIGURES
+
+
+@pytest.mark.parametrize("name", transient.STEADY_FIGURES)
+@pytest.mark.parametrize("data", ["ball", "moes"])
+def test_every_panel_says_what_it_shows(name, data, request):
+    figure = transient.STEADY_FIGURES[name](request.getfixturevalue(data))
+    figure.draw_without_rendering()
+    assert panels(figure)
+    for axes in panels(figure):
+        assert axes.get_ylabel()
+        assert axes.get_title()
+
+
+def test_heading_gives_films_with_their_errors(ball, moes):
+    heading = transient.STEADY_FIGURES["film"](moes).get_suptitle()
+    assert r"$H_\mathrm{c}$ = 0.0950 ± 0.0017 $a^2/R$" in heading
+    assert heading.startswith("Rolling: $M$ = 200,")
+    heading = transient.STEADY_FIGURES["overview"](ball).get_suptitle()
+    assert r"$h_\mathrm{c}$ = 182.1 ± 3.2 nm" in heading  # a^2/R = 1.9169 µm
+    assert heading.startswith("Steel ball: $R$ = 10 mm,  $u_m$ = 0.5026 m/s,  $F$ = 38.89 N")
+
+
+def test_error_bars_are_those_of_the_run(moes):
+    """The same rule as in the summary."""
+    for name in ("H_c", "H_min"):
+        found = estimate_of(moes, name)
+        known = [Rolling(solutions(MOES)[:count]).extrapolate(name) for count in (2, 3)]  # type: ignore[arg-type]
+        np.testing.assert_allclose(found.errors, [np.nan, *(one.error for one in known)])
+        assert found.extrapolated == pytest.approx(known[-1].extrapolated)
+
+
+def test_one_grid_has_no_error(moes):
+    heading = transient.STEADY_FIGURES["convergence"](moes.isel(grid=[2])).get_suptitle()
+    assert r"$H_\mathrm{c}$ = 0.095 $a^2/R$" in heading
+
+
+def test_horseshoe(ball):
+    (axes,) = panels(transient.STEADY_FIGURES["film"](ball))
+    assert axes.get_xlabel() == "$x$ (µm)"
+    (mesh,) = [c for c in axes.collections if type(c).__name__ == "QuadMesh"]
+    shown = np.asarray(mesh.get_array())
+    assert shown.min() == pytest.approx(ball["H"].values.min() * C1.film * 1e9)
+    (contours,) = [c for c in axes.collections if type(c).__name__ == "QuadContourSet"]
+    np.testing.assert_allclose(np.diff(contours.levels), float(axes.get_title().split()[-2]))
+    assert axes.get_aspect() == 1.0
+
+
+@pytest.mark.parametrize("flow", [1.0, -1.0])
+def test_arrow_shows_the_flow(flow):
+    for name in ("film", "pressure"):
+        (axes,) = panels(transient.STEADY_FIGURES[name](steady(MOES, flow)))
+        assert np.sign(arrow(axes)) == flow
+    for axes in panels(transient.maps(in_time(MOES, flow))):
+        assert np.sign(arrow(axes)) == flow
+
+
+def test_still_surfaces_have_no_arrow():
+    assert not [axes for axes in panels(transient.maps(in_time(MOES, 0.0))) if axes.texts]
+
+
+def test_midlines_carry_both_fields(ball):
+    figure = transient.STEADY_FIGURES["midlines"](ball)
+    along, across = panels(figure)
+    (film,) = along.get_lines()
+    x = ball["X"].values
+    np.testing.assert_allclose(film.get_xdata(), x * C1.a * 1e6)
+    np.testing.assert_allclose(film.get_ydata(), ball["H"].values[64] * C1.film * 1e9)
+    dry, pressure = right_of(figure, along).get_lines()
+    np.testing.assert_allclose(pressure.get_ydata(), ball["P"].values[64] * C1.p_h * 1e-9)
+    np.testing.assert_allclose(dry.get_ydata(), hertz.pressure(x) * C1.p_h * 1e-9)
+    np.testing.assert_allclose(across.get_lines()[0].get_ydata(), ball["H"].values[:, 96] * C1.film * 1e9)
+    assert (along.get_xlabel(), across.get_xlabel()) == ("$x$ (µm)", "$y$ (µm)")
+
+
+def test_convergence_on_every_grid(moes):
+    axes, _ = panels(transient.STEADY_FIGURES["convergence"](moes))
+    assert axes.get_yscale() == "log"
+    np.testing.assert_array_equal(labelled(axes, "65²").get_ydata(), [1.0, 1e-2, 1e-5, 1e-9])
+    np.testing.assert_array_equal(labelled(axes, "33²").get_xdata(), [0, 1, 2])
+    np.testing.assert_array_equal(labelled(axes, "tolerance").get_ydata(), SOLVERS["steady"].tolerance)
+
+
+def test_films_on_every_grid(moes):
+    _, axes = panels(transient.STEADY_FIGURES["convergence"](moes))
+    central, least = (container for container in axes.containers)
+    np.testing.assert_array_equal(central.lines[0].get_ydata(), H_C)
+    bars = central.lines[2][0].get_segments()
+    np.testing.assert_allclose(bars[-1][:, 1], [0.095 - 0.005 / 3, 0.095 + 0.005 / 3])
+    np.testing.assert_array_equal(least.lines[0].get_ydata(), H_MIN)
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["33²", "65²", "129²", "∞"]
+    hollow = [line.get_ydata()[0] for line in axes.get_lines() if line.get_markerfacecolor() == "white"]
+    np.testing.assert_allclose(hollow, [0.095 + 0.005 / 3, 0.04 + 0.01 / 3])
+
+
+# -- in time ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", transient.FIGURES)
+@pytest.mark.parametrize("case", [MOES, BALL])
+def test_a_run_in_time_can_be_drawn(name, case):
+    figure = transient.FIGURES[name](in_time(case))
+    figure.draw_without_rendering()
+    assert "last map at" in figure.get_suptitle()
+    legends = [legend for axes in panels(figure) if (legend := axes.get_legend())]
+    words = " ".join(text.get_text() for legend in legends for text in legend.get_texts())
+    assert "dry" not in words and "rebound" not in words
+
+
+def test_what_drives_it():
+    axes = panels(transient.history(in_time(BALL)))[0]
+    labels = {candidate.get_label() for candidate in axes.get_lines()}
+    assert {"load of the film", "applied load", "entrainment"} <= labels
+
+
+def test_where_the_film_is_thinnest():
+    axes = panels(transient.history(in_time(BALL)))[2]
+    np.testing.assert_allclose(labelled(axes, "to the side").get_ydata(), 0.8 * C1.a * 1e6)
+    assert axes.get_ylabel() == "place of the least film (µm)"
+
+
+def test_a_steady_film_is_not_drawn_over_decades():
+    assert panels(transient.history(in_time(MOES)))[1].get_yscale() == "linear"
+
+
+def test_without_a_solution_there_is_nothing_to_draw():
+    with pytest.raises(ValueError, match="no solution"):
+        transient.STEADY_FIGURES["overview"](variables.assemble_steady(MOES, ()))
+
+
+def test_sliding_is_said():
+    sliding = replace(BALL, motion=replace(STEADY_ROLLING, slide_to_roll=0.5))
+    assert "slide-to-roll 0.5" in transient.STEADY_FIGURES["film"](steady(sliding)).get_suptitle()
+
+
+def test_heading_of_a_run_in_time():
+    heading = transient.overview(in_time(BALL)).get_suptitle()
+    assert "$u_m$ = 0.5026 m/s" in heading and "$F$ = 38.89 N" in heading and "v_0" not in heading

@@ -1,0 +1,161 @@
+"""Many impacts in one compiled step: equal to single runs, alike or refused, failures apart, few compilations."""
+
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from cases import impact
+from jax.tree_util import register_dataclass
+
+from ertel.model.case import Case
+from ertel.model.status import Status
+from ertel.physics.motion import constant
+from ertel.runs import batch, compiling
+from ertel.runs.batch import Arguments, Desk, lanes_for, simulate_batch
+from ertel.runs.drive import Result, Step, simulate
+from ertel.runs.sweep import Failure
+
+TIGHT = {"tolerance": 1e-8}
+
+
+def three(until: tuple[float, ...] = (1.5, 1.1, 1.3)) -> list[Case]:
+    """They end at different times, after different numbers of steps."""
+    pairs = ((20, 5), (100, 10), (50, 3))
+    return [impact(M, L, 33, solver=TIGHT, time={"until": T}) for (M, L), T in zip(pairs, until, strict=True)]
+
+
+def test_a_batch_equals_single_runs_and_its_step_is_compiled_once() -> None:
+    results = simulate_batch(three())
+    for case, found in zip(three(), results, strict=True):
+        assert isinstance(found, Result)
+        alone = simulate(case)
+        assert found.status is alone.status is Status.CONVERGED
+        assert found.dataset.sizes == alone.dataset.sizes
+        for name in ("time", "Delta", "F", "H_c", "H_min", "H", "P", "krylov_iterations"):
+            np.testing.assert_allclose(found.dataset[name], alone.dataset[name], rtol=1e-9, atol=1e-10, err_msg=name)
+    before = compiling.count()
+    simulate_batch([impact(M, 5, 33, solver=TIGHT, time={"until": 0.9}) for M in (30, 40, 60)])
+    assert compiling.count() == before
+
+
+def test_steps_are_seen_with_the_number_of_their_case() -> None:
+    seen = [0, 0, 0]
+
+    def count(number: int, step: Step) -> None:
+        seen[number] += 1
+
+    results = simulate_batch(three((0.2, 0.3, 0.4)), count)
+    assert seen == [r.dataset.sizes["time"] for r in results if isinstance(r, Result)]
+
+
+def test_a_case_that_raises_or_gives_up_does_not_stop_the_others() -> None:
+    first, second, third = three((0.2, 0.3, 0.4))
+    hopeless = replace(second, solver=replace(second.solver, tolerance=1e-300))
+
+    def raise_once(number: int, step: Step) -> None:
+        if number == 0 and step.record["T"] > 0.1:
+            raise RuntimeError("disk full")
+
+    failed, gave_up, good = simulate_batch([first, hopeless, third], raise_once)
+    assert failed == Failure("RuntimeError: disk full")
+    assert isinstance(gave_up, Result) and gave_up.status is Status.STEP_TOO_SMALL
+    assert isinstance(good, Result) and good.status.ok
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Table:
+    """A density law with an array: its shape is part of the step."""
+
+    values: Any
+    reference: ClassVar[str] = "none"
+
+    def density(self, P: Any) -> Any:
+        return jnp.ones_like(P)
+
+
+def with_density(case: Case, values: int) -> Case:
+    return replace(case, lubricant=replace(case.lubricant, density_law=Table(np.ones(values))))
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "other"),
+    [
+        ("solver.nodes = 65 in case 1: must be that of case 0, 33", impact(20, 5, 33), impact(20, 5, 65)),
+        ("solver.half_width", impact(20, 5, 33), impact(20, 5, 33, solver={"half_width": 3.0})),
+        ("symmetry", impact(20, 5, 33), impact(20, 5, 33, solver={"fold": False})),
+        ("lubricant.viscosity", impact(20, 5, 33), impact(20, 5, 33, lubricant={"viscosity": "barus"})),
+        ("lubricant.density", with_density(impact(20, 5, 33), 3), with_density(impact(20, 5, 33), 4)),
+        ("solver.method", impact(20, 5, 33), impact(20, 5, 33, solver={"method": "radial"})),
+    ],
+)
+def test_cases_that_cannot_share_a_step_are_refused(name: str, first: Case, other: Case) -> None:
+    with pytest.raises(ValueError, match=name):
+        simulate_batch([first, other])
+
+
+def test_with_and_without_inertia_are_two_steps() -> None:
+    case = impact(20, 5, 33)
+    other = replace(case, motion=replace(case.motion, inertia=0.0, load=constant(1.0)))
+    with pytest.raises(ValueError, match=r"motion\.inertia"):
+        simulate_batch([case, other])
+
+
+def test_no_cases_are_no_batch() -> None:
+    with pytest.raises(ValueError, match="one or more"):
+        simulate_batch([])
+
+
+def test_the_batch_shrinks_rarely() -> None:
+    assert [lanes_for(asking, 32) for asking in (32, 9, 8, 3, 2, 1)] == [32, 32, 8, 8, 2, 2]
+    assert lanes_for(1, 3) == 3
+
+
+def test_answers_go_to_those_who_asked_whatever_the_order() -> None:
+    desk = Desk(3)
+    late = threading.Event()
+
+    def run(number: int) -> list[int]:
+        if number == 0:
+            late.wait(10)
+        found = []
+        for turn in range(number + 1):
+            if number == 2:
+                late.set()
+            found.append(desk.ask(number, 10 * number + turn))
+        desk.leave()
+        return found
+
+    def solve(steps: Any, lanes: int) -> list[Any]:
+        sizes.append((len(steps), lanes))
+        return [fields[0] for fields, _ in steps]
+
+    sizes: list[tuple[int, int]] = []
+    with ThreadPoolExecutor(3) as pool:
+        futures = [pool.submit(run, number) for number in range(3)]
+        desk.serve(solve)
+    assert [future.result() for future in futures] == [[0], [10, 11], [20, 21, 22]]
+    assert sizes == [(3, 3), (2, 3), (1, 3)]
+
+
+def test_what_solving_raises_reaches_every_case(monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_memory(steps: Any, lanes: int) -> Any:
+        raise MemoryError("too many lanes")
+
+    monkeypatch.setattr(batch, "solve_together", no_memory)
+    assert simulate_batch(three()) == [Failure("MemoryError: too many lanes")] * 3
+
+
+def test_an_interrupt_ends_all_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(steps: list[Arguments], lanes: int) -> Any:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(batch, "solve_together", interrupt)
+    before = threading.active_count()
+    with pytest.raises(KeyboardInterrupt):
+        simulate_batch(three())
+    assert threading.active_count() == before

@@ -1,0 +1,215 @@
+"""The loop: events, maps, resuming, failure, and the user's own laws."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import xarray as xr
+from cases import impact
+from jax.tree_util import register_dataclass
+
+from ertel.model.approach import PrescribedApproach
+from ertel.model.case import Case
+from ertel.model.state import Attempt, Level
+from ertel.model.status import Status
+from ertel.physics.lubricant import Incompressible, Lubricant
+from ertel.results import analysis, diagnostics
+from ertel.runs.drive import State, progress_fraction, simulate, transient
+from ertel.solvers.radial import RadialImpact
+from ertel.solvers.transient import Transient2D
+
+
+def short(**time: object) -> Case:
+    return impact(200, 10, 33, time={"until": 1.2, **time})
+
+
+def test_maps_lie_at_exact_times_and_events_are_kept() -> None:
+    case = impact(200, 10, 33, output={"interval": 0.25}, time={"until": 2.75})
+    data = simulate(case).dataset
+    times, events = data.frame.values, data.event.values
+    np.testing.assert_allclose(times[events == 0], 0.25 * np.arange(1, 12), rtol=1e-12)
+    assert np.sum(events == 1) == 1 and np.sum(events == 2) == 1
+    assert float(data.time[-1]) == pytest.approx(2.75, rel=1e-12)
+
+
+def test_values_at_maximum_approach_come_from_the_turning_point() -> None:
+    result = simulate(impact(200, 10, 33, time={"until": 2.75}))
+    peak, data = result.summary["max_approach"], result.dataset
+    assert peak["Delta"] >= float(data.Delta.max()) - 1e-9
+    i = int(data.Delta.values.argmax())
+    assert float(data.time[i - 1]) < peak["T"] < float(data.time[i + 1])
+    frame = data.isel(frame=int((data.event == 1).values.argmax()))
+    assert float(frame.H.isel(X=16, Y=16)) == pytest.approx(peak["H_c"], rel=1e-14)
+
+
+def test_a_resumed_run_equals_an_uninterrupted_one_bit_for_bit() -> None:
+    case = short()
+    whole = list(transient(case))
+    middle = len(whole) // 2
+    stored = {key: np.array(value) for key, value in whole[middle].state.to_arrays().items()}
+    rest = list(transient(case, State.from_arrays(stored)))
+    assert len(rest) == len(whole) - middle - 1
+    for a, b in zip(whole[middle + 1 :], rest, strict=True):
+        assert a.record == b.record
+        assert a.state.counts == b.state.counts
+    for a, b in zip(whole[-1].state.levels, rest[-1].state.levels, strict=True):
+        assert np.array_equal(a.P, b.P) and np.array_equal(a.H, b.H)
+        assert (a.T, a.approach, a.velocity) == (b.T, b.approach, b.velocity)
+
+
+@pytest.mark.parametrize("history", [1, 2, 3])
+def test_a_state_survives_storage(history: int) -> None:
+    state = list(transient(short()))[history - 1].state
+    again = State.from_arrays(state.to_arrays())
+    assert again.counts == state.counts and again.next_step == state.next_step
+    assert len(again.levels) == len(state.levels)
+    assert np.array_equal(again.levels[0].P, state.levels[0].P)
+
+
+class Unwilling:
+    """A method that fails whenever the step is longer than it likes."""
+
+    def __init__(self, method: Transient2D, longest: float):
+        self.method, self.longest = method, longest
+        self.coordinates, self.start = method.coordinates, method.start
+        self.measure, self.film_error, self.whole = method.measure, method.film_error, method.whole
+
+    def advance(self, levels: Sequence[Level], step: float) -> Attempt:
+        attempt = self.method.advance(levels, step)
+        return attempt if step <= self.longest else attempt._replace(status=Status.NEWTON_STALLED)
+
+
+def test_a_step_that_fails_is_repeated_smaller() -> None:
+    case = short(until=0.2, step=0.05)
+    method = Unwilling(Transient2D(case), 0.02)
+    data = simulate(case, method=method).dataset
+    assert float(data.time[-1]) == pytest.approx(0.2)
+    assert float(data.dT.max()) <= 0.02
+    assert float(data.rejected.sum()) > 0
+
+
+def test_a_run_that_must_give_up_keeps_what_it_has() -> None:
+    case = short(until=0.2)
+    method = Transient2D(case)
+    steps = 0
+
+    def tire(levels: Sequence[Level], step: float) -> Attempt:
+        nonlocal steps
+        steps += 1
+        attempt = Transient2D.advance(method, levels, step)
+        return attempt if steps <= 4 else attempt._replace(status=Status.NEWTON_STALLED)
+
+    tired = Unwilling(method, 1.0)
+    tired.advance = tire  # type: ignore[method-assign]
+    result = simulate(case, method=tired)
+    assert result.status is Status.STEP_TOO_SMALL
+    assert result.status.advice
+    assert result.summary["status"] == "the time step became too small"
+    assert result.dataset.sizes["time"] == 4
+
+
+def test_a_fixed_step_is_fixed() -> None:
+    data = simulate(short(step=0.05)).dataset
+    np.testing.assert_allclose(data.dT.values, 0.05, rtol=1e-9)
+
+
+def test_first_contact_is_resolved_automatically() -> None:
+    """The step falls by itself when the oil stiffens and grows again later."""
+    data = simulate(impact(1000, 10, 65)).dataset
+    dT = data.dT.values
+    contact = int(np.argmax(data.F.values > 0.01))
+    assert dT[:contact].max() > 2.5 * dT[contact : contact + 10].min()
+    assert dT[-3:].max() > 1.5 * dT[contact : contact + 10].min()
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Linear:
+    """A user's own law: eta/eta0 = 1 + beta P."""
+
+    beta: float
+    reference: ClassVar[str] = "the user"
+
+    def viscosity(self, P: object) -> object:
+        return 1.0 + self.beta * jnp.asarray(P)
+
+
+def test_a_users_own_viscosity_law_needs_no_derivative() -> None:
+    case = short(until=1.0)
+    case = replace(case, lubricant=Lubricant(Linear(5.0), Incompressible()))
+    result = simulate(case)
+    assert result.status is Status.CONVERGED
+    assert result.summary["newton_iterations"] < 1.5 * result.summary["steps"]
+
+
+@pytest.mark.parametrize("method", [Transient2D, RadialImpact])
+def test_a_rig_may_prescribe_the_approach(method: type[Transient2D] | type[RadialImpact]) -> None:
+    """Pressed in to Delta = 0.5 and held: the motion is the rig's, and the load that of a dry ball pressed in further,
+    by part of the film that stays between."""
+
+    def motion(T: float) -> float:
+        return -1.0 + 1.5 * np.sin(np.pi / 2 * min(T / 1.5, 1.0))
+
+    case = impact(200, 10, 65, time={"until": 2.5, "tolerance": 1e-3})
+    data = simulate(case, method=method(case, PrescribedApproach(motion))).dataset
+    np.testing.assert_allclose(data.Delta.values, [motion(T) for T in data.time.values], atol=1e-12)
+    H_c = float(data.H_c[-1])
+    assert H_c > 0.1
+    assert 0.5**1.5 < float(data.F[-1]) < (0.5 + H_c) ** 1.5
+
+
+def test_the_summary_has_the_promised_keys() -> None:
+    summary = simulate(impact(200, 10, 33)).summary
+    assert list(summary["max_approach"]) == ["T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min"]
+    promised = "kind lambda_bar alpha_bar M L max_approach restitution steps newton_iterations krylov_iterations"
+    assert set(f"{promised} convolutions compilations wall_s status".split()) <= set(summary)
+    assert summary["restitution"] is None
+
+
+def test_progress_goes_from_nothing_to_all() -> None:
+    for until in ("max-approach", "rebound", 2.0):
+        case = impact(200, 10, 33, time={"until": until})
+        shares = [progress_fraction(case, step.record) for step in transient(case)]
+        assert 0 <= shares[0] < 0.05
+        assert shares[-1] > 0.75
+        assert all(a <= b for a, b in itertools.pairwise(shares))
+
+
+def test_warnings_speak_where_they_should() -> None:
+    coarse = simulate(impact(1000, 10, 33, time={"until": 1.2}))
+    assert any("pressure sweep" in w for w in coarse.summary["warnings"])
+    thin = simulate(impact(1000, 10, 33))
+    assert any("the film vanishes" in w for w in thin.summary["warnings"])
+    near = simulate(impact(200, 10, 33, time={"start_approach": -0.2, "until": 1.0}))
+    assert any("initial gap" in w for w in near.summary["warnings"])
+    small = simulate(impact(20, 5, 33, time={"until": 1.8}))
+    assert any("outside the domain" in w for w in small.summary["warnings"])
+    good = simulate(impact(1000, 10, 129, solver={"method": "radial", "nodes": 601}))
+    assert good.summary["warnings"] == []
+
+
+@pytest.mark.parametrize("w", [2.0, 4.0])
+def test_the_load_outside_of_a_known_field(w: float) -> None:
+    """P = c r^-4 carries pi c/w^2 beyond w."""
+    x = np.linspace(-w, w, 65)
+    P = 0.01 / (x[None, :] ** 2 + x[:, None] ** 2 + 1e-12) ** 2
+    data = xr.Dataset({"P": (("frame", "Y", "X"), P[None])}, {"X": x, "Y": x})
+    assert float(diagnostics.missing_load(data)[0]) == pytest.approx(np.pi * 0.01 / w**2 / (2 * np.pi / 3), rel=1e-6)
+
+
+def test_error_estimate_is_exact_for_a_second_order_error() -> None:
+    def summary(h):
+        values = {"H_c": 0.07 + 3 * h**2, "H_min": 0.01 - h**2, "Delta": 0.96 + h**2}
+        return {"max_approach": values}
+
+    estimate = analysis.error_estimate(summary(0.01), summary(0.02))
+    assert estimate is not None
+    assert estimate["H_c"]["extrapolated"] == pytest.approx(0.07, rel=1e-12)
+    assert estimate["H_c"]["error"] == pytest.approx(3e-4, rel=1e-9)
+    assert estimate["H_min"]["extrapolated"] == pytest.approx(0.01, rel=1e-12)
+    assert estimate["Delta_max"]["value"] == 0.96 + 1e-4
+    assert analysis.error_estimate(summary(0.01), {"max_approach": None}) is None

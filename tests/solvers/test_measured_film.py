@@ -1,0 +1,66 @@
+"""The film between steel and glass that Mourier et al. (2006) measured; their curves stay outside of this repository.
+
+Mourier L, Mazuyer D, Lubrecht AA, Donnet C. Transient increase of film thickness in micro-textured EHL contacts. Tribol
+Int 2006;39:1745-1756: 15 N, R = 12.5 mm, 0.09 m/s, pure rolling.
+"""
+
+import csv
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ertel.inputs.case_files import load_case
+from ertel.runs.drive import simulate
+
+CURVES = Path(__file__).parents[3] / "shared" / "reference" / "mourier_2006"
+CASE = Path(__file__).parents[2] / "validation" / "rolling" / "micro_cavity.toml"
+
+pytestmark = pytest.mark.skipif(not CASE.exists(), reason="the validation cases are not part of a package")
+
+
+def curve(name: str) -> np.ndarray:
+    if not CURVES.exists():
+        pytest.skip("the measured curves are not there")
+    with (CURVES / f"mourier_ssr0_{name}.csv").open() as file:
+        return np.array([[float(value) for value in row] for row in list(csv.reader(file))[1:] if len(row) == 2])
+
+
+@cache
+def undisturbed(nodes: int) -> dict[str, float]:
+    case = load_case(CASE, [f"solver.nodes={nodes}"])
+    return simulate(replace(case, solver=replace(case.solver, method="steady", tolerance=1e-7), roughness=())).summary
+
+
+def test_the_undisturbed_film_lies_where_it_was_measured() -> None:
+    """206 to 217 nm; extrapolated from 129 and 65 nodes."""
+    summary = undisturbed(129)
+    unit = summary["si"]["h_c_m"] / summary["H_c"]
+    assert 206e-9 < summary["H_c_extrapolated"] * unit < 217e-9
+
+
+def test_the_undisturbed_film_is_the_measured_curve() -> None:
+    """In the flat middle, in the median of the measured points."""
+    summary, measured = undisturbed(129), curve("exp_1")
+    flat = np.median(measured[np.abs(measured[:, 0]) < 90, 1])
+    film = summary["H_c_extrapolated"] * summary["si"]["h_c_m"] / summary["H_c"] * 1e9
+    assert film == pytest.approx(flat, rel=0.02)
+
+
+@pytest.mark.slow
+def test_a_cavity_passes_as_published() -> None:
+    """The film along the middle within 15 nm (root mean square) of the published computation, at four places."""
+    case = load_case(CASE, ["solver.nodes=129"])
+    data = simulate(case).dataset.sel(Y=0.0, method="nearest")
+    x, films = data["X"].values * case.scales.a * 1e6, data["H"].values * case.scales.film * 1e9
+    for number, place in ((2, -101), (3, -46), (4, 20), (5, 110)):
+        published = curve(f"sim_{number}_h")
+        published = published[np.abs(published[:, 0]) < 130]
+        published = published[np.argsort(published[:, 0])]
+        distance = [np.sqrt(np.mean((np.interp(published[:, 0], x, film) - published[:, 1]) ** 2)) for film in films]
+        best = int(np.argmin(distance))
+        assert distance[best] < 15
+        centre = case.roughness[0].shape.X + float(data["frame"][best])
+        assert centre * case.scales.a * 1e6 == pytest.approx(place, abs=8)

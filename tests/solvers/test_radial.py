@@ -1,0 +1,421 @@
+"""The radial twin: its elasticity, its equations, its Newton, its order, and the reference impacts."""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import log, pi
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from jax.tree_util import register_dataclass
+from numpy.typing import NDArray
+from scipy.integrate import quad
+from scipy.special import ellipkm1
+
+from ertel.model import approach
+from ertel.model.case import Case, Solver, Time
+from ertel.model.state import Level
+from ertel.model.status import Status
+from ertel.numerics import bdf
+from ertel.physics import hertz, lubricant
+from ertel.physics.lubricant import Lubricant
+from ertel.physics.scales import Parameters
+from ertel.runs.drive import Result, simulate
+from ertel.solvers import radial
+from ertel.solvers.radial import RadialImpact
+
+Floats = NDArray[np.float64]
+
+
+def isoviscous(lambda_bar: float, nodes: int, half_width: float = 4.0, **time: Any) -> Case:
+    oil = Lubricant(lubricant.Isoviscous(), lubricant.Incompressible())
+    return Case(Parameters(lambda_bar, 0.0), oil, Solver("radial", nodes, half_width), Time(**time))
+
+
+def barus(M: float, L: float, nodes: int, half_width: float = 4.0, **time: Any) -> Case:
+    p = Parameters.from_moes(M, L)
+    oil = Lubricant(lubricant.Barus(p.alpha_bar), lubricant.Incompressible())
+    return Case(p, oil, Solver("radial", nodes, half_width), Time(**time))
+
+
+def roelands(M: float, L: float, nodes: int, half_width: float = 4.0, **time: Any) -> Case:
+    """The oil of `reference/impact.json`."""
+    p = Parameters.from_moes(M, L)
+    p_h = p.alpha_bar / lubricant.ALPHA
+    viscosity = lubricant.Roelands(p.alpha_bar, 0.668, p_h / lubricant.P0_ROELANDS)
+    oil = Lubricant(viscosity, lubricant.DowsonHigginson(p_h / lubricant.DENSITY_PRESSURE))
+    return Case(p, oil, Solver("radial", nodes, half_width), Time(**time))
+
+
+def exactly(case: Case) -> Case:
+    """The case with Newton carried to the end."""
+    return replace(case, solver=replace(case.solver, tolerance=1e-9))
+
+
+def march(case: Case, step: float, until: float) -> list[Level]:
+    """Fixed steps, no error control; all levels, newest first."""
+    method = RadialImpact(case)
+    levels = [method.start().level]
+    for _ in range(round(until / step)):
+        attempt = method.advance(levels[:3], step)
+        assert attempt.status is Status.CONVERGED
+        levels.insert(0, attempt.level)
+    return levels
+
+
+def observed_orders(values: list[Floats]) -> Floats:
+    """Orders from solutions with spacings 1, 1/2, 1/4 ...: of each number, or of a field's root mean square."""
+    size = [np.sqrt(np.mean((a - b) ** 2)) for a, b in pairwise(values)]
+    return np.log2(np.array(size[:-1]) / np.array(size[1:]))
+
+
+# -- grid and elasticity ----------------------------------------------------------------------------------------------
+
+
+@given(st.integers(17, 300), st.floats(1.2, 20.0))
+def test_the_grid_grows_from_the_centre_to_its_end_and_is_finest_at_the_edge_of_the_contact(
+    nodes: int, half_width: float
+) -> None:
+    r = radial.radii(nodes, half_width)
+    spacing = np.diff(r)
+    assert r[0] == 0 and r[-1] == half_width and len(r) == nodes and np.all(spacing > 0)
+    assert abs(r[np.argmin(spacing)] - radial.EDGE) <= 2 * spacing.max()
+
+
+def test_a_grid_of_twice_the_intervals_contains_the_coarse_one() -> None:
+    np.testing.assert_allclose(radial.radii(129, 3.0)[::2], radial.radii(65, 3.0), rtol=1e-13, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("nodes", "half_width", "message"),
+    [
+        (16, 2.0, "solver.nodes = 16: must be at least 17"),
+        (65, 1.0, "solver.half_width = 1.0: must be at least 1.2"),
+        (65, float("nan"), "solver.half_width = nan"),
+        (65, float("inf"), "solver.half_width = inf"),
+    ],
+)
+def test_a_useless_grid_is_refused(nodes: int, half_width: float, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        RadialImpact(isoviscous(0.01, nodes, half_width))
+
+
+def test_the_kernel_equals_direct_integration_over_rings() -> None:
+    """The slow plain twin: a ring of radius s seen from r is 4 s/(r + s) K, 1 - k^2 = ((s - r)/(s + r))^2."""
+    r = np.array([0.0, 0.2, 0.3, 0.7, 1.0, 1.6])
+    P = np.array([*np.random.default_rng(1).random(5), 0.0])
+
+    def ring(s: float, seen_from: float) -> float:
+        K = ellipkm1(((s - seen_from) / (s + seen_from)) ** 2)
+        return float(np.interp(s, r, P) * 4 * s / (s + seen_from) * K)
+
+    expected = [2 / pi**2 * sum(quad(ring, a, b, (x,), epsabs=1e-13)[0] for a, b in pairwise(r)) for x in r]
+    np.testing.assert_allclose(radial.elastic_kernel(r) @ P, expected, rtol=1e-7)
+
+
+def test_hertz_pressure_gives_hertz_displacements() -> None:
+    """With P = sqrt(1 - r^2) the film is closed inside r < 1 at Delta = 1, and opens outside as Hertz says."""
+    errors = []
+    for nodes in (65, 513):
+        r = radial.radii(nodes, 4.0)
+        errors.append(np.max(np.abs(radial.elastic_kernel(r) @ hertz.pressure(r) - hertz.displacement(r))))
+    assert errors[0] < 3e-3
+    assert errors[1] < errors[0] / 8  # the root at the edge costs half an order, more or less as it falls between nodes
+
+
+def test_the_kernel_is_of_second_order_for_a_smooth_pressure() -> None:
+    """(1 - r^2)^(3/2) = 3 integral of a sqrt(a^2 - r^2) da is a heap of Hertz pressures of radius a."""
+
+    def exact(r: float) -> float:
+        inside = [r] if 0 < r < 1 else None
+        return 3 * quad(lambda a: a**3 * float(hertz.displacement(r / a)), 0, 1, points=inside, epsabs=1e-12)[0]
+
+    where = radial.radii(33, 2.0)
+    expected = np.array([exact(r) for r in where])
+    errors = []
+    for nodes in (33, 65, 129, 257):
+        r = radial.radii(nodes, 2.0)
+        deformation = radial.elastic_kernel(r) @ np.maximum(1 - r**2, 0) ** 1.5
+        errors.append(np.max(np.abs(deformation[:: (nodes - 1) // 32] - expected)))
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(orders > 1.9), orders
+
+
+def test_the_load_is_exact_for_a_cone_and_right_for_hertz() -> None:
+    r = radial.radii(65, 3.0)
+    assert radial.load_weights(r) @ (1 - r / 3.0) == pytest.approx(pi * 3.0**2 / 3, rel=1e-13)
+    r = radial.radii(513, 3.0)
+    assert radial.load_weights(r) @ hertz.pressure(r) == pytest.approx(approach.HERTZ_LOAD, rel=1e-4)
+
+
+# -- the equations ----------------------------------------------------------------------------------------------------
+
+
+def some_equations(seed: int, nodes: int = 33) -> tuple[radial.Equations, jax.Array]:
+    """Equations of a level after some other, and a pressure in the middle of nowhere."""
+    method = RadialImpact(roelands(200, 10, nodes))
+    random = np.random.default_rng(seed)
+    levels = [method.start().level]
+    levels = [method.advance(levels, 0.7).level, *levels]
+    rates = bdf.derivative_weights([1.0, 0.7, 0.0])
+    line = method.closure.line(1.0, rates, [level.approach for level in levels], [1.0, 1.0])
+    P = np.append(random.random(nodes - 1) * (random.random(nodes - 1) < 0.8), 0.0)
+    return method.equations(levels, rates, line), jnp.asarray(P)
+
+
+@settings(max_examples=10)
+@given(st.integers(0, 10**6))
+def test_the_residuals_add_up_to_what_is_stored_and_what_leaves(seed: int) -> None:
+    """Finite volumes: what flows out of one ring flows into the next."""
+    eq, P = some_equations(seed)
+    H = eq.apart + eq.stiffness @ P
+    squeeze = eq.rate * eq.oil.density(P) * H + eq.past
+    volume = eq.mesh.volume[:-1]
+    total = volume @ radial.residual(eq, P, H)[:-1]
+    out = radial.outflow(eq, P, H)
+    scale = float(jnp.max(jnp.abs(out)) + volume @ jnp.abs(squeeze[:-1]))
+    assert float(total - (volume @ squeeze[:-1] + out[-1])) == pytest.approx(0.0, abs=1e-13 * scale)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_assembled_jacobian_is_the_derivative_of_the_residual(seed: int) -> None:
+    eq, P = some_equations(seed)
+
+    def of_pressure(P: jax.Array) -> jax.Array:
+        return radial.residual(eq, P, eq.apart + eq.stiffness @ P)
+
+    J, r = np.asarray(jax.jacfwd(of_pressure)(P)), np.asarray(of_pressure(P))
+    holds = np.asarray(radial.free(P, jnp.asarray(r)))
+    change = np.asarray(radial.newton_change(eq, P, eq.apart + eq.stiffness @ P))
+    scale = np.abs(J) @ np.abs(change) + np.abs(r)
+    assert np.max(np.abs(J @ change + r)[holds] / scale[holds]) < 1e-9
+    np.testing.assert_allclose(change[~holds], -np.asarray(P)[~holds], atol=1e-13)
+
+
+def test_oil_is_conserved_by_every_step_of_an_impact() -> None:
+    """Before anything cavitates: the rate of what is stored and what leaves over the rim balance to the tolerance."""
+    case = exactly(roelands(200, 10, 65))
+    method, levels = RadialImpact(case), march(case, 0.04, 1.6)
+    volume = method.mesh.volume[:-1]
+    for k in range(0, len(levels) - 2, 5):
+        new, *old = levels[k : k + 3]
+        rates = bdf.derivative_weights([new.T, *(level.T for level in old)])
+        line = method.closure.line(new.T, rates, [level.approach for level in old], [level.velocity for level in old])
+        eq = method.equations(old, rates, line)
+        stored = volume @ (eq.rate * eq.oil.density(new.P) * new.H + eq.past)[:-1]
+        allowed = rates[0] * method.tolerance * float(jnp.sum(volume))
+        assert float(stored + radial.outflow(eq, new.P, new.H)[-1]) == pytest.approx(0.0, abs=allowed)
+
+
+def test_pressure_is_positive_or_the_film_parts() -> None:
+    """On the way out the oil cavitates around the contact: P = 0, residual >= 0 there; P > 0, residual 0 inside."""
+    case = exactly(roelands(200, 10, 65))
+    method, levels = RadialImpact(case), march(case, 0.03, 3.0)
+    new, *old = levels[:3]
+    rates = bdf.derivative_weights([new.T, *(level.T for level in old)])
+    line = method.closure.line(new.T, rates, [level.approach for level in old], [level.velocity for level in old])
+    r = np.asarray(radial.residual(method.equations(old, rates, line), new.P, new.H))
+    P = np.asarray(new.P)
+    assert new.velocity < 0 and np.all(P >= 0) and 10 < np.sum(P == 0) < 60
+    allowed = rates[0] * method.tolerance
+    assert np.all(r[P == 0] >= 0) and np.max(np.abs(r[P > 0])) <= allowed
+
+
+def test_far_apart_the_ball_slows_down_as_a_rigid_one() -> None:
+    """Reynolds' squeeze film: v(h) = v0 [1 - ln(h_init/h)/St], h the smallest gap."""
+    St = 500.0  # hardly any pressure, so hardly any deformation
+    levels = march(isoviscous(16 / (15 * St), 129, 30.0, start_approach=-2.0), 0.02, 1.5)
+    for level in levels[:60:10]:
+        assert 1 - level.velocity == pytest.approx(log(2.0 / -level.approach) / St, rel=0.02)
+
+
+# -- the step ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_step_that_cannot_be_done_is_a_status_not_an_exception() -> None:
+    method = RadialImpact(roelands(1000, 10, 33))
+    attempt = method.advance([method.start().level], 1.5)  # right through the plane
+    assert attempt.status is Status.NEWTON_STALLED
+    assert attempt.newton == radial.NEWTON_LIMIT
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Nonsense:
+    """A law that is not a number anywhere."""
+
+    reference: ClassVar[str] = "none"
+
+    def viscosity(self, P: Any) -> Any:
+        return jnp.full_like(P, jnp.nan)
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class MyBarus:
+    """A user's law, without a word about its derivative."""
+
+    alpha_bar: float
+    reference: ClassVar[str] = "mine"
+
+    def viscosity(self, P: Any) -> Any:
+        return 2.0 ** (self.alpha_bar / log(2) * P)
+
+
+def test_not_a_number_is_a_status() -> None:
+    case = replace(isoviscous(0.01, 33), lubricant=Lubricant(Nonsense(), lubricant.Incompressible()))
+    method = RadialImpact(case)
+    assert method.advance([method.start().level], 0.1).status is Status.NEWTON_STALLED
+
+
+def test_a_users_own_law_takes_the_place_of_a_shipped_one() -> None:
+    case = exactly(barus(50, 5, 33, start_approach=-0.5))
+    mine = replace(case, lubricant=Lubricant(MyBarus(case.parameters.alpha_bar), lubricant.Incompressible()))
+    a, b = march(case, 0.05, 1.0)[0], march(mine, 0.05, 1.0)[0]
+    np.testing.assert_allclose(a.P, b.P, atol=1e-9)
+
+
+def test_one_compilation_serves_every_step_and_every_oil_of_a_kind() -> None:
+    march(barus(50, 5, 35), 0.1, 0.3)
+    compiled = radial.solve._cache_size()
+    march(barus(80, 7, 35), 0.05, 0.3)
+    assert radial.solve._cache_size() == compiled
+
+
+def test_a_step_from_stored_levels_is_the_same_bit_for_bit() -> None:
+    case = roelands(200, 10, 33)
+    method, levels = RadialImpact(case), march(case, 0.05, 1.2)[:3]
+    stored = [level._replace(P=np.array(level.P), H=np.array(level.H)) for level in levels]
+    a, b = (method.advance(past, 0.05).level for past in (levels, stored))
+    assert np.array_equal(a.P, b.P) and np.array_equal(a.H, b.H)
+    assert (a.T, a.approach, a.velocity) == (b.T, b.approach, b.velocity)
+
+
+def test_measure_takes_the_smallest_film_between_the_nodes() -> None:
+    method = RadialImpact(isoviscous(0.01, 65))
+    r = method.coordinates["r"]
+    P, H = hertz.pressure(r), 0.01 + (r - 0.871) ** 2
+    found = method.measure(Level(1.0, 1.0, 0.0, jnp.asarray(P), jnp.asarray(H)))
+    assert found["X_min"] == pytest.approx(0.871, rel=1e-12) and found["H_min"] == pytest.approx(0.01, rel=1e-12)
+    assert found["F"] == pytest.approx(1.0, rel=1e-2) and found["P_c"] == found["P_max"] == 1.0
+    assert found["H_c"] == H[0]
+    apart = method.measure(method.start().level)
+    assert (apart["F"], apart["H_min"], apart["X_min"]) == (0.0, 1.0, 0.0)
+
+
+def test_the_film_error_is_relative_and_counts_only_under_load() -> None:
+    method = RadialImpact(isoviscous(0.01, 65))
+    r = method.coordinates["r"]
+    H, P = 0.1 + r**2, hertz.pressure(r)
+    assert method.film_error(H, H, P) == 0.0
+    assert method.film_error(H, 1.02 * H, P) == pytest.approx(0.02, rel=1e-12)
+    assert method.film_error(H, np.where(r > 1, 0.0, H), P) == 0.0
+    assert method.film_error(H, 1.02 * H, 0 * P) == 0.0
+
+
+# -- orders -----------------------------------------------------------------------------------------------------------
+
+
+def test_second_order_in_time() -> None:
+    finest = [march(exactly(barus(20, 5, 65, 2.0, start_approach=-0.5)), 0.04 / k, 1.2)[0] for k in (1, 2, 4, 8)]
+    for name, values in {
+        "H_c": [np.array(level.H[0]) for level in finest],
+        "Delta": [np.array(level.approach) for level in finest],
+        "H": [np.asarray(level.H) for level in finest],
+    }.items():
+        assert np.all(observed_orders(values) > 1.8), (name, observed_orders(values))
+
+
+def test_second_order_in_space() -> None:
+    nodes = (33, 65, 129, 257)
+    levels = [march(exactly(barus(20, 5, n, 2.0, start_approach=-0.5)), 0.04, 1.2)[0] for n in nodes]
+    for name, values in {
+        "H_c": [np.array(level.H[0]) for level in levels],
+        "Delta": [np.array(level.approach) for level in levels],
+        "H": [np.asarray(level.H)[:: (n - 1) // 32] for level, n in zip(levels, nodes, strict=True)],
+    }.items():
+        assert np.all(observed_orders(values) > 1.9), (name, observed_orders(values))
+
+
+# -- whole impacts ----------------------------------------------------------------------------------------------------
+
+# From `reference/impact.json`, with the accuracy stated there: H_c 0.3 %, H_min 2-3 % (more at M >= 5000), Delta and F
+# 0.1 %, restitution 0.001.  Its F_max is the largest F over time, a little before the maximum of Delta.
+REFERENCE = {
+    "isoviscous St 50": dict(H_c=0.04534, H_min=0.03305, X_min=0.835, Delta=0.8563, F=0.854, e=0.8626),
+    "isoviscous St 500": dict(H_c=0.01445, H_min=0.00636, X_min=0.95, Delta=0.9687, F=0.968, e=0.9733),
+    "roelands M 200": dict(H_c=0.15353, H_min=0.03999, X_min=0.9, Delta=0.8682, F=0.9021, e=0.9399),
+    "roelands M 1000": dict(H_c=0.06796, H_min=0.00819, X_min=0.96, Delta=0.9619, F=0.9714, e=0.9879),
+    "roelands M 5000": dict(H_c=0.03008, H_min=0.0016, X_min=0.984, Delta=0.9892, F=0.9919),
+    "barus M 1000": dict(H_c=0.08673, H_min=0.00886, X_min=0.955, Delta=0.9572, e=0.9874),
+}
+CASES = {
+    "isoviscous St 50": lambda nodes, **time: isoviscous(0.021333, nodes, **time),
+    "isoviscous St 500": lambda nodes, **time: isoviscous(0.0021333, nodes, **time),
+    "roelands M 200": lambda nodes, **time: roelands(200, 10, nodes, **time),
+    "roelands M 1000": lambda nodes, **time: roelands(1000, 10, nodes, **time),
+    "roelands M 5000": lambda nodes, **time: roelands(5000, 10, nodes, **time),
+    "barus M 1000": lambda nodes, **time: barus(1000, 10, nodes, **time),
+}
+FILM_AT_X = {  # of the same file: H at maximum approach, X = 0.25, 0.5, 0.7, 0.8, 0.9
+    "roelands M 200": [0.1298, 0.09417, 0.0696, 0.05608, 0.04008],
+    "roelands M 1000": [0.04876, 0.03038, 0.02131, 0.01749, 0.01307],
+    "roelands M 5000": [0.01666, 0.00897, 0.00609, 0.00497, 0.00375],
+    "barus M 1000": [0.05999, 0.03758, 0.02618, 0.02119, 0.01519],
+}
+
+
+def compare(name: str, result: Result, own_error: float) -> None:
+    """own_error: of our grid, step and domain, relative, on top of the reference's."""
+    assert result.status is Status.CONVERGED
+    found, expected = result.summary["max_approach"], REFERENCE[name]
+    assert found["H_c"] == pytest.approx(expected["H_c"], rel=0.003 + own_error)
+    assert found["H_min"] == pytest.approx(expected["H_min"], rel=0.025 + own_error)
+    assert found["X_min"] == pytest.approx(expected["X_min"], abs=0.005)
+    assert found["Delta"] == pytest.approx(expected["Delta"], rel=0.001 + own_error / 3)
+    if "F" in expected:
+        assert float(result.dataset.F.max()) == pytest.approx(expected["F"], rel=0.001 + own_error / 3)
+
+
+@pytest.mark.parametrize("name", ["isoviscous St 50", "roelands M 200", "roelands M 1000"])
+def test_reference_impacts(name: str) -> None:
+    compare(name, simulate(CASES[name](201, tolerance=2e-4)), own_error=0.004)
+
+
+def test_reference_restitution() -> None:
+    result = simulate(CASES["isoviscous St 50"](129, tolerance=3e-4, until="rebound"))
+    assert result.summary["restitution"] == pytest.approx(REFERENCE["isoviscous St 50"]["e"], abs=0.002)
+    assert float(result.dataset.F[-1]) == 0.0  # the ball flies freely
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", REFERENCE)
+def test_every_reference_impact_on_a_fine_grid(name: str) -> None:
+    result = simulate(CASES[name](601, tolerance=5e-5))
+    compare(name, result, own_error=0.0015)
+    if name in FILM_AT_X:
+        at_peak = result.dataset.isel(frame=int((result.dataset.event == 1).values.argmax()))
+        H = np.interp([0.25, 0.5, 0.7, 0.8, 0.9], at_peak.r.values, at_peak.H.values)
+        np.testing.assert_allclose(H, FILM_AT_X[name], rtol=0.015)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in REFERENCE if "e" in REFERENCE[name]])
+def test_every_reference_restitution(name: str) -> None:
+    result = simulate(CASES[name](301, tolerance=1e-4, until="rebound"))
+    assert result.summary["restitution"] == pytest.approx(REFERENCE[name]["e"], abs=0.0015)
+
+
+@pytest.mark.slow
+def test_without_viscosity_the_ball_comes_back_as_fast_as_it_went() -> None:
+    """lambda_bar -> 0: Delta_max -> 1 and restitution -> 1, the loss falling with lambda_bar."""
+    losses = []
+    for lambda_bar in (2e-3, 2e-4, 2e-5):
+        result = simulate(isoviscous(lambda_bar, 301, tolerance=2e-4, until="rebound"))
+        losses.append(1 - result.summary["restitution"])
+        assert abs(1 - result.summary["max_approach"]["Delta"]) < 2 * losses[-1]
+    assert losses[0] > 4 * losses[1] > 16 * losses[2] > 0

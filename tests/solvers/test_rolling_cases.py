@@ -1,0 +1,408 @@
+"""Case files of rolling contacts, of motion and of roughness: what they may say, mean, and what is refused."""
+
+import tomllib
+from math import inf, isclose, pi
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.inputs.schema import apply_overrides, to_toml
+from ertel.model import case as defaults
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
+from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
+
+MOES = {"kind": "rolling", "M": 200, "L": 10}
+C1 = {  # the dimensional case of reference/rolling.json
+    "kind": "rolling",
+    "radius": "10 mm",
+    "load": "38.885237 N",
+    "mean_speed": "0.502636 m/s",
+    "E_prime": "219.7802 GPa",
+}
+OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
+BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
+IN_TIME = {"method": "transient"}
+TRACK = {k: v for k, v in C1.items() if k != "mean_speed"}
+
+
+def case(contact: dict[str, Any] = MOES, **sections: Any) -> defaults.Case:
+    oil = {"lubricant": OIL} if "radius" in contact else {}
+    return parse_case({"contact": contact, **oil, **sections})
+
+
+def in_time(contact: dict[str, Any] = MOES, **sections: Any) -> defaults.Case:
+    return case(contact, solver=IN_TIME, **sections)
+
+
+def complaint(**sections: Any) -> str:
+    with pytest.raises(ConfigError) as caught:
+        case(**sections)
+    message = str(caught.value)
+    assert "\n" not in message
+    return message
+
+
+# -- the contact ------------------------------------------------------------------------------------------------------
+
+
+def test_physical_input_is_the_reference():
+    found = case(C1)
+    assert found.scales is not None
+    given = [found.parameters.M, found.parameters.L, found.scales.a, found.scales.p_h, found.scales.front_speed]
+    assert given == pytest.approx([200, 10, 1.384509e-4, 968577800.0, 0.502636], rel=1e-6)
+    assert found.motion == STEADY_ROLLING
+    assert found.solver == defaults.SOLVERS["steady"]
+
+
+def test_two_speeds_are_a_mean_and_a_slide():
+    one = case(TRACK | {"speed_1": "0.6 m/s", "speed_2": "0.4 m/s"})
+    two = case(TRACK | {"mean_speed": "0.5 m/s", "slide_to_roll": 0.4})
+    assert isclose(one.parameters.lambda_bar, two.parameters.lambda_bar)
+    assert isclose(one.motion.slide_to_roll, two.motion.slide_to_roll)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "slide"), [(("1 m/s", "0 m/s"), 2), (("0 m/s", "1 m/s"), -2), (("2 m/s", "-1 m/s"), 6)]
+)
+def test_a_surface_may_rest_or_run_backwards(speeds, slide):
+    found = in_time(TRACK | dict(zip(("speed_1", "speed_2"), speeds, strict=True)))
+    assert found.motion.slide_to_roll == slide
+    assert found.scales is not None
+    assert found.scales.front_speed == pytest.approx(0.5)
+    share = found.scales.front_speed
+    travels = [found.motion.travel(surface, 1.0) * share for surface in (1, 2)]
+    assert travels == pytest.approx([float(speed.split()[0]) for speed in speeds])
+
+
+def test_a_negative_mean_speed_reverses_the_flow():
+    forth, back = (in_time(TRACK | {"mean_speed": f"{sign}0.5 m/s"}) for sign in ("", "-"))
+    assert back.parameters == forth.parameters
+    assert (forth.motion.entrainment(0.0), back.motion.entrainment(0.0)) == (1.0, -1.0)
+    table = {"mean": 1.0, "amplitude": 0.5, "period": 2.0}
+    back = in_time(TRACK | {"mean_speed": "-0.5 m/s"}, motion={"entrainment": table})
+    assert back.motion.entrainment == Oscillation(-1.0, -0.5, 2.0)
+
+
+def test_two_balls():
+    radii = {"radius_1": "20 mm", "radius_2": "20 mm"}
+    found = parse_case({"contact": {k: v for k, v in C1.items() if k != "radius"} | radii, "lubricant": OIL})
+    assert found.scales is not None
+    assert isclose(found.scales.R, 0.01)
+
+
+def test_the_ball_s_mass_is_its_inertia():
+    mass = 4 / 3 * pi * 0.01**3 * 7850
+    one = in_time(C1 | {"ball_density": "7850 kg/m^3"})
+    two = in_time(C1 | {"mass": f"{mass!r} kg"})
+    s = one.scales
+    assert s is not None
+    assert isclose(one.motion.inertia, mass * s.film / (s.load * s.t0**2))
+    assert isclose(one.motion.inertia, two.motion.inertia)
+
+
+def test_dimensionless_inertia_and_slide():
+    assert in_time(motion={"inertia": 0.3, "slide_to_roll": 1}).motion == Motion(constant(1), constant(1), 0.3, 1)
+
+
+# -- the defaults -----------------------------------------------------------------------------------------------------
+
+
+def test_method_and_grid_of_a_rolling_contact():
+    assert case().solver == defaults.SOLVERS["steady"]
+    assert in_time().solver == defaults.SOLVERS["transient"]
+    assert in_time().time == defaults.Time(until=defaults.ROLLING_UNTIL)
+
+
+def test_an_inlet_goes_with_the_width():
+    assert case(solver={"half_width": 4.0}).solver.inlet == 6.0
+    assert case(solver={"half_width": 4.0, "inlet": 4.0}).solver.inlet is None  # centred
+
+
+@pytest.mark.parametrize(
+    ("entrainment", "centred"),
+    [
+        ([[0, 1], [2, -1]], True),
+        ([[0, 1], [2, 0]], False),
+        ([[0, 1], [50, -1]], False),  # long after the end
+        ({"mean": 0.1, "amplitude": 1, "period": 3, "phase": 1}, True),
+        (-1, False),
+    ],
+)
+def test_a_reversal_has_a_centred_grid(entrainment, centred):
+    solver = in_time(motion={"entrainment": entrainment}).solver
+    assert (solver.half_width, solver.inlet) == ((4.5, None) if centred else (3.0, 4.5))
+
+
+# -- motion -----------------------------------------------------------------------------------------------------------
+
+
+def test_forms_of_a_signal():
+    forms = [2, [[0, 1], [1.5, 2]], {"mean": 1, "amplitude": 0.2, "period": 3}]
+    expected = [constant(2.0), Polyline(((0.0, 1.0), (1.5, 2.0))), Oscillation(1.0, 0.2, 3.0)]
+    for form, signal in zip(forms, expected, strict=True):
+        assert in_time(motion={"load": form}).motion.load == signal
+
+
+def test_times_with_units():
+    found = in_time(
+        C1,
+        motion={
+            "load": {"mean": 1, "amplitude": 0.1, "period": "2 ms"},
+            "entrainment": [["0 s", 1], ["1 ms", 2], [5, 1]],
+        },
+        time={"until": "3 ms", "step": "10 us"},
+        output={"interval": "1 ms"},
+    )
+    assert found.scales is not None
+    t0 = found.scales.t0
+    assert found.motion.load == Oscillation(1.0, 0.1, 0.002 / t0)
+    assert found.motion.entrainment == Polyline(((0.0, 1.0), (0.001 / t0, 2.0), (5.0, 1.0)))
+    assert (found.time.until, found.time.step, found.output.interval) == (0.003 / t0, 1e-5 / t0, 0.001 / t0)
+
+
+def test_an_impact_on_a_rolling_track():
+    found = case(BALL | {"mean_speed": "0.3 m/s", "slide_to_roll": 0.5})
+    assert found.scales is not None
+    assert found.motion.entrainment(1.0) == pytest.approx(0.3 / found.scales.front_speed)
+    assert (found.motion.inertia, found.motion.slide_to_roll) == (0.8, 0.5)
+    also = case({"M": 200, "L": 10}, motion={"entrainment": 0.5, "load": 0.1})
+    assert also.motion == Motion(constant(0.1), constant(0.5), 0.8)
+
+
+def test_an_impact_without_motion_is_a_free_ball():
+    assert case({"M": 200, "L": 10}).motion == FREE_BALL
+    assert case({"M": 200, "L": 10}, solver={"method": "radial"}, motion={"load": 0}).motion == FREE_BALL
+
+
+# -- roughness --------------------------------------------------------------------------------------------------------
+
+
+def test_shapes():
+    found = in_time(
+        roughness=[
+            {"shape": "waviness", "amplitude": 0.1, "wavelength_x": 0.5, "front": -2, "ramp": 0.5, "phase_x": 1},
+            {"shape": "rings", "amplitude": -0.1, "wavelength": 0.5, "x": -1, "surface": 2},
+            {"shape": "spot", "depth": 0.2, "radius": 0.3, "x": -3, "y": 1},
+            {"shape": "spot", "height": 0.2, "radius": 0.3},
+        ]
+    )
+    assert found.roughness == (
+        Feature(Waviness(0.1, 0.5, inf, 1.0, 0.0, -2.0, 0.5)),
+        Feature(RingWaviness(-0.1, 0.5, 0.0, -1.0), 2),
+        Feature(Spot(-0.2, 0.3, -3.0, 1.0)),
+        Feature(Spot(0.2, 0.3)),
+    )
+
+
+def test_heights_and_lengths_with_units():
+    found = in_time(C1, roughness=[{"shape": "spot", "height": "20 nm", "radius": "50 um", "x": -3}])
+    s = found.scales
+    assert s is not None
+    assert found.roughness == (Feature(Spot(20e-9 / s.film, 50e-6 / s.a, -3.0)),)
+
+
+def test_an_impact_on_a_rough_plate():
+    spot = {"shape": "spot", "height": 0.1, "radius": 0.3}
+    assert case({"M": 200, "L": 10}, roughness=[spot]).roughness == (Feature(Spot(0.1, 0.3)),)
+
+
+@pytest.mark.parametrize(("surface", "slide"), [(1, -2), (2, 2)])
+def test_roughness_at_rest_is_steady(surface, slide):
+    spot = {"shape": "spot", "height": 0.1, "radius": 0.3, "surface": surface}
+    assert case(roughness=[spot], motion={"slide_to_roll": slide}).roughness
+
+
+def test_ridges_along_the_flow_are_steady():
+    assert case(roughness=[{"shape": "waviness", "amplitude": 0.1, "wavelength_y": 0.5}]).roughness
+
+
+# -- round trip -------------------------------------------------------------------------------------------------------
+
+number = st.floats(-10, 10)
+positive = st.floats(0.01, 10)
+quantities = st.builds(lambda value, unit: f"{value!r} {unit}", positive, st.sampled_from(["um", "mm", "inch"]))
+times = st.one_of(positive, st.builds(lambda value: f"{value!r} ms", positive))
+signals = st.one_of(
+    positive,
+    st.lists(positive, min_size=1, max_size=4, unique=True).map(lambda ts: [[T, T] for T in sorted(ts)]),
+    st.fixed_dictionaries(
+        {"mean": st.floats(1, 2), "amplitude": st.floats(-0.9, 0.9), "period": times}, optional={"phase": number}
+    ),
+)
+lengths = st.one_of(positive, quantities)
+surfaces = st.sampled_from([1, 2])
+shapes = st.one_of(
+    st.fixed_dictionaries(
+        {"shape": st.just("waviness"), "amplitude": st.one_of(number, quantities), "wavelength_x": lengths},
+        optional={"wavelength_y": lengths, "phase_y": number, "front": number, "surface": surfaces},
+    ),
+    st.fixed_dictionaries(
+        {"shape": st.just("rings"), "amplitude": number, "wavelength": lengths}, optional={"x": number, "phase": number}
+    ),
+    st.fixed_dictionaries(
+        {"shape": st.just("spot"), "radius": lengths, "depth": st.one_of(number, quantities)}, optional={"y": lengths}
+    ),
+)
+runs = st.fixed_dictionaries(
+    {"contact": st.just(C1), "lubricant": st.just(OIL), "solver": st.just(IN_TIME)},
+    optional={
+        "motion": st.fixed_dictionaries({}, optional={"load": signals, "entrainment": signals}),
+        "roughness": st.lists(shapes, max_size=3),
+        "time": st.fixed_dictionaries({}, optional={"until": times, "step": times}),
+        "output": st.fixed_dictionaries({"interval": times}),
+    },
+)
+
+
+@given(runs)
+def test_resolved_case_reads_back_as_the_same(data):
+    found = parse_case(data)
+    again = parse_case(tomllib.loads(to_toml(found.source)))
+    assert again == found  # to the last bit, for a run resumed from its resolved case equals the run
+    assert again.source == found.source
+
+
+@pytest.mark.parametrize("contact", [MOES, C1, TRACK | {"speed_1": "-0.6 m/s", "speed_2": "0.1 m/s"}])
+@pytest.mark.parametrize("solver", [{}, {"half_width": 3.5, "inlet": 3.5}, {"nodes": 65, "inlet": 4.0}])
+def test_a_steady_case_reads_back_as_the_same(contact, solver):
+    found = case(contact, solver=solver)
+    assert {"time", "output"}.isdisjoint(found.source)
+    assert parse_case(tomllib.loads(to_toml(found.source))) == found
+
+
+def test_overrides_of_arrays_and_tables():
+    data = {"contact": dict(MOES), "solver": dict(IN_TIME)}
+    items = ["motion.load=[[0, 1], [2, 3]]", "motion.entrainment={mean = 1, amplitude = 0.1, period = 2}"]
+    found = parse_case(apply_overrides(data, [*items, 'roughness=[{shape = "spot", height = 0.1, radius = 1}]']))
+    assert found.motion.load == Polyline(((0.0, 1.0), (2.0, 3.0)))
+    assert found.motion.entrainment == Oscillation(1.0, 0.1, 2.0)
+    assert found.roughness == (Feature(Spot(0.1, 1.0)),)
+
+
+# -- what is refused: the message names field, value and what is allowed ----------------------------------------------
+
+SPOT = {"shape": "spot", "height": 0.1, "radius": 0.3}
+
+
+@pytest.mark.parametrize(
+    ("sections", "expected"),
+    [
+        ({"contact": {"kind": "rolling"}}, ["contact.M: missing", "load", "mean_speed or speed_1 and speed_2"]),
+        ({"contact": MOES | C1}, ["contact.M = 200", 'contact.radius = "10 mm"', "given together"]),
+        ({"contact": C1 | {"speed": "1 m/s"}}, ['contact.speed = "1 m/s"', "rolling", "contact.mean_speed"]),
+        ({"contact": C1 | {"drop_height": "1 m"}}, ["contact.drop_height", "rolling", "contact.speed_1"]),
+        ({"contact": BALL | {"load": "1 N"}}, ['contact.load = "1 N"', "impact", "motion.load"]),
+        ({"contact": BALL | {"speed_1": "1 m/s"}}, ["contact.speed_1", "impact", "contact.mean_speed"]),
+        ({"contact": BALL | {"slide_to_roll": 1}}, ["contact.slide_to_roll = 1", "mean_speed"]),
+        ({"contact": MOES | {"slide_to_roll": 1}}, ["contact.slide_to_roll = 1", "motion.slide_to_roll"]),
+        ({"contact": TRACK}, ["contact.mean_speed: missing", "speed_1 and speed_2"]),
+        ({"contact": TRACK | {"speed_1": "1 m/s"}}, ["contact.speed_2: missing", 'contact.speed_1 = "1 m/s"']),
+        (
+            {"contact": C1 | {"speed_1": "1 m/s", "speed_2": "1 m/s"}},
+            ["contact.mean_speed", "contact.speed_1", "together"],
+        ),
+        (
+            {"contact": TRACK | {"speed_1": "1 m/s", "speed_2": "-1 m/s"}},
+            ['contact.speed_1 = "1 m/s" and contact.speed_2 = "-1 m/s"', "mean must not be zero"],
+        ),
+        (
+            {"contact": TRACK | {"speed_1": "1 m/s", "speed_2": "1 m/s", "slide_to_roll": 1}},
+            ["contact.slide_to_roll = 1", "mean_speed only"],
+        ),
+        ({"contact": C1 | {"mean_speed": "0 m/s"}}, ['contact.mean_speed = "0 m/s"', "must not be zero"]),
+        ({"contact": C1 | {"load": "-1 N"}}, ['contact.load = "-1 N"', "above zero", "40 N"]),
+        ({"contact": C1 | {"load": "3 m"}}, ['contact.load = "3 m"', "wrong dimension"]),
+        ({"contact": C1 | {"mass": "1 g", "ball_density": "1 kg/m^3"}}, ["contact.mass", "contact.ball_density"]),
+        ({"solver": {"method": "2d"}}, ['solver.method = "2d"', '"steady" or "transient"', '"rolling"']),
+        ({"contact": {"M": 1, "L": 1}, "solver": IN_TIME}, ['solver.method = "transient"', '"2d" or "radial"']),
+        ({"solver": {"inlet": 5.5}}, ["solver.inlet = 5.5", "above 1 and below 5 "]),
+        ({"solver": {"inlet": 0.5}}, ["solver.inlet = 0.5", "greater than 1"]),
+        ({"contact": {"M": 1, "L": 1}, "solver": {"method": "radial", "inlet": 2.0}}, ["solver.inlet = 2.0", "radial"]),
+        ({"time": {"until": 5}}, ["time.until = 5.0", "steady", "transient"]),
+        ({"time": {}}, ["time: ", "steady", "transient"]),
+        ({"output": {"interval": 1}}, ["output.interval = 1.0", "steady"]),
+        ({"time": {"until": "rebound"}, "solver": IN_TIME}, ['time.until = "rebound"', "impact", "time"]),
+        ({"time": {"start_approach": -1}, "solver": IN_TIME}, ["time.start_approach = -1", "steady film"]),
+        ({"time": {"until": "5 ms"}, "solver": IN_TIME}, ["time.until", "plain number", "dimensionless"]),
+        ({"contact": C1, "solver": IN_TIME, "time": {"until": "5 mm"}}, ["time.until", "5 ms"]),
+        ({"motion": {"load": [[0, 1], [1, 2]]}}, ["motion.load", "from 1 to 2", "transient"]),
+        ({"motion": {"entrainment": {"mean": 1, "amplitude": 1, "period": 1}}}, ["motion.entrainment", "transient"]),
+        ({"motion": {"entrainment": 0}}, ["motion.entrainment", "0 at T = 0", "must not be zero"]),
+        ({"motion": {"entrainment": [[0, 0], [1, 1]]}, "solver": IN_TIME}, ["motion.entrainment", "must not be zero"]),
+        ({"motion": {"load": 0}}, ["motion.load", "is 0 at T = 0", "above zero"]),
+        ({"motion": {"load": [[0, 1], [1, 0]]}, "solver": IN_TIME}, ["motion.load", "down to 0", "inertia"]),
+        (
+            {"motion": {"load": [[1, 1], [0, 2]]}, "solver": IN_TIME},
+            ["motion.load = [[1.0, 1.0], [0.0, 2.0]]", "rising"],
+        ),
+        ({"motion": {"load": []}}, ["motion.load = []", "[T, value]", "amplitude"]),
+        ({"motion": {"load": [1, 2]}}, ["motion.load[1] = 1", "[T, value]"]),
+        ({"motion": {"load": [[0, 1], [1]]}}, ["motion.load[2]", "[T, value]"]),
+        ({"motion": {"load": [[0, 1, 2]]}}, ["motion.load[1]", "[T, value]"]),
+        ({"motion": {"load": [[0, "a"]]}}, ['motion.load[1][2] = "a"', "number"]),
+        ({"motion": {"load": "much"}}, ['motion.load = "much"', "[T, value]", "amplitude"]),
+        ({"motion": {"load": True}}, ["motion.load = true", "[T, value]"]),
+        ({"motion": {"load": float("nan")}}, ["motion.load = NaN", "finite"]),
+        ({"motion": {"load": {"mean": 1}}}, ["motion.load.amplitude: missing"]),
+        ({"motion": {"load": {"mean": 1, "amplitude": 1, "periode": 1}}}, ["motion.load.period: missing"]),
+        (
+            {"motion": {"load": {"mean": 1, "amplitude": 1, "period": 1, "fase": 1}}},
+            ["motion.load.fase = 1", "did you mean phase?"],
+        ),
+        ({"motion": {"load": {"mean": 1, "amplitude": 1, "period": 0}}}, ["motion.load.period = 0", "above zero"]),
+        (
+            {"motion": {"load": {"mean": 1, "amplitude": 1, "period": "1 ms"}}, "solver": IN_TIME},
+            ["motion.load.period", "plain number"],
+        ),
+        ({"motion": {"inertia": -1}}, ["motion.inertia = -1", "0"]),
+        ({"motion": {"speed": 1}}, ["motion.speed = 1", "unknown key", "entrainment"]),
+        ({"motion": {"slide_to_roll": 1}, "contact": C1}, ["motion.slide_to_roll = 1", "contact.slide_to_roll"]),
+        ({"motion": {"inertia": 1}, "contact": C1}, ["motion.inertia = 1", "contact.mass"]),
+        ({"motion": {"inertia": 1}, "contact": BALL}, ["motion.inertia = 1", "impact", "4/5"]),
+        (
+            {"motion": {"entrainment": 1}, "contact": BALL | {"mean_speed": "1 m/s"}},
+            ["motion.entrainment = 1", "contact.mean_speed", "given together"],
+        ),
+        (
+            {"motion": {"load": 1}, "contact": {"M": 1, "L": 1}, "time": {"until": "rebound"}},
+            ['time.until = "rebound"', "load", "time"],
+        ),
+        (
+            {"motion": {"entrainment": 1}, "contact": {"M": 1, "L": 1}, "solver": {"method": "radial"}},
+            ["motion", "radial", '"2d"'],
+        ),
+        (
+            {"roughness": [SPOT], "contact": {"M": 1, "L": 1}, "solver": {"method": "radial"}},
+            ["roughness", "radial", '"2d"'],
+        ),
+        ({"roughness": [SPOT]}, ["roughness[1].surface = 1", "not steady", "transient"]),
+        ({"roughness": [{**SPOT, "surface": 2}], "motion": {"slide_to_roll": -2}}, ["roughness[1].surface = 2"]),
+        ({"roughness": SPOT}, ["roughness = ", "array of tables", "[[roughness]]"]),
+        ({"roughness": [5]}, ["roughness[1].shape: missing", "waviness, rings, spot"]),
+        ({"roughness": [{"height": 1}]}, ["roughness[1].shape: missing", "waviness, rings, spot"]),
+        ({"roughness": [SPOT, {**SPOT, "shape": "dent"}]}, ['roughness[2].shape = "dent"', "waviness, rings, spot"]),
+        ({"roughness": [{**SPOT, "radios": 1}]}, ["roughness[1].radios = 1", "did you mean radius?"]),
+        ({"roughness": [{**SPOT, "radius": -1}]}, ["roughness[1].radius = -1", "above zero", "units a,", "50 um"]),
+        ({"roughness": [{**SPOT, "radius": "1 s"}]}, ['roughness[1].radius = "1 s"', "wrong dimension"]),
+        ({"roughness": [{**SPOT, "height": "1 nm"}]}, ["roughness[1].height", "plain number", "dimensionless"]),
+        ({"roughness": [{**SPOT, "surface": 3}]}, ["roughness[1].surface = 3", "1 or 2"]),
+        ({"roughness": [{**SPOT, "depth": 1}]}, ["roughness[1].height", "together with depth"]),
+        ({"roughness": [{"shape": "spot", "radius": 1}]}, ["roughness[1].height: missing", "depth"]),
+        ({"roughness": [{"shape": "spot", "height": 1}]}, ["roughness[1].radius: missing"]),
+        (
+            {"roughness": [{"shape": "waviness", "amplitude": 1}]},
+            ["roughness[1].wavelength_x: missing", "wavelength_y"],
+        ),
+        (
+            {"roughness": [{"shape": "waviness", "amplitude": 1, "wavelength_x": 1, "ramp": 1}]},
+            ["roughness[1].ramp = 1", "front"],
+        ),
+    ],
+    ids=str,
+)
+def test_refused(sections, expected):
+    message = complaint(**sections)
+    assert all(part in message for part in expected), message

@@ -1,0 +1,205 @@
+"""Rolling in time: limits that tie it to the steady film and to the impact, conservation, order, work."""
+
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from cases import march as levels_of
+
+from ertel.model import contact
+from ertel.model.approach import HERTZ_LOAD
+from ertel.model.case import SOLVERS, Case, Time
+from ertel.model.contact import Rate
+from ertel.model.state import Level
+from ertel.numerics import bdf
+from ertel.physics.lubricant import Barus, Incompressible, Lubricant
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
+from ertel.physics.scales import Parameters
+from ertel.physics.surfaces import Feature, Spot, Waviness
+from ertel.runs.drive import transient
+from ertel.solvers import steady
+from ertel.solvers.transient import Transient2D
+
+P20 = Parameters.from_moes(20, 5)  # a thick film: resolved by few nodes
+OIL = Lubricant(Barus(P20.alpha_bar), Incompressible())
+TIGHT = 1e-8
+CENTRED = {"half_width": 3.0, "inlet": None}
+
+
+def rolling(
+    motion: Motion = STEADY_ROLLING, *features: Feature, nodes: int = 33, time: Time | None = None, **solver
+) -> Case:
+    grid = replace(SOLVERS["transient"], **{"nodes": nodes, "tolerance": TIGHT, "fold": False, **solver})
+    return Case(P20, OIL, grid, time or Time(), kind="rolling", motion=motion, roughness=features)
+
+
+def march(case: Case, step: float, steps: int) -> list[Level]:
+    """Levels of a fixed-step run, newest first."""
+    return levels_of(Transient2D(case), step, steps)
+
+
+def largest(a, b) -> float:
+    return float(np.abs(np.asarray(a) - np.asarray(b)).max())
+
+
+# -- limits -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shape", [Waviness(0.0, 0.5, 0.5), Spot(0.0, 0.3, X=-1.0)])
+def test_moving_roughness_of_no_height_leaves_the_film_steady(shape) -> None:
+    """To the tolerance of the solver."""
+    last, *_, first = march(rolling(STEADY_ROLLING, Feature(shape)), 0.05, 10)
+    assert largest(last.H, first.H) < 10 * TIGHT
+    assert abs(last.approach - first.approach) < 10 * TIGHT
+    assert largest(last.P, first.P) < 1e-6
+
+
+def test_a_disturbed_film_comes_back_to_the_steady_one() -> None:
+    """After the load has doubled for a while; the disturbance leaves with the oil, in about 2 t0."""
+    push = Polyline(((0.0, 1.0), (0.2, 2.0), (0.4, 1.0)))
+    last, *_, first = march(rolling(replace(STEADY_ROLLING, load=push)), 0.1, 80)
+    assert largest(last.H, first.H) < 1e-5
+
+
+def test_reversing_everything_mirrors_everything() -> None:
+    """U -> -U and the roughness mirrored, in time."""
+    feature = Waviness(0.02, 0.8, phase_x=0.4)
+    there = march(rolling(STEADY_ROLLING, Feature(feature)), 0.05, 6)[0]
+    back = replace(STEADY_ROLLING, entrainment=constant(-1.0))
+    here = march(rolling(back, Feature(replace(feature, phase_x=-0.4))), 0.05, 6)[0]
+    assert largest(np.asarray(here.H)[:, ::-1], there.H) < 1e-7
+    assert largest(np.asarray(here.P)[:, ::-1], there.P) < 1e-6
+
+
+def impact_on_a_track(speed: float) -> Level:
+    """A free ball in its own scales, on a surface that moves."""
+    motion = replace(FREE_BALL, entrainment=Polyline(((0.0, speed),)))
+    solver = replace(SOLVERS["2d"], nodes=33, tolerance=TIGHT, fold=False)
+    return march(Case(P20, OIL, solver, Time(start_approach=-0.5), motion=motion), 0.05, 30)[0]
+
+
+@cache
+def impact_on_a_plane() -> Level:
+    return impact_on_a_track(0.0)
+
+
+def test_without_entrainment_a_rolling_contact_with_inertia_is_the_impact() -> None:
+    """U -> 0: the same fields, though solved by another preconditioner; and a small U matters little."""
+    still, slow, slower = impact_on_a_plane(), impact_on_a_track(1e-2), impact_on_a_track(1e-9)
+    assert float(still.P.max()) > 0.5  # past the first touch
+    assert largest(slower.H, still.H) < 1e-7
+    assert abs(slower.approach - still.approach) < 1e-8
+    assert 1e-6 < largest(slow.H, still.H) < 1e-2
+
+
+def test_a_ball_that_hits_a_track_leans_the_film_towards_the_inlet() -> None:
+    moving, still = impact_on_a_track(0.3), impact_on_a_plane()
+    lean = np.asarray(moving.P) - np.asarray(moving.P)[:, ::-1]
+    assert largest(still.P, np.asarray(still.P)[:, ::-1]) < 1e-8
+    assert lean[:, :16].sum() > 0.01  # more pressure upstream
+    case = rolling(replace(FREE_BALL, entrainment=constant(0.3)))
+    found = Transient2D(replace(case, kind="impact", solver=replace(SOLVERS["2d"], nodes=33, fold=False))).measure(
+        moving
+    )
+    H, x = np.asarray(moving.H), np.linspace(-2.0, 2.0, 33)
+    i, j = np.unravel_index(np.argmin(np.where(np.asarray(moving.P) > 0, H, np.inf)), H.shape)
+    assert (found["X_min"], found["Y_min"]) == pytest.approx((x[j], abs(x[i])))
+    np.testing.assert_allclose(np.asarray(moving.P)[::-1], np.asarray(moving.P), atol=1e-7)
+
+
+def test_little_inertia_is_none() -> None:
+    """A light ball under a varying load follows the balance of load."""
+    load = Oscillation(1.0, 0.2, 4.0)
+    without = march(rolling(replace(STEADY_ROLLING, load=load)), 0.05, 12)[0]
+    difference = []
+    for inertia in (1e-3, 1e-4):
+        light = march(rolling(replace(STEADY_ROLLING, load=load, inertia=inertia)), 0.05, 12)[0]
+        difference.append(abs(light.approach - without.approach))
+    assert difference[0] < 2e-3
+    assert difference[1] < 0.2 * difference[0]
+
+
+def test_a_heavy_ball_swings_about_the_applied_load() -> None:
+    """A step of the load makes the ball swing past the new balance."""
+    load = Polyline(((0.0, 1.0), (0.05, 1.2)))
+    levels = march(rolling(replace(STEADY_ROLLING, load=load, inertia=0.5)), 0.05, 50)
+    loads = [float(jnp.sum(level.P)) * (6 / 32) ** 2 / HERTZ_LOAD for level in levels]
+    assert max(loads) > 1.3 and loads[0] < max(loads) - 0.1
+
+
+# -- laws -------------------------------------------------------------------------------------------------------------
+
+
+def test_the_load_is_balanced_at_every_step() -> None:
+    load = Oscillation(1.0, 0.3, 2.0)
+    for level in march(rolling(replace(STEADY_ROLLING, load=load)), 0.05, 10):
+        F = float(jnp.sum(level.P)) * (6 / 32) ** 2 / HERTZ_LOAD
+        assert F == pytest.approx(load(level.T), abs=1e-8)
+
+
+def test_each_level_solves_reynolds_equation() -> None:
+    """With the roughness where it is by then, and the squeeze of the levels before."""
+    case = rolling(STEADY_ROLLING, Feature(Waviness(0.02, 0.8)))
+    now, before, earlier, *_ = march(case, 0.05, 6)
+    c = Transient2D(case).contact_at(now.T)
+    rates = bdf.derivative_weights([now.T, before.T, earlier.T])
+    past = rates[1] * before.H + rates[2] * earlier.H
+    H = contact.film_thickness(c, now.P, now.approach)
+    assert largest(H, now.H) < 1e-12
+    r = np.asarray(contact.residual(c, now.P, H, Rate(rates[0], past), 1.0)) / rates[0]
+    P = np.asarray(now.P)
+    assert np.abs(r[P > 0]).max() < 3 * TIGHT
+    assert r.min() > -3 * TIGHT
+
+
+def test_a_film_wave_travels_at_the_mean_speed_of_the_surfaces() -> None:
+    """A short rise of the speed makes a ridge of oil at the inlet, which is carried through the contact at u_m."""
+    pulse = replace(STEADY_ROLLING, entrainment=Polyline(((0.0, 1.0), (0.2, 1.4), (0.4, 1.0))))
+    levels = march(rolling(pulse, nodes=65, tolerance=1e-6), 0.05, 32)
+    x = Transient2D(rolling(nodes=65)).grid.x
+    inside = np.abs(x) < 0.8
+    steady = np.asarray(levels[-1].H)[32]
+    carried = [level for level in levels if level.T > 0.55]
+    crest = [x[inside][np.argmax((np.asarray(level.H)[32] - steady)[inside])] for level in carried]
+    speed = np.polyfit([level.T for level in carried], crest, 1)[0]
+    assert speed == pytest.approx(1.0, abs=0.05)
+
+
+def test_second_order_in_time() -> None:
+    """A wave under an oscillating load: the error of the film falls with the square of the step."""
+    motion = replace(STEADY_ROLLING, load=Oscillation(1.0, 0.2, 4.0))
+    feature = Feature(Waviness(0.02, 1.5, front=-2.0, ramp=1.5))
+    films = [np.asarray(march(rolling(motion, feature), 0.4 / n, n)[0].H) for n in (8, 16, 32, 64)]
+    errors = [np.abs(late - early).max() for early, late in pairwise(films)]
+    orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    assert (orders > 1.7).all(), orders
+
+
+# -- the run ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_run_starts_from_the_steady_film_and_ends_in_time() -> None:
+    case = rolling(time=Time(until=0.5), tolerance=1e-3)
+    steps = list(transient(case))
+    film = steady.steady(case).finest.measure()
+    first, last = steps[0], steps[-1]
+    assert first.frames[0].T == 0.0
+    assert last.status.ok and last.record["T"] == pytest.approx(0.5)
+    assert [frame.event for step in steps for frame in step.frames][-1] == "end"
+    for name in ("H_c", "H_min", "X_min", "Y_min", "P_max", "Delta"):
+        assert last.record[name] == pytest.approx(film[name], abs=1e-5)
+    assert (last.record["U"], last.record["w"]) == (1.0, 1.0)
+    assert last.record["F"] == pytest.approx(1.0, abs=1e-5)
+
+
+def test_work_of_a_step() -> None:
+    """A cavity passes: 11.4 convolutions a step in the mean."""
+    cavity = Feature(Spot(-0.05, 0.3, X=-1.8))
+    case = rolling(STEADY_ROLLING, cavity, nodes=65, time=Time(until=1.0, tolerance=2e-4), tolerance=1e-3)
+    steps = list(transient(case))
+    work = [step.record["convolutions"] for step in steps]
+    assert steps[-1].status.ok
+    assert np.mean(work) < 13.6, np.mean(work)

@@ -1,0 +1,195 @@
+"""One impact in two dimensions: conservation, symmetry, limits, order, work."""
+
+import itertools
+from functools import cache
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from cases import impact, march
+
+from ertel.inputs.case_files import parse_case
+from ertel.model import contact
+from ertel.model.case import Case, Time
+from ertel.model.contact import Rate
+from ertel.numerics import bdf
+from ertel.results.analysis import at_max_approach
+from ertel.runs import compiling
+from ertel.runs.drive import Result, simulate, transient
+from ertel.solvers.transient import Transient2D
+
+TIGHT = {"tolerance": 1e-8}
+
+
+@cache
+def run(case_id: str, nodes: int) -> Result:
+    if case_id == "gentle":
+        return simulate(impact(20, 5, nodes, time={"tolerance": 1e-5}))
+    return simulate(impact(200, 10, nodes))
+
+
+def test_mass_what_leaves_and_what_is_stored_balance() -> None:
+    """Per step: the change of stored mass (as BDF sees it) plus the outflow through the edge is zero."""
+    method = Transient2D(impact(200, 10, 65, solver=TIGHT))
+    levels = march(method, 0.02, 60)
+    c, h, oil = method.contact, method.grid.spacing, method.contact.lubricant
+    now, before, earlier = levels[:3]
+    assert float(now.P[1:-1, 1:-1].min()) > 0  # nothing cavitates
+    rates = bdf.derivative_weights([now.T, before.T, earlier.T])
+    masses = [oil.density(level.P) * level.H for level in (now, before, earlier)]
+    stored = sum(w * float(jnp.sum(m[1:-1, 1:-1])) * h**2 for w, m in zip(rates, masses, strict=True))
+    eps = np.asarray(contact.mobility(c, now.P, now.H))
+    P = np.asarray(now.P)
+    outflow = 0.0
+    for e, p in ((eps, P), (eps[::-1], P[::-1]), (eps.T, P.T), (eps.T[::-1], P.T[::-1])):
+        outflow += float(np.sum((e[0] + e[1])[1:-1] / 2 * (p[1] - p[0])[1:-1]))
+    assert outflow > 0.1
+    assert stored + outflow == pytest.approx(0.0, abs=1e-6 * outflow)
+
+
+def test_mass_in_an_adaptive_run_to_the_solver_tolerance() -> None:
+    """The default tolerance bounds the mass that each step may lose, in units of film: tolerance (film scale + H)."""
+    case = impact(200, 10, 65)
+    method = Transient2D(case)
+    *_, last = transient(case, method=method)
+    now, before, earlier = last.state.levels
+    rates = bdf.derivative_weights([now.T, before.T, earlier.T])
+    oil = method.contact.lubricant
+    past = sum(w * oil.density(o.P) * o.H for w, o in zip(rates[1:], (before, earlier), strict=True))
+    r = np.asarray(contact.residual(method.contact, now.P, now.H, Rate(rates[0], past), 0.0)) / rates[0]
+    allowed = case.solver.tolerance * (case.parameters.trapped_film + np.asarray(now.H))
+    free = (np.asarray(now.P) > 0) | (r < 0)
+    assert np.all(np.abs(r)[free] <= allowed[free] * (1 + 1e-6))
+
+
+def test_the_film_is_what_its_pressure_makes_it() -> None:
+    method = Transient2D(impact(200, 10, 65))
+    now = march(method, 0.02, 60)[0]
+    H = contact.film_thickness(method.contact, now.P, now.approach)
+    np.testing.assert_allclose(np.asarray(now.H), np.asarray(H), atol=1e-12)
+
+
+@pytest.mark.parametrize("solver", [TIGHT, {"tolerance": 1e-10, "fold": False}], ids=["quarter", "whole plane"])
+def test_symmetry_to_round_off(solver: dict[str, object]) -> None:
+    """The whole plane, where nothing makes it symmetric, is so to 1.5e-12 when solved to 1e-8 only."""
+    method = Transient2D(impact(200, 10, 65, solver=solver))
+    now = march(method, 0.02, 70)[0]
+    for field in (np.asarray(method.whole(now.P)), np.asarray(method.whole(now.H))):
+        for image in (field[::-1], field[:, ::-1], field.T):
+            np.testing.assert_allclose(field, image, rtol=0, atol=1e-12)
+
+
+def test_newtons_law_is_kept_by_the_discrete_motion() -> None:
+    method = Transient2D(impact(200, 10, 65, solver=TIGHT))
+    levels = march(method, 0.02, 60)
+    rates = bdf.derivative_weights([level.T for level in levels[:3]])
+    V, a = (sum(w * getattr(o, k) for w, o in zip(rates, levels, strict=False)) for k in ("approach", "velocity"))
+    assert levels[0].velocity == pytest.approx(V, rel=1e-12)
+    assert a == pytest.approx(-15 / (8 * np.pi) * float(contact.load(method.contact, levels[0].P)), rel=1e-9)
+
+
+def orders(values: list[np.ndarray | float]) -> np.ndarray:
+    """Observed orders from solutions on successive grids (or steps), each twice as fine."""
+    changes = [np.sqrt(np.mean(np.square(np.subtract(b, a)))) for a, b in itertools.pairwise(values)]
+    return np.log2(np.divide(changes[:-1], changes[1:]))
+
+
+def test_second_order_in_space() -> None:
+    """H_c, Delta_max and the film inside the contact, at maximum approach on 33, 65, 129 and 257 nodes a side."""
+    results = [run("gentle", nodes) for nodes in (33, 65, 129, 257)]
+    for name in ("H_c", "Delta", "F"):
+        observed = orders([r.summary["max_approach"][name] for r in results])
+        assert observed[-1] > 1.8, (name, observed)
+    films = []
+    for result, step in zip(results, (1, 2, 4, 8), strict=True):
+        frame = at_max_approach(result.dataset).H.values
+        films.append(frame[::step, ::step][8:25, 8:25])  # |X|, |Y| <= 1
+    assert orders(films)[-1] > 1.8
+
+
+def fixed_step(step: float) -> Case:
+    return impact(20, 5, 33, solver={"tolerance": 1e-9}, time={"step": step})
+
+
+def test_second_order_in_time() -> None:
+    """The same with fixed steps 0.08 ... 0.01; the frame at maximum approach is interpolated to second order too."""
+    results = [simulate(fixed_step(step)) for step in (0.04, 0.02, 0.01, 0.005)]
+    for name in ("T", "H_c", "Delta", "F"):
+        observed = orders([r.summary["max_approach"][name] for r in results])
+        assert observed[-1] > 1.8, (name, observed)
+    assert orders([at_max_approach(r.dataset).H.values[8:25, 8:25] for r in results])[-1] > 1.8
+
+
+def test_the_tolerance_rules_the_time_error() -> None:
+    """Steps grow with the cube root of the tolerance, so the error of a run falls with its power 2/3: 4.6 a decade."""
+    exact, *others = (
+        simulate(impact(200, 10, 33, time={"tolerance": t})).summary["max_approach"]["H_c"]
+        for t in (1e-7, 1e-4, Time().tolerance, 1e-5, 1e-6)
+    )
+    errors = np.abs(np.subtract(others, exact)) / exact
+    assert errors[0] / errors[2] == pytest.approx(4.6, rel=0.3)
+    assert errors[2] / errors[3] == pytest.approx(4.6, rel=0.4)
+    assert errors[1] < 1.5e-3  # the default
+
+
+def isoviscous(lambda_bar: float, **time: object) -> Case:
+    contact = {"kind": "impact", "lambda_bar": lambda_bar}
+    oil = {"viscosity": "isoviscous", "density": "incompressible"}
+    return parse_case({"contact": contact, "lubricant": oil, "solver": {"nodes": 65}, "time": time})
+
+
+def test_without_viscosity_the_ball_comes_back_with_its_speed() -> None:
+    """lambda_bar -> 0: no loss.  The loss falls with lambda_bar, and is small where it is small."""
+    losses = []
+    for lambda_bar in (1e-2, 1e-3, 1e-4):
+        losses.append(1 - simulate(isoviscous(lambda_bar, until="rebound")).summary["restitution"])
+    assert losses[0] > losses[1] > losses[2]
+    assert 0 < losses[2] < 0.005
+
+
+@pytest.mark.parametrize("oil", ["roelands", "barus", "isoviscous"])
+def test_work_per_step_is_bounded(oil: str) -> None:
+    """Work is counted, not timed: what a step costs must not creep up."""
+    case = isoviscous(0.0137) if oil == "isoviscous" else impact(200, 10, 65, lubricant={"viscosity": oil})
+    s = simulate(case).summary
+    assert s["status"] == "converged"
+    assert s["steps"] <= 120
+    assert s["newton_iterations"] <= 1.25 * s["steps"]
+    assert s["krylov_iterations"] <= 4.2 * s["steps"]
+    assert s["convolutions"] <= 10 * s["steps"]
+
+
+@pytest.mark.parametrize("M", [200, 1000])
+def test_what_the_default_tolerance_leaves_is_small_beside_the_error_of_the_grid(M: float) -> None:
+    """A tenth at most: the counts above are those of steps that are exact enough."""
+    fixed = {"step": 0.01, "until": 1.5}
+    coarse, fine, exact = (
+        simulate(impact(M, 10, nodes, time=fixed, solver=solver)).dataset.isel(time=-1)
+        for nodes, solver in ((65, {}), (129, {}), (129, TIGHT))
+    )
+    for name in ("H_c", "H_min", "Delta", "F"):
+        discretisation = abs(float(fine[name] - coarse[name])) / 3
+        assert abs(float(fine[name] - exact[name])) < 0.1 * discretisation, name
+
+
+def test_iterations_do_not_grow_with_the_grid() -> None:
+    counts = []
+    for nodes in (33, 65, 129, 257):
+        s = run("gentle", nodes).summary
+        counts.append(s["krylov_iterations"] / s["newton_iterations"])
+    assert max(counts) <= 1.5 * min(counts), counts
+    assert max(counts) < 5
+
+
+def test_one_compilation_serves_every_case_of_a_shape() -> None:
+    simulate(impact(50, 5, 33, time={"until": 0.5}))
+    before = compiling.count()
+    simulate(impact(80, 7, 33, time={"until": 0.5}))
+    assert compiling.count() == before
+
+
+def test_the_film_formula_for_trapped_oil() -> None:
+    """Isoviscous: H_c = 0.3135 sqrt(lambda_bar); Barus incompressible: 0.85 to 0.88 sqrt(L/M) (design/equations.md)."""
+    oil = {"viscosity": "barus", "density": "incompressible"}
+    H_c = simulate(impact(200, 10, 129, lubricant=oil)).summary["max_approach"]["H_c"]
+    assert 0.84 < H_c / np.sqrt(10 / 200) < 0.89
