@@ -145,6 +145,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     """Seconds of the solution on the finest grid, of its parts, of the coarser grids, and of a flush."""
     import jax
 
+    from ertel.model import discretise
     from ertel.numerics import multigrid
     from ertel.solvers import nonlinear, steady
 
@@ -160,7 +161,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     with mock.patch.object(nonlinear, "solve", solve_and_wait):
         walls, solutions = zip(*_each(steady.nested(case)), strict=True)
     last = solutions[-1]
-    c = nonlinear.contact_of(case, last.grid)
+    c = discretise.contact_of(case, last.grid)
     elastic = multigrid.elasticities(last.grid, nonlinear.PRECONDITIONER_PRECISION)
     problem = nonlinear.Problem(steady.STEADY, 1.0, None, 1.0, 1.0)
     parts = _parts(c, elastic, problem, last.P, last.H, nonlinear.carried, steady.OPTIONS)

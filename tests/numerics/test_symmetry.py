@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ertel.model import contact
+from ertel.model import contact, discretise
 from ertel.model.case import SOLVERS, Case, Solver, Time
 from ertel.model.contact import Rate
 from ertel.model.state import Level
@@ -18,7 +18,7 @@ from ertel.physics.lubricant import Barus, DowsonHigginson, Lubricant
 from ertel.physics.motion import STEADY_ROLLING
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
-from ertel.solvers import nonlinear, steady
+from ertel.solvers import steady
 from ertel.solvers.transient import Transient2D
 
 PARAMETERS = Parameters.from_moes(50, 5)
@@ -127,7 +127,7 @@ def test_a_symmetric_impact_on_a_quarter_of_the_plane(features) -> None:
 )
 def test_what_is_not_symmetric_is_not_folded(features, shape) -> None:
     solver = Solver("2d", **TIGHT)
-    assert nonlinear.grid_of(Case(PARAMETERS, OIL, solver, roughness=features)).shape == shape
+    assert discretise.grid_of(Case(PARAMETERS, OIL, solver, roughness=features)).shape == shape
 
 
 def test_steady_rolling_on_half_the_plane() -> None:

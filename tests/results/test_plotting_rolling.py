@@ -7,6 +7,8 @@ import pytest
 import xarray as xr
 
 from ertel.model.case import SOLVERS, Case
+from ertel.model.discretise import grid_of
+from ertel.model.state import Rolling
 from ertel.numerics.grid import Grid
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus, Incompressible, Lubricant
@@ -16,8 +18,6 @@ from ertel.results import variables
 from ertel.results.plots import transient
 from ertel.results.plots.steady import estimate_of
 from ertel.runs.drive import Frame
-from ertel.solvers.nonlinear import grid_of
-from ertel.solvers.steady import Rolling
 
 C1 = rolling_scales(R=0.01, load=38.885237, mean_speed=0.502636, E_prime=2.197802e11)  # M = 200, L = 10
 MOES = Case(

@@ -14,11 +14,11 @@ import pytest
 from ertel.model import contact
 from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import SOLVERS, Case
+from ertel.model.state import Rolling
 from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Lubricant, Roelands
 from ertel.physics.motion import STEADY_ROLLING, constant
 from ertel.physics.scales import Parameters
 from ertel.solvers import nonlinear, steady
-from ertel.solvers.steady import Rolling
 
 ALPHA, P0, Z = 2.2e-8, 196078400.0, 0.668678  # "rheology" of the reference
 NAMES = ("Delta", "H_c", "H_min", "P_c")

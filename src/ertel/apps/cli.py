@@ -22,11 +22,10 @@ from rich.table import Table
 
 if TYPE_CHECKING:  # the rest of ertel comes when it is needed, so that --help answers at once
     from ertel.model.case import Case
-    from ertel.model.state import Method
+    from ertel.model.state import GridSolution, Method
     from ertel.physics.film_formulas import Film
     from ertel.runs.drive import Step
     from ertel.runs.store import RunStore
-    from ertel.solvers.steady import GridSolution
 
     Watch = Callable[[Step | GridSolution], bool]
 

@@ -12,12 +12,12 @@ from scipy.optimize import least_squares
 
 from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import Case
+from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.physics import film_formulas
 from ertel.physics.film_formulas import Film
 from ertel.physics.scales import HamrockDowson, Parameters
 from ertel.results import diagnostics, variables
-from ertel.solvers.steady import GridSolution, Rolling
 
 
 def at_max_approach(data: xr.Dataset) -> xr.Dataset:

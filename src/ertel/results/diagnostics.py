@@ -8,10 +8,10 @@ import xarray as xr
 
 from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import Case
+from ertel.model.state import GridSolution, Rolling
 from ertel.physics import hertz
 from ertel.physics.surfaces import RingWaviness, Shape, Spot, Waviness
 from ertel.results import variables
-from ertel.solvers.steady import GridSolution, Rolling
 
 CELLS_IN_FRONT = 10.0  # wanted across sqrt(alpha_bar lambda_bar dA/dT), the length of the front's pressure sweep
 FRONT_POSITION = 0.9  # where the front is looked at: the films of interest lie inside

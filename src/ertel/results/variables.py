@@ -17,12 +17,12 @@ import numpy as np
 import xarray as xr
 
 import ertel
+from ertel.model import discretise
 from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import Case
+from ertel.model.state import GridSolution
 from ertel.physics import hertz
 from ertel.physics.scales import HamrockDowson, Scales, hamrock_dowson
-from ertel.solvers import nonlinear
-from ertel.solvers.steady import GridSolution
 
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
@@ -185,7 +185,7 @@ def assemble_steady(
 
     grid: nodes a side, coarsest first.  convolutions: in units of one on that grid.  attributes as in `assemble`.
     """
-    finest = solutions[-1].grid if solutions else nonlinear.grid_of(case)
+    finest = solutions[-1].grid if solutions else discretise.grid_of(case)
     nothing = np.full((finest.nodes, finest.nodes), np.nan)
     last = solutions[-1] if solutions else None
     fields = {name: np.asarray(last.whole(getattr(last, name))) if last else nothing for name in FIELDS}

@@ -23,12 +23,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, tree
 
+from ertel.model import discretise
 from ertel.model.case import Case
 from ertel.model.contact import Contact
 from ertel.numerics import newton
 from ertel.runs.drive import Result, Step, simulate
 from ertel.runs.sweep import Failure
-from ertel.solvers import nonlinear, transient
+from ertel.solvers import transient
 from ertel.solvers.nonlinear import Close, Preconditioner
 from ertel.solvers.transient import Transient2D
 
@@ -89,7 +90,7 @@ def check_alike(cases: Sequence[Case]) -> None:
 
 def _shape(case: Case) -> dict[str, object]:
     """All that the compiled step depends on, by the field that decides it."""
-    grid, oil = nonlinear.grid_of(case), case.lubricant
+    grid, oil = discretise.grid_of(case), case.lubricant
     return {
         "solver.method": case.solver.method,
         "solver.nodes": grid.nodes,

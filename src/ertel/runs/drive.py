@@ -14,14 +14,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.model.case import Case
-from ertel.model.state import Attempt, Level, Method
+from ertel.model.state import Attempt, GridSolution, Level, Method
 from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.results import analysis, variables
 from ertel.runs import compiling
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
-from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import Transient2D
 
 CONTROL = bdf.StepControl()

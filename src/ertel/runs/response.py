@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from jax import Array
 
+from ertel.model import discretise
 from ertel.model.case import Case
 from ertel.model.state import Level
 from ertel.model.status import Status
@@ -22,7 +23,7 @@ from ertel.physics.surfaces import Feature
 from ertel.results import variables
 from ertel.runs import drive
 from ertel.runs.drive import Frame, Step
-from ertel.solvers import nonlinear, tangent
+from ertel.solvers import tangent
 from ertel.solvers.transient import Transient2D
 
 FILM_CHANGE = {"long_name": "change of the film thickness by the roughness", "symbol": "dH", "units": "1"}
@@ -65,7 +66,7 @@ class TangentRun:
         self.levels = [tangent.start(self._height(0.0))]
 
     def _height(self, T: float) -> Array:
-        return nonlinear.heights(self.features, self.method.case, self.method.grid, T)
+        return discretise.heights(self.features, self.method.case, self.method.grid, T)
 
     def follow(self, smooth: Sequence[Level]) -> Status:
         level, krylov = tangent.advance(self.method, smooth, self.levels, self._height(smooth[0].T))
@@ -129,7 +130,7 @@ def respond(
 
 
 def _heights(method: Transient2D, roughnesses: Sequence[Sequence[Feature]]) -> np.ndarray:
-    fields = [nonlinear.heights(features, method.case, method.grid, 0.0) for features in roughnesses]
+    fields = [discretise.heights(features, method.case, method.grid, 0.0) for features in roughnesses]
     return np.stack([np.asarray(method.whole(field)) for field in fields])
 
 

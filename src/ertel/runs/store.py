@@ -40,7 +40,7 @@ except ImportError:  # not on Windows
 from ertel.inputs.case_files import load_case
 from ertel.inputs.schema import to_toml
 from ertel.model.case import Case
-from ertel.model.state import Method
+from ertel.model.state import GridSolution, Method
 from ertel.model.status import Status
 from ertel.numerics.grid import Grid
 from ertel.numerics.symmetry import Even
@@ -48,7 +48,6 @@ from ertel.results import analysis, variables
 from ertel.runs import compiling
 from ertel.runs.drive import Frame, State, Step, method_of, summarise, transient
 from ertel.solvers import steady
-from ertel.solvers.steady import GridSolution
 
 CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
 OLD_DATA = f"{DATA}.old"

@@ -8,26 +8,21 @@ how to solve: two ways to close the system, two preconditioners.
     still, carried          nodes smoothed one by one, or along the lines on which the oil is carried (entrainment)
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array, tree
 
 from ertel.model import contact
 from ertel.model.approach import ClosureLine
-from ertel.model.case import Case
 from ertel.model.contact import Contact, Rate
 from ertel.numerics import line_smoother, multigrid, newton
 from ertel.numerics.grid import Grid
 from ertel.numerics.multigrid import Elasticity
-from ertel.numerics.symmetry import WHOLE, Even, total
-from ertel.physics import surfaces
-from ertel.physics.surfaces import Feature
 
 Number = Array | float
 PRECONDITIONER_PRECISION = "float32"
@@ -61,55 +56,6 @@ class Closed(NamedTuple):
     film_change: newton.Map
     border: newton.Border
     approach: Callable[[newton.Solution], Array]
-
-
-def grid_of(case: Case) -> Grid:
-    """The grid that a case asks for, the inlet where the oil comes from at T = 0."""
-    s = case.solver
-    centre = 0.0 if s.inlet is None else s.half_width - s.inlet
-    upstream_is_left = case.motion.entrainment(0.0) >= 0
-    centre_x = centre if upstream_is_left else -centre
-    return Grid(s.nodes, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
-
-
-def _symmetry(case: Case, centre_x: float) -> Even:
-    """About which axes a case is symmetric: the flow goes along X."""
-    in_y, in_x = surfaces.even(case.roughness)
-    return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
-
-
-def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
-    """The two surfaces and the oil at time T on a grid."""
-    smooth = contact.ball_on_plane(grid, case.parameters.lambda_bar, case.lubricant)
-    return moved(smooth, case, grid, T)
-
-
-def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
-    """The smooth contact with the case's roughness added, where it is at time T."""
-    if not case.roughness:
-        return smooth
-    return replace(smooth, gap=smooth.gap - heights(case.roughness, case, grid, T))
-
-
-def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Array:
-    """The roughness on the grid at time T, moved with the surfaces of the case."""
-    return jnp.asarray(surfaces.height(features, case.motion, T, grid.kept_x[None, :], grid.kept_y[:, None]))
-
-
-def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
-    """Films and pressures: H_c, P_c at (0, 0), H_min the smallest where P > 0, where that is, load = integral of P."""
-    row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
-    H_c, P_c, P_max, load, H_min, where = (float(v) for v in _measure(P, H, row, column, grid.even))
-    i, j = divmod(int(where), grid.shape[1])
-    films = {"H_c": H_c, "H_min": H_min, "X_min": float(grid.kept_x[j]), "Y_min": abs(float(grid.kept_y[i]))}
-    return {**films, "P_c": P_c, "P_max": P_max, "load": load * grid.spacing**2}
-
-
-@partial(jax.jit, static_argnames="even")
-def _measure(P: Array, H: Array, row: int, column: int, even: Even) -> Array:
-    pressed = jnp.where((P > 0.0) | (P.max() <= 0.0), H, jnp.inf)
-    least = jnp.argmin(pressed)
-    return jnp.stack([H[row, column], P[row, column], P.max(), total(P, even), pressed.min(), least.astype(P.dtype)])
 
 
 @partial(jax.jit, static_argnames=("close", "preconditioner", "options"))

@@ -5,17 +5,16 @@ guess on the next finer one (nested iteration), and tells the error of the film 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from ertel.model import contact
+from ertel.model import contact, discretise
 from ertel.model.approach import HERTZ_LOAD, balanced
 from ertel.model.case import Case
 from ertel.model.contact import Contact, Rate
+from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics import multigrid, newton
 from ertel.numerics.grid import Grid, check_nodes
@@ -33,62 +32,6 @@ OPTIONS = newton.Options(newton_limit=100, newton_least=2, krylov_limit=18, firs
 STEADY = Rate(0.0, 0.0)
 
 
-@dataclass(frozen=True)
-class GridSolution:
-    """The steady contact on one grid: fields of its shape, approach in a^2/R, how it ended, and the work it took.
-
-    history: the largest residual before the first and after each Newton iteration.  convolutions: on this grid.
-    """
-
-    grid: Grid
-    P: Array
-    H: Array
-    approach: float
-    residual: float
-    status: Status
-    newton: int
-    krylov: int
-    convolutions: float
-    history: tuple[float, ...] = ()
-
-    def measure(self) -> dict[str, float]:
-        """Films, pressures and load, see `nonlinear.measure`, and Delta."""
-        return {"Delta": self.approach, **nonlinear.measure(self.grid, self.P, self.H)}
-
-    def whole(self, field: Array) -> Array:
-        """P or H on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only."""
-        return unfolded(field, self.grid.even)
-
-
-class Extrapolation(NamedTuple):
-    """A value on the finest grid, an estimate of its error there, and the value extrapolated to zero spacing."""
-
-    value: float
-    error: float
-    extrapolated: float
-
-
-@dataclass(frozen=True)
-class Rolling:
-    """The solutions on all grids, coarsest first."""
-
-    solutions: tuple[GridSolution, ...]
-
-    @property
-    def finest(self) -> GridSolution:
-        return self.solutions[-1]
-
-    @property
-    def convolutions(self) -> float:
-        """The work on all grids, in convolutions on the finest."""
-        return sum(s.convolutions * (s.grid.nodes / self.finest.grid.nodes) ** 2 for s in self.solutions)
-
-    def extrapolate(self, name: str) -> Extrapolation:
-        """A quantity of `measure` by Richardson's extrapolation: the error falls with the square of the spacing."""
-        coarse, fine = (s.measure()[name] for s in self.solutions[-2:])
-        return Extrapolation(fine, abs(fine - coarse) / 3, fine + (fine - coarse) / 3)
-
-
 def steady(case: Case) -> Rolling:
     """The steady contact with the load and the entrainment of T = 0, on all grids."""
     return Rolling(tuple(nested(case)))
@@ -103,12 +46,12 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
     check_nodes(case.solver.nodes)
     check_motion(case)
     tolerance = case.solver.tolerance if case.solver.method == "steady" else TOLERANCE
-    grids = [nonlinear.grid_of(case)]
+    grids = [discretise.grid_of(case)]
     while (grids[-1].nodes - 1) // 2 + 1 >= FIRST_GRID:
         grids.append(grids[-1].coarser())
     solutions = list(done)
     for grid in reversed(grids[: len(grids) - len(done)]):
-        c = nonlinear.contact_of(case, grid)
+        c = discretise.contact_of(case, grid)
         if solutions:
             guess = first_guess(c, solutions[-1], expected_approach(solutions))
         else:

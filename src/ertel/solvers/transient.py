@@ -8,10 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ertel.model import contact
+from ertel.model import contact, discretise
 from ertel.model.approach import HERTZ_LOAD, Closure, ClosureLine, NewtonsLaw
 from ertel.model.case import Case
 from ertel.model.contact import Contact, Rate
+from ertel.model.measure import measure
 from ertel.model.state import Attempt, Level
 from ertel.model.status import Status
 from ertel.numerics import bdf, multigrid, newton
@@ -40,7 +41,7 @@ class Transient2D:
     def __init__(self, case: Case, closure: Closure | None = None, solve_step: SolveStep | None = None):
         check_nodes(case.solver.nodes)
         self.case = case
-        self.grid = nonlinear.grid_of(case)
+        self.grid = discretise.grid_of(case)
         self.contact = contact.ball_on_plane(self.grid, case.parameters.lambda_bar, case.lubricant)
         self.closure = closure or NewtonsLaw.of(case.motion)
         self.preconditioner = nonlinear.carried if case.motion.flows else nonlinear.still
@@ -62,7 +63,7 @@ class Transient2D:
 
     def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
-        return nonlinear.moved(self.contact, self.case, self.grid, T)
+        return discretise.moved(self.contact, self.case, self.grid, T)
 
     def advance(self, levels: Sequence[Level], step: float) -> Attempt:
         """One BDF step (BDF1 from one level, BDF2 from more)."""
@@ -97,7 +98,7 @@ class Transient2D:
 
     def measure(self, level: Level) -> dict[str, float]:
         """Load, pressures and films of one level; without entrainment X_min is the radius of the least film."""
-        values = nonlinear.measure(self.grid, level.P, level.H)
+        values = measure(self.grid, level.P, level.H)
         values["F"] = values.pop("load") / HERTZ_LOAD
         if not self.case.motion.flows:
             values |= {"X_min": float(np.hypot(values["X_min"], values["Y_min"])), "Y_min": 0.0}

@@ -1,0 +1,48 @@
+"""From a case to its grid and to the contact on it: the surfaces where they are at a time, and the oil."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import jax.numpy as jnp
+from jax import Array
+
+from ertel.model import contact
+from ertel.model.case import Case
+from ertel.model.contact import Contact
+from ertel.numerics.grid import Grid
+from ertel.numerics.symmetry import WHOLE, Even
+from ertel.physics import surfaces
+from ertel.physics.surfaces import Feature
+
+
+def grid_of(case: Case) -> Grid:
+    """The grid that a case asks for, the inlet where the oil comes from at T = 0."""
+    s = case.solver
+    centre = 0.0 if s.inlet is None else s.half_width - s.inlet
+    upstream_is_left = case.motion.entrainment(0.0) >= 0
+    centre_x = centre if upstream_is_left else -centre
+    return Grid(s.nodes, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
+
+
+def _symmetry(case: Case, centre_x: float) -> Even:
+    """About which axes a case is symmetric: the flow goes along X."""
+    in_y, in_x = surfaces.even(case.roughness)
+    return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
+
+
+def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
+    """The two surfaces and the oil at time T on a grid."""
+    smooth = contact.ball_on_plane(grid, case.parameters.lambda_bar, case.lubricant)
+    return moved(smooth, case, grid, T)
+
+
+def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
+    """The smooth contact with the case's roughness added, where it is at time T."""
+    if not case.roughness:
+        return smooth
+    return replace(smooth, gap=smooth.gap - heights(case.roughness, case, grid, T))
+
+
+def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Array:
+    """The roughness on the grid at time T, moved with the surfaces of the case."""
+    return jnp.asarray(surfaces.height(features, case.motion, T, grid.kept_x[None, :], grid.kept_y[:, None]))
