@@ -12,7 +12,7 @@ from ertel.apps.boundary_layers import beyond, reduction, waves
 from ertel.apps.boundary_layers.waves import Extrapolated
 from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
-from ertel.results import analysis
+from ertel.results.waves import local_nabla2
 
 M, L, WAVE = 200, 10, 0.4
 X = np.linspace(-1.5, 1.5, 301)
@@ -50,14 +50,14 @@ def test_marks_of_other_shapes():
     assert along.X == across.X == pytest.approx(0.7)
     speed = np.sqrt(1 - across.X**2) / across.X
     p = Parameters.from_moes(M, L)
-    assert across.local == pytest.approx(float(analysis.local_nabla2(p, WAVE, speed)), rel=0.02)
-    assert across.hertz == pytest.approx(float(analysis.local_nabla2(p, WAVE, speed, across.X)), rel=0.02)
+    assert across.local == pytest.approx(float(local_nabla2(p, WAVE, speed)), rel=0.02)
+    assert across.hertz == pytest.approx(float(local_nabla2(p, WAVE, speed, across.X)), rel=0.02)
 
 
 def test_wavelength_over_film_is_nabla2_where_the_oil_is_piezoviscous():
     p = Parameters.from_moes(M, L)
     assert beyond.over_film(p, WAVE) == pytest.approx(p.nabla2(WAVE))
-    assert beyond.over_film(p, WAVE, 0.3, 0.7) == pytest.approx(float(analysis.local_nabla2(p, WAVE, 0.3, 0.7)))
+    assert beyond.over_film(p, WAVE, 0.3, 0.7) == pytest.approx(float(local_nabla2(p, WAVE, 0.3, 0.7)))
     soft = Parameters.from_moes(M, 0)
     assert beyond.over_film(soft, WAVE) == pytest.approx(WAVE / (0.3135 * np.sqrt(soft.lambda_bar)))
 

@@ -9,8 +9,8 @@ from cases import impact
 
 from ertel.physics import amplitude_reduction, film_formulas, hertz
 from ertel.physics.scales import Parameters
-from ertel.results import analysis
-from ertel.results.analysis import Front, Trace
+from ertel.results import fronts, waves
+from ertel.results.fronts import Front, Trace
 from ertel.runs.drive import simulate
 
 TOUCH = 1.0
@@ -44,7 +44,7 @@ def dry_impact(interval: float = 0.02, two_dimensional: bool = False) -> xr.Data
 @pytest.mark.parametrize("two_dimensional", [False, True])
 @pytest.mark.parametrize("by", DEFINITIONS)
 def test_front_of_the_dry_impact_follows_the_exact_law(by, two_dimensional):
-    front = analysis.front(dry_impact(two_dimensional=two_dimensional), by)
+    front = fronts.front(dry_impact(two_dimensional=two_dimensional), by)
     np.testing.assert_allclose(front.A, hertz.contact_radius(front.T - TOUCH), atol=0.008)
     inside = (front.A > 0.3) & (front.A < 0.98)
     tolerance = 2e-3 if by == "film" else 0.1
@@ -52,7 +52,7 @@ def test_front_of_the_dry_impact_follows_the_exact_law(by, two_dimensional):
 
 
 def test_front_tells_when_it_passed_and_how_fast():
-    front = analysis.front(dry_impact())
+    front = fronts.front(dry_impact())
     X = np.array([0.4, 0.75, 0.95])
     np.testing.assert_allclose(front.passed(X), TOUCH + hertz.time_at(X**2), atol=2e-3)
     np.testing.assert_allclose(front.speed_at(X), hertz.front_speed(X), rtol=5e-3)
@@ -61,66 +61,64 @@ def test_front_tells_when_it_passed_and_how_fast():
 
 def test_front_from_maps_needs_maps():
     with pytest.raises(ValueError, match="too few times"):
-        analysis.front(dry_impact(interval=10.0), "slope")
+        fronts.front(dry_impact(interval=10.0), "slope")
 
 
 def test_parabola_is_found_again_and_fits_the_dry_impact_with_the_papers_base():
     T = np.linspace(-1.0, 1.0, 41)
-    assert analysis.fit_half_base(T, hertz.parabola_radius(T, 1.4)) == pytest.approx(1.4)
+    assert fronts.fit_half_base(T, hertz.parabola_radius(T, 1.4)) == pytest.approx(1.4)
     T = np.linspace(-hertz.HALF_CONTACT_TIME, hertz.HALF_CONTACT_TIME, 2001)
-    half_base = analysis.fit_half_base(T, hertz.contact_radius(T + hertz.HALF_CONTACT_TIME))
+    half_base = fronts.fit_half_base(T, hertz.contact_radius(T + hertz.HALF_CONTACT_TIME))
     assert 2.65 < 2 * half_base < 2.75  # the paper's 2.7
 
 
 def test_film_left_behind_and_the_power_law_through_it():
     """H = 0.03 v^0.67 at maximum approach must give C = 0.03 with no deviation."""
     data = dry_impact()
-    front = analysis.front(data)
+    front = fronts.front(data)
     r = data["r"].values
     law = 0.03 * np.nan_to_num(front.speed_at(r), nan=1.0) ** 0.67
     data["H"][-1] = law
-    trace = analysis.film_behind_front(data, front, r[(r > 0.75) & (r < 1.2)])
+    trace = fronts.film_behind_front(data, front, r[(r > 0.75) & (r < 1.2)])
     assert trace.X.max() <= 1.0  # the front never came farther
-    C = analysis.fit_power(trace)
+    C = fronts.fit_power(trace)
     assert pytest.approx(0.03, rel=1e-9) == C
-    assert analysis.deviation(C * trace.speed**0.67, trace.H).worst < 1e-9
+    assert fronts.deviation(C * trace.speed**0.67, trace.H).worst < 1e-9
 
 
 def test_deviation_by_hand():
-    found = analysis.deviation([1.1, 0.7], [1.0, 1.0])
+    found = fronts.deviation([1.1, 0.7], [1.0, 1.0])
     assert found == pytest.approx((-0.1, np.sqrt(0.05), 0.3))
 
 
 def test_film_from_speed_is_the_formula_at_the_local_parameters():
     p = Parameters.from_moes(1000, 10)
     steady = film_formulas.nijenbanning_venner_moes(p.M, p.L)
-    assert analysis.film_from_speed(p, 1.0) == pytest.approx(steady)
+    assert fronts.film_from_speed(p, 1.0) == pytest.approx(steady)
     slow = Parameters(0.3 * p.lambda_bar, p.alpha_bar)
-    assert analysis.film_from_speed(p, 0.3) == pytest.approx(film_formulas.nijenbanning_venner_moes(slow.M, slow.L))
-    assert analysis.film_from_speed(p, [0.3, 1.0], [0.9, 1.0]).shape == (2,)
+    assert fronts.film_from_speed(p, 0.3) == pytest.approx(film_formulas.nijenbanning_venner_moes(slow.M, slow.L))
+    assert fronts.film_from_speed(p, [0.3, 1.0], [0.9, 1.0]).shape == (2,)
 
 
 def test_local_hertz_is_the_same_contact_in_its_own_scales():
     """A contact of radius A a* with the same oil and speed has the film that its own a and p_h give."""
     p, A, v = Parameters.from_moes(1000, 10), 0.8, 0.5
     own = Parameters(p.lambda_bar * v / A**4, p.alpha_bar * A)
-    assert analysis.film_from_speed(p, v, A) == pytest.approx(
-        film_formulas.nijenbanning_venner_moes(own.M, own.L) * A**2
-    )
+    assert fronts.film_from_speed(p, v, A) == pytest.approx(film_formulas.nijenbanning_venner_moes(own.M, own.L) * A**2)
 
 
 def test_local_nabla2_is_that_of_the_local_lambda_bar():
     p = Parameters.from_moes(2000, 10)
     local = Parameters(p.lambda_bar * 0.2, p.alpha_bar)
-    assert analysis.local_nabla2(p, 0.2, 0.2) == pytest.approx(local.nabla2(0.2))
-    assert analysis.local_nabla2(p, 0.2, 1.0) == pytest.approx(p.nabla2(0.2))
+    assert waves.local_nabla2(p, 0.2, 0.2) == pytest.approx(local.nabla2(0.2))
+    assert waves.local_nabla2(p, 0.2, 1.0) == pytest.approx(p.nabla2(0.2))
 
 
 def test_local_nabla2_with_the_hertz_contact_then():
     """It is that of the rolling contact in the front's place: lambda_bar v/A^4, alpha_bar A, wavelength/A."""
     p, v, A = Parameters.from_moes(500, 10), 0.4, 0.7
     then = Parameters(p.lambda_bar * v / A**4, p.alpha_bar * A)
-    assert analysis.local_nabla2(p, 0.3, v, A) == pytest.approx(then.nabla2(0.3 / A))
+    assert waves.local_nabla2(p, 0.3, v, A) == pytest.approx(then.nabla2(0.3 / A))
 
 
 def test_ridges_that_a_front_left_behind():
@@ -130,14 +128,14 @@ def test_ridges_that_a_front_left_behind():
     radius = np.hypot(X, Y)
     dH = (1 - radius**2 / 2) * np.cos(2 * np.pi * X / wavelength) + np.exp(-(radius**2))
     r = np.array([0.1, 0.4, 0.8])
-    found = analysis.ridge_amplitude(X, X, dH, wavelength, r)
+    found = waves.ridge_amplitude(X, X, dH, wavelength, r)
     assert np.isnan(found[0])  # no trough so near the centre
     np.testing.assert_allclose(found[1:], 1 - r[1:] ** 2 / 2, rtol=1e-4)
 
 
 def test_a_reduction_curve_is_found_again():
     n = np.array([0.5, 1.0, 3.0, 9.0])
-    found = analysis.fit_reduction(n, amplitude_reduction.ratio_left(n))
+    found = waves.fit_reduction(n, amplitude_reduction.ratio_left(n))
     assert found == pytest.approx((0.15, 0.015), rel=1e-4)
     np.testing.assert_allclose(found.ratio(n), amplitude_reduction.ratio_left(n), rtol=1e-6)
 
@@ -145,7 +143,7 @@ def test_a_reduction_curve_is_found_again():
 def test_a_point_with_a_large_error_hardly_bends_the_reduction_curve():
     n = np.array([0.5, 1.0, 3.0, 9.0])
     ratio = amplitude_reduction.ratio_left(n) + np.array([0.3, 0.0, 0.0, 0.0])
-    found = analysis.fit_reduction(n, ratio, [1.0, 0.001, 0.001, 0.001])
+    found = waves.fit_reduction(n, ratio, [1.0, 0.001, 0.001, 0.001])
     assert found == pytest.approx((0.15, 0.015), rel=1e-2)
 
 
@@ -170,9 +168,9 @@ def test_amplitude_reduction():
 
 def test_waves_of_a_cosine():
     X = np.linspace(-1.5, 1.5, 301)  # 20 nodes a wave, crests between nodes
-    found = analysis.waves(X, -0.7 * np.cos(2 * np.pi * (X - 0.003) / 0.2))
+    found = waves.waves(X, -0.7 * np.cos(2 * np.pi * (X - 0.003) / 0.2))
     assert [wave.amplitude for wave in found] == pytest.approx([0.7] * len(found), rel=1e-3)
-    last = analysis.last_wave(X, -0.7 * np.cos(2 * np.pi * (X - 0.003) / 0.2))
+    last = waves.last_wave(X, -0.7 * np.cos(2 * np.pi * (X - 0.003) / 0.2))
     assert (last.start, last.end, last.X) == pytest.approx((0.753, 0.953, 0.853), abs=1e-3)
 
 
@@ -180,15 +178,15 @@ def test_the_last_wave_lies_wholly_inside():
     """Beyond the edge the waves keep their full height: none of it may count."""
     X = np.linspace(0.0, 1.5, 601)
     dH = np.where(X < 0.97, 0.4, 1.0) * np.sin(2 * np.pi * X / 0.2)
-    assert analysis.last_wave(X, dH).amplitude == pytest.approx(0.4, rel=1e-2)
-    assert analysis.last_wave(X, dH, edge=0.85).end < 0.85
+    assert waves.last_wave(X, dH).amplitude == pytest.approx(0.4, rel=1e-2)
+    assert waves.last_wave(X, dH, edge=0.85).end < 0.85
     with pytest.raises(ValueError, match="no complete wave"):
-        analysis.last_wave(X, dH, edge=0.15)
+        waves.last_wave(X, dH, edge=0.15)
 
 
 def test_amplitude_of_waves_that_fade_outwards():
     X = np.linspace(0.0, 1.2, 961)
-    found = analysis.waves(X, (1 - X) * np.cos(2 * np.pi * X / 0.1))
+    found = waves.waves(X, (1 - X) * np.cos(2 * np.pi * X / 0.1))
     np.testing.assert_allclose([w.amplitude for w in found], [1 - w.X for w in found], rtol=0.05)
 
 
@@ -203,7 +201,7 @@ def run():
 
 def test_three_definitions_of_the_front_agree():
     _, data = run()
-    fronts = {by: analysis.front(data, by) for by in DEFINITIONS}
+    fronts = {by: fronts.front(data, by) for by in DEFINITIONS}
     X = np.linspace(0.55, 0.85, 7)
     speeds = np.array([front.speed_at(X) for front in fronts.values()])
     assert np.ptp(speeds, axis=0).max() < 0.1
@@ -213,11 +211,11 @@ def test_three_definitions_of_the_front_agree():
 
 def test_film_at_maximum_follows_the_fronts_speed():
     case, data = run()
-    trace = analysis.film_behind_front(data, analysis.front(data), np.linspace(0.75, 0.95, 41))
-    C = analysis.fit_power(trace)
-    assert analysis.deviation(C * trace.speed**0.67, trace.H).rms < 0.1
-    plain = analysis.film_from_speed(case.parameters, trace.speed)
-    assert analysis.deviation(plain, trace.H).rms < 0.2
+    trace = fronts.film_behind_front(data, fronts.front(data), np.linspace(0.75, 0.95, 41))
+    C = fronts.fit_power(trace)
+    assert fronts.deviation(C * trace.speed**0.67, trace.H).rms < 0.1
+    plain = fronts.film_from_speed(case.parameters, trace.speed)
+    assert fronts.deviation(plain, trace.H).rms < 0.2
 
 
 def test_front_is_a_plain_record():

@@ -14,7 +14,7 @@ from cases import ertel_, go_on, names, physics, stop_after
 
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.model.status import Status
-from ertel.results import analysis, diagnostics, variables
+from ertel.results import diagnostics, summary, variables
 from ertel.runs import store
 from ertel.runs.drive import simulate
 from ertel.runs.store import RunStore, SteadyStore, StoreError
@@ -421,7 +421,7 @@ def test_films_of_another_load_and_speed():
     other = {"load": f"{2 * 3.888524!r} N", "mean_speed": f"{3 * 0.502636!r} m/s"}
     b = parse_case({"contact": CONTACT | other, "lubricant": OIL})
     assert a.scales is not None and b.scales is not None
-    for one, two in zip(analysis.films(a, 2.0, -3.0), analysis.films(b), strict=True):
+    for one, two in zip(summary.films(a, 2.0, -3.0), summary.films(b), strict=True):
         for p, q in ((one.central, two.central), (one.minimum, two.minimum)):
             assert (p is None and q is None) or p * a.scales.film == pytest.approx(q * b.scales.film)
-    assert analysis.films(a, 1.0, 0.0) == []
+    assert summary.films(a, 1.0, 0.0) == []

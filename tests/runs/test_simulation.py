@@ -17,7 +17,7 @@ from ertel.model.case import Case
 from ertel.model.state import Attempt, Level
 from ertel.model.status import Status
 from ertel.physics.lubricant import Incompressible, Lubricant
-from ertel.results import analysis, diagnostics
+from ertel.results import diagnostics
 from ertel.runs.drive import State, progress_fraction, simulate, transient
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
@@ -206,10 +206,10 @@ def test_error_estimate_is_exact_for_a_second_order_error() -> None:
         values = {"H_c": 0.07 + 3 * h**2, "H_min": 0.01 - h**2, "Delta": 0.96 + h**2}
         return {"max_approach": values}
 
-    estimate = analysis.error_estimate(summary(0.01), summary(0.02))
+    estimate = summary.error_estimate(summary(0.01), summary(0.02))
     assert estimate is not None
     assert estimate["H_c"]["extrapolated"] == pytest.approx(0.07, rel=1e-12)
     assert estimate["H_c"]["error"] == pytest.approx(3e-4, rel=1e-9)
     assert estimate["H_min"]["extrapolated"] == pytest.approx(0.01, rel=1e-12)
     assert estimate["Delta_max"]["value"] == 0.96 + 1e-4
-    assert analysis.error_estimate(summary(0.01), {"max_approach": None}) is None
+    assert summary.error_estimate(summary(0.01), {"max_approach": None}) is None

@@ -13,7 +13,7 @@ from ertel.model import contact
 from ertel.model.case import Case, Time
 from ertel.model.contact import Rate
 from ertel.numerics import bdf
-from ertel.results.analysis import at_max_approach
+from ertel.results.fronts import at_max_approach
 from ertel.runs import compiling
 from ertel.runs.drive import Result, simulate, transient
 from ertel.solvers.transient import Transient2D

@@ -16,7 +16,7 @@ import numpy as np
 
 from ertel.inputs.case_files import parse_case
 from ertel.model.case import Case
-from ertel.results.analysis import at_max_approach
+from ertel.results.fronts import at_max_approach
 from ertel.runs import compiling
 from ertel.runs.drive import Result, simulate
 

@@ -222,7 +222,7 @@ def film(
     """
     with _bad_input():
         from ertel.inputs.case_files import load_case
-        from ertel.results.analysis import films
+        from ertel.results.summary import films
 
         if case_file and given:
             raise ValueError(f"{case_file} and --{next(iter(given)).replace('_', '-')} are given together; take one")
@@ -290,7 +290,7 @@ class _Stopped(Exception):
 
 def _run(store: "RunStore", coarse: "Case | None", as_json: bool, quiet: bool, method: "Method | None" = None) -> None:
     """Run what is stored, from where it stands to its end, and report."""
-    from ertel.results import analysis
+    from ertel.results.summary import with_error
     from ertel.runs import compiling
     from ertel.runs.store import run
 
@@ -300,7 +300,7 @@ def _run(store: "RunStore", coarse: "Case | None", as_json: bool, quiet: bool, m
             half = _half_grid_summary(coarse, _watch(bars, coarse, "half grid", stop)) if coarse else None
             summary = run(store, _watch(bars, store.case, store.case.name, stop), method)
         if half and half["status"] == summary["status"] == "converged":
-            summary = analysis.with_error(store.case, summary, half)
+            summary = with_error(store.case, summary, half)
             store.finish(summary)
     except _Stopped:
         _leave(INTERRUPTED, f"interrupted before the first step; go on with: ertel resume {store.directory}")
@@ -469,7 +469,7 @@ def _grid(case: "Case") -> str:
 
 def _print_rolling(console: Console, case: "Case", summary: Mapping[str, Any]) -> None:
     """Values, errors, and the formulas beside them, all at the load and the speed of the moment."""
-    from ertel.results.analysis import films
+    from ertel.results.summary import films
     from ertel.results.variables import FILMS, MEASURED
 
     steady, T = summary["method"] == "steady", summary.get("T", 0.0)

@@ -17,7 +17,8 @@ from ertel.model.case import Case
 from ertel.model.state import Attempt, GridSolution, Level, Method
 from ertel.model.status import Status
 from ertel.numerics import bdf
-from ertel.results import analysis, variables
+from ertel.results import variables
+from ertel.results.summary import steady_summary, transient_summary
 from ertel.runs import compiling
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
@@ -103,7 +104,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Result:
-    """What a run gave: its Dataset, its summary (see `analysis.summary`) and how it ended."""
+    """What a run gave: its Dataset, its summary (see `results.summary`) and how it ended."""
 
     case: Case
     dataset: xr.Dataset
@@ -177,7 +178,7 @@ def _simulate_steady(case: Case, on_grid: Callable[[GridSolution], object] | Non
             on_grid(solution)
     work = {"compilations": compiling.count() - compiled, "wall_s": clock.monotonic() - started}
     status = solutions[-1].status
-    summary = analysis.steady_summary(case, solutions, work, status)
+    summary = steady_summary(case, solutions, work, status)
     data = variables.assemble_steady(case, solutions)
     return Result(case, data.assign_attrs(status=status.value), summary, status)
 
@@ -186,7 +187,7 @@ def summarise(case: Case, last: Step, data: xr.Dataset, work: Mapping[str, float
     """The summary of a run from its last step, its Dataset, and what only the clock knows."""
     counts = {**vars(last.state.counts), **work}
     counts["convolutions"] = round(counts["convolutions"], 1)
-    return analysis.summary(case, data, last.state.max_approach, counts, last.status)
+    return transient_summary(case, data, last.state.max_approach, counts, last.status)
 
 
 def progress_fraction(case: Case, record: Mapping[str, float]) -> float:

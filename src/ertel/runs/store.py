@@ -44,7 +44,8 @@ from ertel.model.state import GridSolution, Method
 from ertel.model.status import Status
 from ertel.numerics.grid import Grid
 from ertel.numerics.symmetry import Even
-from ertel.results import analysis, variables
+from ertel.results import variables
+from ertel.results.summary import steady_summary
 from ertel.runs import compiling
 from ertel.runs.drive import Frame, State, Step, method_of, summarise, transient
 from ertel.solvers import steady
@@ -329,8 +330,8 @@ class SteadyStore(RunStore):
         return _from_arrays(self._read_checkpoint())
 
     def summarise(self, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
-        """See `analysis.steady_summary`."""
-        return analysis.steady_summary(self.case, self.solutions(), work, status)
+        """See `summary.steady_summary`."""
+        return steady_summary(self.case, self.solutions(), work, status)
 
 
 COUNTED = ("approach", "residual", "newton", "krylov", "convolutions")  # the plain numbers of a GridSolution

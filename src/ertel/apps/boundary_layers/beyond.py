@@ -29,8 +29,8 @@ from ertel.inputs.case_files import parse_case
 from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Shape, Waviness
-from ertel.results import analysis
-from ertel.results.analysis import Front, Values
+from ertel.results import fronts, waves
+from ertel.results.fronts import Front, Values
 from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE
 from ertel.runs.drive import simulate
 from ertel.runs.response import respond
@@ -92,22 +92,22 @@ def plan(quick: bool) -> Plan:
 # -- runs -------------------------------------------------------------------------------------------------------------
 
 
-def shaped_impact(M: float, L: float, waves: Sequence[tuple[str, float]], nodes: int, oil: str = USUAL) -> xr.Dataset:
+def shaped_impact(M: float, L: float, shapes: Sequence[tuple[str, float]], nodes: int, oil: str = USUAL) -> xr.Dataset:
     """H(X), dH/A_i (wave, X) along Y = 0 at maximum approach, and the place of the least film in time.
 
-    waves: key of `SHAPES` and wavelength (a*) of each; A_i is that of Fig. 6.  oil: a key of `OILS`.  `along` (wave, X)
-    is what is left of transverse waves where the front ran along their ridges, see `analysis.ridge_amplitude`; nan for
+    shapes: key of `SHAPES` and wavelength (a*) of each; A_i is that of Fig. 6.  oil: a key of `OILS`.  `along` (wave, X)
+    is what is left of transverse waves where the front ran along their ridges, see `waves.ridge_amplitude`; nan for
     the other shapes.  Raises RuntimeError where a run gave up.
     """
     case = impact_case(M, L, nodes, OILS[oil])
     height = HEIGHT * case.parameters.trapped_film
-    data = respond(case, [[Feature(SHAPES[shape](height, wavelength))] for shape, wavelength in waves])
+    data = respond(case, [[Feature(SHAPES[shape](height, wavelength))] for shape, wavelength in shapes])
     if data.attrs["status"] != "converged":
         raise RuntimeError(f"M = {M}, L = {L}, {oil}, {nodes} nodes: {data.attrs['status']}")
     X, Y = data["X"].values, data["Y"].values
     along = [
-        analysis.ridge_amplitude(X, Y, dH / height, wavelength, X) if shape == "transverse" else np.full(len(X), np.nan)
-        for (shape, wavelength), dH in zip(waves, data["dH"].values, strict=True)
+        waves.ridge_amplitude(X, Y, dH / height, wavelength, X) if shape == "transverse" else np.full(len(X), np.nan)
+        for (shape, wavelength), dH in zip(shapes, data["dH"].values, strict=True)
     ]
     line = data[["H", "dH", "X_min", "P_max"]].drop_vars("roughness").sel(Y=0.0, method="nearest")
     return line.assign(dH=line["dH"] / height, along=(("wave", "X"), np.stack(along))).drop_attrs().load()
@@ -217,16 +217,16 @@ def _mark(kind: str, case: Case, wavelength: float, X: float, ratio: Extrapolate
 
 def last_waves(case: Case, kind: str, wavelength: float, number: int, grids: Sequence[xr.Dataset]) -> Mark:
     """The last complete wave inside the contact, on both grids."""
-    front = analysis.front(grids[1])
+    front = fronts.front(grids[1])
     edge = float(front.A[-1])
-    coarse, fine = (analysis.last_wave(grid["X"].values, grid["dH"][number].values, edge) for grid in grids)
+    coarse, fine = (waves.last_wave(grid["X"].values, grid["dH"][number].values, edge) for grid in grids)
     return _mark(kind, case, wavelength, fine.X, Extrapolated(coarse.amplitude, fine.amplitude), front)
 
 
 def ridges_at(case: Case, wavelength: float, X: float, number: int, grids: Sequence[xr.Dataset]) -> Mark:
     """The longitudinal waves at X, which are transverse ones where the front runs along their ridges."""
     ratio = Extrapolated(*(float(np.interp(X, grid["X"], grid["along"][number])) for grid in grids))
-    return _mark("longitudinal", case, wavelength, X, ratio, analysis.front(grids[1]))
+    return _mark("longitudinal", case, wavelength, X, ratio, fronts.front(grids[1]))
 
 
 def shaped_marks(p: Plan, results: Sequence[xr.Dataset]) -> Iterator[Mark]:

@@ -12,8 +12,8 @@ from ertel.apps.boundary_layers.page import Drawn, Table
 from ertel.inputs.case_files import parse_case
 from ertel.physics import hertz
 from ertel.physics.scales import Parameters
-from ertel.results import analysis
-from ertel.results.analysis import FrontDefinition, Trace, Values
+from ertel.results import fronts
+from ertel.results.fronts import FrontDefinition, Trace, Values
 from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS
 from ertel.runs.drive import simulate
 from ertel.runs.sweep import Task
@@ -69,7 +69,7 @@ def dry_impact(runs: Sequence[xr.Dataset], quick: bool) -> Drawn:
     """Fig. 1: contact radius and its rate in the dry impact, exact and by the asymptotes, with t* fitted to our own."""
     T = np.linspace(-hertz.HALF_CONTACT_TIME, hertz.HALF_CONTACT_TIME, 1201)
     exact = hertz.contact_radius(T + hertz.HALF_CONTACT_TIME)
-    fitted = analysis.fit_half_base(T, exact)
+    fitted = fronts.fit_half_base(T, exact)
     bases = [[str(M), *(f"{2 * _half_base(run, by):.3f}" for by in DEFINITIONS)] for M, run in _by_load(runs)]
     laws: dict[str, tuple[Values, str, str]] = {
         "exact": (exact, "black", "-"),
@@ -107,9 +107,9 @@ def dry_impact(runs: Sequence[xr.Dataset], quick: bool) -> Drawn:
 
 
 def _half_base(run: xr.Dataset, by: FrontDefinition) -> float:
-    front = analysis.front(run, by)
-    maximum = float(analysis.at_max_approach(run)["frame"])
-    return analysis.fit_half_base(front.T - maximum, front.A / front.A[-1])
+    front = fronts.front(run, by)
+    maximum = float(fronts.at_max_approach(run)["frame"])
+    return fronts.fit_half_base(front.T - maximum, front.A / front.A[-1])
 
 
 # -- Fig. 2 -----------------------------------------------------------------------------------------------------------
@@ -127,7 +127,7 @@ def front_speed(runs: Sequence[xr.Dataset], quick: bool) -> Drawn:
     for (M, run), colour in zip(_by_load(runs), _shades(), strict=True):
         row = [str(M)]
         for by, style in zip(DEFINITIONS, ("-", ":", "--"), strict=True):
-            front = analysis.front(run, by)
+            front = fronts.front(run, by)
             label = f"$M$ = {M}" if by == "film" else None
             late = front.A > FORMED
             if by != "slope":
@@ -139,10 +139,10 @@ def front_speed(runs: Sequence[xr.Dataset], quick: bool) -> Drawn:
             row.append(f"{np.nanmean(share):.2f} ({np.nanmin(share):.2f} to {np.nanmax(share):.2f})")
             for name, values in zip(("T", "A", "speed"), front, strict=True):
                 columns[f"{name}, M = {M}, {by}"] = values
-        rows.append([*row, f"{analysis.front(run).A[-1]:.3f}"])
+        rows.append([*row, f"{fronts.front(run).A[-1]:.3f}"])
     for by, style in zip(DEFINITIONS, ("-", ":", "--"), strict=True):
         right.plot([], [], color=GREY, linestyle=style, label=NAMES[by])
-    plane = analysis.front(runs[-1])
+    plane = fronts.front(runs[-1])
     left.plot(plane.T - TOUCH, plane.speed, ".", color=GREY, markersize=3, label=f"$M$ = {SHOWN}, 2-D method")
     left.set(xlabel="time from the dry ball's first touch ($t_0$)", ylabel="front speed $dA/dT$ ($a^*/t_0$)")
     left.set(xlim=(0, 1.5), ylim=(0, 1.4))
@@ -170,11 +170,11 @@ def film_and_speed(runs: Sequence[xr.Dataset], quick: bool) -> Drawn:
     figure, (axes,) = new_figure(1, 1)
     X, H = _profile(radial)
     axes.plot(np.r_[-X[::-1], X], np.r_[H[::-1], H], color="black", label="computed, radial method")
-    plane = analysis.at_max_approach(two_dimensional)["H"].sel(Y=0.0, method="nearest")
+    plane = fronts.at_max_approach(two_dimensional)["H"].sel(Y=0.0, method="nearest")
     axes.plot(plane["X"], plane, ".", color=GREY, markersize=4, label="computed, 2-D method")
     columns = {"X": X, "H": H}
     for name, speed, colour in (
-        ("$C v^{0.67}$, $v$ of the computed front", analysis.front(radial).speed_at(X), ORANGE),
+        ("$C v^{0.67}$, $v$ of the computed front", fronts.front(radial).speed_at(X), ORANGE),
         (
             "$C v^{0.67}$, $v$ of the parabola (23)",
             hertz.parabola_front_speed_at(np.where((X > 0) & (X < 1), X, np.nan)),
@@ -204,7 +204,7 @@ def film_predicted(runs: Sequence[xr.Dataset], quick: bool) -> Drawn:
         r, H = _profile(run)
         near = (r > 0.6) & (r < 1.02)
         axes.plot(r[near], H[near], color="black", label="computed")
-        front, p = analysis.front(run), Parameters.from_moes(M, L)
+        front, p = fronts.front(run), Parameters.from_moes(M, L)
         speed = front.speed_at(r[near])
         curves = {
             "$C v^{0.67}$": (_fitted(r[near], H[near], speed), ORANGE, "-"),
@@ -236,20 +236,20 @@ def film_predicted(runs: Sequence[xr.Dataset], quick: bool) -> Drawn:
 def _deviations(M: float, run: xr.Dataset, X: Values) -> list[list[str]]:
     """The table's rows: how far the film is from C v^0.67 and from the formula, for each kind of speed."""
     r, H = _profile(run)
-    traces = {NAMES[by]: analysis.film_behind_front(run, analysis.front(run, by), X) for by in DEFINITIONS}
+    traces = {NAMES[by]: fronts.film_behind_front(run, fronts.front(run, by), X) for by in DEFINITIONS}
     traces["none: exact dry law"] = Trace(X, np.interp(X, r, H), hertz.front_speed(X))
     traces["none: parabola (23)"] = Trace(X, np.interp(X, r, H), hertz.parabola_front_speed_at(X))
     p, rows = Parameters.from_moes(M, L), []
     for name, trace in traces.items():
         if len(trace.X) < 3:
             continue
-        C = analysis.fit_power(trace)
+        C = fronts.fit_power(trace)
         found = [
-            analysis.deviation(curve, trace.H)
+            fronts.deviation(curve, trace.H)
             for curve in (
-                C * trace.speed**analysis.SPEED_EXPONENT,
-                analysis.film_from_speed(p, trace.speed),
-                analysis.film_from_speed(p, trace.speed, trace.X),
+                C * trace.speed**fronts.SPEED_EXPONENT,
+                fronts.film_from_speed(p, trace.speed),
+                fronts.film_from_speed(p, trace.speed, trace.X),
             )
         ]
         cells = [f"{d.rms:.1%} ({d.mean:+.1%})" for d in found]
@@ -263,21 +263,21 @@ def _by_load(runs: Sequence[xr.Dataset]) -> list[tuple[int, xr.Dataset]]:
 
 
 def _profile(run: xr.Dataset) -> tuple[Values, Values]:
-    last = analysis.at_max_approach(run)
+    last = fronts.at_max_approach(run)
     return np.asarray(last["r"].values), np.asarray(last["H"].values)
 
 
 def _fitted(X: Values, H: Values, speed: Values) -> Values:
     """C v^0.67 with C fitted where the paper fits it."""
     near = (X > INNER) & (X < OUTER) & np.isfinite(speed) & (speed > 0)
-    C = analysis.fit_power(Trace(X[near], H[near], speed[near]))
-    return np.asarray(C * speed**analysis.SPEED_EXPONENT)
+    C = fronts.fit_power(Trace(X[near], H[near], speed[near]))
+    return np.asarray(C * speed**fronts.SPEED_EXPONENT)
 
 
 def _predicted(p: Parameters, speed: Values, A: Values) -> Values:
     curve = np.full_like(speed, np.nan)
     known = np.isfinite(speed) & (speed > 0)
-    curve[known] = analysis.film_from_speed(p, speed[known], A[known])
+    curve[known] = fronts.film_from_speed(p, speed[known], A[known])
     return curve
 
 

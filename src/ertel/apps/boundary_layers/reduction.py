@@ -30,9 +30,10 @@ from ertel.apps.boundary_layers.waves import (
 )
 from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
-from ertel.results import analysis
-from ertel.results.analysis import Reduction, Values
+from ertel.results import waves
+from ertel.results.fronts import Values
 from ertel.results.plots.drawing import BLUE, GREY, ORANGE, ORDERED_COLOURS
+from ertel.results.waves import Reduction
 from ertel.runs.sweep import Task
 
 PARTS: Sequence[Callable[[bool], list[Task]]] = (impact_tasks, check_tasks, rolling_tasks, twin_tasks)
@@ -74,7 +75,7 @@ def reduction(results: Sequence[Any], quick: bool) -> Drawn:
     p, rest = plan(quick), iter(results)
     impacts, checks, rolling, twinned = (list(islice(rest, len(part(quick)))) for part in PARTS)
     waves = list(dots(p, impacts))
-    rolled, found = list(rolled_over(p, rolling)), [dot for dot in waves if dot.last]
+    rolled, found = list(rolled_over(p, rolling)), [dot for dot in chosen if dot.last]
     own, twins = curve_of(rolled), list(_twins(p, waves, twinned))
     figure, (left, middle, right) = new_figure(1, 3)
     for axes in (left, middle, right):
@@ -85,7 +86,7 @@ def reduction(results: Sequence[Any], quick: bool) -> Drawn:
     draw_dots(left, found, [dot.local[0] for dot in found], ranges=True)
     draw_dots(middle, found, [dot.everywhere for dot in found])
     draw_dots(right, found, [dot.hertz for dot in found])
-    inner = [dot for dot in waves if not dot.last and dot.X > FORMED]
+    inner = [dot for dot in chosen if not dot.last and dot.X > FORMED]
     further = [dot.hertz for dot in inner], [dot.ratio.limit for dot in inner]
     crosses = [twin.nabla2 for twin in twins], [twin.rolling.limit for twin in twins]
     handles = right.plot(*further, ".", color=GREY, markersize=3, label="impact, waves further in")
@@ -125,12 +126,12 @@ def rolled_over(plan: Plan, results: Sequence[tuple[float, float]]) -> Iterator[
 def curve_of(rolled: Sequence[Rolled]) -> Reduction:
     """The curve of the form of (15) through the squares, each by the weight of its bar."""
     errors = [max(r.ratio.error, LEAST_ERROR) for r in rolled]
-    return analysis.fit_reduction([r.nabla2 for r in rolled], [r.ratio.limit for r in rolled], errors)
+    return waves.fit_reduction([r.nabla2 for r in rolled], [r.ratio.limit for r in rolled], errors)
 
 
 def _twins(plan: Plan, waves: Sequence[Dot], results: Sequence[tuple[float, float, float]]) -> Iterator[Twin]:
     for (M, L, wavelength, X), coarse, fine in zip(plan.twins, results[::2], results[1::2], strict=True):
-        own = [dot for dot in waves if (dot.M, dot.L, dot.wavelength) == (M, L, wavelength)]
+        own = [dot for dot in chosen if (dot.M, dot.L, dot.wavelength) == (M, L, wavelength)]
         nearest = min(own, key=lambda dot: abs(dot.X - X))
         yield Twin(M, L, wavelength, nearest.X, fine[0], nearest.ratio, Extrapolated(coarse[1], fine[1]))
 
@@ -231,8 +232,8 @@ def _scatter_table(found: Sequence[Dot], inner: Sequence[Dot], rolled: Sequence[
         f"local nabla2, speed by {name}": partial(_local, i) for i, name in enumerate(SPEEDS)
     }
     kinds |= {"local nabla2, Hertz contact then": lambda dot: dot.hertz, "global nabla2": lambda dot: dot.everywhere}
-    for name, waves in {"last waves": found, f"waves further in, X > {FORMED:g}": inner}.items():
-        known = [dot for dot in waves if np.isfinite(dot.local).all()]
+    for name, chosen in {"last waves": found, f"waves further in, X > {FORMED:g}": inner}.items():
+        known = [dot for dot in chosen if np.isfinite(dot.local).all()]
         for kind, nabla2 in kinds.items() if known else ():
             values = [dot.ratio.limit for dot in known]
             rows.append([f"impact, {name} ({len(known)}), {kind}", *_about(values, [nabla2(d) for d in known], own)])

@@ -17,9 +17,10 @@ from ertel.model.case import Case, Time
 from ertel.physics import hertz
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Waviness
-from ertel.results import analysis
-from ertel.results.analysis import Front, Values, Wave
+from ertel.results import fronts, waves
+from ertel.results.fronts import Front, Values
 from ertel.results.plots.drawing import BLUE, GREY, ORANGE
+from ertel.results.waves import Wave
 from ertel.runs.drive import simulate
 from ertel.runs.response import respond
 from ertel.runs.sweep import Task
@@ -186,7 +187,7 @@ def rolling_twin(M: float, L: float, wavelength: float, X: float, nodes: int) ->
     lambda_bar v/X^4, alpha_bar X, wavelength/X.
     """
     solver = {"method": "radial", "nodes": 401, "half_width": 4.0}
-    speed = float(analysis.front(smooth_impact(M, L, solver, 10.0)).speed_at(X))
+    speed = float(fronts.front(smooth_impact(M, L, solver, 10.0)).speed_at(X))
     p = Parameters.from_moes(M, L)
     local = Parameters(p.lambda_bar * speed / X**4, p.alpha_bar * X)
     return local.nabla2(wavelength / X), *wavy_rolling(local.M, local.L, wavelength / X, nodes)
@@ -195,12 +196,12 @@ def rolling_twin(M: float, L: float, wavelength: float, X: float, nodes: int) ->
 def impact_tasks(quick: bool) -> list[Task]:
     """For every (M, L): the front by the radial method, the waves on the coarse and on the fine grid."""
     p, tasks = plan(quick), []
-    for (M, L), waves in p.impacts.items():
+    for (M, L), wavelengths in p.impacts.items():
         tasks.append(radial_task(M, L, quick))
         for nodes in p.grids:
-            seconds = impact_seconds(len(waves) + 1, nodes)
+            seconds = impact_seconds(len(wavelengths) + 1, nodes)
             name = f"waves_M{M:g}_L{L:g}_{nodes}"
-            tasks.append(Task(name, wavy_impact, (M, L, tuple((HEIGHT, w) for w in waves), nodes), seconds))
+            tasks.append(Task(name, wavy_impact, (M, L, tuple((HEIGHT, w) for w in wavelengths), nodes), seconds))
     return tasks
 
 
@@ -284,30 +285,30 @@ def dots(plan: Plan, results: Sequence[xr.Dataset]) -> Iterator[Dot]:
     """Every complete wave inside the contact, from the results of `impact_tasks`; Fig. 6 has the last ones."""
     triples = zip(*[iter(results)] * 3, strict=False)
     for ((M, L), wavelengths), (smooth, *grids) in zip(plan.impacts.items(), triples, strict=False):
-        fronts = analysis.front(smooth), analysis.front(smooth, "half-hertz")
+        both = fronts.front(smooth), fronts.front(smooth, "half-hertz")
         for number, wavelength in enumerate(wavelengths):
-            coarse, fine = (_waves(grid, number, float(fronts[0].A[-1])) for grid in grids)
+            coarse, fine = (_waves(grid, number, float(both[0].A[-1])) for grid in grids)
             pairs = list(zip(coarse[::-1], fine[::-1], strict=False))  # from the edge inwards
             for pair in pairs[::-1]:
-                yield _dot(M, L, wavelength, pair, fronts, pair is pairs[0])
+                yield _dot(M, L, wavelength, pair, both, pair is pairs[0])
 
 
-def _dot(M: float, L: float, wavelength: float, pair: tuple[Wave, Wave], fronts: Sequence[Front], last: bool) -> Dot:
+def _dot(M: float, L: float, wavelength: float, pair: tuple[Wave, Wave], both: Sequence[Front], last: bool) -> Dot:
     p, X = Parameters.from_moes(M, L), pair[1].X
-    speeds = [float(f(X)) for f in (*(front.speed_at for front in fronts), hertz.front_speed)]
-    local = [float(analysis.local_nabla2(p, wavelength, speed)) for speed in speeds]
-    then = float(analysis.local_nabla2(p, wavelength, speeds[0], X))
+    speeds = [float(f(X)) for f in (*(front.speed_at for front in both), hertz.front_speed)]
+    local = [float(waves.local_nabla2(p, wavelength, speed)) for speed in speeds]
+    then = float(waves.local_nabla2(p, wavelength, speeds[0], X))
     ratio = Extrapolated(*(wave.amplitude for wave in pair))
     return Dot(M, L, wavelength, X, ratio, local, then, p.nabla2(wavelength), last)
 
 
 def _waves(data: xr.Dataset, number: int, edge: float) -> list[Wave]:
-    return analysis.waves(data["X"].values, data["dH"][number].values, edge)
+    return waves.waves(data["X"].values, data["dH"][number].values, edge)
 
 
 def last_wave(data: xr.Dataset, number: int, edge: float) -> Wave:
-    """The last complete wave of the wave's number inside the edge, see `analysis.last_wave`."""
-    return analysis.last_wave(data["X"].values, data["dH"][number].values, edge)
+    """The last complete wave of the wave's number inside the edge, see `waves.last_wave`."""
+    return waves.last_wave(data["X"].values, data["dH"][number].values, edge)
 
 
 # -- Fig. 5 -----------------------------------------------------------------------------------------------------------
@@ -318,7 +319,7 @@ def deformed_waves(results: Sequence[xr.Dataset], quick: bool) -> Drawn:
     p = plan(quick)
     place = 3 * list(p.impacts).index(SHOWN)
     smooth, _, fine = results[place : place + 3]
-    edge, X = float(analysis.front(smooth).A[-1]), fine["X"].values
+    edge, X = float(fronts.front(smooth).A[-1]), fine["X"].values
     wavelengths = p.impacts[SHOWN]
     figure, panels = new_figure(len(wavelengths), 1)
     figure.set_size_inches(8.0, 2.4 * len(wavelengths))

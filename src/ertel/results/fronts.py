@@ -1,0 +1,192 @@
+"""The front of an impact, and the film that it leaves behind."""
+
+from collections.abc import Callable, Mapping
+from typing import Literal, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from ertel.physics import film_formulas
+from ertel.physics.scales import Parameters
+from ertel.results import variables
+
+
+def at_max_approach(data: xr.Dataset) -> xr.Dataset:
+    """The maps at maximum approach.  Raises ValueError where the run has not come so far."""
+    found = np.flatnonzero(data["event"].values == variables.EVENTS.index("max-approach"))
+    if found.size == 0:
+        raise ValueError("dataset: has no map at maximum approach, the run ended before it")
+    return data.isel(frame=int(found[0]))
+
+
+Values = NDArray[np.float64]
+FrontDefinition = Literal["film", "slope", "half-hertz"]
+
+SMALLEST_FRONT = 0.1  # a*: before, there is a bell of pressure and no contact yet
+LOADED_FRONT = 0.02  # of the largest pressure: where there is less, the film is only a gap
+FRONT_WINDOW = 0.06  # t0 to both sides, over which a parabola gives the front's speed
+SPEED_EXPONENT = 0.67  # of the film in the speed: Hamrock and Dowson's, and the paper's
+
+
+class Front(NamedTuple):
+    """Where the contact's front is while it advances: times T, positions A (a*), speeds dA/dT (a*/t0), each (n,)."""
+
+    T: Values
+    A: Values
+    speed: Values
+
+    def passed(self, X: ArrayLike) -> Values:
+        """When the front passed X, of any shape; nan where it did not."""
+        X = np.asarray(X, dtype=float)
+        reached = np.maximum.accumulate(self.A)  # round-off may set it back near the end
+        inside = (X >= reached[0]) & (X <= reached[-1])
+        return np.where(inside, np.interp(X, reached, self.T), np.nan)
+
+    def speed_at(self, X: ArrayLike) -> Values:
+        """The front's speed dA/dT when it passed X, of any shape; nan where it did not."""
+        return np.interp(self.passed(X), self.T, self.speed)
+
+
+def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
+    """Position and speed of an impact's front up to maximum approach, radial or 2-D (there along Y = 0).
+
+    by "film": the place of the least film, at every step.  "slope": where the pressure falls most steeply outwards, on
+    every map.  "half-hertz": from the place where the pressure is half of Hertz' largest at the same approach,
+    sqrt(Delta), as Hertz' is at sqrt(3)/2 of its radius; on every map.  From maps it takes an interval (`Output`) of
+    0.05 t0 or less.  The speed is that of a parabola for A^2, which behaves as Delta, fitted to the neighbours in time.
+
+    Raises ValueError where there are too few times, as without maps in the course of time.
+    """
+    turning = float(at_max_approach(data)["frame"]) if "frame" in data.dims else float(data["frame"])
+    T, A = _front_by_film(data) if by == "film" else _front_by_pressure(data, _FALLS[by])
+    found = (T <= turning) & np.isfinite(A) & (A > SMALLEST_FRONT)
+    T, A = T[found], A[found]
+    first = int(np.argmin(A)) if len(A) else 0  # before, the pressure only gathers
+    T, A = T[first:], A[first:]
+    if len(T) < 4:
+        raise ValueError(f'dataset: has too few times to see its front by "{by}"; keep maps more often')
+    fits = [_parabola(T, A**2, t) for t in T]
+    radius = np.sqrt([square for square, _ in fits])
+    return Front(T, radius, np.array([rate for _, rate in fits]) / (2 * radius))
+
+
+def _front_by_film(data: xr.Dataset) -> tuple[Values, Values]:
+    loaded = data["P_max"].values > LOADED_FRONT * float(data["P_max"].max())
+    return data["time"].values, np.where(loaded, data["X_min"].values, np.nan)
+
+
+def _front_by_pressure(data: xr.Dataset, fall: Callable[[Values, Values, float], float]) -> tuple[Values, Values]:
+    if "frame" not in data.dims:
+        raise ValueError('dataset: has one map only; by = "film" needs none')
+    T = data["frame"].values
+    approach = np.interp(T, data["time"].values, data["Delta"].values)
+    r, P = _outwards(data["P"])
+    return T, np.array([fall(r, p, delta) for p, delta in zip(P, approach, strict=True)])
+
+
+def _outwards(field: xr.DataArray) -> tuple[Values, Values]:
+    """Radius (n,) and field (..., n) along a radius: the half line Y = 0, X >= 0 of a 2-D run."""
+    if "r" in field.dims:
+        return np.asarray(field["r"].values), np.asarray(field.values)
+    half = field.sel(Y=0.0, method="nearest").isel(X=field["X"].values >= 0)
+    return np.asarray(half["X"].values), np.asarray(half.values)
+
+
+def _steepest_fall(r: Values, P: Values, approach: float) -> float:
+    slope, middle = np.diff(P) / np.diff(r), (r[1:] + r[:-1]) / 2
+    i = int(np.argmin(slope))
+    return np.nan if i in (0, len(slope) - 1) else _vertex(middle[i - 1 : i + 2], slope[i - 1 : i + 2])
+
+
+def _half_hertz(r: Values, P: Values, approach: float) -> float:
+    half = np.sqrt(max(approach, 0.0)) / 2
+    above = np.flatnonzero(P > half)
+    if half == 0.0 or above.size == 0 or above[-1] == len(r) - 1:
+        return np.nan
+    i = int(above[-1])
+    place = np.interp(half, P[[i + 1, i]], r[[i + 1, i]])
+    return float(place * 2 / np.sqrt(3))
+
+
+_FALLS: Mapping[str, Callable[[Values, Values, float], float]] = {"slope": _steepest_fall, "half-hertz": _half_hertz}
+
+
+def _vertex(x: Values, y: Values) -> float:
+    """Where the parabola through three points is extreme."""
+    (a, b), (c, d) = np.diff(x), np.diff(y)
+    curvature, slope = (d / b - c / a) / (a + b), c / a
+    return float(x[0] + a / 2 - slope / (2 * curvature)) if curvature else float(x[1])
+
+
+def _parabola(T: Values, values: Values, t: float) -> tuple[float, float]:
+    """Value and rate at t of the parabola fitted to the neighbours of t in time, to five of them at least."""
+    near = np.argsort(np.abs(T - t))[: max(5, int(np.count_nonzero(np.abs(T - t) <= FRONT_WINDOW)))]
+    _, rate, value = np.polyfit(T[near] - t, values[near], min(2, len(near) - 1))
+    return float(value), float(rate)
+
+
+def fit_half_base(T: ArrayLike, A: ArrayLike, smallest: float = 0.5) -> float:
+    """t* of the paper's parabola A = sqrt(1 - T^2/t*^2), eq. (22), by least squares of A^2 where A > smallest.
+
+    T: time from the maximum; A: contact radius as a share of the largest; both (n,).
+    """
+    T, A = np.asarray(T, dtype=float), np.asarray(A, dtype=float)
+    squares = T[A > smallest] ** 2
+    return float(np.sqrt(squares @ squares / (squares @ (1 - A[A > smallest] ** 2))))
+
+
+class Trace(NamedTuple):
+    """What the front left behind: film H at maximum approach and speed of the front when it passed, at X, each (n,)."""
+
+    X: Values
+    H: Values
+    speed: Values
+
+
+def film_behind_front(data: xr.Dataset, front: Front, X: ArrayLike) -> Trace:
+    """The film at maximum approach against the front's speed, where the front passed (the other X are left out)."""
+    X = np.asarray(X, dtype=float)
+    r, H = _outwards((at_max_approach(data) if "frame" in data.dims else data)["H"])
+    speed = front.speed_at(X)
+    passed = np.isfinite(speed)
+    return Trace(X[passed], np.interp(X[passed], r, H), speed[passed])
+
+
+def fit_power(trace: Trace, exponent: float = SPEED_EXPONENT) -> float:
+    """C of H = C v^exponent by least squares of the logarithms; the paper fits on 0.75 < X < 0.95 (Fig. 4)."""
+    return float(np.exp(np.mean(np.log(trace.H / trace.speed**exponent))))
+
+
+def film_from_speed(
+    parameters: Parameters,
+    speed: ArrayLike,
+    A: ArrayLike = 1.0,
+    formula: Callable[[float, float], float] = film_formulas.nijenbanning_venner_moes,
+) -> Values:
+    """Film (a*^2/R) that a steady film formula gives where the front ran at `speed`, with nothing fitted.
+
+    The front drags oil in as rolling at u_m = da/dt does: lambda_bar -> lambda_bar v.  With A, the radius that the
+    contact had then, Hertz' radius and pressure are those of that moment too: lambda_bar v/A^4, alpha_bar A, and the
+    film scales back with A^2.  formula: H of M and L, in units a^2/R.  Shapes broadcast.
+    """
+
+    def at(v: float, radius: float) -> float:
+        local = Parameters(parameters.lambda_bar * v / radius**4, parameters.alpha_bar * radius)
+        return formula(local.M, local.L) * radius**2
+
+    return np.asarray(np.vectorize(at, otypes=[float])(speed, A))
+
+
+class Deviation(NamedTuple):
+    """Of a prediction from the truth, relative: mean (which side it errs on), root mean square, worst."""
+
+    mean: float
+    rms: float
+    worst: float
+
+
+def deviation(predicted: ArrayLike, true: ArrayLike) -> Deviation:
+    """How far a prediction is off, relative to the truth, both (n,)."""
+    off = np.asarray(predicted, dtype=float) / np.asarray(true, dtype=float) - 1
+    return Deviation(float(off.mean()), float(np.sqrt(np.mean(off**2))), float(np.abs(off).max()))

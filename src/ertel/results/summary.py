@@ -1,0 +1,180 @@
+"""The outcome of a run as plain data: values, restitution, error estimates, work, warnings, film formulas."""
+
+from collections.abc import Mapping, Sequence
+from math import cbrt
+from typing import Any
+
+import xarray as xr
+
+from ertel.model.approach import HERTZ_LOAD
+from ertel.model.case import Case
+from ertel.model.state import GridSolution, Rolling
+from ertel.model.status import Status
+from ertel.physics import film_formulas
+from ertel.physics.film_formulas import Film
+from ertel.physics.scales import HamrockDowson, Parameters
+from ertel.results import diagnostics, variables
+
+
+def restitution(data: xr.Dataset) -> float | None:
+    """Speed after the impact over speed before, once the film has opened again; None before that.
+
+    The ball is free when the load is gone: F below 1e-8 of the dry maximum.
+    """
+    if data.sizes["time"] == 0:
+        return None
+    V, F = float(data["V"][-1]), float(data["F"][-1])
+    return -V if V < 0 and F < 1e-8 else None
+
+
+def transient_summary(
+    case: Case,
+    data: xr.Dataset,
+    max_approach: Mapping[str, float] | None,
+    work: Mapping[str, float],
+    status: Status,
+) -> dict[str, Any]:
+    """The outcome of a run in time as plain data: parameters, values, work, status.
+
+    Of an impact: the values at maximum approach, F in units of the dry maximum load, and the restitution.  Of rolling:
+    the values at the last time, as in `steady_summary`, and T; their errors need a second run, see `with_error`.
+    All dimensionless; physical cases add the same in SI under `si`.
+    """
+    said = diagnostics.warnings(case, data)
+    if case.kind == "rolling":
+        last = {
+            name: float(data[name][-1])
+            for name in ("time", "F", *variables.MEASURED)
+            if name in data and len(data.time)
+        }
+        measured = {"T": last.pop("time", None), **dict.fromkeys(variables.MEASURED), **last}
+        F = measured.pop("F", None)
+        measured["load"] = None if F is None else F * HERTZ_LOAD
+        return _rolling_summary(case, measured, {}, work, status, said)
+    reached = None if max_approach is None else {key: float(max_approach[key]) for key in variables.AT_MAXIMUM}
+    content: dict[str, Any] = {
+        "kind": case.kind,
+        "method": case.solver.method,
+        **_parameters(case),
+        "max_approach": reached,
+        "restitution": restitution(data),
+        **work,
+        "status": status.value,
+        "warnings": said,
+    }
+    si = variables.si_summary(case, reached)
+    return content if si is None else {**content, "si": si}
+
+
+def steady_summary(
+    case: Case, solutions: Sequence[GridSolution], work: Mapping[str, float], status: Status
+) -> dict[str, Any]:
+    """The outcome of a steady run as plain data: parameters, values on the finest grid, their errors, work, status.
+
+    H_c_error, H_min_error estimate the discretisation error, H_c_extrapolated, H_min_extrapolated are without it; None
+    where there are no two grids.  Counts are those of all grids, convolutions in units of one on the finest.
+    work: compilations, wall_s.
+    """
+    rolling = Rolling(tuple(solutions))
+    counts = {
+        "residual": rolling.finest.residual,
+        "newton_iterations": sum(s.newton for s in solutions),
+        "krylov_iterations": sum(s.krylov for s in solutions),
+        "convolutions": round(rolling.convolutions, 1),
+    }
+    estimates: dict[str, float] = {}
+    if len(solutions) > 1 and all(s.status.ok for s in solutions[-2:]):
+        for name in variables.FILMS:
+            found = rolling.extrapolate(name)
+            estimates |= {f"{name}_error": found.error, f"{name}_extrapolated": found.extrapolated}
+    values = rolling.finest.measure()
+    measured = {"nodes": rolling.finest.grid.nodes, **{name: values[name] for name in variables.MEASURED}}
+    said = diagnostics.steady_warnings(case, solutions)
+    return _rolling_summary(case, measured, estimates, {**counts, **work}, status, said)
+
+
+def _rolling_summary(
+    case: Case,
+    measured: Mapping[str, float | None],
+    estimates: Mapping[str, float],
+    work: Mapping[str, float],
+    status: Status,
+    said: list[str],
+) -> dict[str, Any]:
+    names = [f"{name}_{what}" for what in ("error", "extrapolated") for name in variables.FILMS]
+    content: dict[str, Any] = {
+        "kind": case.kind,
+        "method": case.solver.method,
+        **_parameters(case),
+        **measured,
+        **work,
+        "status": status.value,
+        **{name: estimates.get(name) for name in names},
+        "warnings": said,
+    }
+    return _with_si(case, content)
+
+
+def _with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
+    """A rolling contact's summary with its values in SI; approach_m is Delta, delta_m its scale."""
+    if case.scales is None:
+        return dict(content)
+    values = {
+        key: content[key] for key in content if key.startswith(variables.FILMS) or key in ("T", *variables.MEASURED)
+    }
+    approach = variables.in_si({"Delta": values.pop("Delta")}, case.scales)["delta_m"]
+    si = {**variables.scales_of(case), "approach_m": approach, **variables.in_si(values, case.scales)}
+    return {**content, "si": si}
+
+
+def _parameters(case: Case) -> dict[str, float]:
+    p = case.parameters
+    return {"M": p.M, "L": p.L, "lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar}
+
+
+def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]:
+    """What the formulas say of a rolling contact with a load w (F*) and a speed U (u_m), in the case's own a^2/R.
+
+    Empty where there is no load or no speed, in which they have no meaning.
+    """
+    speed = abs(entrainment)
+    if load <= 0 or speed == 0:
+        return []
+    p = case.parameters
+    at = Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25)
+    ugw = variables.ugw_of(case) if case.scales else None
+    found = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load))
+    unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
+
+    def own(film: float | None) -> float | None:
+        return None if film is None else film * unit
+
+    return [film._replace(central=own(film.central), minimum=own(film.minimum)) for film in found]
+
+
+def with_error(case: Case, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
+    """The summary of a run in time with the discretisation errors that a run on the half grid tells.
+
+    For a method of second order the error is a third of the difference, and the value without it, `extrapolated`, lies
+    as much beyond the fine one (Richardson).  Of an impact under `error_estimate`, at maximum approach, None where one
+    of the runs did not reach it; of rolling as in `steady_summary`, at the last time.
+    """
+    if case.kind == "impact":
+        return {**fine, "error_estimate": error_estimate(fine, coarse)}
+    found: dict[str, float] = {}
+    for name in variables.FILMS:
+        step = (fine[name] - coarse[name]) / 3
+        found |= {f"{name}_error": abs(step), f"{name}_extrapolated": fine[name] + step}
+    return _with_si(case, {**fine, **found})
+
+
+def error_estimate(fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Discretisation error of H_c, H_min and Delta at maximum approach, see `with_error`."""
+    if fine["max_approach"] is None or coarse["max_approach"] is None:
+        return None
+    estimate = {}
+    for name, key in {"H_c": "H_c", "H_min": "H_min", "Delta_max": "Delta"}.items():
+        value, half = fine["max_approach"][key], coarse["max_approach"][key]
+        step = (value - half) / 3
+        estimate[name] = {"value": value, "half_grid": half, "error": abs(step), "extrapolated": value + step}
+    return estimate

@@ -1,0 +1,111 @@
+"""Waviness under an impact: complete waves, the operating parameter of their place, amplitudes, the fitted curve."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline, RectBivariateSpline
+from scipy.optimize import least_squares
+
+from ertel.physics.scales import Parameters
+
+Values = NDArray[np.float64]
+
+
+class Wave(NamedTuple):
+    """A complete wave of dH: its amplitude (max - min)/2, its place X halfway between crest and trough, its ends."""
+
+    amplitude: float
+    X: float
+    start: float
+    end: float
+
+
+def waves(X: ArrayLike, dH: ArrayLike, edge: float = 1.0) -> list[Wave]:
+    """The complete waves of dH along 0 < X < edge, from the centre outwards.
+
+    A wave is what lies between a zero of dH and the next but one: one crest and one trough.  It is complete when both
+    zeros lie inside; neighbours overlap by a half.  Zeros and extremes are those of the cubic spline through the nodes,
+    so that crests between nodes are not cut off.
+
+    X : (n,) rising, in a*.  dH : (n,), along Y = 0.  edge: of the contact, 1 or the place of the front.
+    """
+    spline = CubicSpline(np.asarray(X, dtype=float), np.asarray(dH, dtype=float))
+    slope = spline.derivative()
+    zeros, turns = (_inside(s.roots(extrapolate=False), edge) for s in (spline, slope))
+    return [_wave(spline, turns, start, end) for start, end in zip(zeros, zeros[2:], strict=False)]
+
+
+def _inside(places: Values, edge: float) -> Values:
+    return np.sort(places[(places > 0) & (places < edge)])
+
+
+def _wave(spline: CubicSpline, turns: Values, start: float, end: float) -> Wave:
+    extremes = turns[(turns > start) & (turns < end)]
+    values = spline(extremes)
+    high, low = int(np.argmax(values)), int(np.argmin(values))
+    amplitude = (values[high] - values[low]) / 2
+    return Wave(float(amplitude), float(extremes[high] + extremes[low]) / 2, float(start), float(end))
+
+
+def last_wave(X: ArrayLike, dH: ArrayLike, edge: float = 1.0) -> Wave:
+    """The last complete wave inside the contact, whose amplitude is the paper's A_d; see `waves`.
+
+    Raises ValueError where no complete wave lies inside.
+    """
+    found = waves(X, dH, edge)
+    if not found:
+        raise ValueError(f"dH: no complete wave lies inside |X| < {edge}; take a shorter wavelength")
+    return found[-1]
+
+
+def local_nabla2(parameters: Parameters, wavelength: float, speed: ArrayLike, A: ArrayLike = 1.0) -> Values:
+    """nabla2 of eq. (16) with the front's speed when it passed, lambda_bar -> lambda_bar dA/dT: the global one/sqrt(v).
+
+    With A, the radius that the contact had then, Hertz' radius and pressure are those of that moment too, as in
+    `film_from_speed`: lambda_bar v/A^4, alpha_bar A, wavelength/A, which makes sqrt(A/v) of 1/sqrt(v).
+
+    wavelength in a*; speed in a*/t0, A in a*, of shapes that broadcast.  `Parameters.nabla2` is the global one.
+    """
+    ratio = np.asarray(A, dtype=float) / np.asarray(speed, dtype=float)
+    return np.asarray(parameters.nabla2(wavelength) * np.sqrt(ratio))
+
+
+def ridge_amplitude(X: ArrayLike, Y: ArrayLike, dH: ArrayLike, wavelength: float, r: ArrayLike) -> Values:
+    """Amplitude (n,) that is left of ridges cos(2 pi X/wavelength) where a front runs along them, at radii r (n,).
+
+    Along X = 0 a front that runs outwards meets a crest lengthwise, along X = wavelength/2 a trough: half of what dH
+    differs between the two, at the same distance from the centre, as the front passes both at the same moment.  Where
+    r < wavelength/2 there is no trough, and nan.
+
+    X, Y : (n,) rising, in a*.  dH : (Y, X).  r in a*.
+    """
+    field = RectBivariateSpline(np.asarray(Y, dtype=float), np.asarray(X, dtype=float), np.asarray(dH, dtype=float))
+    r, aside = np.asarray(r, dtype=float), wavelength / 2
+    trough = np.sqrt(np.where(r > aside, r**2 - aside**2, np.nan))
+    known = np.isfinite(trough)
+    amplitude = np.full(r.shape, np.nan)
+    amplitude[known] = np.abs(field.ev(trough[known], aside) - field.ev(r[known], 0.0)) / 2
+    return amplitude
+
+
+class Reduction(NamedTuple):
+    """A_d/A_i = 1/(1 + linear nabla2 + quadratic nabla2^2), of the form of eq. (15)."""
+
+    linear: float
+    quadratic: float
+
+    def ratio(self, nabla2: ArrayLike) -> Values:
+        """A_d/A_i, of the shape of nabla2."""
+        n = np.asarray(nabla2, dtype=float)
+        return np.asarray(1.0 / (1.0 + self.linear * n + self.quadratic * n**2))
+
+
+def fit_reduction(nabla2: ArrayLike, ratio: ArrayLike, error: ArrayLike = 1.0) -> Reduction:
+    """The curve of the form of eq. (15) through A_d/A_i, by least squares of the ratios in units of their errors.
+
+    nabla2, ratio : (n,), two points at least.  error: of the ratios, of a shape that broadcasts.
+    """
+    n, A, bar = (np.asarray(values, dtype=float) for values in (nabla2, ratio, error))
+    found = least_squares(lambda c: (Reduction(*c).ratio(n) - A) / bar, [0.15, 0.015], bounds=(0.0, np.inf))
+    return Reduction(*map(float, found.x))
