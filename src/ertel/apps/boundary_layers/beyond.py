@@ -95,7 +95,7 @@ def plan(quick: bool) -> Plan:
 def shaped_impact(M: float, L: float, shapes: Sequence[tuple[str, float]], nodes: int, oil: str = USUAL) -> xr.Dataset:
     """H(X), dH/A_i (wave, X) along Y = 0 at maximum approach, and the place of the least film in time.
 
-    shapes: key of `SHAPES` and wavelength (a*) of each; A_i is that of Fig. 6.  oil: a key of `OILS`.  `along` (wave, X)
+    shapes: key of `SHAPES` and wavelength (a*) of each; A_i is that of Fig. 6.  oil: of `OILS`.  `along` (wave, X)
     is what is left of transverse waves where the front ran along their ridges, see `waves.ridge_amplitude`; nan for
     the other shapes.  Raises RuntimeError where a run gave up.
     """

@@ -75,7 +75,7 @@ def reduction(results: Sequence[Any], quick: bool) -> Drawn:
     p, rest = plan(quick), iter(results)
     impacts, checks, rolling, twinned = (list(islice(rest, len(part(quick)))) for part in PARTS)
     waves = list(dots(p, impacts))
-    rolled, found = list(rolled_over(p, rolling)), [dot for dot in chosen if dot.last]
+    rolled, found = list(rolled_over(p, rolling)), [dot for dot in waves if dot.last]
     own, twins = curve_of(rolled), list(_twins(p, waves, twinned))
     figure, (left, middle, right) = new_figure(1, 3)
     for axes in (left, middle, right):
@@ -86,7 +86,7 @@ def reduction(results: Sequence[Any], quick: bool) -> Drawn:
     draw_dots(left, found, [dot.local[0] for dot in found], ranges=True)
     draw_dots(middle, found, [dot.everywhere for dot in found])
     draw_dots(right, found, [dot.hertz for dot in found])
-    inner = [dot for dot in chosen if not dot.last and dot.X > FORMED]
+    inner = [dot for dot in waves if not dot.last and dot.X > FORMED]
     further = [dot.hertz for dot in inner], [dot.ratio.limit for dot in inner]
     crosses = [twin.nabla2 for twin in twins], [twin.rolling.limit for twin in twins]
     handles = right.plot(*further, ".", color=GREY, markersize=3, label="impact, waves further in")
@@ -131,7 +131,7 @@ def curve_of(rolled: Sequence[Rolled]) -> Reduction:
 
 def _twins(plan: Plan, waves: Sequence[Dot], results: Sequence[tuple[float, float, float]]) -> Iterator[Twin]:
     for (M, L, wavelength, X), coarse, fine in zip(plan.twins, results[::2], results[1::2], strict=True):
-        own = [dot for dot in chosen if (dot.M, dot.L, dot.wavelength) == (M, L, wavelength)]
+        own = [dot for dot in waves if (dot.M, dot.L, dot.wavelength) == (M, L, wavelength)]
         nearest = min(own, key=lambda dot: abs(dot.X - X))
         yield Twin(M, L, wavelength, nearest.X, fine[0], nearest.ratio, Extrapolated(coarse[1], fine[1]))
 
