@@ -1,153 +1,68 @@
-"""The layout of case files: sections and keys with their types, by pydantic; what is wrong with one; TOML and back.
+"""The layout of case files, generated from the records of the model: sections and keys with their types, by pydantic.
 
-A quantity is a string with a unit ("10 mm"), a dimensionless number a plain number.  Inside, everything is SI.  An
-amount may be either: a plain number in the units of the case, a, a^2/R or t0, or a quantity.
+A quantity is a string with a unit ("10 mm"), a dimensionless number a plain number.  An amount may be either: a plain
+number in the units of the case, a, a^2/R or t0, or a quantity.  What makes sense is not decided here but in the model.
 """
 
-import json
-import tomllib
-from collections.abc import Iterable, Mapping, Sequence
-from difflib import get_close_matches
-from functools import partial
-from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, fields
+from functools import cache, partial
+from typing import Annotated, Any, Literal, get_args, get_type_hints
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Discriminator,
-    Field,
-    Tag,
-    ValidationError,
-    ValidationInfo,
-    field_validator,
-)
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, create_model
 
-from ertel.inputs import quantities
-from ertel.inputs.quantities import SI, Amount, parse_amount, parse_quantity
-from ertel.model import case as defaults
-from ertel.physics import lubricant
+from ertel.inputs.quantities import parse_amount, parse_quantity
+from ertel.model.conditions import Conditions
+from ertel.model.sections import STOPS, Drive, Output, Solver, Time
+from ertel.physics.lubricant import Oil
+from ertel.physics.motion import Oscillation
+from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
+from ertel.physics.units import DURATION, TIME, Bounds, Quantity, Unit, marks
+
+NUMBER, POINTS, TABLE, NAME = "<number>", "<points>", "<table>", "<name>"  # tags, no part of a field's name
+SIGNAL_TEXT = "a number, an array of [T, value], or a table { mean, amplitude, period, phase }"
+SETTINGS = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True)
 
 
-class ConfigError(ValueError):
-    """The input is wrong: the message, one line, names the field, its value and what is allowed."""
+class Section(BaseModel):
+    """A section of a case file; what is left out stays None."""
 
-    def __init__(self, message: str):
-        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in message))
-
-
-# -- sections and keys ------------------------------------------------------------------------------------------------
+    model_config = SETTINGS
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-    @field_validator("*", mode="before")
-    @classmethod
-    def _quantity_to_si(cls, value: object, info: ValidationInfo) -> object:
-        marks = [m for m in cls.model_fields[str(info.field_name)].metadata if isinstance(m, SI)]
-        return parse_quantity(value, marks[0]) if marks else value
-
-
-class ContactSection(_Section):
-    """What meets: Moes' M and L, or lambda_bar and alpha_bar, or physical input."""
-
-    kind: defaults.Kind = "impact"
-    M: Annotated[float | None, Field(gt=0)] = None
-    L: Annotated[float | None, Field(ge=0)] = None
-    lambda_bar: Annotated[float | None, Field(gt=0)] = None
-    alpha_bar: Annotated[float | None, Field(ge=0)] = None
-    radius: Annotated[float | None, quantities.LENGTH] = None
-    radius_1: Annotated[float | None, quantities.LENGTH] = None
-    radius_2: Annotated[float | None, quantities.LENGTH] = None
-    mass: Annotated[float | None, quantities.MASS] = None
-    ball_density: Annotated[float | None, quantities.DENSITY] = None
-    speed: Annotated[float | None, quantities.SPEED] = None
-    drop_height: Annotated[float | None, quantities.LENGTH] = None
-    load: Annotated[float | None, quantities.LOAD] = None
-    speed_1: Annotated[float | None, quantities.VELOCITY] = None
-    speed_2: Annotated[float | None, quantities.VELOCITY] = None
-    mean_speed: Annotated[float | None, quantities.VELOCITY] = None
-    slide_to_roll: float | None = None
-    E_prime: Annotated[float | None, quantities.STRESS] = None
-    E1: Annotated[float | None, quantities.STRESS] = None
-    nu1: Annotated[float | None, Field(gt=-1, le=0.5)] = None
-    E2: Annotated[float | None, quantities.STRESS] = None
-    nu2: Annotated[float | None, Field(gt=-1, le=0.5)] = None
+def section_of(record: Any, name: str = "", **special: Any) -> type[Section]:
+    """The section that stands for a record; special: types of fields that are not read off the record's own."""
+    hints, kinds = get_type_hints(record), marks(record)
+    keys: dict[str, Any] = {}
+    for item in fields(record):
+        kind = special.get(item.name) or _type(hints[item.name], kinds.get(item.name))
+        optional = item.default is not MISSING or item.default_factory is not MISSING
+        keys[item.name] = (kind | None, None) if optional else (kind, ...)
+    return create_model(name or record.__name__, __base__=Section, __doc__=record.__doc__, **keys)
 
 
-class LubricantSection(_Section):
-    """The oil: its laws, and the data they need."""
-
-    viscosity: Literal["roelands", "barus", "isoviscous"] = "roelands"
-    density: Literal["dowson-higginson", "incompressible"] = "dowson-higginson"
-    eta0: Annotated[float | None, quantities.VISCOSITY] = None
-    alpha: Annotated[float | None, quantities.COMPLIANCE] = None
-    p0: Annotated[float, quantities.STRESS] = lubricant.P0_ROELANDS
-    z: Annotated[float | None, Field(gt=0)] = None
-    reference: str | None = None
-
-
-def _amount(si: SI, own: str) -> Any:
-    return BeforeValidator(partial(parse_amount, si=si, own=own))
+def _type(hint: Any, mark: object) -> Any:
+    """The type of a key, with what reads its value."""
+    if isinstance(mark, Unit):
+        read, kind = (parse_amount, float | Quantity) if mark.scale else (parse_quantity, float)
+        return Annotated[kind | None, BeforeValidator(partial(read, unit=mark))]
+    if isinstance(mark, Bounds):
+        limits = {name: getattr(mark, name) for name in ("gt", "ge", "lt", "le")}
+        return Annotated[int if mark.whole else float, Field(**limits)]
+    return hint
 
 
-Duration = Annotated[Amount, _amount(quantities.DURATION, "t0")]
-Time = Annotated[Amount, _amount(quantities.TIME, "t0")]
-Length = Annotated[Amount, _amount(quantities.SMALL_LENGTH, "a")]
-Position = Annotated[Amount, _amount(quantities.POSITION, "a")]
-Height = Annotated[Amount, _amount(quantities.HEIGHT, "a^2/R")]
-Share = Annotated[float, Field(gt=0, lt=1)]
-
-
-class SolverSection(_Section):
-    """Grid and tolerance, see ertel.case.Solver; what is left out comes from ertel.case.SOLVERS."""
-
-    method: defaults.Method | None = None
-    nodes: Annotated[int, Field(gt=0, le=4097)] | None = None
-    half_width: Annotated[float, Field(gt=1)] | None = None
-    inlet: Annotated[float, Field(gt=1)] | None = None
-    tolerance: Share | None = None
-    fold: bool | None = None
+# -- what is more than a number ---------------------------------------------------------------------------------------
 
 
 def _event_or_time(value: object) -> object:
-    events = get_args(defaults.Stop)
-    if isinstance(value, str) and value in events:
+    if value in STOPS:
         return value
     try:
-        return parse_amount(value, quantities.DURATION, "t0")
+        return parse_amount(value, DURATION)
     except ValueError as error:
-        names = ", ".join(f'"{event}"' for event in events)
+        names = ", ".join(f'"{event}"' for event in STOPS)
         raise ValueError(f'must be {names} or a time above zero, in units t0 or a quantity such as "5 ms"') from error
-
-
-class TimeSection(_Section):
-    """Start, end and steps, see ertel.case.Time."""
-
-    start_approach: Annotated[float, Field(lt=0)] | None = None
-    until: Annotated[defaults.Stop | Amount | None, BeforeValidator(_event_or_time)] = None
-    tolerance: Share = defaults.Time.tolerance
-    step: Duration | None = None
-
-
-class OutputSection(_Section):
-    """What is kept, see ertel.case.Output."""
-
-    interval: Duration = Amount(defaults.Output.interval)
-
-
-class OscillationTable(_Section):
-    """mean + amplitude sin(2 pi T/period + phase)."""
-
-    mean: float
-    amplitude: float
-    period: Duration
-    phase: float = 0.0
-
-
-NUMBER, POINTS, TABLE = "<number>", "<points>", "<table>"  # tags, no part of a field's name
 
 
 def _signal_form(value: object) -> str | None:
@@ -155,253 +70,128 @@ def _signal_form(value: object) -> str | None:
         return NUMBER
     if isinstance(value, list | tuple):
         return POINTS
-    return TABLE if isinstance(value, dict | OscillationTable) else None
+    return TABLE if isinstance(value, dict | Section) else None
 
 
-Point = Annotated[tuple[Time, float], Field(strict=False)]
+Moment = Annotated[float | Quantity, BeforeValidator(partial(parse_amount, unit=TIME))]
+Point = Annotated[tuple[Moment, float], Field(strict=False)]
+OscillationTable = section_of(Oscillation)
 Signal = Annotated[
     Annotated[float, Tag(NUMBER)]
     | Annotated[tuple[Point, ...], Field(strict=False, min_length=1), Tag(POINTS)]
-    | Annotated[OscillationTable, Tag(TABLE)],
+    | Annotated[OscillationTable, Tag(TABLE)],  # type: ignore[valid-type]
     Discriminator(_signal_form),
 ]
-_SIGNAL_TEXT = "a number, an array of [T, value], or a table { mean, amplitude, period, phase }"
+Until = Annotated[float | Quantity | str, BeforeValidator(_event_or_time)]
 
 
-class MotionSection(_Section):
-    """What drives the contact in time, see ertel.motion.Motion."""
+def _tag_of(key: str, records: Registry) -> Callable[[object], str | None]:
+    """What tells the tables of a registry apart: the name under a key."""
 
-    load: Signal | None = None
-    entrainment: Signal | None = None
-    slide_to_roll: float | None = None
-    inertia: Annotated[float, Field(ge=0)] | None = None
+    def tag(value: object) -> str | None:
+        name = value.get(key) if isinstance(value, dict) else getattr(value, key, None)
+        return f"<{name}>" if isinstance(name, str) and name in records else None
 
-
-class WavinessSection(_Section):
-    """See ertel.roughness.Waviness; a wavelength that is left out is infinite."""
-
-    shape: Literal["waviness"]
-    amplitude: Height
-    wavelength_x: Length | None = None
-    wavelength_y: Length | None = None
-    phase_x: float = 0.0
-    phase_y: float = 0.0
-    front: Position | None = None
-    ramp: Length | None = None
-    surface: Literal[1, 2] = 1
+    return tag
 
 
-class RingsSection(_Section):
-    """See ertel.roughness.RingWaviness."""
-
-    shape: Literal["rings"]
-    amplitude: Height
-    wavelength: Length
-    phase: float = 0.0
-    x: Position = Amount(0.0)
-    y: Position = Amount(0.0)
-    surface: Literal[1, 2] = 1
+def _tables(key: str, records: Registry) -> Iterator[Any]:
+    """A table for every record of a registry, told apart by its name under a key."""
+    for name, record in records.items():
+        own = create_model(name, __base__=section_of(record), **{key: (Literal[name], ...)})  # type: ignore[call-overload]
+        if key == "shape":
+            own = create_model(name, __base__=own, surface=(Literal[1, 2], 1))
+        yield Annotated[own, Tag(f"<{name}>")]
 
 
-class SpotSection(_Section):
-    """See ertel.roughness.Spot; a bump of some height, or a cavity of some depth."""
-
-    shape: Literal["spot"]
-    height: Height | None = None
-    depth: Height | None = None
-    radius: Length
-    x: Position = Amount(0.0)
-    y: Position = Amount(0.0)
-    surface: Literal[1, 2] = 1
+def _union(options: list[Any], discriminator: Any) -> Any:
+    union = options[0]
+    for option in options[1:]:
+        union = union | option
+    return Annotated[union, Discriminator(discriminator)]
 
 
-SHAPES: Mapping[str, type[BaseModel]] = {"waviness": WavinessSection, "rings": RingsSection, "spot": SpotSection}
+def _law(laws: Registry) -> Any:
+    """A law by its name, or a table with its name and data of its own."""
+
+    table = _tag_of("law", laws)
+
+    def form(value: object) -> str | None:
+        return NAME if isinstance(value, str) else table(value)
+
+    able = tuple(name for name, law in laws.items() if hasattr(law, "of"))
+    return _union([Annotated[Literal[able], Tag(NAME)], *_tables("law", laws)], form)
 
 
-def _shape_of(value: object) -> str | None:
-    shape = value.get("shape") if isinstance(value, dict) else getattr(value, "shape", None)
-    return f"<{shape}>" if isinstance(shape, str) and shape in SHAPES else None
+# -- the whole file ---------------------------------------------------------------------------------------------------
 
 
-FeatureSection = Annotated[
-    Annotated[WavinessSection, Tag("<waviness>")]
-    | Annotated[RingsSection, Tag("<rings>")]
-    | Annotated[SpotSection, Tag("<spot>")],
-    Discriminator(_shape_of),
-]
+def case_file() -> type[Section]:
+    """The layout of a whole case file, with the laws and shapes that are registered now."""
+    return _case_file(*(tuple(registry) for registry in (VISCOSITY_LAWS, DENSITY_LAWS, SHAPES)))
 
 
-class CaseFile(_Section):
-    """A whole case file."""
-
-    schema_version: Annotated[Literal[1], Field(alias="schema")] = 1  # of the layout of case files
-    name: str = ""
-    contact: ContactSection
-    lubricant: LubricantSection = LubricantSection()
-    solver: SolverSection = SolverSection()
-    motion: MotionSection | None = None
-    roughness: Annotated[tuple[FeatureSection, ...], Field(strict=False)] = ()
-    time: TimeSection | None = None
-    output: OutputSection | None = None
-
-
-# -- the door in ------------------------------------------------------------------------------------------------------
-
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """The plain data of a TOML file; ConfigError when it is missing or no TOML."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ConfigError(f"cannot read the case file {path}: {(error.strerror or str(error)).lower()}") from error
-    except ValueError as error:  # TOMLDecodeError and UnicodeDecodeError
-        raise ConfigError(f"the case file {path} is not valid TOML: {error}") from error
+@cache
+def _case_file(*registered: tuple[str, ...]) -> type[Section]:
+    feature: Any = _union(list(_tables("shape", SHAPES)), _tag_of("shape", SHAPES))
+    oil = section_of(Oil, "Lubricant", viscosity=_law(VISCOSITY_LAWS), density=_law(DENSITY_LAWS))
+    sections: dict[str, Any] = {
+        "schema_version": (Annotated[Literal[1], Field(alias="schema")], 1),
+        "name": (str, ""),
+        "contact": (section_of(Conditions, "Contact"), ...),
+        "lubricant": (oil | None, None),
+        "solver": (section_of(Solver) | None, None),
+        "motion": (section_of(Drive, "Motion", load=Signal, entrainment=Signal) | None, None),
+        "roughness": (Annotated[tuple[feature, ...], Field(strict=False)], ()),
+        "time": (section_of(Time, until=Until) | None, None),
+        "output": (section_of(Output) | None, None),
+    }
+    return create_model("CaseFile", __base__=Section, **sections)
 
 
-def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[str, Any]:
-    """Lay "section.key=value" items over the data; a value is TOML, or else a string as it stands."""
-    merged = {key: dict(value) if isinstance(value, dict) else value for key, value in data.items()}
-    for item in overrides:
-        target, equals, text = item.partition("=")
-        *section, key = target.strip().split(".")
-        if not equals or not key or len(section) > 1:
-            raise ConfigError(f"--set {item}: must be section.key=value, for example solver.nodes=129")
-        place = merged.setdefault(section[0], {}) if section else merged
-        if not isinstance(place, dict):
-            raise ConfigError(f"--set {item}: {section[0]} is no section")
-        place[key] = _toml_or_text(text.strip())
-    return merged
-
-
-def _toml_or_text(text: str) -> object:
-    try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        return text
-
-
-def validate(data: Mapping[str, object]) -> CaseFile:
-    """Plain data as a case file; ConfigError about the first thing that is wrong."""
-    if "contact" not in data:
-        raise ConfigError(f"contact: the section [contact] is missing; it takes {_list(ContactSection.model_fields)}")
-    try:
-        return CaseFile.model_validate(dict(data))
-    except ValidationError as error:
-        raise ConfigError(_message(error)) from error
-
-
-# -- one clear message ------------------------------------------------------------------------------------------------
-
-
-def _message(error: ValidationError) -> str:
-    """The first thing that is wrong: field = value: what is allowed."""
-    first = error.errors()[0]
-    place = [part for part in first["loc"] if not _is_tag(part)]
-    field = f"{field_name(place)} = {show(first['input'])}"
-    match first["type"]:
-        case "extra_forbidden":
-            return f"{field}: unknown key; " + _known_keys(str(place[-1]), _model(first["loc"][:-1]))
-        case "value_error":
-            return f"{field}: {first['ctx']['error']}"
-        case "literal_error":
-            return f"{field}: allowed: {first['ctx']['expected']}"
-        case "union_tag_not_found" if place[0] == "roughness":
-            given = first["input"].get("shape") if isinstance(first["input"], dict) else None
-            said = ": missing" if given is None else f" = {show(given)}"
-            return f"{field_name(place)}.shape{said}; allowed: {_list(SHAPES)}"
-        case "union_tag_not_found" | "too_short":
-            return f"{field}: must be {_SIGNAL_TEXT}"
-        case "tuple_type" if place == ["roughness"]:
-            return f"{field}: must be an array of tables, [[roughness]]"
-        case "missing" | "too_long" | "tuple_type" if POINTS in first["loc"]:
-            return f"{field}: must be [T, value]"
-        case "missing":
-            return f"{field_name(place)}: missing"
-        case "model_type" | "model_attributes_type":
-            return f"{field}: must be a section, [{place[0]}]"
-    return f"{field}: " + first["msg"].replace("Input should be", "must be").replace("valid ", "")
-
-
-def _is_tag(part: str | int) -> bool:
-    return isinstance(part, str) and part.startswith("<") and part.endswith(">")
-
-
-def field_name(place: Sequence[str | int]) -> str:
-    """section.key, an element of an array by its number from 1: roughness[1].amplitude."""
-    return "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
-
-
-def _model(place: Sequence[str | int]) -> type[BaseModel]:
-    """The section at a place in a case file."""
-    if not place:
-        return CaseFile
-    if place[-1] == TABLE:
-        return OscillationTable
-    if place[0] == "roughness":
-        return SHAPES[str(place[2]).strip("<>")]
-    section = CaseFile.model_fields[str(place[0])].annotation
-    found = next(part for part in (section, *get_args(section)) if isinstance(part, type))
-    assert issubclass(found, BaseModel)
-    return found
-
-
-def _known_keys(name: str, model: type[BaseModel]) -> str:
-    known = [field.alias or key for key, field in model.model_fields.items()]
-    close = get_close_matches(name, known, n=1)
-    return (f"did you mean {close[0]}? " if close else "") + f"allowed: {_list(known)}"
-
-
-def _list(names: Iterable[str]) -> str:
-    return ", ".join(names)
-
-
-def show(value: object) -> str:
-    """A value as one would write it in TOML."""
-    if isinstance(value, Amount):
-        return show(value.plain)
+def plain(value: object) -> Any:
+    """What was read as plain data for `Case.from_data`: what is None or was left out is not there."""
     if isinstance(value, BaseModel):
-        return show(plain_data(value))
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {show(item)}" for key, item in value.items()) + " }"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(show(item) for item in value) + "]"
-    return json.dumps(value, default=str, ensure_ascii=False).replace("\x7f", "\\u007f")
+        named = {field.alias or key: getattr(value, key) for key, field in type(value).model_fields.items()}
+        return {key: plain(item) for key, item in named.items() if item is not None}
+    return [plain(item) for item in value] if isinstance(value, tuple | list) else value
 
 
-# -- the door out -----------------------------------------------------------------------------------------------------
+def model_at(place: tuple[str | int, ...]) -> type[BaseModel]:
+    """The section at a place in a case file, as pydantic names places."""
+    model: Any = case_file()
+    for part in place:
+        model = _inside(model, part)
+    return model  # type: ignore[no-any-return]
 
 
-def plain_data(model: BaseModel) -> dict[str, object]:
-    """A validated section or file as plain data that reads back as exactly the same: quantities as strings in SI."""
-    data: dict[str, object] = {}
-    for key, field in type(model).model_fields.items():
-        value = getattr(model, key)
-        unit = next((mark.unit for mark in field.metadata if isinstance(mark, SI)), None)
-        if value is not None and value != ():
-            data[field.alias or key] = f"{value!r} {unit}" if unit else _plain(value)
-    return data
+def _inside(kind: Any, part: str | int) -> Any:
+    """What is at a key of a section, an item of an array, or under a tag."""
+    if isinstance(part, int):
+        return next(arg for arg in get_args(kind) if arg is not Ellipsis)
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        known = {field.alias or key: field for key, field in kind.model_fields.items()}
+        return _bare(known[part].annotation)
+    for option in get_args(kind):
+        tags = [mark.tag for mark in getattr(option, "__metadata__", ()) if isinstance(mark, Tag)]
+        if part in tags or (not tags and part in (TABLE,)):
+            return _bare(option)
+    return kind
 
 
-def _plain(value: object) -> object:
-    if isinstance(value, BaseModel):
-        return plain_data(value)
-    if isinstance(value, Amount):
-        return value.plain
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value
+def _bare(kind: Any) -> Any:
+    """A type without its marks and without None."""
+    while hasattr(kind, "__metadata__"):
+        kind = kind.__origin__
+    options = [option for option in get_args(kind) if option is not type(None)]
+    return _bare(options[0]) if type(None) in get_args(kind) and len(options) == 1 else kind
 
 
-def to_toml(data: Mapping[str, object]) -> str:
-    """Plain data of a case file as TOML."""
-    blocks: list[tuple[str, Mapping[str, object]]] = []
-    top = {}
-    for key, value in data.items():
-        if isinstance(value, Mapping):
-            blocks.append((f"[{key}]", value))
-        elif isinstance(value, list):
-            blocks += [(f"[[{key}]]", item) for item in value]
-        else:
-            top[key] = value
-    lines = [f"{key} = {show(value)}" for key, value in top.items()]
-    for heading, values in blocks:
-        lines += ["", heading, *(f"{key} = {show(value)}" for key, value in values.items())]
-    return "\n".join(lines) + "\n"
+def keys_of(model: type[BaseModel]) -> list[str]:
+    """The keys of a section, as they are written."""
+    return [field.alias or key for key, field in model.model_fields.items()]
+
+
+def describe_shapes() -> Mapping[str, type[BaseModel]]:
+    """The section of each registered shape, by its name."""
+    return {name: section_of(record) for name, record in SHAPES.items()}

@@ -1,103 +1,311 @@
-"""A case: what is solved.  Plain frozen records, dimensionless; `scales` turns results back into SI.
+"""A case: what is solved.  It checks itself, writes itself, and knows its digest.  All defaults of ertel are here.
 
-All defaults of ertel live here.
+A `Case` holds what was given, in SI or dimensionless; what the solvers need follows from it: `parameters`, `scales`,
+`lubricant`, `motion`, `features`, `schedule`, all dimensionless but for the scales.
 """
 
+import hashlib
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from math import inf
+from typing import Any
 
+from ertel.model import rules
+from ertel.model.conditions import Conditions, Kind
+from ertel.model.records import (
+    checked,
+    data_of,
+    feature_data,
+    feature_of,
+    named,
+    oil_data,
+    oil_of,
+    record_of,
+    scaled,
+    scaled_all,
+    show,
+    signal_of,
+)
+from ertel.model.sections import (
+    CENTRED_HALF_WIDTH,
+    ENDS,
+    METHODS,
+    ROLLING_UNTIL,
+    SOLVERS,
+    START_APPROACH,
+    STOPS,
+    Drive,
+    Output,
+    Schedule,
+    Solver,
+    Time,
+)
 from ertel.physics import film_formulas
-from ertel.physics.lubricant import Lubricant
-from ertel.physics.motion import FREE_BALL, Motion
+from ertel.physics.lubricant import ALPHA, Lubricant, Oil
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
+from ertel.physics.units import Quantity, plain
 
-Kind = Literal["impact", "rolling"]
-Method = Literal["2d", "radial", "steady", "transient"]
-Stop = Literal["max-approach", "rebound"]
-
-METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
-
-
-@dataclass(frozen=True)
-class Solver:
-    """Grid and tolerance; all lengths in units a (impact: a*).
-
-    nodes: nodes per side (2^k c + 1) or along the radius (radial: 0 to half_width).  half_width: from the middle of the
-    grid to its edge.  inlet: from the contact's centre to the edge upstream, None: half_width, so a centred grid.
-    fold: where a case is symmetric compute on a half or a quarter of the plane.
-    tolerance: of the discrete equations.  In a time step as a film thickness, in units of the film that is expected
-    (`Case.film_scale`); steady, as the residual of Reynolds' equation itself (0.1 takes less than half the work, and
-    leaves about a tenth of the grid's own error in H_c and H_min or less: enough for a sweep).
-    """
-
-    method: Method = "2d"
-    nodes: int = 257
-    half_width: float = 2.0
-    inlet: float | None = None
-    tolerance: float = 1e-3
-    fold: bool = True
-
-
-SOLVERS: Mapping[Method, Solver] = {  # the defaults
-    "2d": Solver(),
-    "radial": Solver("radial"),
-    "steady": Solver("steady", half_width=3.0, inlet=4.5, tolerance=1e-8),
-    "transient": Solver("transient", half_width=3.0, inlet=4.5),
-}
-
-
-@dataclass(frozen=True)
-class Time:
-    """Time in units t0.
-
-    start_approach: of an impact, Delta at T = 0, negative = apart, in units delta*.  until: an event (of an impact), or
-    a time in t0.  tolerance: local error allowed a step, relative (the default leaves about 0.1 % in H_c).
-    step: a fixed step instead, without error control.
-    """
-
-    start_approach: float = -1.0
-    until: Stop | float = "max-approach"
-    tolerance: float = 5e-5
-    step: float | None = None
-
-
-ROLLING_UNTIL = 6.0  # t0, the default: the surfaces roll through a domain of the default length
-
-
-@dataclass(frozen=True)
-class Output:
-    """Film and pressure maps are kept every `interval` (in t0), at maximum approach and at the end."""
-
-    interval: float = 0.1
+SCHEMA = 1  # of the layout of case files
+USUAL_OIL, USUAL_SOLVER = Oil(), SOLVERS["2d"]
 
 
 @dataclass(frozen=True)
 class Case:
     """One contact, ready to be simulated.
 
-    scales is None for a dimensionless case.  source is the validated input as plain data (for provenance).
+    contact: the operating conditions.  oil, solver, roughness: see their records; amounts are numbers in the units of
+    the case, or quantities in SI.  drive: what moves the contact; None: the usual of an impact or of rolling.
+    time, output: of a run in time, None where the case is steady.  name: takes no part in equality or digest.
+
+    Raises ValueError, naming the field, its value and what is allowed, for what makes no sense.
+
+    Examples
+    --------
+    >>> case = Case.from_data({"contact": {"M": 1000, "L": 10}, "solver": {"method": "radial"}})
+    >>> round(case.parameters.alpha_bar, 2)
+    36.44
+    >>> Case.from_data(case.to_data()) == case
+    True
     """
 
-    parameters: Parameters
-    lubricant: Lubricant
-    solver: Solver = Solver()
-    time: Time = Time()
-    output: Output = Output()
-    scales: Scales | None = None
-    kind: Kind = "impact"
-    motion: Motion = FREE_BALL
+    contact: Conditions
+    oil: Oil = USUAL_OIL
+    solver: Solver = USUAL_SOLVER
+    drive: Drive | None = None
     roughness: tuple[Feature, ...] = ()
-    name: str = ""
-    source: dict[str, object] = field(default_factory=dict, compare=False)
+    time: Time | None = None
+    output: Output | None = None
+    name: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        checked(self.solver, "solver")
+        checked(self.oil, "lubricant")
+        rules.check_method(self.kind, self.solver)
+        rules.check_fields(self.drive, self.time, self.output, self.roughness)
+        self._complete()
+        self._check()
+
+    def _complete(self) -> None:
+        """Fill in what was left out, so that the record says all that is solved."""
+        if not self.contact.is_physical:
+            object.__setattr__(self, "oil", self.oil.completed())
+        if self.solver.inlet == self.solver.half_width:
+            object.__setattr__(self, "solver", replace(self.solver, inlet=None))
+        if not self.is_steady:
+            given = self.time or Time()
+            start = START_APPROACH if given.start_approach is None and self.starts_apart else given.start_approach
+            until = ENDS[self.kind] if given.until is None else given.until
+            object.__setattr__(self, "time", replace(given, start_approach=start, until=until))
+            object.__setattr__(self, "output", self.output or Output())
+
+    def _check(self) -> None:
+        """Raise ValueError for what makes no sense."""
+        rules.check_oil(self.oil, self.scales, self.parameters)
+        rules.check_time(self.kind, self.solver, self.time, self.output)
+        rules.check_drive(self.kind, self.contact, self.drive)
+        rules.check_grid(self.solver)
+        until = inf if self.is_steady else self.schedule.until
+        rules.check_motion(self.kind, self.solver, self.motion, until)
+        rules.check_roughness(self.solver, self.motion, self.features)
+        self.lubricant  # noqa: B018  # complains where the data of the oil do not make a law
+
+    # -- what follows -------------------------------------------------------------------------------------------------
+
+    @property
+    def kind(self) -> Kind:
+        """ "impact" or "rolling"."""
+        return self.contact.kind
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether nothing changes in time."""
+        return self.solver.method == "steady"
+
+    @property
+    def starts_apart(self) -> bool:
+        """Whether the bodies are apart at T = 0 and meet, as in an impact; rolling starts from its steady film."""
+        return self.kind == "impact"
+
+    @cached_property
+    def scales(self) -> Scales | None:
+        """What one unit of each dimensionless quantity is in SI; None for a dimensionless case."""
+        return self.contact.scales
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """lambda_bar and alpha_bar."""
+        return self.contact.parameters(self.oil)
+
+    @cached_property
+    def lubricant(self) -> Lubricant:
+        """The laws of the oil as functions of P = p/p_h."""
+        p_h = self.scales.p_h if self.scales else self.parameters.alpha_bar / (self.oil.alpha or ALPHA)
+        return named("lubricant", self.oil.under, p_h or 1.0)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """Load, entrainment, sliding and inertia, from the conditions and the drive together."""
+        usual = FREE_BALL if self.starts_apart else STEADY_ROLLING
+        drive = scaled(self.drive or Drive(), self.scales, "motion")
+        mean, slide = self.contact.speeds
+        load, entrainment = drive.load or usual.load, drive.entrainment or usual.entrainment
+        if self.scales and mean is not None:
+            if self.starts_apart:
+                entrainment = drive.entrainment or constant(mean / self.scales.front_speed)
+            elif mean < 0:
+                entrainment = reversed_sign(entrainment)
+        return Motion(load, entrainment, self._inertia(drive, usual), slide or drive.slide_to_roll or 0.0)
+
+    def _inertia(self, drive: Drive, usual: Motion) -> float:
+        if self.starts_apart:
+            return usual.inertia
+        s = self.scales
+        return self.contact.ball_mass * s.film / (s.load * s.t0**2) if s else drive.inertia or 0.0
+
+    @cached_property
+    def features(self) -> tuple[Feature, ...]:
+        """The roughness in the units of the case."""
+        return scaled_all(self.roughness, self.scales, "roughness")
+
+    @cached_property
+    def schedule(self) -> Schedule:
+        """Start, end, steps and maps in units t0.  Raises ValueError for a steady case, which has none."""
+        if self.time is None or self.output is None:
+            raise ValueError(f'solver.method = "{self.solver.method}": a steady contact has no time')
+        time, output = scaled(self.time, self.scales, "time"), scaled(self.output, self.scales, "output")
+        until, step = time.until, time.step
+        return Schedule(
+            start_approach=START_APPROACH if time.start_approach is None else time.start_approach,
+            until=until if isinstance(until, str) else plain(until or 0.0),
+            tolerance=time.tolerance,
+            step=None if step is None else plain(step),
+            interval=plain(output.interval),
+        )
 
     @property
     def film_scale(self) -> float:
         """The film to be expected, in a^2/R: that which the impact traps, or that of a rolling contact's formula."""
         p = self.parameters
-        return p.trapped_film if self.kind == "impact" else film_formulas.nijenbanning_venner_moes(p.M, p.L)
+        return p.trapped_film if self.starts_apart else film_formulas.nijenbanning_venner_moes(p.M, p.L)
 
     def on_half_grid(self) -> "Case":
         """The same case with twice the spacing: for the discretisation error estimate."""
         return replace(self, solver=replace(self.solver, nodes=(self.solver.nodes - 1) // 2 + 1))
+
+    # -- as plain data ------------------------------------------------------------------------------------------------
+
+    def to_data(self) -> dict[str, Any]:
+        """The case as plain data with the sections and keys of a case file; reads back as the same, to the last bit.
+
+        Raises ValueError for a law or a shape that has no registered name.
+        """
+        sections: dict[str, Any] = {
+            "schema": SCHEMA,
+            "name": self.name,
+            "contact": data_of(self.contact),
+            "lubricant": named("lubricant", oil_data, self.oil),
+            "solver": self._solver_data(),
+            "motion": self.drive and data_of(self.drive),
+            "roughness": [
+                named(f"roughness[{i}]", feature_data, feature) for i, feature in enumerate(self.roughness, 1)
+            ],
+            "time": self.time and data_of(self.time),
+            "output": self.output and data_of(self.output),
+        }
+        return {name: section for name, section in sections.items() if section not in (None, [], "")}
+
+    def _solver_data(self) -> dict[str, Any]:
+        """A centred grid is written as such: of a rolling contact it is not the default."""
+        centred = self.solver.inlet is None and not self.starts_apart
+        return data_of(replace(self.solver, inlet=self.solver.half_width) if centred else self.solver)
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> "Case":
+        """The case from plain data, what is left out filled in.
+
+        A quantity is a text with its SI unit ("0.01 m") or, where only a quantity is allowed, a number; case files that
+        use other units go through `inputs`.  Raises ValueError about the first thing that is wrong.
+        """
+        known = ("schema", "name", *(_SECTIONS.get(f.name, f.name) for f in fields(cls) if f.name != "name"))
+        for name in data:
+            if name not in known:
+                raise ValueError(f"{name} = {show(data[name])}: unknown section; allowed: {', '.join(known)}")
+        if data.get("schema", SCHEMA) != SCHEMA:
+            raise ValueError(f"schema = {show(data['schema'])}: allowed: {SCHEMA}")
+        contact = record_of(Conditions, data.get("contact", {}), "contact")
+        drive = _optional(_drive_of, data.get("motion"))
+        time = _optional(_time_of, data.get("time"))
+        return cls(
+            contact=contact,
+            oil=oil_of(data.get("lubricant", {}), "lubricant"),
+            solver=_solver_of(data.get("solver", {}), contact, drive, time),
+            drive=drive,
+            roughness=tuple(feature_of(d, f"roughness[{i}]") for i, d in enumerate(data.get("roughness", ()), 1)),
+            time=time,
+            output=_optional(lambda section: record_of(Output, section, "output"), data.get("output")),
+            name=str(data.get("name", "")),
+        )
+
+    @cached_property
+    def digest(self) -> str:
+        """Fingerprint of all that changes a result: 16 hexadecimal digits.  Raises ValueError as `to_data` does."""
+        data = self.to_data()
+        data.pop("name", None)
+        data["lubricant"].pop("reference", None)
+        return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
+
+
+_SECTIONS = {"oil": "lubricant", "drive": "motion"}  # of a case file, where the field has another name
+
+
+def _optional(read: Any, section: Any) -> Any:
+    return None if section is None else read(section)
+
+
+def _time_of(section: Mapping[str, Any]) -> Time:
+    until = section.get("until")
+    event = next((stop for stop in STOPS if stop == until), None)
+    rest = {key: value for key, value in section.items() if key != "until" or event is None}
+    time = record_of(Time, rest, "time")
+    return replace(time, until=event) if event else time
+
+
+def _output_of(section: Mapping[str, Any]) -> Output:
+    return record_of(Output, section, "output")
+
+
+def _drive_of(section: Mapping[str, Any]) -> Drive:
+    read = {k: signal_of(v, f"motion.{k}") if k in ("load", "entrainment") else v for k, v in section.items()}
+    return record_of(Drive, read, "motion")
+
+
+def _solver_of(section: Mapping[str, Any], contact: Conditions, drive: Drive | None, time: Time | None) -> Solver:
+    """The solver with what is left out filled in, an inlet of its default's share of the half width."""
+    method = section.get("method") or METHODS[contact.kind][0]
+    if method not in METHODS[contact.kind]:
+        rules.check_method(contact.kind, Solver(method=method))
+    written = {key: value for key, value in section.items() if value is not None}
+    given, found = checked(record_of(Solver, written, "solver"), "solver"), SOLVERS[method]
+    half_width, inlet = found.half_width, found.inlet
+    if method == "transient" and drive and _reverses(contact, drive, time):
+        half_width, inlet = CENTRED_HALF_WIDTH, None
+    width = given.half_width if "half_width" in written else half_width
+    share = inlet and inlet * width / half_width
+    rest = {key: getattr(given, key) for key in written if key not in ("half_width", "inlet")}
+    return replace(found, **rest, half_width=width, inlet=given.inlet if "inlet" in written else share)
+
+
+def _reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:
+    """Whether the oil comes from either side in the course of a run in time."""
+    if drive.entrainment is None:
+        return False
+    until = ROLLING_UNTIL if time is None or time.until is None or isinstance(time.until, str) else time.until
+    end = until.value / contact.scales.t0 if isinstance(until, Quantity) and contact.scales else until
+    signal = scaled(drive, contact.scales, "motion").entrainment
+    assert signal is not None
+    least, most = signal.range(plain(end))
+    return least < 0 < most

@@ -18,6 +18,7 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.numerics import halfspace
+from ertel.model.pytrees import traceable
 from ertel.numerics.grid import Grid
 from ertel.numerics.symmetry import WHOLE, Even, extended, total
 from ertel.physics.lubricant import Lubricant
@@ -50,7 +51,7 @@ class Rate(NamedTuple):
 def ball_on_plane(grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
     """A smooth ball on a smooth plane, or any two bodies of the same reduced radius."""
     gap = jnp.asarray(grid.kept_x[None, :] ** 2 / 2 + grid.kept_y[:, None] ** 2 / 2)
-    return Contact(gap, halfspace.spectrum(grid), grid.spacing, lambda_bar, lubricant, grid.even)
+    return Contact(gap, halfspace.spectrum(grid), grid.spacing, lambda_bar, traceable(lubricant), grid.even)
 
 
 def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array:

@@ -26,7 +26,7 @@ def grid_of(case: Case) -> Grid:
 
 def _symmetry(case: Case, centre_x: float) -> Even:
     """About which axes a case is symmetric: the flow goes along X."""
-    in_y, in_x = surfaces.even(case.roughness)
+    in_y, in_x = surfaces.even(case.features)
     return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
 
 
@@ -38,9 +38,9 @@ def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
 
 def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
     """The smooth contact with the case's roughness added, where it is at time T."""
-    if not case.roughness:
+    if not case.features:
         return smooth
-    return replace(smooth, gap=smooth.gap - heights(case.roughness, case, grid, T))
+    return replace(smooth, gap=smooth.gap - heights(case.features, case, grid, T))
 
 
 def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Array:

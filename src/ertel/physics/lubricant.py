@@ -1,17 +1,27 @@
 """The oil: how viscosity and density change with pressure.
 
-Every law is a small immutable object.  `viscosity(P)` gives eta/eta0 and `density(P)` gives rho/rho0 at the
-dimensionless pressure P = p/p_h.  Any frozen dataclass with such a method can take its place, once it is registered
-with `jax.tree_util.register_dataclass` like those below: a user's own law needs no derivative, the solver
-differentiates it.
+Every law is a small frozen record in SI.  `viscosity(p)` gives eta/eta0 and `density(p)` gives rho/rho0 at the pressure
+p in Pa.  They work on floats, NumPy arrays and JAX arrays alike.  A user's own law needs no derivative, the solver
+differentiates it; it needs a name (`ertel.viscosity_laws.register`), so that a case can be written down:
+
+    @ertel.viscosity_laws.register("power")
+    @dataclass(frozen=True)
+    class Power:
+        p1: Annotated[float, units.STRESS]
+        n: float
+
+        def viscosity(self, p):
+            return (1 + p / self.p1) ** self.n
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from math import log
-from typing import Any, ClassVar, Protocol
+from typing import Annotated, Any, ClassVar, Protocol
 
-import jax.numpy as jnp
-from jax.tree_util import register_dataclass
+import numpy as np
+
+from ertel.physics.registry import DENSITY_LAWS, VISCOSITY_LAWS, Registry
+from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, STRESS, VISCOSITY
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
 
@@ -22,113 +32,211 @@ DENSITY_PRESSURE = 5.9e8  # Pa, Dowson and Higginson's constant
 
 
 class Viscosity(Protocol):
-    """A viscosity law: eta/eta0 at P = p/p_h, and the paper or book it comes from."""
+    """A viscosity law: eta/eta0 at p in Pa."""
 
-    reference: ClassVar[str]
-
-    def viscosity(self, P: Array) -> Array: ...
+    def viscosity(self, p: Array) -> Array: ...
 
 
 class Density(Protocol):
-    """A density law: rho/rho0 at P = p/p_h, and the paper or book it comes from."""
+    """A density law: rho/rho0 at p in Pa."""
 
-    reference: ClassVar[str]
-
-    def density(self, P: Array) -> Array: ...
+    def density(self, p: Array) -> Array: ...
 
 
-@register_dataclass
+@VISCOSITY_LAWS.register("isoviscous")
 @dataclass(frozen=True)
 class Isoviscous:
     """eta/eta0 = 1."""
 
     reference: ClassVar[str] = "constant viscosity"
 
-    def viscosity(self, P: Array) -> Array:
-        return jnp.ones_like(P)
+    def viscosity(self, p: Array) -> Array:
+        return _of_arrays(p).ones_like(p)
+
+    @classmethod
+    def of(cls, oil: "Oil") -> "Isoviscous":
+        return cls()
 
 
-@register_dataclass
+@VISCOSITY_LAWS.register("barus")
 @dataclass(frozen=True)
 class Barus:
-    """eta/eta0 = exp(alpha_bar P), alpha_bar = alpha p_h (dimensionless)."""
+    """eta/eta0 = exp(alpha p)."""
 
-    alpha_bar: float
+    alpha: Annotated[float, COMPLIANCE]
     reference: ClassVar[str] = (
         "Barus C. Isothermals, isopiestics and isometrics relative to viscosity. Am J Sci 1893;45:87-96"
     )
 
-    def viscosity(self, P: Array) -> Array:
-        return jnp.exp(self.alpha_bar * P)
+    def viscosity(self, p: Array) -> Array:
+        return _of_arrays(p).exp(self.alpha * p)
+
+    @classmethod
+    def of(cls, oil: "Oil") -> "Barus":
+        return cls(_needed(oil, "alpha"))
 
 
-@register_dataclass
+@VISCOSITY_LAWS.register("roelands")
 @dataclass(frozen=True)
 class Roelands:
-    """eta/eta0 = exp{(alpha p0/z)[(1 + p_h P/p0)^z - 1]}, so that d ln(eta)/dp = alpha at p = 0.
+    """eta/eta0 = exp{(alpha p0/z)[(1 + p/p0)^z - 1]}, so that d ln(eta)/dp = alpha at p = 0; z: Roelands' exponent."""
 
-    alpha_bar = alpha p_h and p_ratio = p_h/p0 are dimensionless; z is Roelands' exponent.
-    """
-
-    alpha_bar: float
-    z: float
-    p_ratio: float
+    alpha: Annotated[float, COMPLIANCE]
+    z: Annotated[float, ABOVE_ZERO]
+    p0: Annotated[float, STRESS] = P0_ROELANDS
     reference: ClassVar[str] = (
         "Roelands CWA. Correlational aspects of the viscosity-temperature-pressure relationship of lubricating oils. "
         "PhD thesis, TH Delft; 1966"
     )
 
-    def viscosity(self, P: Array) -> Array:
-        power = jnp.exp(self.z * jnp.log(1.0 + self.p_ratio * P))  # so written, its derivative needs no second power
-        return jnp.exp(self.alpha_bar / (self.p_ratio * self.z) * (power - 1.0))
+    def viscosity(self, p: Array) -> Array:
+        xp = _of_arrays(p)
+        power = xp.exp(self.z * xp.log(1.0 + p / self.p0))  # so written, its derivative needs no second power
+        return xp.exp(self.alpha * self.p0 / self.z * (power - 1.0))
+
+    @classmethod
+    def of(cls, oil: "Oil") -> "Roelands":
+        """z from the data of the oil where it is not given."""
+        alpha = _needed(oil, "alpha")
+        return cls(alpha, oil.z or roelands_exponent(alpha, _needed(oil, "eta0"), oil.p0), oil.p0)
 
 
-@register_dataclass
+@DENSITY_LAWS.register("incompressible")
 @dataclass(frozen=True)
 class Incompressible:
     """rho/rho0 = 1."""
 
     reference: ClassVar[str] = "constant density"
 
-    def density(self, P: Array) -> Array:
-        return jnp.ones_like(P)
+    def density(self, p: Array) -> Array:
+        return _of_arrays(p).ones_like(p)
+
+    @classmethod
+    def of(cls, oil: "Oil") -> "Incompressible":
+        return cls()
 
 
-@register_dataclass
+@DENSITY_LAWS.register("dowson-higginson")
 @dataclass(frozen=True)
 class DowsonHigginson:
-    """rho/rho0 = (5.9e8 + 1.34 p)/(5.9e8 + p), p in Pa; p_ratio = p_h / 5.9e8 Pa (dimensionless)."""
+    """rho/rho0 = (p1 + 1.34 p)/(p1 + p), p1 = 5.9e8 Pa."""
 
-    p_ratio: float
+    p1: Annotated[float, STRESS] = DENSITY_PRESSURE
     reference: ClassVar[str] = "Dowson D, Higginson GR. Elasto-hydrodynamic lubrication. Pergamon Press; 1966"
 
-    def density(self, P: Array) -> Array:
-        return (1.0 + 1.34 * self.p_ratio * P) / (1.0 + self.p_ratio * P)
+    def density(self, p: Array) -> Array:
+        share = p / self.p1
+        return (1.0 + 1.34 * share) / (1.0 + share)
+
+    @classmethod
+    def of(cls, oil: "Oil") -> "DowsonHigginson":
+        return cls()
 
 
-@register_dataclass
 @dataclass(frozen=True)
 class Lubricant:
-    """A viscosity law and a density law together."""
+    """A viscosity law and a density law as the contact sees them: of P = p/p_h, p_h in the laws' unit of pressure."""
 
     viscosity_law: Viscosity
     density_law: Density
+    p_h: float = 1.0
 
     def viscosity(self, P: Array) -> Array:
         """eta/eta0 at P = p/p_h, of P's shape."""
-        return self.viscosity_law.viscosity(P)
+        return self.viscosity_law.viscosity(self.p_h * P)
 
     def density(self, P: Array) -> Array:
         """rho/rho0 at P = p/p_h, of P's shape."""
-        return self.density_law.density(P)
+        return self.density_law.density(self.p_h * P)
+
+
+@dataclass(frozen=True)
+class Oil:
+    """An oil in SI: its laws, and the data that they need.
+
+    Parameters
+    ----------
+    viscosity, density : str or record
+        A registered law by its name, if it follows from the data below, or a record of the law.
+    eta0, alpha : float
+        Viscosity (Pa s) at ambient pressure and its pressure index d ln(eta)/dp there (1/Pa).  A physical contact needs
+        them; a dimensionless one takes those of a typical mineral oil, 0.04 Pa s and 22 1/GPa.
+    p0, z : float
+        Roelands' pressure (Pa) and exponent; z follows from eta0 and alpha where it is not given.
+    reference : str
+        Where the data come from.
+
+    Raises ValueError for a law that is not registered.
+    """
+
+    viscosity: str | Viscosity = "roelands"
+    density: str | Density = "dowson-higginson"
+    eta0: Annotated[float | None, VISCOSITY] = None
+    alpha: Annotated[float | None, COMPLIANCE] = None
+    p0: Annotated[float, STRESS] = P0_ROELANDS
+    z: Annotated[float | None, ABOVE_ZERO] = None
+    reference: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        for name, laws in {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS}.items():
+            _check_law(name, getattr(self, name), laws)
+
+    @property
+    def is_isoviscous(self) -> bool:
+        """Whether the viscosity does not change with pressure, so that alpha has no meaning."""
+        return self.viscosity == "isoviscous" or isinstance(self.viscosity, Isoviscous)
+
+    @property
+    def viscosity_law(self) -> Viscosity:
+        """The record of the viscosity law.  Raises ValueError where the oil lacks data for it."""
+        law = self.viscosity
+        return VISCOSITY_LAWS[law].of(self) if isinstance(law, str) else law  # type: ignore[attr-defined]
+
+    @property
+    def density_law(self) -> Density:
+        """The record of the density law."""
+        law = self.density
+        return DENSITY_LAWS[law].of(self) if isinstance(law, str) else law  # type: ignore[attr-defined]
+
+    def completed(self) -> "Oil":
+        """The oil with the data of a typical mineral oil where it has none."""
+        return replace(self, eta0=self.eta0 or ETA0, alpha=self.alpha or ALPHA)
+
+    def under(self, p_h: float) -> Lubricant:
+        """The oil in a contact whose unit of pressure is p_h (Pa)."""
+        return Lubricant(self.viscosity_law, self.density_law, p_h)
 
 
 def roelands_exponent(alpha: float, eta0: float, p0: float = P0_ROELANDS) -> float:
     """Roelands' z = alpha p0/(ln eta0 + 9.67), alpha in 1/Pa, eta0 in Pa s, p0 in Pa.
 
-    Raises ValueError where eta0 lies below exp(-9.67) Pa s, for which the law has no meaning.
+    Raises ValueError where eta0 is below exp(-9.67) Pa s, for which the law has no meaning.
     """
     log_ratio = log(eta0) + 9.67
     if log_ratio <= 0:
         raise ValueError(f"eta0 = {eta0} Pa s: Roelands' law needs eta0 > 6.3e-5 Pa s")
     return alpha * p0 / log_ratio
+
+
+def _check_law(field_name: str, law: object, laws: Registry) -> None:
+    if isinstance(law, str):
+        able = [name for name in laws if hasattr(laws[name], "of")]
+        if law in laws and law not in able:
+            raise ValueError(f'{field_name} = "{law}": has data of its own; give them as {{ law = "{law}", ... }}')
+        if law not in able:
+            allowed = " or ".join([", ".join(repr(n) for n in able[:-1]), repr(able[-1])])
+            raise ValueError(f'{field_name} = "{law}": allowed: {allowed}')
+    else:
+        laws.name_of(law)
+
+
+def _needed(oil: Oil, name: str) -> float:
+    value = getattr(oil, name)
+    if value is None:
+        raise ValueError(f"{name}: missing; this viscosity law needs it")
+    return float(value)
+
+
+def _of_arrays(p: Array) -> Any:
+    """The namespace of an array's own functions: NumPy's or JAX's."""
+    return p.__array_namespace__() if hasattr(p, "__array_namespace__") else np

@@ -8,12 +8,14 @@ Impact and rolling differ here, in the scales, and nowhere else:
 and everything between: a ball thrown on a rolling track, a loaded ball that bounces, a start, a stop, a reversal.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import cos, inf, pi, sin
-from typing import Literal, Protocol
+from typing import Annotated, Literal, Protocol
 
 import numpy as np
+
+from ertel.physics.units import DURATION, FINITE, Amount, Quantity, plain
 
 Surface = Literal[1, 2]
 
@@ -38,24 +40,28 @@ class Signal(Protocol):
 class Polyline:
     """Straight lines between points (T, value), times rising; constant before the first and after the last."""
 
-    points: tuple[tuple[float, float], ...]
+    points: tuple[tuple[Amount, float], ...]
 
     def __post_init__(self) -> None:
-        times = [T for T, _ in self.points]
-        if not times or any(late <= early for early, late in pairwise(times)):
-            raise ValueError(f"points = {list(self.points)}: must be one or more [T, value] with rising T")
+        times = [T for T, _ in self.points if not isinstance(T, Quantity)]  # seconds are checked in units t0
+        if not self.points or any(late <= early for early, late in pairwise(times)):
+            raise ValueError(f"points = {list(self.points)}: must be [T, value] with rising T")
+
+    @property
+    def _knots(self) -> tuple[tuple[float, float], ...]:
+        return tuple((plain(T), value) for T, value in self.points)
 
     def __call__(self, T: float) -> float:
-        times, values = zip(*self.points, strict=True)
+        times, values = zip(*self._knots, strict=True)
         return float(np.interp(T, times, values))
 
     def integral(self, T: float) -> float:
         # the trapezium rule is exact between 0, the points and T
-        knots = sorted({0.0, T, *(t for t, _ in self.points if min(0.0, T) < t < max(0.0, T))}, reverse=bool(T < 0))
+        knots = sorted({0.0, T, *(t for t, _ in self._knots if min(0.0, T) < t < max(0.0, T))}, reverse=bool(T < 0))
         return sum((late - early) * (self(early) + self(late)) / 2 for early, late in pairwise(knots))
 
     def range(self, until: float) -> tuple[float, float]:
-        values = [self(0.0), self(until), *(v for T, v in self.points if 0.0 < T < until)]
+        values = [self(0.0), self(until), *(v for T, v in self._knots if 0.0 < T < until)]
         return min(values), max(values)
 
 
@@ -63,24 +69,33 @@ class Polyline:
 class Oscillation:
     """mean + amplitude sin(2 pi T/period + phase); period in t0, phase in radians."""
 
-    mean: float
-    amplitude: float
-    period: float
-    phase: float = 0.0
+    mean: Annotated[float, FINITE]
+    amplitude: Annotated[float, FINITE]
+    period: Annotated[Amount, DURATION]
+    phase: Annotated[float, FINITE] = 0.0
 
     def __post_init__(self) -> None:
-        if not self.period > 0:
+        if not isinstance(self.period, Quantity) and not self.period > 0:
             raise ValueError(f"period = {self.period}: must be above zero")
 
     def __call__(self, T: float) -> float:
-        return self.mean + self.amplitude * sin(2 * pi * T / self.period + self.phase)
+        return self.mean + self.amplitude * sin(2 * pi * T / plain(self.period) + self.phase)
 
     def integral(self, T: float) -> float:
-        turns = 2 * pi / self.period
+        turns = 2 * pi / plain(self.period)
         return self.mean * T + self.amplitude / turns * (cos(self.phase) - cos(turns * T + self.phase))
 
     def range(self, until: float) -> tuple[float, float]:
         return self.mean - abs(self.amplitude), self.mean + abs(self.amplitude)
+
+
+def reversed_sign(signal: Signal) -> Signal:
+    """The signal times -1."""
+    if isinstance(signal, Oscillation):
+        return replace(signal, mean=-signal.mean, amplitude=-signal.amplitude)
+    if isinstance(signal, Polyline):
+        return Polyline(tuple((T, -value) for T, value in signal.points))
+    raise ValueError(f"{signal!r}: its sign cannot be changed")
 
 
 def constant(value: float) -> Signal:

@@ -1,17 +1,22 @@
 """Surface features: waviness, rings, a bump or a cavity, each moving with its own surface.
 
 Heights are in units a^2/R, positive = metal towards the film (the gap is X^2/2 + Y^2/2 - roughness, eq. 3); lengths in
-units a.  A shape is a function of position on its surface; a `Feature` is a shape on surface 1 or 2.
+units a.  A shape is a function of position on its surface; a `Feature` is a shape on surface 1 or 2.  In a `Case` sizes
+may also be quantities in SI; the heights are asked of shapes in the units of the case.
+
+A user's own shape is a frozen dataclass with a method `heights(X, Y)` and a name (`ertel.shapes.register`).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, sin
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol
 
 import numpy as np
 
 from ertel.physics.motion import Motion, Surface
+from ertel.physics.registry import SHAPES
+from ertel.physics.units import FINITE, HEIGHT, POSITION, WIDTH, Amount, plain
 
 Array = Any  # NumPy arrays that broadcast
 
@@ -19,12 +24,14 @@ Array = Any  # NumPy arrays that broadcast
 class Shape(Protocol):
     """A height over the position on a surface.
 
-    It may have a property `even`, whether it is even in Y and in X: then half or a quarter of the plane is computed.
+    It may have a property `even`, whether it is even in Y and in X: then half or a quarter of the plane is computed;
+    and a property `size`, the width of its finest detail (a): then ertel warns where the grid does not resolve it.
     """
 
-    def height(self, X: Array, Y: Array) -> Array: ...
+    def heights(self, X: Array, Y: Array) -> Array: ...
 
 
+@SHAPES.register("waviness")
 @dataclass(frozen=True)
 class Waviness:
     """amplitude cos(2 pi X/wavelength_x + phase_x) cos(2 pi Y/wavelength_y + phase_y).
@@ -34,70 +41,90 @@ class Waviness:
     it, so that it can enter a contact that was smooth; an infinite front covers all.
     """
 
-    amplitude: float
-    wavelength_x: float
-    wavelength_y: float = inf
-    phase_x: float = 0.0
-    phase_y: float = 0.0
-    front: float = inf
-    ramp: float = 0.0
+    amplitude: Annotated[Amount, HEIGHT]
+    wavelength_x: Annotated[Amount, WIDTH] = inf
+    wavelength_y: Annotated[Amount, WIDTH] = inf
+    phase_x: Annotated[float, FINITE] = 0.0
+    phase_y: Annotated[float, FINITE] = 0.0
+    front: Annotated[Amount, POSITION] = inf
+    ramp: Annotated[Amount | None, WIDTH] = None
 
-    def height(self, X: Array, Y: Array) -> Array:
-        along = np.cos(2 * np.pi * X / self.wavelength_x + self.phase_x)
-        across = np.cos(2 * np.pi * Y / self.wavelength_y + self.phase_y)
-        return self.amplitude * along * across * self._presence(X)
+    def __post_init__(self) -> None:
+        if self.wavelength_x == self.wavelength_y == inf:
+            raise ValueError("wavelength_x: missing; needed: wavelength_x or wavelength_y, or both")
+        if self.ramp is not None and self.front == inf:
+            raise ValueError(f"ramp = {self.ramp}: needs front, behind which the wave grows")
+
+    def heights(self, X: Array, Y: Array) -> Array:
+        along = np.cos(2 * np.pi * X / plain(self.wavelength_x) + self.phase_x)
+        across = np.cos(2 * np.pi * Y / plain(self.wavelength_y) + self.phase_y)
+        return plain(self.amplitude) * along * across * self._presence(X)
 
     @property
     def even(self) -> tuple[bool, bool]:
-        return _stands(self.phase_y), _stands(self.phase_x) and self.front == inf
+        return _is_cosine(self.phase_y), _is_cosine(self.phase_x) and self.front == inf
+
+    @property
+    def is_ridges_along_x(self) -> bool:
+        """Whether it does not change along X, so that it looks the same while its surface moves."""
+        return self.wavelength_x == inf and self.front == inf
 
     def _presence(self, X: Array) -> Array:
         """1 well behind the front, 0 before it, a half cosine between."""
         if self.front == inf:
             return 1.0
-        behind = np.clip((self.front - X) / max(self.ramp, 1e-12), 0.0, 1.0)
+        behind = np.clip((plain(self.front) - X) / max(plain(self.ramp or 0.0), 1e-12), 0.0, 1.0)
         return (1.0 - np.cos(np.pi * behind)) / 2
 
 
+@SHAPES.register("rings")
 @dataclass(frozen=True)
 class RingWaviness:
-    """amplitude cos(2 pi r/wavelength + phase), r the distance from (X, Y)."""
+    """amplitude cos(2 pi r/wavelength + phase), r the distance from (x, y)."""
 
-    amplitude: float
-    wavelength: float
-    phase: float = 0.0
-    X: float = 0.0
-    Y: float = 0.0
+    amplitude: Annotated[Amount, HEIGHT]
+    wavelength: Annotated[Amount, WIDTH]
+    phase: Annotated[float, FINITE] = 0.0
+    x: Annotated[Amount, POSITION] = 0.0
+    y: Annotated[Amount, POSITION] = 0.0
 
     @property
     def even(self) -> tuple[bool, bool]:
-        return self.Y == 0, self.X == 0
+        return plain(self.y) == 0, plain(self.x) == 0
 
-    def height(self, X: Array, Y: Array) -> Array:
-        r = np.hypot(X - self.X, Y - self.Y)
-        return self.amplitude * np.cos(2 * np.pi * r / self.wavelength + self.phase)
+    def heights(self, X: Array, Y: Array) -> Array:
+        r = np.hypot(X - plain(self.x), Y - plain(self.y))
+        return plain(self.amplitude) * np.cos(2 * np.pi * r / plain(self.wavelength) + self.phase)
 
 
+@SHAPES.register("spot")
 @dataclass(frozen=True)
 class Spot:
-    """A bump (height > 0) or a cavity (height < 0) of the given radius at (X, Y) on its surface.
+    """A bump (height > 0) or a cavity (depth > 0, or height < 0) of the given radius at (x, y) on its surface.
 
     height cos(pi r/(2.4 radius)) exp(-2 (r/(1.2 radius))^2): the shape of Mourier L, Mazuyer D, Lubrecht AA, Donnet C.
     Transient increase of film thickness in micro-textured EHL contacts. Tribol Int 2006;39:1745-1756.
     """
 
-    height_at_centre: float
-    radius: float
-    X: float = 0.0
-    Y: float = 0.0
+    radius: Annotated[Amount, WIDTH]
+    height: Annotated[Amount | None, HEIGHT] = None
+    depth: Annotated[Amount | None, HEIGHT] = None
+    x: Annotated[Amount, POSITION] = 0.0
+    y: Annotated[Amount, POSITION] = 0.0
+
+    def __post_init__(self) -> None:
+        if (self.height is None) == (self.depth is None):
+            said = "missing" if self.height is None else "is given together with depth"
+            raise ValueError(f"height: {said}; allowed: height (negative: a cavity); or depth")
 
     @property
     def even(self) -> tuple[bool, bool]:
-        return self.Y == 0, self.X == 0
+        return plain(self.y) == 0, plain(self.x) == 0
 
-    def height(self, X: Array, Y: Array) -> Array:
-        r = np.hypot(X - self.X, Y - self.Y) / (1.2 * self.radius)
-        return self.height_at_centre * np.cos(np.pi / 2 * r) * np.exp(-2 * r**2)
+    def heights(self, X: Array, Y: Array) -> Array:
+        r = np.hypot(X - plain(self.x), Y - plain(self.y)) / (1.2 * plain(self.radius))
+        at_centre = -plain(self.depth) if self.depth is not None else plain(self.height or 0.0)
+        return at_centre * np.cos(np.pi / 2 * r) * np.exp(-2 * r**2)
 
 
 @dataclass(frozen=True)
@@ -108,8 +135,8 @@ class Feature:
     surface: Surface = 1
 
 
-def _stands(phase: float) -> bool:
-    """Whether cos(k x + phase) is even to rounding."""
+def _is_cosine(phase: float) -> bool:
+    """Whether cos(k x + phase) is even, to rounding."""
     return abs(sin(phase)) < 1e-15
 
 
@@ -123,5 +150,5 @@ def height(features: Sequence[Feature], motion: Motion, T: float, X: Array, Y: A
     """All features together at time T, over the contact's own coordinates X, Y (arrays that broadcast)."""
     total = np.zeros(np.broadcast_shapes(np.shape(X), np.shape(Y)))
     for feature in features:
-        total = total + feature.shape.height(X - motion.travel(feature.surface, T), Y)
+        total = total + feature.shape.heights(X - motion.travel(feature.surface, T), Y)
     return total

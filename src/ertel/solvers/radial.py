@@ -21,6 +21,7 @@ from scipy.special import ellipe, ellipkm1
 
 from ertel.model.approach import HERTZ_LOAD, Closure, ClosureLine, NewtonsLaw
 from ertel.model.case import Case
+from ertel.model.pytrees import traceable
 from ertel.model.state import Attempt, Level
 from ertel.model.status import Status
 from ertel.numerics import bdf
@@ -33,8 +34,6 @@ Floats = NDArray[np.float64]
 EDGE = 1.0  # largest radius of the dry contact: the grid is finest here, where the film is thinnest
 WIDENING_INSIDE = 1.5  # the spacing at distance d from the edge is 1 + widening * d times that at the edge
 WIDENING_OUTSIDE = 8.0
-SMALLEST_HALF_WIDTH = 1.2  # the contact grows to radius 1 and needs an inlet
-FEWEST_NODES = 17
 NEWTON_LIMIT = 15
 LARGEST_CHANGE = 0.3  # of P in one Newton iteration
 
@@ -201,13 +200,12 @@ class RadialImpact:
     """
 
     def __init__(self, case: Case, closure: Closure | None = None):
-        check_grid(case.solver.nodes, case.solver.half_width)
         self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width))
         self.lambda_bar = case.parameters.lambda_bar
-        self.oil = case.lubricant
+        self.oil = traceable(case.lubricant)
         self.closure = closure or NewtonsLaw.of(case.motion)
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
-        self.start_approach = case.time.start_approach
+        self.start_approach = case.schedule.start_approach
         self.coordinates: Mapping[str, Floats] = {"r": np.asarray(self.mesh.r)}
 
     def start(self) -> Attempt:
@@ -259,14 +257,6 @@ class RadialImpact:
         pressed = np.asarray(self.mesh.volume) * np.asarray(P)
         difference = 1 - np.asarray(H_predicted) / np.asarray(H)
         return float(np.sqrt(pressed @ difference**2 / max(pressed.sum(), np.finfo(float).tiny)))
-
-
-def check_grid(nodes: int, half_width: float) -> None:
-    """Raise ValueError for a grid on which an impact cannot be computed."""
-    if nodes < FEWEST_NODES:
-        raise ValueError(f"solver.nodes = {nodes}: must be at least {FEWEST_NODES}")
-    if not SMALLEST_HALF_WIDTH <= half_width < np.inf:
-        raise ValueError(f"solver.half_width = {half_width}: must be at least {SMALLEST_HALF_WIDTH}, and finite")
 
 
 def predicted_pressure(levels: Sequence[Level], T: float) -> Array:

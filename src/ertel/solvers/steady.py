@@ -45,7 +45,7 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
     """
     check_nodes(case.solver.nodes)
     check_motion(case)
-    tolerance = case.solver.tolerance if case.solver.method == "steady" else TOLERANCE
+    tolerance = case.solver.tolerance if case.is_steady else TOLERANCE
     grids = [discretise.grid_of(case)]
     while (grids[-1].nodes - 1) // 2 + 1 >= FIRST_GRID:
         grids.append(grids[-1].coarser())

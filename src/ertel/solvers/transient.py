@@ -51,12 +51,12 @@ class Transient2D:
 
     def start(self) -> Attempt:
         """The bodies apart, moving in with unit speed, no pressure yet; or the steady film with the motion at T = 0."""
-        if self.case.kind == "rolling":
+        if not self.case.starts_apart:
             rolling = steady.steady(self.case)
             s = rolling.finest
             level = Level(0.0, s.approach, 0.0, s.P, s.H)
             return Attempt(level, s.status, s.newton, s.krylov, rolling.convolutions)
-        c, approach = self.contact_at(0.0), self.case.time.start_approach
+        c, approach = self.contact_at(0.0), self.case.schedule.start_approach
         P = jnp.zeros(self.grid.shape)
         level = Level(0.0, approach, 1.0, P, c.gap - approach)  # nothing is deformed yet
         return Attempt(level, Status.CONVERGED, 0, 0, 1.0)

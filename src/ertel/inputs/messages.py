@@ -1,0 +1,95 @@
+"""What is wrong with a case file, in one line: the field, its value, and what is allowed."""
+
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from ertel.inputs.schema import POINTS, SIGNAL_TEXT, keys_of, model_at
+from ertel.model.records import show
+from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
+
+
+class ConfigError(ValueError):
+    """The input is wrong: the message, one line, names the field, its value and what is allowed."""
+
+    def __init__(self, message: str):
+        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in message))
+
+
+# what a tribologist may look for that ertel does not do; and what it does instead
+NOT_THERE = {
+    "radius_x": "ertel solves circular contacts only; elliptical contacts are not supported",
+    "radius_y": "ertel solves circular contacts only; elliptical contacts are not supported",
+    "radius_x_1": "ertel solves circular contacts only; elliptical contacts are not supported",
+    "radius_y_1": "ertel solves circular contacts only; elliptical contacts are not supported",
+    "radius_x_2": "ertel solves circular contacts only; elliptical contacts are not supported",
+    "radius_y_2": "ertel solves circular contacts only; elliptical contacts are not supported",
+    "ellipticity": "ertel solves circular contacts only; elliptical contacts are not supported",
+    "temperature": "ertel is isothermal; give eta0 and alpha at the temperature of the inlet",
+    "tau0": "ertel's oils are Newtonian; shear thinning is not supported",
+    "eyring": "ertel's oils are Newtonian; shear thinning is not supported",
+    "rheology": "ertel's oils are Newtonian; shear thinning is not supported",
+    "friction": "ertel does not compute friction",
+    "spin": "ertel does not know spin; the surfaces move along x",
+    "thermal": "ertel is isothermal; give eta0 and alpha at the temperature of the inlet",
+    "starvation": "ertel's contacts are fully flooded",
+}
+
+
+def message(error: ValidationError) -> str:
+    """The first thing that is wrong: field = value: what is allowed."""
+    first: Any = error.errors()[0]
+    place = [part for part in first["loc"] if not _is_tag(part)]
+    field = f"{field_name(place)} = {show(first['input'])}"
+    match first["type"]:
+        case "extra_forbidden":
+            return f"{field}: unknown key; " + _known_keys(str(place[-1]), model_at(first["loc"][:-1]))
+        case "value_error":
+            return f"{field}: {first['ctx']['error']}"
+        case "literal_error":
+            return f"{field}: allowed: {first['ctx']['expected']}"
+        case "union_tag_not_found" if place[0] == "roughness":
+            return _unknown_name(place, "shape", first["input"], SHAPES)
+        case "union_tag_not_found" if place[0] == "lubricant":
+            laws = VISCOSITY_LAWS if place[-1] == "viscosity" else DENSITY_LAWS
+            return _unknown_name(place, "law", first["input"], laws)
+        case "union_tag_not_found" | "too_short":
+            return f"{field}: must be {SIGNAL_TEXT}"
+        case "tuple_type" if place == ["roughness"]:
+            return f"{field}: must be an array of tables, [[roughness]]"
+        case "missing" | "too_long" | "tuple_type" if POINTS in first["loc"]:
+            return f"{field}: must be [T, value]"
+        case "missing":
+            return f"{field_name(place)}: missing"
+        case "model_type" | "model_attributes_type":
+            return f"{field}: must be a section, [{place[0]}]"
+    return f"{field}: " + str(first["msg"]).replace("Input should be", "must be").replace("valid ", "")
+
+
+def _unknown_name(place: Sequence[str | int], key: str, value: object, allowed: Iterable[str]) -> str:
+    given = value.get(key) if isinstance(value, dict) else None if key == "shape" else value
+    said = ": missing" if given is None else f" = {show(given)}"
+    return f"{field_name(place)}.{key}{said}; allowed: {_list(allowed)}"
+
+
+def _is_tag(part: str | int) -> bool:
+    return isinstance(part, str) and part.startswith("<") and part.endswith(">")
+
+
+def field_name(place: Sequence[str | int]) -> str:
+    """section.key, an element of an array by its number from 1: roughness[1].amplitude."""
+    return "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
+
+
+def _known_keys(name: str, model: type[BaseModel]) -> str:
+    if name in NOT_THERE:
+        return NOT_THERE[name]
+    known = keys_of(model)
+    close = get_close_matches(name, known, n=1)
+    return (f"did you mean {close[0]}? " if close else "") + f"allowed: {_list(known)}"
+
+
+def _list(names: Iterable[str]) -> str:
+    return ", ".join(names)

@@ -1,0 +1,244 @@
+"""The operating conditions of a contact: which input belongs together, and the scales that follow from it.
+
+The contact is given in one of three ways: by Moes' M and L, by the paper's lambda_bar and alpha_bar, or by physical
+input in SI, each quantity of it in exactly one of the allowed ways.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from math import inf
+from typing import Annotated, Literal, NamedTuple
+
+from ertel.model.records import checked, named, show
+from ertel.physics import scales
+from ertel.physics.lubricant import Oil
+from ertel.physics.scales import Parameters, Scales
+from ertel.physics.units import (
+    ABOVE_ZERO,
+    DENSITY,
+    FINITE,
+    LENGTH,
+    LOAD,
+    MASS,
+    NOT_NEGATIVE,
+    SPEED,
+    STRESS,
+    VELOCITY,
+    Bounds,
+    Unit,
+    marks,
+)
+
+Kind = Literal["impact", "rolling"]
+KINDS: tuple[Kind, ...] = ("impact", "rolling")
+POISSON = Bounds(gt=-1, le=0.5)
+
+Keys = tuple[str, ...]
+MOES: Keys = ("M", "L")
+BARS: Keys = ("lambda_bar", "alpha_bar")
+RADII = (("radius",), ("radius_1", "radius_2"))
+BALL = (("mass",), ("ball_density",))
+FALL = (("speed",), ("drop_height",))
+TRACK = (("mean_speed",), ("speed_1", "speed_2"))
+ELASTICITY = (("E_prime",), ("E1", "nu1", "E2", "nu2"))
+NEEDED: Mapping[Kind, tuple[tuple[Keys, ...], ...]] = {
+    "impact": (RADII, BALL, FALL, ELASTICITY),
+    "rolling": (RADII, (("load",),), TRACK, ELASTICITY),
+}
+OPTIONAL: Mapping[Kind, Keys] = {
+    "impact": ("mean_speed", "slide_to_roll"),
+    "rolling": ("mass", "ball_density", "slide_to_roll"),
+}
+PHYSICAL: Mapping[Kind, Keys] = {
+    kind: (*(key for group in groups for keys in group for key in keys), *OPTIONAL[kind])
+    for kind, groups in NEEDED.items()
+}
+PHYSICAL_TEXT: Mapping[Kind, str] = {
+    "impact": "radius (or two radii), mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
+    "rolling": "radius (or two radii), load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
+}
+FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and what to use instead
+    "impact": {
+        "load": "its load follows from mass and speed; a load that is applied to the ball is motion.load",
+        "speed_1": "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll",
+        "speed_2": "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll",
+    },
+    "rolling": {
+        "speed": "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2",
+        "drop_height": "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2",
+    },
+}
+
+
+class Speeds(NamedTuple):
+    """Mean speed (m/s) of the surfaces along x and slide-to-roll ratio (u1 - u2)/u_m; None where nothing is said."""
+
+    mean: float | None
+    slide_to_roll: float | None
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What meets, as it is given: the section [contact] of a case file.  Quantities in SI.
+
+    Parameters
+    ----------
+    kind : "impact" or "rolling"
+    M, L : float
+        Moes' load and lubricant parameters; or
+    lambda_bar, alpha_bar : float
+        the paper's parameters, eqs. (8), (12); or physical input:
+    radius, radius_1, radius_2 : float
+        Radius (m) of a ball on a plane, or those of two balls, of which an impact's first one moves.
+    E_prime, E1, nu1, E2, nu2 : float
+        Reduced modulus (Pa), or Young's moduli (Pa) and Poisson's ratios.
+    mass, ball_density : float
+        Mass (kg) or density (kg/m^3) of the ball that moves; for rolling: its inertia, none if left out.
+    speed, drop_height : float
+        Impact: speed at first touch (m/s), or height of the fall from rest (m).
+    load : float
+        Rolling: static load (N).
+    mean_speed, slide_to_roll, speed_1, speed_2 : float
+        Speeds of the surfaces along x (m/s) and (u1 - u2)/u_m; impact: of a track that moves under the ball.
+
+    Raises ValueError, naming the field, its value and what is allowed, where the input is incomplete or contradictory.
+    """
+
+    kind: Kind = "impact"
+    M: Annotated[float | None, ABOVE_ZERO] = None
+    L: Annotated[float | None, NOT_NEGATIVE] = None
+    lambda_bar: Annotated[float | None, ABOVE_ZERO] = None
+    alpha_bar: Annotated[float | None, NOT_NEGATIVE] = None
+    radius: Annotated[float | None, LENGTH] = None
+    radius_1: Annotated[float | None, LENGTH] = None
+    radius_2: Annotated[float | None, LENGTH] = None
+    mass: Annotated[float | None, MASS] = None
+    ball_density: Annotated[float | None, DENSITY] = None
+    speed: Annotated[float | None, SPEED] = None
+    drop_height: Annotated[float | None, LENGTH] = None
+    load: Annotated[float | None, LOAD] = None
+    speed_1: Annotated[float | None, VELOCITY] = None
+    speed_2: Annotated[float | None, VELOCITY] = None
+    mean_speed: Annotated[float | None, VELOCITY] = None
+    slide_to_roll: Annotated[float | None, FINITE] = None
+    E_prime: Annotated[float | None, STRESS] = None
+    E1: Annotated[float | None, STRESS] = None
+    nu1: Annotated[float | None, POISSON] = None
+    E2: Annotated[float | None, STRESS] = None
+    nu2: Annotated[float | None, POISSON] = None
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise ValueError(f"contact.kind = {show(self.kind)}: allowed: 'impact' or 'rolling'")
+        checked(self, "contact")
+        route = self._route()
+        if route in (MOES, BARS):
+            return
+        for alternatives in NEEDED[self.kind]:
+            self._complete(self._only_one(alternatives))
+        self._check_speeds()
+
+    # -- which keys ---------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def given(self) -> Keys:
+        """The fields that are given, apart from the kind."""
+        return tuple(f.name for f in fields(self) if f.name != "kind" and getattr(self, f.name) is not None)
+
+    @property
+    def is_physical(self) -> bool:
+        """Whether the contact is given in SI, so that results can be."""
+        return self._route() not in (MOES, BARS)
+
+    def entry(self, key: str) -> str:
+        """A field as it is said in messages: contact.radius = "0.01 m"."""
+        value, mark = getattr(self, key), marks(type(self)).get(key)
+        return f"contact.{key} = {show(f'{value!r} {mark.unit}' if isinstance(mark, Unit) else value)}"
+
+    def _route(self) -> Keys:
+        """MOES, BARS or PHYSICAL: the one way in which the contact is given."""
+        for key, instead in FOREIGN[self.kind].items():
+            if key in self.given:
+                article = "an impact" if self.kind == "impact" else "a rolling contact"
+                raise ValueError(f'{self.entry(key)}: not for {article} (contact.kind = "{self.kind}"): {instead}')
+        if "slide_to_roll" in self.given and any(key in self.given for key in (*MOES, *BARS)):
+            raise ValueError(f"{self.entry('slide_to_roll')}: in a dimensionless case write motion.slide_to_roll")
+        return self._only_one((MOES, BARS, PHYSICAL[self.kind]), PHYSICAL_TEXT[self.kind])
+
+    def _only_one(self, alternatives: Sequence[Keys], last: str = "") -> Keys:
+        """The one alternative of which something is given.  last: text that stands for the last one."""
+        present = [keys for keys in alternatives if any(key in self.given for key in keys)]
+        texts = [" and ".join(keys) for keys in alternatives]
+        allowed = "; or ".join([*texts[:-1], last or texts[-1]])
+        if not present:
+            raise ValueError(f"contact.{alternatives[0][0]}: missing; allowed: {allowed}")
+        if len(present) > 1:
+            pair = [self.entry(next(key for key in keys if key in self.given)) for keys in present[:2]]
+            raise ValueError(f"{' and '.join(pair)} are given together; allowed: {allowed}")
+        return present[0]
+
+    def _complete(self, keys: Keys) -> None:
+        missing = [key for key in keys if key not in self.given]
+        if missing:
+            present = next(key for key in keys if key in self.given)
+            raise ValueError(f"contact.{missing[0]}: missing; {self.entry(present)} needs " + " and ".join(keys))
+
+    def _check_speeds(self) -> None:
+        both = self.speed_1 is not None and self.speed_2 is not None
+        if both and self.slide_to_roll is not None:
+            raise ValueError(
+                f"{self.entry('slide_to_roll')}: follows from speed_1 and speed_2; allowed with mean_speed only"
+            )
+        if both and self.speeds.mean == 0:
+            pair = f"{self.entry('speed_1')} and {self.entry('speed_2')}"
+            raise ValueError(f"{pair}: their mean must not be zero, it carries the oil into the contact")
+        if not both and self.mean_speed is None and self.slide_to_roll is not None:
+            raise ValueError(f"{self.entry('slide_to_roll')}: needs contact.mean_speed")
+        if self.kind == "rolling" and self.mean_speed == 0:
+            raise ValueError(f"{self.entry('mean_speed')}: must not be zero, it carries the oil into the contact")
+
+    # -- what follows -------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def scales(self) -> Scales | None:
+        """What one unit of each dimensionless quantity is in SI; None for a dimensionless contact."""
+        if not self.is_physical:
+            return None
+        R = named("contact", scales.reduced_radius, self.radius or self.radius_1, self.radius_2 or inf)
+        E_prime = self.E_prime or named("contact", scales.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
+        if self.kind == "rolling":
+            return named("contact", scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime)
+        speed = self.speed or named("contact", scales.drop_speed, self.drop_height)
+        return named("contact", scales.impact_scales, R, self.ball_mass, speed, E_prime)
+
+    @property
+    def ball_mass(self) -> float:
+        """Mass of the ball (kg), zero where none is given."""
+        if not any(key in self.given for keys in BALL for key in keys):
+            return 0.0
+        self._only_one(BALL)
+        return self.mass or named("contact", scales.sphere_mass, self.radius or self.radius_1, self.ball_density)
+
+    @property
+    def speeds(self) -> Speeds:
+        """How the surfaces move along x."""
+        if self.speed_1 is not None and self.speed_2 is not None:
+            mean, difference = (self.speed_1 + self.speed_2) / 2, self.speed_1 - self.speed_2
+            return Speeds(mean, difference / mean if mean else None)
+        if self.mean_speed is None:
+            return Speeds(None, None)
+        return Speeds(self.mean_speed, self.slide_to_roll or 0.0)
+
+    def parameters(self, oil: Oil) -> Parameters:
+        """lambda_bar and alpha_bar; alpha_bar is zero where the viscosity does not change with pressure."""
+        if self.scales:
+            return named("contact", scales.parameters, self.scales, oil.eta0, 0.0 if oil.is_isoviscous else oil.alpha)
+        first, second = route = self._route()
+        value = getattr(self, second)
+        if oil.is_isoviscous and value:
+            raise ValueError(f'{self.entry(second)}: must be 0 or left out with lubricant.viscosity = "isoviscous"')
+        if not (oil.is_isoviscous and first in self.given):
+            self._complete(route)
+        make = Parameters.from_moes if route is MOES else Parameters
+        return named("contact", make, getattr(self, first), value or 0.0)

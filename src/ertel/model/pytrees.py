@@ -1,0 +1,23 @@
+"""The laws of an oil as something that JAX can trace; the laws themselves do not know JAX."""
+
+from functools import cache
+
+from jax.tree_util import register_dataclass
+
+from ertel.physics.lubricant import Lubricant
+
+
+def traceable(oil: Lubricant) -> Lubricant:
+    """The same oil, with its record and those of its laws known to JAX: their fields are arrays or numbers."""
+    for part in (oil, oil.viscosity_law, oil.density_law):
+        _register(type(part))
+    return oil
+
+
+@cache
+def _register(record: type) -> None:
+    try:
+        register_dataclass(record)
+    except ValueError as error:
+        if "already registered" not in str(error).lower() and "duplicate" not in str(error).lower():
+            raise

@@ -1,0 +1,163 @@
+"""What makes no sense is refused here, whoever asks: every rule names the field, its value and what is allowed."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import inf
+
+from ertel.model.conditions import Conditions, Kind
+from ertel.model.records import checked, show
+from ertel.model.sections import METHODS, STOPS, Drive, Output, Solver, Stop, Time
+from ertel.numerics import grid
+from ertel.physics.lubricant import DowsonHigginson, Oil
+from ertel.physics.motion import Motion, Oscillation
+from ertel.physics.scales import Parameters, Scales
+from ertel.physics.surfaces import Feature
+
+FEWEST_NODES = 17
+SMALLEST_RADIUS = 1.2  # of a radial grid: the contact grows to radius 1 and needs an inlet
+TRANSIENT = 'solver.method = "transient"'
+
+
+def check_method(kind: Kind, solver: Solver) -> None:
+    """Each kind of contact has methods of its own."""
+    methods = METHODS[kind]
+    if solver.method not in methods:
+        allowed = " or ".join(f'"{name}"' for name in methods)
+        raise ValueError(f'solver.method = "{solver.method}": must be {allowed} with contact.kind = "{kind}"')
+
+
+def check_oil(oil: Oil, scales: Scales | None, parameters: Parameters) -> None:
+    """A physical contact needs the data of its oil; a law needs a scale of pressure."""
+    if scales:
+        for key, example in {"eta0": "40 mPa*s", "alpha": "22 / GPa"}.items():
+            if getattr(oil, key) is None and not (key == "alpha" and oil.is_isoviscous):
+                raise ValueError(f'lubricant.{key}: missing, a physical contact needs it, for example "{example}"')
+        return
+    if parameters.alpha_bar == 0 and not oil.is_isoviscous:
+        raise ValueError(f"contact.L = 0: must be above zero with lubricant.viscosity = {show(oil.viscosity)}")
+    if parameters.alpha_bar == 0 and (oil.density == "dowson-higginson" or isinstance(oil.density, DowsonHigginson)):
+        raise ValueError(
+            'lubricant.density = "dowson-higginson": needs a pressure scale, which a dimensionless isoviscous case '
+            'does not have; allowed: density = "incompressible", or physical input'
+        )
+
+
+def check_fields(drive: Drive | None, time: Time | None, output: Output | None, roughness: Sequence[Feature]) -> None:
+    """Every field of the sections has a value that its mark allows."""
+    if time is not None:
+        if isinstance(time.until, str) and time.until not in STOPS:
+            names = ", ".join(f'"{event}"' for event in STOPS)
+            raise ValueError(f"time.until = {show(time.until)}: must be {names} or a time above zero, in units t0 or s")
+        checked(replace(time, until=None) if isinstance(time.until, str) else time, "time")
+    if output is not None:
+        checked(output, "output")
+    if drive is not None:
+        checked(drive, "motion")
+        for name in ("load", "entrainment"):
+            signal = getattr(drive, name)
+            if isinstance(signal, Oscillation):
+                checked(signal, f"motion.{name}")
+    for number, feature in enumerate(roughness, 1):
+        checked(feature.shape, f"roughness[{number}]")
+
+
+def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | None) -> None:
+    """A steady contact has no time; rolling begins with its steady film and has no events."""
+    if solver.method == "steady":
+        for name, section in {"time": time, "output": output}.items():
+            if section is not None:
+                raise ValueError(f"{name}: a steady contact has no time; leave [{name}] out or use {TRANSIENT}")
+    if kind == "impact" or time is None:
+        return
+    if time.start_approach is not None:
+        raise ValueError(
+            f"time.start_approach = {time.start_approach}: not for a rolling contact, its start is the steady film"
+        )
+    if isinstance(time.until, str):
+        raise ValueError(
+            f'time.until = "{time.until}": is an event of an impact; a rolling contact needs a time, in units t0'
+        )
+
+
+def check_drive(kind: Kind, contact: Conditions, drive: Drive | None) -> None:
+    """What [contact] says of the motion is not said again in [motion]."""
+    if drive is None:
+        return
+    if drive.slide_to_roll is not None and contact.speeds.slide_to_roll is not None:
+        raise ValueError(
+            f"motion.slide_to_roll = {drive.slide_to_roll}: belongs to dimensionless cases; with speeds in [contact] "
+            "write contact.slide_to_roll, or contact.speed_1 and contact.speed_2"
+        )
+    if drive.inertia is not None and (kind == "impact" or contact.is_physical):
+        instead = "for an impact it is always 4/5" if kind == "impact" else "give contact.mass or contact.ball_density"
+        raise ValueError(f"motion.inertia = {drive.inertia}: belongs to dimensionless rolling cases; {instead}")
+    if kind == "impact" and drive.entrainment is not None and contact.speeds.mean is not None:
+        raise ValueError(
+            f"motion.entrainment = {show(drive.entrainment)} and contact.mean_speed = {contact.mean_speed} m/s "
+            "are given together; allowed: one of them"
+        )
+
+
+def check_grid(solver: Solver) -> None:
+    """A grid must be large enough, contain the contact, and be one that can be coarsened."""
+    if solver.nodes < FEWEST_NODES:
+        raise ValueError(f"solver.nodes = {solver.nodes}: must be at least {FEWEST_NODES}")
+    if solver.method == "radial":
+        if solver.inlet is not None:
+            raise ValueError(f"solver.inlet = {solver.inlet}: a radial grid has none; leave it out")
+        if solver.half_width < SMALLEST_RADIUS:
+            raise ValueError(f"solver.half_width = {solver.half_width}: must be at least {SMALLEST_RADIUS}")
+        return
+    try:
+        grid.check_nodes(solver.nodes)
+    except ValueError as error:
+        raise ValueError(f"solver.{error}") from error
+    if solver.inlet is not None and not 1 < solver.inlet < 2 * solver.half_width - 1:
+        raise ValueError(
+            f"solver.inlet = {solver.inlet}: must be above 1 and below {2 * solver.half_width - 1:g} = "
+            "2 half_width - 1, so that the contact lies inside the grid"
+        )
+
+
+def check_motion(kind: Kind, solver: Solver, motion: Motion, until: Stop | float) -> None:
+    """What a method cannot do, and what has no solution."""
+    if solver.method == "radial" and any((*motion.load.range(inf), *motion.entrainment.range(inf))):
+        raise ValueError('motion: the radial method is for a free ball on a track at rest; use solver.method = "2d"')
+    if until == "rebound" and motion.load.range(inf)[1] > 0:
+        raise ValueError('time.until = "rebound": a ball under a load may never leave; give a time, in units t0')
+    if kind == "rolling":
+        _check_rolling(solver, motion, inf if isinstance(until, str) else until)
+
+
+def _check_rolling(solver: Solver, motion: Motion, until: float) -> None:
+    if solver.method == "steady":
+        for name in ("load", "entrainment"):
+            least, most = getattr(motion, name).range(inf)
+            if least != most:
+                raise ValueError(f"motion.{name}: varies in time from {least:g} to {most:g}; use {TRANSIENT}")
+    if motion.entrainment(0.0) == 0:
+        raise ValueError(
+            "motion.entrainment: is 0 at T = 0, where a rolling contact needs a film; must not be zero there, a small "
+            "speed will do"
+        )
+    if motion.load(0.0) <= 0:
+        raise ValueError(f"motion.load: is {motion.load(0.0):g} at T = 0; must be above zero there")
+    lowest = motion.load.range(until)[0]
+    if motion.inertia == 0 and lowest <= 0:
+        raise ValueError(
+            f"motion.load: goes down to {lowest:g}; must stay above zero, without inertia the film balances it at "
+            "every moment"
+        )
+
+
+def check_roughness(solver: Solver, motion: Motion, features: Sequence[Feature]) -> None:
+    """The radial method is for smooth surfaces, a steady film for roughness that does not change in time."""
+    if solver.method == "radial" and features:
+        raise ValueError('roughness: the radial method is for smooth surfaces; use solver.method = "2d"')
+    for number, feature in enumerate(features, 1):
+        moves = motion.travel(feature.surface, 1.0) != 0
+        if solver.method == "steady" and moves and not getattr(feature.shape, "is_ridges_along_x", False):
+            raise ValueError(
+                f"roughness[{number}].surface = {feature.surface}: moves, so that its film is not steady; use "
+                f"{TRANSIENT}, or a slide_to_roll at which it is at rest (surface 1: -2, surface 2: 2)"
+            )

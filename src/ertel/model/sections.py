@@ -1,0 +1,94 @@
+"""The sections of a case besides what meets: solver, time, output, motion.  All defaults of ertel are here."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Literal, NamedTuple
+
+from ertel.model.conditions import Kind
+from ertel.physics.motion import Signal
+from ertel.physics.units import DURATION, FINITE, NOT_NEGATIVE, SHARE, Amount, Bounds
+
+Method = Literal["2d", "radial", "steady", "transient"]
+Stop = Literal["max-approach", "rebound"]
+STOPS: tuple[Stop, ...] = ("max-approach", "rebound")
+METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
+ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length
+CENTRED_HALF_WIDTH = 4.5  # of a grid on which the oil comes from either side
+
+
+@dataclass(frozen=True)
+class Solver:
+    """Grid and tolerance; all lengths in units a (impact: a*).
+
+    nodes: nodes per side (2^k c + 1) or along the radius (radial: 0 to half_width).  half_width: from the middle of the
+    grid to its edge.  inlet: from the contact's centre to the edge upstream, None: half_width, so a centred grid.
+    fold: where a case is symmetric compute on a half or a quarter of the plane.
+    tolerance: of the discrete equations.  In a time step as a film thickness, in units of the film that is expected
+    (`Case.film_scale`); steady, as the residual of Reynolds' equation itself (0.1 takes less than half the work, and
+    leaves about a tenth of the grid's own error in H_c and H_min or less: enough for a sweep).
+    """
+
+    method: Method = "2d"
+    nodes: Annotated[int, Bounds(gt=0, le=4097, whole=True)] = 257
+    half_width: Annotated[float, Bounds(gt=1)] = 2.0
+    inlet: Annotated[float | None, Bounds(gt=1)] = None
+    tolerance: Annotated[float, SHARE] = 1e-3
+    fold: bool = True
+
+
+SOLVERS: Mapping[Method, Solver] = {  # the defaults
+    "2d": Solver(),
+    "radial": Solver("radial"),
+    "steady": Solver("steady", half_width=3.0, inlet=4.5, tolerance=1e-8),
+    "transient": Solver("transient", half_width=3.0, inlet=4.5),
+}
+
+
+@dataclass(frozen=True)
+class Time:
+    """When a run begins and ends, and its steps; amounts in t0 or as quantities.
+
+    start_approach: Delta of an impact at T = 0, negative = apart, in units delta*.  until: an event of an impact, or a
+    time.  tolerance: local error allowed in a step, relative (the default leaves about 0.1 % in H_c).  step: a fixed
+    step instead, without error control.
+    """
+
+    start_approach: Annotated[float | None, Bounds(lt=0)] = None
+    until: Annotated[Stop | Amount | None, DURATION] = None
+    tolerance: Annotated[float, SHARE] = 5e-5
+    step: Annotated[Amount | None, DURATION] = None
+
+
+START_APPROACH = -1.0
+ENDS: Mapping[Kind, Stop | float] = {"impact": "max-approach", "rolling": ROLLING_UNTIL}
+
+
+@dataclass(frozen=True)
+class Output:
+    """Film and pressure maps are kept every `interval`, at maximum approach and at the end."""
+
+    interval: Annotated[Amount, DURATION] = 0.1
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What moves the contact in time, as it is given: the section [motion]; None: the usual for an impact or rolling.
+
+    load: w(T) in F* or in the static load.  entrainment: U(T) in a/t0 or u_m.  slide_to_roll, inertia: of a
+    dimensionless case.
+    """
+
+    load: Signal | None = None
+    entrainment: Signal | None = None
+    slide_to_roll: Annotated[float | None, FINITE] = None
+    inertia: Annotated[float | None, NOT_NEGATIVE] = None
+
+
+class Schedule(NamedTuple):
+    """`Time` and `Output` in units t0."""
+
+    start_approach: float
+    until: Stop | float
+    tolerance: float
+    step: float | None
+    interval: float

@@ -1,0 +1,73 @@
+"""Laws and shapes by name: what a case file may call, and what a stored case is read back by.
+
+    @VISCOSITY_LAWS.register("power")
+    @dataclass(frozen=True)
+    class Power: ...
+
+Other packages announce theirs as entry points, of the groups "ertel.viscosity_laws", "ertel.density_laws" and
+"ertel.shapes": the name of an entry point is that of the law, what it loads is the record.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import is_dataclass
+from functools import cached_property
+from importlib.metadata import EntryPoint, entry_points
+from typing import TypeVar
+
+Record = TypeVar("Record", bound=type)
+
+
+class Registry(Mapping[str, type]):
+    """Frozen dataclasses by name.  noun: what they are, for messages.  group: of the entry points."""
+
+    def __init__(self, noun: str, group: str):
+        self.noun, self.group = noun, group
+        self._records: dict[str, type] = {}
+
+    def register(self, name: str) -> Callable[[Record], Record]:
+        """A decorator that gives a frozen dataclass its name.
+
+        Raises TypeError for anything else, ValueError where the name is taken by another record.
+        """
+
+        def decorate(record: Record) -> Record:
+            if not (is_dataclass(record) and vars(record)["__dataclass_params__"].frozen):
+                raise TypeError(f"{record!r}: a {self.noun} must be a frozen dataclass")
+            known = self._records.get(name)
+            if known is not None and known.__qualname__ != record.__qualname__:
+                raise ValueError(f'name = "{name}": is the {self.noun} {known.__qualname__} already; choose another')
+            self._records[name] = record
+            return record
+
+        return decorate
+
+    def name_of(self, record: object) -> str:
+        """The name under which the type of a record is registered.  Raises ValueError where it has none."""
+        for name, known in self.items():
+            if type(record) is known:
+                return name
+        kind = type(record).__name__
+        raise ValueError(
+            f"{kind}: is no registered {self.noun}, so it cannot be written down; put "
+            f'@ertel.{self.group.partition(".")[2]}.register("a-name") above its class'
+        )
+
+    @cached_property
+    def _announced(self) -> Mapping[str, EntryPoint]:
+        return {point.name: point for point in entry_points(group=self.group)}
+
+    def __getitem__(self, name: str) -> type:
+        if name not in self._records:
+            self.register(name)(self._announced[name].load())
+        return self._records[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter({**self._records, **self._announced})
+
+    def __len__(self) -> int:
+        return len({**self._records, **self._announced})
+
+
+VISCOSITY_LAWS = Registry("viscosity law", "ertel.viscosity_laws")
+DENSITY_LAWS = Registry("density law", "ertel.density_laws")
+SHAPES = Registry("shape", "ertel.shapes")

@@ -1,0 +1,131 @@
+"""What a field of a record is measured in: marks that stand in its annotation, and numbers that carry a unit.
+
+    radius: Annotated[float, LENGTH]          # a quantity: the record holds metres
+    wavelength: Annotated[Amount, WIDTH]      # an amount: a number in the units of the case, or a Quantity in SI
+
+One mark serves the reader of case files, the writer, the check of the value and the way to the units of the case.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from math import isfinite
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+
+@dataclass(frozen=True)
+class Unit:
+    """SI unit of a field, and an example of how to write it.
+
+    signed: whether it may be zero or negative.  scale: for an amount, the attribute of `Scales` that is one unit of the
+    case, and `own`, the name of that unit.
+    """
+
+    unit: str
+    example: str
+    signed: bool = False
+    scale: str = ""
+    own: str = ""
+
+    def allows(self, value: float) -> bool:
+        """Whether a value makes sense: finite, and above zero unless signed."""
+        return isfinite(value) and (self.signed or value > 0)
+
+
+LENGTH = Unit("m", "10 mm")
+MASS = Unit("kg", "33 g")
+DENSITY = Unit("kg/m^3", "7850 kg/m^3")
+SPEED = Unit("m/s", "0.1 m/s")
+VELOCITY = Unit("m/s", "0.6 m/s", signed=True)
+LOAD = Unit("N", "40 N")
+STRESS = Unit("Pa", "210 GPa")
+VISCOSITY = Unit("Pa*s", "40 mPa*s")
+COMPLIANCE = Unit("1/Pa", "22 / GPa")
+
+DURATION = Unit("s", "5 ms", scale="t0", own="t0")
+TIME = Unit("s", "5 ms", signed=True, scale="t0", own="t0")
+WIDTH = Unit("m", "50 um", scale="a", own="a")
+POSITION = Unit("m", "50 um", signed=True, scale="a", own="a")
+HEIGHT = Unit("m", "20 nm", signed=True, scale="film", own="a^2/R")
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What a plain number may be; the words of a message follow from it.  whole: an integer."""
+
+    gt: float | None = None
+    ge: float | None = None
+    lt: float | None = None
+    le: float | None = None
+    whole: bool = False
+
+    def complaint(self, value: float) -> str:
+        """What a value must be, or "" where it is."""
+        if not isfinite(value):
+            return "must be a finite number"
+        if self.whole and not isinstance(value, int):
+            return "must be an integer"
+        limits = {
+            "gt": "greater than",
+            "ge": "greater than or equal to",
+            "lt": "less than",
+            "le": "less than or equal to",
+        }
+        inside = {
+            "gt": lambda limit: value > limit,
+            "ge": lambda limit: value >= limit,
+            "lt": lambda limit: value < limit,
+            "le": lambda limit: value <= limit,
+        }
+        for name, words in limits.items():
+            limit = getattr(self, name)
+            if limit is not None and not inside[name](limit):
+                return f"must be {words} {limit:g}"
+        return ""
+
+
+FINITE = Bounds()
+ABOVE_ZERO = Bounds(gt=0)
+NOT_NEGATIVE = Bounds(ge=0)
+SHARE = Bounds(gt=0, lt=1)
+
+Mark = Unit | Bounds
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number in an SI unit, not yet in the units of a case."""
+
+    value: float
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.value!r} {self.unit}"
+
+
+Amount = float | Quantity
+
+
+def plain(amount: Amount) -> float:
+    """An amount that is known to be in the units of the case.  Raises TypeError for a Quantity."""
+    if isinstance(amount, Quantity):
+        raise TypeError(f"{amount}: is in SI; bring it to the units of the case first")
+    return amount
+
+
+def marks(record: Any) -> Mapping[str, Mark]:
+    """The mark of each field of a record (a class) that has one, by the name of the field."""
+    return _marks(record)
+
+
+@cache
+def _marks(record: Any) -> Mapping[str, Mark]:
+    hints = get_type_hints(record, include_extras=True)
+    found = {name: _mark(hint) for name, hint in hints.items()}
+    return {name: mark for name, mark in found.items() if mark is not None}
+
+
+def _mark(hint: Any) -> Mark | None:
+    if get_origin(hint) is Annotated:
+        return next((part for part in get_args(hint)[1:] if isinstance(part, Unit | Bounds)), None)
+    return None
