@@ -8,6 +8,7 @@ from matplotlib.colors import to_rgba
 from ertel.inputs.case_files import parse_case
 from ertel.physics import hertz
 from ertel.results import variables
+from ertel.results.dataset import assemble
 from ertel.results.plots import transient
 from ertel.runs.drive import Frame
 
@@ -34,7 +35,7 @@ def made_up(case_data, radial=False, rebound=True) -> xr.Dataset:
         event = "max-approach" if abs(T - 2.45) < 1e-9 else ""
         frames.append(Frame(float(T), P, H, event))
     coordinates = {"r": axis} if radial else {"Y": axis, "X": axis}
-    return variables.assemble(case, records, frames, coordinates)
+    return assemble(case, records, frames, coordinates)
 
 
 @pytest.fixture(scope="module")

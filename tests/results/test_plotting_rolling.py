@@ -15,6 +15,7 @@ from ertel.physics.lubricant import Barus, Incompressible, Lubricant
 from ertel.physics.motion import STEADY_ROLLING
 from ertel.physics.scales import parameters, rolling_scales
 from ertel.results import variables
+from ertel.results.dataset import assemble, assemble_steady
 from ertel.results.plots import transient
 from ertel.results.plots.steady import estimate_of
 from ertel.runs.drive import Frame
@@ -74,11 +75,11 @@ def solutions(case: Case, flow: float = 1.0) -> tuple[Solved, ...]:
 
 
 def steady(case: Case, flow: float = 1.0) -> xr.Dataset:
-    return variables.assemble_steady(case, solutions(case, flow))
+    return assemble_steady(case, solutions(case, flow))
 
 
 def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
-    """A film that breathes, as `variables.assemble` gives it."""
+    """A film that breathes, as `assemble` gives it."""
     case = replace(case, solver=replace(SOLVERS["transient"], nodes=81))
     records, frames = [], []
     for T in np.linspace(0, 4, 41):
@@ -88,7 +89,7 @@ def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
         known |= {"X_min": 0.2, "Y_min": 0.8, "P_c": 1.0, "P_max": 1.0}
         records.append({**dict.fromkeys(variables.SCALARS, 0.0), **known})
         frames.append(Frame(float(T), P, H, "end" if T == 4 else ""))
-    return variables.assemble(case, records, frames, {"Y": Y, "X": X})
+    return assemble(case, records, frames, {"Y": Y, "X": X})
 
 
 @pytest.fixture(scope="module")
@@ -254,7 +255,7 @@ def test_a_steady_film_is_not_drawn_over_decades():
 
 def test_without_a_solution_there_is_nothing_to_draw():
     with pytest.raises(ValueError, match="no solution"):
-        transient.STEADY_FIGURES["overview"](variables.assemble_steady(MOES, ()))
+        transient.STEADY_FIGURES["overview"](assemble_steady(MOES, ()))
 
 
 def test_sliding_is_said():

@@ -15,6 +15,7 @@ from cases import ertel_, go_on, names, physics, stop_after
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.model.status import Status
 from ertel.results import diagnostics, summary, variables
+from ertel.results.provenance import describe
 from ertel.runs import store
 from ertel.runs.drive import simulate
 from ertel.runs.store import RunStore, SteadyStore, StoreError
@@ -120,7 +121,7 @@ def test_one_grid_has_no_error_bar():
 def test_what_moves_is_in_the_provenance():
     rough = [{"shape": "waviness", "amplitude": 0.1, "wavelength_x": 1.0}]
     moving = {"solver": {"method": "transient"}, "motion": {"slide_to_roll": 0.5}, "roughness": rough}
-    described = variables.describe(parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, **moving}))
+    described = describe(parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, **moving}))
     assert described["motion"] == {
         "load": {"law": "Polyline", "points": ((0.0, 1.0),)},
         "entrainment": {"law": "Polyline", "points": ((0.0, 1.0),)},
