@@ -19,7 +19,8 @@ Array = Any  # NumPy arrays that broadcast
 class Shape(Protocol):
     """A height over the position on a surface.
 
-    It may have a property `even`, whether it is even in Y and in X: then half or a quarter of the plane is computed.
+    It may have a property `even`, whether it is even in Y and in X: then half or a quarter of the plane is computed;
+    and a property `size`, its smallest width in units a, which the grid has to resolve.
     """
 
     def height(self, X: Array, Y: Array) -> Array: ...
@@ -48,6 +49,11 @@ class Waviness:
         return self.amplitude * along * across * self._presence(X)
 
     @property
+    def size(self) -> float:
+        """The shorter wavelength (a)."""
+        return min(self.wavelength_x, self.wavelength_y)
+
+    @property
     def even(self) -> tuple[bool, bool]:
         return _stands(self.phase_y), _stands(self.phase_x) and self.front == inf
 
@@ -70,6 +76,11 @@ class RingWaviness:
     Y: float = 0.0
 
     @property
+    def size(self) -> float:
+        """The wavelength (a)."""
+        return self.wavelength
+
+    @property
     def even(self) -> tuple[bool, bool]:
         return self.Y == 0, self.X == 0
 
@@ -90,6 +101,11 @@ class Spot:
     radius: float
     X: float = 0.0
     Y: float = 0.0
+
+    @property
+    def size(self) -> float:
+        """The diameter (a)."""
+        return 2 * self.radius
 
     @property
     def even(self) -> tuple[bool, bool]:

@@ -119,9 +119,7 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     Raises ValueError for a dimensionless run.
     """
     if not any("si_factor" in variable.attrs for variable in dataset.variables.values()):
-        raise ValueError(
-            "dataset: the case is dimensionless and has no SI scales; give radius, speed, ... in SI"
-        )
+        raise ValueError("dataset: the case is dimensionless and has no SI scales; give radius, speed, ... in SI")
     converted = dataset.copy()
     names = {}
     for name, variable in dataset.variables.items():
