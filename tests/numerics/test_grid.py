@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ertel.numerics.grid import LARGEST_COARSEST, SMALLEST_COARSEST, Grid, check_nodes
+from ertel.numerics.grid import LARGEST_COARSEST, SMALLEST_COARSEST, Grid, allowed_nodes, check_nodes
 
 
 @given(st.integers(4, 400), st.floats(0.5, 8.0))
@@ -33,6 +33,14 @@ def test_allowed_counts(nodes: int) -> None:
 def test_refused_counts_name_the_nearest(nodes: int) -> None:
     with pytest.raises(ValueError, match=rf"nodes = {nodes}: .*nearest are"):
         check_nodes(nodes)
+
+
+@pytest.mark.parametrize(
+    ("at_least", "nodes"), [(1, 5), (100, 105), (129, 129), (129.1, 145), (336.4, 353), (514, 577)]
+)
+def test_the_next_allowed_count(at_least: float, nodes: int) -> None:
+    assert allowed_nodes(at_least) == nodes
+    check_nodes(nodes)
 
 
 def test_the_advice_for_a_refused_count_is_good_advice() -> None:

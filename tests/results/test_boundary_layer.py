@@ -201,9 +201,9 @@ def run():
 
 def test_three_definitions_of_the_front_agree():
     _, data = run()
-    fronts = {by: fronts.front(data, by) for by in DEFINITIONS}
+    found = {by: fronts.front(data, by) for by in DEFINITIONS}
     X = np.linspace(0.55, 0.85, 7)
-    speeds = np.array([front.speed_at(X) for front in fronts.values()])
+    speeds = np.array([front.speed_at(X) for front in found.values()])
     assert np.ptp(speeds, axis=0).max() < 0.1
     np.testing.assert_allclose(speeds, np.broadcast_to(hertz.front_speed(X), speeds.shape), rtol=0.2)
     assert (speeds < hertz.front_speed(X)).all()  # oil slows the front

@@ -2,39 +2,14 @@
 
 import numpy as np
 import pytest
-import xarray as xr
+from made_up import BALL_FALLS as BALL
+from made_up import MOES_FALLS as MOES
+from made_up import dry_impact as made_up
 from matplotlib.colors import to_rgba
 
 from ertel.inputs.case_files import parse_case
 from ertel.physics import hertz
-from ertel.results import variables
 from ertel.results.plots import transient
-from ertel.runs.drive import Frame
-
-BALL = {
-    "contact": {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"},
-    "lubricant": {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"},
-}
-MOES = {"contact": {"M": 1000, "L": 10}}
-
-
-def made_up(case_data, radial=False, rebound=True) -> xr.Dataset:
-    """The dry impact with a made-up film: everything about it is known."""
-    case = parse_case(case_data)
-    times = np.linspace(0.05, 3.9 if rebound else 2.45, 78 if rebound else 49)
-    axis = np.linspace(0, 2, 41) if radial else np.linspace(-2, 2, 81)
-    r = axis if radial else np.hypot(axis[:, None], axis[None, :])
-    records, frames = [], []
-    for T in times:
-        A = max(float(hertz.contact_radius(T - 1)), 1e-3)
-        P, H = hertz.pressure(r, A), hertz.gap(r, A) + 0.05 + max(1 - T, 0)
-        scalars = {"Delta": float(hertz.approach(T - 1)), "V": float(hertz.velocity(T - 1)), "F": A**3}
-        scalars |= {"P_c": A, "P_max": A, "H_c": float(H.min()), "H_min": float(H.min()) / 2, "X_min": A}
-        records.append({"T": T, **dict.fromkeys(variables.SCALARS, 0.0), **scalars})
-        event = "max-approach" if abs(T - 2.45) < 1e-9 else ""
-        frames.append(Frame(float(T), P, H, event))
-    coordinates = {"r": axis} if radial else {"Y": axis, "X": axis}
-    return variables.assemble(case, records, frames, coordinates)
 
 
 @pytest.fixture(scope="module")

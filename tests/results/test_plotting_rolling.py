@@ -1,94 +1,20 @@
 """Pictures of rolling contacts, steady and in time: made-up fields, of which everything is known."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
+from made_up import BALL_ROLLS as BALL
+from made_up import C1, H_C, H_MIN, in_time, solutions, steady
+from made_up import MOES_ROLLS as MOES
 
-from ertel.model.case import SOLVERS, Case
-from ertel.model.discretise import grid_of
+from ertel.model.case import SOLVERS
 from ertel.model.state import Rolling
-from ertel.numerics.grid import Grid
 from ertel.physics import hertz
-from ertel.physics.lubricant import Barus, Incompressible, Lubricant
 from ertel.physics.motion import STEADY_ROLLING
-from ertel.physics.scales import parameters, rolling_scales
-from ertel.results import variables
+from ertel.results.dataset import assemble_steady
 from ertel.results.plots import transient
 from ertel.results.plots.steady import estimate_of
-from ertel.runs.drive import Frame
-
-C1 = rolling_scales(R=0.01, load=38.885237, mean_speed=0.502636, E_prime=2.197802e11)  # M = 200, L = 10
-MOES = Case(
-    parameters=parameters(C1, 0.04, 2.2e-8),
-    lubricant=Lubricant(Barus(parameters(C1, 0.04, 2.2e-8).alpha_bar), Incompressible()),
-    solver=replace(SOLVERS["steady"], nodes=81),
-    kind="rolling",
-    motion=STEADY_ROLLING,
-)
-BALL = replace(MOES, scales=C1, name="steel_ball")
-X, Y = np.linspace(-4.5, 1.5, 81), np.linspace(-3.0, 3.0, 81)
-NODES = (33, 65, 129)
-H_C, H_MIN = np.array([0.07, 0.09, 0.095]), np.array([-0.01, 0.03, 0.04])
-
-
-def fields(x: np.ndarray, y: np.ndarray, film: float, flow: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    """Hertz' pressure with an inlet upstream, and Hertz' gap with a film and two side lobes: P, H of shape (Y, X)."""
-    r = np.hypot(x[None, :], y[:, None])
-    P = hertz.pressure(r) + np.where(flow * x[None, :] < 0, 1e-3 * np.exp(-(r**2)), 0.0)
-    lobes = 0.5 * film * np.exp(-20 * ((x[None, :] - 0.2) ** 2 + (np.abs(y[:, None]) - 0.8) ** 2))
-    return P, hertz.gap(r) + film - lobes
-
-
-@dataclass
-class Solved:
-    """What `assemble_steady` asks of a `GridSolution`."""
-
-    grid: Grid
-    P: np.ndarray
-    H: np.ndarray
-    values: dict[str, float]
-    history: tuple[float, ...]
-    residual: float = 1e-9
-    newton: int = 3
-    krylov: int = 9
-    convolutions: float = 50.0
-
-    def measure(self) -> dict[str, float]:
-        return self.values
-
-    def whole(self, field: np.ndarray) -> np.ndarray:
-        return field
-
-
-def solutions(case: Case, flow: float = 1.0) -> tuple[Solved, ...]:
-    solved = []
-    histories = [(1.0, 1e-3, 1e-9), (1.0, 1e-2, 1e-5, 1e-9), (1.0, 1e-4, 2e-9)]
-    for nodes, H_c, H_min, past in zip(NODES, H_C, H_MIN, histories, strict=True):
-        grid = grid_of(replace(case, solver=replace(case.solver, nodes=nodes)))
-        values = dict.fromkeys(variables.MEASURED, 1.0)
-        values |= {"H_c": float(H_c), "H_min": float(H_min), "load": 2 * np.pi / 3}
-        solved.append(Solved(grid, *fields(np.asarray(grid.x), np.asarray(grid.y), H_c, flow), values, past))
-    return tuple(solved)
-
-
-def steady(case: Case, flow: float = 1.0) -> xr.Dataset:
-    return variables.assemble_steady(case, solutions(case, flow))
-
-
-def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
-    """A film that breathes, as `variables.assemble` gives it."""
-    case = replace(case, solver=replace(SOLVERS["transient"], nodes=81))
-    records, frames = [], []
-    for T in np.linspace(0, 4, 41):
-        film = 0.1 + 0.02 * float(np.sin(T))
-        P, H = fields(X, Y, film, flow)
-        known = {"T": T, "F": 1.0, "w": 1.0, "U": flow, "Delta": 0.9, "H_c": film, "H_min": film / 2}
-        known |= {"X_min": 0.2, "Y_min": 0.8, "P_c": 1.0, "P_max": 1.0}
-        records.append({**dict.fromkeys(variables.SCALARS, 0.0), **known})
-        frames.append(Frame(float(T), P, H, "end" if T == 4 else ""))
-    return variables.assemble(case, records, frames, {"Y": Y, "X": X})
 
 
 @pytest.fixture(scope="module")
@@ -254,7 +180,7 @@ def test_a_steady_film_is_not_drawn_over_decades():
 
 def test_without_a_solution_there_is_nothing_to_draw():
     with pytest.raises(ValueError, match="no solution"):
-        transient.STEADY_FIGURES["overview"](variables.assemble_steady(MOES, ()))
+        transient.STEADY_FIGURES["overview"](assemble_steady(MOES, ()))
 
 
 def test_sliding_is_said():

@@ -15,6 +15,7 @@ from cases import ertel_, go_on, names, physics, stop_after
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.model.status import Status
 from ertel.results import diagnostics, summary, variables
+from ertel.results.provenance import describe
 from ertel.runs import store
 from ertel.runs.drive import simulate
 from ertel.runs.store import RunStore, SteadyStore, StoreError
@@ -120,7 +121,7 @@ def test_one_grid_has_no_error_bar():
 def test_what_moves_is_in_the_provenance():
     rough = [{"shape": "waviness", "amplitude": 0.1, "wavelength_x": 1.0}]
     moving = {"solver": {"method": "transient"}, "motion": {"slide_to_roll": 0.5}, "roughness": rough}
-    described = variables.describe(parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, **moving}))
+    described = describe(parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, **moving}))
     assert described["motion"] == {
         "load": {"law": "Polyline", "points": ((0.0, 1.0),)},
         "entrainment": {"law": "Polyline", "points": ((0.0, 1.0),)},
@@ -150,10 +151,10 @@ def test_warnings_of_a_coarse_grid(case):
     assert "did not converge" in said([replace(coarse, status=Status.NEWTON_STALLED), fine], case)
     assert "overlap" in said([coarse, replace(fine, H=fine.H - 1)], case)
     assert "H_c is uncertain by about" in said([replace(coarse, H=0.5 * coarse.H), fine], case)
-    assert "no node" in said([coarse, fine], parse_case({**CASE, "solver": {"nodes": 65, "inlet": 4.0}}))
+    assert "is not a node" in said([coarse, fine], parse_case({**CASE, "solver": {"nodes": 65, "inlet": 4.0}}))
     narrow = parse_case({**CASE, "solver": {"nodes": 33, "half_width": 2.0, "inlet": 2.75}})
-    assert "half way to the edge" in said([*steady.nested(narrow)], narrow)
-    assert "half way to the edge" not in said([coarse, fine], case)
+    assert "the inlet is too short" in said([*steady.nested(narrow)], narrow)
+    assert "the inlet is too short" not in said([coarse, fine], case)
     spot = {"shape": "spot", "height": 0.1, "radius": 0.1, "surface": 2}
     contact = CONTACT | {"slide_to_roll": 2}
     assert "2.1 cells" in said([coarse, fine], parse_case({**CASE, "contact": contact, "roughness": [spot]}))

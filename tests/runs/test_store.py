@@ -20,6 +20,8 @@ import ertel
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.model.status import Status
 from ertel.results import variables
+from ertel.results.dataset import assemble
+from ertel.results.summary import si_summary
 from ertel.runs import store
 from ertel.runs.drive import Frame, State, method_of, simulate, transient
 from ertel.runs.store import RunStore, StoreError, TransientStore
@@ -307,7 +309,7 @@ def a_run(contact, oil=None):
     x = np.linspace(-1, 1, 5)
     records = [{"T": T, **{name: float(k) for k, name in enumerate(variables.SCALARS)}} for T in (0.1, 0.2)]
     frames = [Frame(T, np.full((5, 5), T), np.full((5, 5), 2 * T), event) for T, event in ((0.1, ""), (0.2, "end"))]
-    return case, variables.assemble(case, records, frames, {"Y": x, "X": x})
+    return case, assemble(case, records, frames, {"Y": x, "X": x})
 
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
@@ -344,7 +346,7 @@ def test_dimensionless_runs_have_no_si():
 def test_si_summary_has_units_in_its_names():
     case, _ = a_run(BALL, OIL)
     values = dict.fromkeys(variables.AT_MAXIMUM, 1.0)
-    si = variables.si_summary(case, values)
+    si = si_summary(case, values)
     assert si is not None and case.scales is not None
     assert si["max_approach"] == {
         "t_s": case.scales.t0,
@@ -356,7 +358,7 @@ def test_si_summary_has_units_in_its_names():
         "h_min_m": case.scales.film,
         "x_min_m": case.scales.a,
     }
-    assert variables.si_summary(parse_case({"contact": {"M": 1, "L": 1}}), values) is None
+    assert si_summary(parse_case({"contact": {"M": 1, "L": 1}}), values) is None
 
 
 @pytest.mark.parametrize(

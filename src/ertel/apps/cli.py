@@ -198,7 +198,7 @@ def params(given: Mapping[str, object], as_json: Json = False) -> None:
     --drop-height; of rolling --load, --mean-speed (and --slide-to-roll) or --speed-1 and --speed-2.
     """
     with _bad_input():
-        from ertel.results.variables import parameter_summary
+        from ertel.results.parameters import parameter_summary
 
         content = parameter_summary(_case_of_flags(given))
     if as_json:
@@ -239,7 +239,8 @@ def film(
 
 
 def _films_as_data(case: "Case", found: "Sequence[Film]") -> dict[str, Any]:
-    from ertel.results.variables import in_si, parameter_summary
+    from ertel.results.parameters import parameter_summary
+    from ertel.results.variables import in_si
 
     rows = [film._asdict() for film in found]
     if case.scales:

@@ -1,6 +1,7 @@
 """A uniform node-centred grid on a rectangle, and its coarser companions."""
 
 from dataclasses import dataclass, replace
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,9 +83,23 @@ class Grid:
         return tuple(grids)
 
 
+def is_allowed(nodes: int) -> bool:
+    """Whether a grid of nodes x nodes can be coarsened down to a trivial one."""
+    odd = nodes >= SMALLEST_COARSEST and nodes % 2 == 1
+    return odd and Grid(nodes, 1.0).hierarchy()[-1].nodes <= LARGEST_COARSEST
+
+
+def allowed_nodes(at_least: float) -> int:
+    """The smallest number of nodes a side, not below `at_least`, that multigrid can coarsen (see `check_nodes`)."""
+    nodes = max(ceil(at_least), SMALLEST_COARSEST)
+    while not is_allowed(nodes):
+        nodes += 1
+    return nodes
+
+
 def check_nodes(nodes: int) -> None:
     """Raise ValueError unless a grid of nodes x nodes can be coarsened down to a trivial one."""
-    if nodes < SMALLEST_COARSEST or nodes % 2 == 0 or Grid(nodes, 1.0).hierarchy()[-1].nodes > LARGEST_COARSEST:
+    if not is_allowed(nodes):
         below, above = _neighbours(nodes)
         raise ValueError(
             f"nodes = {nodes}: must be 2^k c + 1 with a coarsest grid of {SMALLEST_COARSEST} to {LARGEST_COARSEST} "

@@ -61,6 +61,11 @@ class Waviness:
         return plain(self.amplitude) * along * across * self._presence(X)
 
     @property
+    def size(self) -> float:
+        """The shorter wavelength (a)."""
+        return min(plain(self.wavelength_x), plain(self.wavelength_y))
+
+    @property
     def even(self) -> tuple[bool, bool]:
         return _is_cosine(self.phase_y), _is_cosine(self.phase_x) and self.front == inf
 
@@ -87,6 +92,11 @@ class RingWaviness:
     phase: Annotated[float, FINITE] = 0.0
     x: Annotated[Amount, POSITION] = 0.0
     y: Annotated[Amount, POSITION] = 0.0
+
+    @property
+    def size(self) -> float:
+        """The wavelength (a)."""
+        return plain(self.wavelength)
 
     @property
     def even(self) -> tuple[bool, bool]:
@@ -116,6 +126,11 @@ class Spot:
         if (self.height is None) == (self.depth is None):
             said = "missing" if self.height is None else "is given together with depth"
             raise ValueError(f"height: {said}; allowed: height (negative: a cavity); or depth")
+
+    @property
+    def size(self) -> float:
+        """The diameter (a)."""
+        return 2 * plain(self.radius)
 
     @property
     def even(self) -> tuple[bool, bool]:

@@ -1,7 +1,7 @@
-"""How far a run may be trusted: warnings where grid, domain, inlet or initial gap fall short, each with its mend."""
+"""How far a run may be trusted: warnings where grid, domain, inlet or initial gap fall short, each with its remedy."""
 
 from collections.abc import Sequence
-from math import inf
+from math import ceil, inf
 
 import numpy as np
 import xarray as xr
@@ -9,8 +9,8 @@ import xarray as xr
 from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import Case
 from ertel.model.state import GridSolution, Rolling
+from ertel.numerics.grid import allowed_nodes
 from ertel.physics import hertz
-from ertel.physics.surfaces import RingWaviness, Shape, Spot, Waviness
 from ertel.results import variables
 
 CELLS_IN_FRONT = 10.0  # wanted across sqrt(alpha_bar lambda_bar dA/dT), the length of the front's pressure sweep
@@ -23,8 +23,8 @@ CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 
 def warnings(case: Case, data: xr.Dataset) -> list[str]:
-    """What a careful colleague would say about a run in time: what the grid, the domain or the gap do not give."""
-    said = [_film_warning(data)]
+    """Sentences about what grid, domain, inlet or initial gap of a run in time do not resolve; none if all is well."""
+    said = [_film_warning(case, data)]
     if case.kind == "impact":
         said += [_front_warning(case, data), _gap_warning(case), _domain_warning(data)]
     else:
@@ -35,12 +35,15 @@ def warnings(case: Case, data: xr.Dataset) -> list[str]:
 
 
 def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
-    """What a careful colleague would say about a steady contact."""
+    """Sentences about what grid and domain of a steady contact do not resolve; none if all is well."""
     finest = solutions[-1]
-    said = [_overlap_warning(finest), _error_warning(case, solutions), _spike_warning(solutions)]
+    said = [_overlap_warning(case, finest), _error_warning(case, solutions), _spike_warning(solutions)]
     P = xr.DataArray(np.asarray(finest.whole(finest.P)), {"Y": finest.grid.y, "X": finest.grid.x}, ("Y", "X"))
     said += [_inlet_warning(case, P, 0.0), _centre_warning(case), _roughness_warning(case)]
     return [sentence for sentence in said if sentence]
+
+
+# -- rolling ----------------------------------------------------------------------------------------------------------
 
 
 def _inlet_warning(case: Case, P: xr.DataArray, T: float) -> str:
@@ -55,35 +58,32 @@ def _inlet_warning(case: Case, P: xr.DataArray, T: float) -> str:
     if half_way <= INLET_PRESSURE:
         return ""
     return (
-        f"half way to the edge of the grid upstream the pressure is still {half_way:.2g} p_h: the films are too thin "
-        f"by some {0.4 * half_way:.0%}, which their error estimate does not know; a larger solver.half_width is wanted"
+        f"the inlet is too short (the pressure halfway to its edge is {half_way:.2g} p_h, {INLET_PRESSURE:g} is "
+        f"allowed): the films are too thin by about {0.4 * half_way:.0%}, which the error estimate does not include; "
+        f"use solver.half_width > {s.half_width:g}"
     )
 
 
-def _overlap_warning(finest: GridSolution) -> str:
-    least = float(finest.H.min())
-    if least > 0.0:
+def _overlap_warning(case: Case, finest: GridSolution) -> str:
+    minimum = float(finest.H.min())
+    if minimum > 0.0:
         return ""
-    return (
-        f"the surfaces overlap, H = {least:.3g} somewhere: the grid does not resolve the film; take more solver.nodes"
-    )
+    return f"the surfaces overlap (H = {minimum:.3g}): the grid does not resolve the film; {_use(_doubled(case))}"
 
 
 def _error_warning(case: Case, solutions: Sequence[GridSolution]) -> str:
     if len(solutions) < 2:
-        return "there is no error estimate, which takes a coarser grid: solver.nodes = 65 or more would do"
+        return "there is no error estimate, because there is no coarser grid; use solver.nodes >= 65"
     if not solutions[-2].status.ok:
-        return f"there is no error estimate: the grid of {solutions[-2].grid.nodes} nodes before did not converge"
+        nodes = solutions[-2].grid.nodes
+        return f"there is no error estimate, because the grid of {nodes} x {nodes} nodes did not converge"
     rolling = Rolling(tuple(solutions))
     found = {name: rolling.extrapolate(name) for name in variables.FILMS}
     shares = {name: e.error / abs(e.value) for name, e in found.items() if e.value}
     worst = max(shares, key=lambda name: shares[name])
     if shares[worst] <= LARGE_ERROR:
         return ""
-    return (
-        f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; take more solver.nodes, "
-        f"for example {2 * case.solver.nodes - 1}"
-    )
+    return f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; {_use(_doubled(case))}"
 
 
 def _spike_warning(solutions: Sequence[GridSolution]) -> str:
@@ -93,7 +93,8 @@ def _spike_warning(solutions: Sequence[GridSolution]) -> str:
     if abs(fine - coarse) <= LARGE_ERROR * fine:
         return ""
     return (
-        f"the pressure spike is not resolved, P_max goes from {coarse:.3g} to {fine:.3g}; the films do not depend on it"
+        f"the pressure spike is not resolved: P_max changes from {coarse:.3g} to {fine:.3g} between the two finest "
+        "grids; the film thickness does not depend on it"
     )
 
 
@@ -103,48 +104,51 @@ def _centre_warning(case: Case) -> str:
     if abs(cells - round(cells)) < 1e-6:
         return ""
     return (
-        "the contact's centre is no node of this grid, H_c and P_c are those of the nearest; solver.inlet = 3/4 of "
-        "the grid's length makes it one"
+        "the centre of the contact is not a node of this grid: H_c and P_c are those of the nearest node; "
+        f"use solver.inlet = {1.5 * s.half_width:g}"
     )
+
+
+# -- every run --------------------------------------------------------------------------------------------------------
+
+
+def _use(nodes: float) -> str:
+    """The advice to take at least so many nodes, rounded up to a count that is allowed."""
+    return f"use solver.nodes >= {allowed_nodes(nodes)}"
+
+
+def _doubled(case: Case) -> int:
+    return 2 * case.solver.nodes - 1
 
 
 def _roughness_warning(case: Case) -> str:
-    spacing = 2 * case.solver.half_width / (case.solver.nodes - 1)
-    sizes = [_size(feature.shape) for feature in case.roughness]
-    cells = min(sizes, default=inf) / spacing
+    size = min((getattr(feature.shape, "size", inf) for feature in case.roughness), default=inf)
+    cells = size * (case.solver.nodes - 1) / (2 * case.solver.half_width)
     if cells >= CELLS_IN_WAVE:
         return ""
+    needed = (case.solver.nodes - 1) * CELLS_IN_WAVE / cells + 1
     return (
-        f"the finest roughness, {min(sizes):.3g} a wide, lies on {cells:.1f} cells, about {CELLS_IN_WAVE:.0f} are "
-        f"wanted; solver.nodes = {(case.solver.nodes - 1) * CELLS_IN_WAVE / cells:.0f} or more would do"
+        f"the roughness is not resolved ({cells:.1f} cells across its smallest width {size:.3g} a, about "
+        f"{CELLS_IN_WAVE:.0f} are needed); {_use(needed)}"
     )
 
 
-def _size(shape: Shape) -> float:
-    """The width of a shape (a), infinite where it is not known."""
-    match shape:
-        case Waviness():
-            return min(shape.wavelength_x, shape.wavelength_y)
-        case RingWaviness():
-            return shape.wavelength
-        case Spot():
-            return 2 * shape.radius
-    return inf
-
-
-def _film_warning(data: xr.Dataset) -> str:
+def _film_warning(case: Case, data: xr.Dataset) -> str:
     gone = np.flatnonzero(data["H_min"].values <= 0.0)
     if gone.size == 0:
         return ""
     first = data.isel(time=gone[0])
     return (
         f"the film vanishes on this grid, first at T = {float(first['time']):.4g}, X = {float(first['X_min']):.3g}: "
-        "H_min means nothing from there on; more solver.nodes are wanted"
+        f"H_min is meaningless from then on; {_use(_doubled(case))}"
     )
 
 
+# -- impact -----------------------------------------------------------------------------------------------------------
+
+
 def front_length(case: Case) -> float:
-    """sqrt(alpha_bar lambda_bar dA/dT) in units a*, at the front position 0.9 with the dry contact's front speed."""
+    """Length sqrt(alpha_bar lambda_bar dA/dT) of the front's pressure sweep in a*, at X = 0.9, with the dry front speed."""
     p = case.parameters
     return float(np.sqrt(max(p.alpha_bar, 1.0) * p.lambda_bar * hertz.front_speed(FRONT_POSITION)))
 
@@ -156,11 +160,11 @@ def _front_warning(case: Case, data: xr.Dataset) -> str:
     cells = front_length(case) / spacing
     if cells >= CELLS_IN_FRONT:
         return ""
-    needed = (case.solver.nodes - 1) * CELLS_IN_FRONT / cells
+    needed = (case.solver.nodes - 1) * CELLS_IN_FRONT / cells + 1
     return (
-        f"the front's pressure sweep sqrt(alpha_bar lambda_bar dA/dT) = {front_length(case):.3g} a* is resolved by "
-        f"{cells:.1f} cells at X = {FRONT_POSITION}, about {CELLS_IN_FRONT:.0f} are wanted: H_min is uncertain; "
-        f"solver.nodes = {needed:.0f} or more would do"
+        f"the film is not resolved at the front ({cells:.1f} cells across the pressure sweep "
+        f"sqrt(alpha_bar lambda_bar dA/dT) = {front_length(case):.3g} a* at X = {FRONT_POSITION}, about "
+        f"{CELLS_IN_FRONT:.0f} are needed): H_min is uncertain; {_use(needed)}"
     )
 
 
@@ -169,8 +173,8 @@ def _gap_warning(case: Case) -> str:
     if gap >= GAP_SHARE * film:
         return ""
     return (
-        f"the initial gap {gap:.3g} is comparable with the trapped film {film:.3g} (units a*^2/R): the film's shape "
-        f"depends on it; time.start_approach = {-GAP_SHARE * film:.3g} or below removes this"
+        f"the initial gap {gap:.3g} is not much larger than the trapped film {film:.3g} (units a*^2/R): the shape of "
+        f"the film depends on it; use time.start_approach <= {-GAP_SHARE * film:.3g}"
     )
 
 
@@ -180,9 +184,10 @@ def _domain_warning(data: xr.Dataset) -> str:
     share = float(missing_load(data).mean())
     if share <= MISSING_SHARE:
         return ""
+    wide = float(data["X" if "X" in data.dims else "r"][-1]) * (share / MISSING_SHARE) ** 0.5  # it falls with w^-2
     return (
-        f"the oil outside the domain would carry about {share:.1%} of the dry maximum load in the mean over time: "
-        "approach and load are off by about as much; a larger solver.half_width is wanted"
+        f"the oil outside the domain would carry about {share:.1%} of the dry maximum load (mean over time): approach "
+        f"and load are off by about as much; use solver.half_width >= {ceil(10 * wide) / 10:g}"
     )
 
 

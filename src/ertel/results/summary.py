@@ -14,6 +14,7 @@ from ertel.physics import film_formulas
 from ertel.physics.film_formulas import Film
 from ertel.physics.scales import HamrockDowson, Parameters
 from ertel.results import diagnostics, variables
+from ertel.results.parameters import parameters_of, scales_of, ugw_of
 
 
 def restitution(data: xr.Dataset) -> float | None:
@@ -55,14 +56,14 @@ def transient_summary(
     content: dict[str, Any] = {
         "kind": case.kind,
         "method": case.solver.method,
-        **_parameters(case),
+        **parameters_of(case),
         "max_approach": reached,
         "restitution": restitution(data),
         **work,
         "status": status.value,
         "warnings": said,
     }
-    si = variables.si_summary(case, reached)
+    si = si_summary(case, reached)
     return content if si is None else {**content, "si": si}
 
 
@@ -105,7 +106,7 @@ def _rolling_summary(
     content: dict[str, Any] = {
         "kind": case.kind,
         "method": case.solver.method,
-        **_parameters(case),
+        **parameters_of(case),
         **measured,
         **work,
         "status": status.value,
@@ -123,13 +124,23 @@ def _with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
         key: content[key] for key in content if key.startswith(variables.FILMS) or key in ("T", *variables.MEASURED)
     }
     approach = variables.in_si({"Delta": values.pop("Delta")}, case.scales)["delta_m"]
-    si = {**variables.scales_of(case), "approach_m": approach, **variables.in_si(values, case.scales)}
+    si = {**scales_of(case), "approach_m": approach, **variables.in_si(values, case.scales)}
     return {**content, "si": si}
 
 
-def _parameters(case: Case) -> dict[str, float]:
-    p = case.parameters
-    return {"M": p.M, "L": p.L, "lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar}
+def si_summary(case: Case, max_approach: Mapping[str, float] | None) -> dict[str, object] | None:
+    """An impact's summary in SI: the scales and the values at maximum approach; None for a dimensionless case.
+
+    Names end with their unit: t_s, delta_m, f_N, p_c_Pa, p_max_Pa, h_c_m, h_min_m, x_min_m.
+    """
+    if case.scales is None:
+        return None
+    values = (
+        None
+        if max_approach is None
+        else variables.in_si({key: max_approach[key] for key in variables.AT_MAXIMUM}, case.scales)
+    )
+    return {**scales_of(case), "max_approach": values}
 
 
 def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]:
@@ -142,7 +153,7 @@ def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]
         return []
     p = case.parameters
     at = Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25)
-    ugw = variables.ugw_of(case) if case.scales else None
+    ugw = ugw_of(case) if case.scales else None
     found = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load))
     unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
 

@@ -17,7 +17,7 @@ from ertel.model.case import Case
 from ertel.model.state import Attempt, GridSolution, Level, Method
 from ertel.model.status import Status
 from ertel.numerics import bdf
-from ertel.results import variables
+from ertel.results.dataset import assemble, assemble_steady
 from ertel.results.summary import steady_summary, transient_summary
 from ertel.runs import compiling
 from ertel.solvers import steady
@@ -163,7 +163,7 @@ def simulate(
             on_step(step)
     records = [step.record for step in steps if step.record]
     frames = [frame for step in steps for frame in step.frames]
-    data = variables.assemble(case, records, frames, method.coordinates)
+    data = assemble(case, records, frames, method.coordinates)
     work = {"compilations": compiling.count() - compiled, "wall_s": clock.monotonic() - started}
     summary = summarise(case, step, data, work)
     return Result(case, data.assign_attrs(status=step.status.value), summary, step.status)
@@ -179,7 +179,7 @@ def _simulate_steady(case: Case, on_grid: Callable[[GridSolution], object] | Non
     work = {"compilations": compiling.count() - compiled, "wall_s": clock.monotonic() - started}
     status = solutions[-1].status
     summary = steady_summary(case, solutions, work, status)
-    data = variables.assemble_steady(case, solutions)
+    data = assemble_steady(case, solutions)
     return Result(case, data.assign_attrs(status=status.value), summary, status)
 
 

@@ -20,7 +20,7 @@ from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.physics import surfaces
 from ertel.physics.surfaces import Feature
-from ertel.results import variables
+from ertel.results.dataset import assemble
 from ertel.runs import drive
 from ertel.runs.drive import Frame, Step
 from ertel.solvers import tangent
@@ -147,7 +147,7 @@ def _assemble(
     peak = drive.interpolate(levels, T)
     P, H = (np.asarray(method.whole(field)) for field in (peak.P, peak.H))
     frame = Frame(T, P, H, "max-approach")
-    data = variables.assemble(case, records, [frame], method.coordinates, {"status": status.value}).isel(frame=0)
+    data = assemble(case, records, [frame], method.coordinates, {"status": status.value}).isel(frame=0)
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]
     return data.assign(dH=(("wave", "Y", "X"), np.stack([np.asarray(change) for change in changes]), FILM_CHANGE))

@@ -45,6 +45,8 @@ from ertel.model.status import Status
 from ertel.numerics.grid import Grid
 from ertel.numerics.symmetry import Even
 from ertel.results import variables
+from ertel.results.dataset import assemble_steady, columns, dimensions, maps
+from ertel.results.provenance import provenance
 from ertel.results.summary import steady_summary
 from ertel.runs import compiling
 from ertel.runs.drive import Frame, State, Step, method_of, summarise, transient
@@ -238,8 +240,8 @@ class TransientStore(RunStore):
         """Write the steps taken since the last flush, then the checkpoint."""
         if self._state is None:
             return
-        self._extend("time", variables.columns(self._records) if self._records else {})
-        self._extend("frame", variables.maps(self._frames) if self._frames else {})
+        self._extend("time", columns(self._records) if self._records else {})
+        self._extend("frame", maps(self._frames) if self._frames else {})
         _commit(self.directory / DATA)
         written = np.array(list(self._written.values()))
         self._write_checkpoint({**self._state.to_arrays(), "store_written": written})
@@ -288,7 +290,7 @@ class SteadyStore(RunStore):
     """The directory of a steady contact: written after every grid, so that a killed run loses the one under way."""
 
     def _make_data(self, path: Path) -> None:
-        data = variables.assemble_steady(self.case, self.solutions(), {"status": Status.RUNNING.value})
+        data = assemble_steady(self.case, self.solutions(), {"status": Status.RUNNING.value})
         data.to_zarr(path, consolidated=False)
         _commit(path)
 
@@ -424,7 +426,7 @@ def _require_free(directory: Path) -> None:
 
 
 def _create_arrays(path: Path, case: Case, coordinates: Mapping[str, Any]) -> None:
-    attributes = {**variables.provenance(case), "status": Status.RUNNING.value}
+    attributes = {**provenance(case), "status": Status.RUNNING.value}
     group = zarr.create_group(path, attributes=cast(dict[str, Any], attributes))
     axes = {name: np.asarray(values, dtype=float) for name, values in coordinates.items()}
     shape = tuple(len(values) for values in axes.values())
@@ -435,7 +437,7 @@ def _create_arrays(path: Path, case: Case, coordinates: Mapping[str, Any]) -> No
             shape=axes[name].shape if name in axes else (0, *rest),
             chunks=axes[name].shape if name in axes else (1, *rest) if rest else (ROWS,),
             dtype="int8" if name == "event" else "float64",
-            dimension_names=variables.dimensions(name, coordinates),
+            dimension_names=dimensions(name, coordinates),
             attributes=cast(dict[str, Any], variables.variable_attributes(name, case.scales)),
         )
         if name in axes:

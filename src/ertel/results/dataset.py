@@ -1,0 +1,134 @@
+"""A run as an xarray Dataset: scalars over time and fields over frames, or a steady contact over its grids."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+import xarray as xr
+
+from ertel.model import discretise
+from ertel.model.case import Case
+from ertel.model.state import GridSolution
+from ertel.results.provenance import provenance
+from ertel.results.variables import AXES, EVENTS, FIELDS, MEASURED, SCALARS, variable_attributes
+
+EVERY_FIELD = tuple(FIELDS)
+
+
+class Frame(Protocol):
+    """The fields at one time, as a run hands them over."""
+
+    @property
+    def T(self) -> float: ...
+    @property
+    def P(self) -> Any: ...
+    @property
+    def H(self) -> Any: ...
+    @property
+    def event(self) -> str: ...
+
+
+def columns(records: Sequence[Mapping[str, float]]) -> dict[str, np.ndarray]:
+    """Step records as arrays by variable name, T as `time`."""
+    names = {"time": "T", **{name: name for name in SCALARS}}
+    return {name: np.array([record[key] for record in records], dtype=float) for name, key in names.items()}
+
+
+def maps(frames: Sequence[Frame], fields: Sequence[str] = EVERY_FIELD) -> dict[str, np.ndarray]:
+    """Frames as arrays by variable name, stacked along the first axis.  fields: the names of what a frame carries."""
+    return {
+        "frame": np.array([frame.T for frame in frames], dtype=float),
+        "event": np.array([EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
+        **{name: np.array([getattr(frame, name) for frame in frames], dtype=float) for name in fields},
+    }
+
+
+def dimensions(name: str, coordinates: Mapping[str, Any]) -> tuple[str, ...]:
+    """Dimensions of a variable of a run in time; the space axes are those of `coordinates`, in order."""
+    if name in FIELDS:
+        return ("frame", *coordinates)
+    return (name,) if name in AXES else ("frame",) if name == "event" else ("time",)
+
+
+def assemble(
+    case: Case,
+    records: Sequence[Mapping[str, float]],
+    frames: Sequence[Frame],
+    coordinates: Mapping[str, Any],
+    attributes: Mapping[str, object] | None = None,
+    fields: Sequence[str] = EVERY_FIELD,
+) -> xr.Dataset:
+    """The run as a Dataset: scalars over `time` (every step), maps over `frame` and the space axes.
+
+    Parameters
+    ----------
+    case : Case
+        What was run: its provenance goes into the attributes.
+    records : sequence of mappings
+        The scalars of every accepted step, by variable name and "T", dimensionless.
+    frames : sequence of Frame
+        The maps that were kept.
+    coordinates : mapping
+        Axes of the maps in order, in a*: Y and X, or r.
+    attributes : mapping, optional
+        More attributes of the Dataset.
+    fields : sequence of str
+        The names of the fields that the frames carry.
+    """
+    space = {name: np.asarray(axis) for name, axis in coordinates.items()}
+    stacks = maps(frames, fields)
+    for name in fields:  # no maps at all still have their shape
+        stacks[name] = stacks[name].reshape(len(frames), *(len(axis) for axis in space.values()))
+    arrays = {**columns(records), **stacks, **space}
+    variables = {
+        name: (dimensions(name, coordinates), values, variable_attributes(name, case.scales))
+        for name, values in arrays.items()
+    }
+    axes = {name: variables.pop(name) for name in AXES if name in variables}
+    return xr.Dataset(variables, axes, {**provenance(case), **(attributes or {})})
+
+
+def assemble_steady(
+    case: Case,
+    solutions: Sequence[GridSolution],
+    attributes: Mapping[str, object] | None = None,
+    fields: Sequence[str] = EVERY_FIELD,
+) -> xr.Dataset:
+    """The steady contact as a Dataset: fields on the finest grid so far, scalars and residuals over `grid`.
+
+    grid: nodes a side, coarsest first.  convolutions: in units of one on that grid.  attributes, fields: as in
+    `assemble`.
+    """
+    finest = solutions[-1].grid if solutions else discretise.grid_of(case)
+    nothing = np.full((finest.nodes, finest.nodes), np.nan)
+    last = solutions[-1] if solutions else None
+    found = {name: np.asarray(last.whole(getattr(last, name))) if last else nothing for name in fields}
+    history = _histories(solutions)
+    of_grids = [{**s.measure(), **_work(s)} for s in solutions]
+    names = (*MEASURED, "residual", "newton_iterations", "krylov_iterations", "convolutions")
+    arrays: dict[str, tuple[tuple[str, ...], Any]] = {
+        **{name: (("Y", "X"), values) for name, values in found.items()},
+        **{name: (("grid",), np.array([row[name] for row in of_grids], dtype=float)) for name in names},
+        "history": (("grid", "iteration"), history),
+    }
+    axes = {"Y": finest.y, "X": finest.x, "grid": np.array([s.grid.nodes for s in solutions], dtype=np.int64)}
+    coordinates = {**axes, "iteration": np.arange(history.shape[1])}
+    return xr.Dataset(
+        {name: (dims, values, variable_attributes(name, case.scales)) for name, (dims, values) in arrays.items()},
+        {name: ((name,), values, variable_attributes(name, case.scales)) for name, values in coordinates.items()},
+        {**provenance(case), **(attributes or {})},
+    )
+
+
+def _histories(solutions: Sequence[GridSolution]) -> np.ndarray:
+    """The residuals on every grid (grid, iteration), nan after the last iteration."""
+    longest = max((len(s.history) for s in solutions), default=0)
+    history = np.full((len(solutions), longest), np.nan)
+    for row, s in zip(history, solutions, strict=True):
+        row[: len(s.history)] = s.history
+    return history
+
+
+def _work(s: GridSolution) -> dict[str, float]:
+    counts = {"newton_iterations": s.newton, "krylov_iterations": s.krylov, "convolutions": s.convolutions}
+    return {"residual": s.residual, **counts}

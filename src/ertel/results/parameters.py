@@ -1,0 +1,58 @@
+"""What is known of a case before it is run: its parameters, dimensionless and Hamrock and Dowson's, and its scales.
+
+This module imports neither JAX nor xarray, so that `ertel params` answers at once.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+from ertel.physics import hertz
+from ertel.physics.scales import HamrockDowson, hamrock_dowson
+
+if TYPE_CHECKING:  # the case brings JAX with it
+    from ertel.model.case import Case
+
+
+def parameters_of(case: "Case") -> dict[str, float]:
+    """The dimensionless parameters by name."""
+    p = case.parameters
+    return {"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar, "M": p.M, "L": p.L}
+
+
+def parameter_summary(case: "Case") -> dict[str, Any]:
+    """The parameters of a case, known before it is run.
+
+    For a physical case U, G, W are those of Hamrock and Dowson (for an impact with load F* and speed a*/t0), and `si`
+    holds the scales, named with their units.  For an impact also stokes, St = m v0/(6 pi eta0 R^2); trapped_film, the
+    scale of the film in a*^2/R; and in `si` contact_time_s, the contact time of the dry impact.
+    """
+    p, s = case.parameters, case.scales
+    impact = case.kind == "impact"
+    content: dict[str, Any] = {**parameters_of(case)}
+    if impact:
+        content |= {"stokes": p.stokes, "trapped_film": p.trapped_film}
+    if s is None:
+        return content
+    more = {}
+    if impact:
+        more = {"contact_time_s": hertz.CONTACT_TIME * s.t0, "mass_kg": s.ball_mass}
+        more["trapped_film_m"] = p.trapped_film * s.film
+    return {**content, **ugw_of(case)._asdict(), "si": {**scales_of(case), **more}}
+
+
+def ugw_of(case: "Case") -> HamrockDowson:
+    """Hamrock and Dowson's U, G, W of a physical case.  Raises ValueError for a dimensionless one."""
+    p, s = case.parameters, case.scales
+    if s is None:
+        raise ValueError("case: is dimensionless and has no U, G, W")
+    eta0 = p.lambda_bar * s.t0 * s.a**2 * s.p_h / (12 * s.R**2)
+    return hamrock_dowson(s, eta0, p.alpha_bar / s.p_h)
+
+
+def scales_of(case: "Case") -> dict[str, float]:
+    """The SI scales of a physical case, named with their units; empty for a dimensionless one."""
+    s = case.scales
+    if s is None:
+        return {}
+    named = {"R_m": s.R, "E_prime_Pa": s.E_prime, "a_m": s.a, "p_h_Pa": s.p_h, "delta_m": s.film}
+    speed = {"v0_m_per_s": s.speed} if case.kind == "impact" else {"u_m_m_per_s": s.front_speed}
+    return named | {"F_N": s.load, "t0_s": s.t0} | speed

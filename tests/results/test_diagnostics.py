@@ -1,0 +1,59 @@
+"""Warnings: they come where they should, and their advice can be taken."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from cases import impact
+
+from ertel.numerics.grid import check_nodes
+from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
+from ertel.results import diagnostics
+
+
+def said(case, half_width=2.0):
+    """The warnings of an impact of which no map was kept yet."""
+    nodes = case.solver.nodes
+    data = xr.Dataset(
+        {"H_min": ("time", np.array([0.1])), "X_min": ("time", np.array([0.0])), "P": (("frame",), np.zeros(0))},
+        {"time": np.array([0.1]), "X": np.linspace(-half_width, half_width, nodes)},
+    )
+    return " ".join(diagnostics.warnings(case, data))
+
+
+def test_the_small_example_of_the_readme_does_not_hide_that_its_minimum_film_is_uncertain():
+    text = said(impact(1000, 10, 129))
+    assert "the film is not resolved at the front (3.8 cells" in text
+    assert "H_min is uncertain; use solver.nodes >= 353" in text
+
+
+@pytest.mark.parametrize("nodes", [65, 129, 257])
+def test_advised_nodes_are_allowed_and_enough(nodes):
+    advised = int(re.search(r"nodes >= (\d+)", said(impact(1000, 10, nodes)))[1])
+    check_nodes(advised)
+    assert "not resolved" not in said(impact(1000, 10, advised))
+
+
+@pytest.mark.parametrize(
+    ("shape", "size"),
+    [
+        (Waviness(0.01, 0.5, 0.25), 0.25),
+        (Waviness(0.01, 0.5), 0.5),
+        (RingWaviness(0.01, 0.4), 0.4),
+        (Spot(0.1, 0.2), 0.4),
+    ],
+)
+def test_roughness_knows_its_size(shape, size):
+    assert shape.size == size
+    rough = replace(impact(20, 5, 65), roughness=(Feature(shape),))
+    assert f"smallest width {size:g} a" in said(rough)
+
+
+def test_a_shape_without_a_size_is_not_judged():
+    class Hill:
+        def height(self, X, Y):
+            return 0.0 * X
+
+    assert "roughness" not in said(replace(impact(20, 5, 65), roughness=(Feature(Hill()),)))
