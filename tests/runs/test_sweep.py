@@ -4,14 +4,16 @@ import os
 import signal
 import subprocess
 import sys
-import time
+import threading
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
-from ertel.runs.sweep import Failure, Task, kept, processes, sweep
+from ertel.runs import sweep as sweep_module
+from ertel.runs.sweep import Failure, Task, kept, processes, source_digest, sweep
 
+HANG = 120  # s: a process that lives longer is taken for one that never ends
 CALLS: list[float] = []
 
 
@@ -84,44 +86,101 @@ def test_worker_processes_keep_to_one_thread_each():
     assert pid != os.getpid()
 
 
-def test_an_interrupt_ends_the_workers_and_keeps_what_is_done(tmp_path: Path):
-    tasks = [Task("short", double, (1,)), Task("long", time.sleep, (60,))]
-
-    def interrupt(task: Task, result: object) -> None:
-        raise KeyboardInterrupt
-
-    started = time.monotonic()
-    with pytest.raises(KeyboardInterrupt), processes(2) as executor:
-        sweep(tasks, executor, tmp_path, interrupt)
-    assert time.monotonic() - started < 30
-    assert kept(tasks, tmp_path) == {"short": 2}
+# -- what belongs to the stamp of a kept result ------------------------------------------------------------------------
 
 
+@pytest.fixture
+def sources(tmp_path: Path) -> Path:
+    directory = tmp_path / "package"
+    (directory / "room").mkdir(parents=True)
+    (directory / "a.py").write_bytes(b"x = 1")
+    (directory / "room" / "b.py").write_bytes(b"y = 2")
+    return directory
+
+
+def test_the_digest_of_sources_sees_every_byte_and_name(sources: Path):
+    before = source_digest(sources)
+    assert source_digest(sources) == before
+    (sources / "a.py").write_bytes(b"x = 2")
+    changed = source_digest(sources)
+    (sources / "a.py").write_bytes(b"x = 1")
+    assert changed != before == source_digest(sources)
+    (sources / "room" / "b.py").rename(sources / "room" / "c.py")
+    assert source_digest(sources) != before
+
+
+def test_the_digest_of_sources_sees_only_sources(sources: Path):
+    before = source_digest(sources)
+    (sources / "notes.txt").write_text("no code")
+    assert source_digest(sources) == before
+
+
+def test_a_result_of_other_sources_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    task = Task("a", double, (1,))
+    sweep([task], Now(), tmp_path)
+    assert kept([task], tmp_path) == {"a": 2}
+    monkeypatch.setattr(sweep_module, "own_sources", lambda: "other sources")
+    assert kept([task], tmp_path) == {}
+
+
+# -- how workers end: each sweep runs in a process of its own, so that a worker that stays can be seen -----------------
+
+# The worker holds the other end of the standard output, which is therefore at its end only when the worker is.
+
+INTERRUPTED = """
+import sys
+from pathlib import Path
+from ertel.runs.sweep import Task, processes, sweep
+from test_sweep import double, never_ends
+def interrupt(task, result):
+    raise KeyboardInterrupt
+if __name__ == "__main__":
+    try:
+        with processes(2) as executor:
+            sweep([Task("short", double, (1,)), Task("long", never_ends)], executor, Path(sys.argv[1]), interrupt)
+    except KeyboardInterrupt:
+        print("interrupted")
+"""
 KILLED = """
 from ertel.runs.sweep import Task, processes, sweep
-from test_sweep import long_run
+from test_sweep import never_ends
 if __name__ == "__main__":
     with processes(1) as executor:
-        sweep([Task("long", long_run)], executor)
+        sweep([Task("long", never_ends)], executor)
 """
 
 
-def long_run() -> None:
-    print(os.getpid(), flush=True)
-    time.sleep(600)
+def never_ends() -> None:
+    print("running", flush=True)
+    threading.Event().wait()
+
+
+def started(script: Path, text: str, *arguments: str) -> subprocess.Popen[str]:
+    script.write_text(text)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
+    command = [sys.executable, str(script), *arguments]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment, start_new_session=True)
+
+
+def rest_of_output(parent: subprocess.Popen[str]) -> str:
+    """What is printed until parent and workers have ended; where they do not, they are killed and the test fails."""
+    try:
+        return parent.communicate(timeout=HANG)[0]
+    except subprocess.TimeoutExpired:
+        os.killpg(parent.pid, signal.SIGKILL)
+        raise
+
+
+def test_an_interrupt_ends_the_workers_and_keeps_what_is_done(tmp_path: Path):
+    parent = started(tmp_path / "interrupted.py", INTERRUPTED, str(tmp_path / "kept"))
+    assert rest_of_output(parent).splitlines()[-1] == "interrupted"
+    assert parent.returncode == 0
+    assert kept([Task("short", double, (1,)), Task("long", never_ends)], tmp_path / "kept") == {"short": 2}
 
 
 def test_workers_end_with_a_parent_that_is_killed(tmp_path: Path):
-    script = tmp_path / "killed.py"
-    script.write_text(KILLED)
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
-    parent = subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True, env=environment)
-    assert parent.stdout
-    pid = int(parent.stdout.readline())
+    parent = started(tmp_path / "killed.py", KILLED)
+    assert parent.stdout and parent.stdout.readline() == "running\n"
     parent.send_signal(signal.SIGKILL)
-    parent.wait()
-    assert parent.stdout.read() == ""  # the worker holds the other end until it ends
-    with pytest.raises(ProcessLookupError):
-        for _ in range(100):
-            os.kill(pid, 0)
-            time.sleep(0.1)
+    assert rest_of_output(parent) == ""
+    assert parent.returncode == -signal.SIGKILL

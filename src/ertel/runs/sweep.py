@@ -1,13 +1,14 @@
-"""Independent runs side by side: given to any Executor, collected in order, kept on disk, failures as values.
+"""Independent runs side by side on any Executor.  Results come in order and are kept on disk; a failure is a value.
 
     tasks = [Task(f"M{M}", run, (M,)) for M in (200, 500, 1000)]
     with processes(2) as executor:
         results = sweep(tasks, executor, Path("runs"))
 
-Any `concurrent.futures.Executor` will do, so dask.distributed can take the place of the processes:
-Client.get_executor().  What is kept is pickled: use only a directory of your own.
+Any `concurrent.futures.Executor` will do, for example that of dask.distributed: Client.get_executor().
+Results are kept as pickles: use only a directory of your own.
 """
 
+import hashlib
 import logging
 import multiprocessing
 import os
@@ -18,6 +19,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +30,9 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Task:
-    """One run: function(*arguments), both of which travel to another process.
+    """One run: function(*arguments).  Function and arguments are pickled to reach another process.
 
-    name: of the file that keeps the result, unique in a sweep.  seconds: what it is expected to take.
+    name: names the file that keeps the result, unique in a sweep.  seconds: expected duration.
     """
 
     name: str
@@ -41,14 +43,14 @@ class Task:
 
 @dataclass(frozen=True)
 class Failure:
-    """A run that ended with an exception, in words."""
+    """A run that raised an exception, and its message."""
 
     reason: str
 
 
 @contextmanager
 def processes(jobs: int) -> Iterator[Executor]:
-    """Worker processes that leave cores and graphics memory to each other; an interrupt ends them at once."""
+    """Worker processes with one thread each, which share the memory of a GPU.  An interrupt ends them at once."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when a worker starts: many small dense solves
     os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
     context, others = multiprocessing.get_context("spawn"), set(multiprocessing.active_children())  # JAX fears forks
@@ -70,7 +72,7 @@ def _start_worker() -> None:
 
 
 def _end_with_parent() -> None:
-    """A parent that was killed collects no result: do not compute on for nobody."""
+    """End this worker when its parent was killed: nobody would collect the result."""
     parent = multiprocessing.parent_process()
     if parent:
         parent.join()
@@ -83,11 +85,30 @@ def sweep(
     directory: Path | None = None,
     on_done: Callable[[Task, Any], object] = lambda task, result: None,
 ) -> list[Any]:
-    """The results of all tasks in their order, a `Failure` where a run raised.
+    """Run all tasks that have no kept result.
 
-    directory: where results are kept; what is there is not run again, so that an interrupted sweep goes on where it
-    stood.  A result counts only for the same function, arguments and version of ertel.  on_done sees each task with
-    its result, as they come.
+    Parameters
+    ----------
+    tasks : sequence of Task
+        Their names must differ.
+    executor : concurrent.futures.Executor
+        Runs the tasks.
+    directory : Path, optional
+        Where results are kept.  A kept result is used again, so that an interrupted sweep goes on where it was.  It
+        must come from the same function, arguments, version and source code of ertel.  The source code of functions
+        outside ertel is not compared.
+    on_done : callable
+        Is called with each task and its result as soon as it is there.
+
+    Returns
+    -------
+    list
+        The results in the order of the tasks, a `Failure` for each run that raised an exception.
+
+    Raises
+    ------
+    ValueError
+        Two tasks have the same name.
     """
     by_name = {task.name: task for task in tasks}
     if len(by_name) < len(tasks):
@@ -105,20 +126,20 @@ def sweep(
             on_done(task, result)
     finally:
         for future in futures:
-            future.cancel()  # after an interrupt: what has not begun
+            future.cancel()  # after an interrupt, the tasks that have not begun
     return [found[task.name] for task in tasks]
 
 
 def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
-    """The results that are on disk, by name."""
+    """Task name -> kept result, for the tasks that have a valid one."""
     found = {}
     for task in tasks if directory else ():
         try:
             stamp, result = pickle.loads(_file(directory, task).read_bytes())
         except FileNotFoundError:
             continue
-        except Exception as error:  # a file of another version of anything
-            _log.warning("%s cannot be read and is done again: %s", task.name, error)
+        except Exception as error:  # damaged, or written by another version of some library
+            _log.warning("the kept result of %s cannot be read and is computed again: %s", task.name, error)
             continue
         if stamp == _stamp(task):
             found[task.name] = result
@@ -129,7 +150,7 @@ def _keep(directory: Path, task: Task, result: object) -> None:
     directory.mkdir(parents=True, exist_ok=True)
     fresh = _file(directory, task).with_suffix(".new")
     fresh.write_bytes(pickle.dumps((_stamp(task), result)))
-    fresh.replace(_file(directory, task))  # whole or not at all
+    fresh.replace(_file(directory, task))  # atomic: the file is complete or absent
 
 
 def _file(directory: Path | None, task: Task) -> Path:
@@ -137,7 +158,26 @@ def _file(directory: Path | None, task: Task) -> Path:
 
 
 def _stamp(task: Task) -> tuple[object, ...]:
-    return ertel.__version__, task.function.__module__, task.function.__qualname__, task.arguments
+    """What a kept result depends on."""
+    function = task.function.__module__, task.function.__qualname__
+    return ertel.__version__, own_sources(), *function, task.arguments
+
+
+@cache
+def own_sources() -> str:
+    """The `source_digest` of ertel itself, read once per process."""
+    return source_digest(Path(next(iter(ertel.__path__))))
+
+
+def source_digest(directory: Path) -> str:
+    """SHA-256 (hexadecimal) of the relative paths and contents of all Python files in a directory and below it."""
+    digest = hashlib.sha256()
+    files = {path.relative_to(directory).as_posix(): path for path in directory.rglob("*.py")}
+    for name, path in sorted(files.items()):
+        content = path.read_bytes()
+        digest.update(f"{name}\0{len(content)}\0".encode())  # so that no two sets of files give the same bytes
+        digest.update(content)
+    return digest.hexdigest()
 
 
 def _outcome(future: Future[Any]) -> Any:
