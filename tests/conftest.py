@@ -8,6 +8,7 @@ from hypothesis import settings
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ.setdefault("JAX_ENABLE_X64", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small dense solves wait for their threads where cores are busy
+os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA calls it an error when it loads code that it compiled itself
 
 settings.register_profile("ertel", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ertel")

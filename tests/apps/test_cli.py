@@ -135,7 +135,7 @@ def test_run_that_gives_up(here, monkeypatch):
     monkeypatch.setattr(import_module("ertel.runs.drive"), "SMALLEST_STEP", 0.02)
     monkeypatch.setattr(import_module("ertel.runs.drive"), "FIRST_STEP", 0.03)
     result = ertel_("run", "small.toml", code=1)
-    assert "gave up: the time step became too small" in result.stderr
+    assert "failed: the time step became too small" in result.stderr
     assert "runs/small" in result.stderr
     summary = json.loads((here / "runs" / "small" / "summary.json").read_text())
     assert summary["status"] == "the time step became too small"
@@ -148,7 +148,7 @@ def test_full_disk(here, monkeypatch):
 
     monkeypatch.setattr(store.RunStore, "_write_checkpoint", full)
     result = ertel_("run", "small.toml", code=1)
-    assert "cannot write to runs/small, no space left on device; go on with: ertel resume runs/small" in result.stderr
+    assert "cannot write to runs/small: no space left on device; to continue: ertel resume runs/small" in result.stderr
 
 
 # -- interrupted ------------------------------------------------------------------------------------------------------
@@ -166,7 +166,7 @@ def test_interrupt_and_resume(here, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(store.TransientStore, "append", append)
         result = ertel_("run", "small.toml", "--out", "cut", code=130)
-    assert "interrupted; go on with: ertel resume cut" in result.stderr
+    assert "interrupted; to continue: ertel resume cut" in result.stderr
     assert json.loads(ertel_("show", "cut", "--json").stdout)["steps"] == 5
     ertel_("resume", "cut", "-q")
     whole, resumed = (store.RunStore.open(here / name).dataset() for name in ("whole", "cut"))
@@ -182,7 +182,7 @@ def test_interrupt_of_the_half_grid(here, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(import_module("ertel.runs.drive"), "simulate", interrupted)
         result = ertel_("run", "small.toml", "--error", "--set", "solver.nodes=65", code=130)
-    assert "go on with: ertel resume runs/small" in result.stderr
+    assert "to continue: ertel resume runs/small" in result.stderr
     ertel_("show", "runs/small", code=2)  # nothing to show yet
     ertel_("resume", "runs/small", "-q")
     assert json.loads(ertel_("show", "runs/small", "--json").stdout)["status"] == "converged"
@@ -205,7 +205,7 @@ def test_control_c(here):
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert b"go on with: ertel resume runs/small" in said
+    assert b"to continue: ertel resume runs/small" in said
 
 
 # -- show, plot, params -----------------------------------------------------------------------------------------------

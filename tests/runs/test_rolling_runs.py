@@ -287,7 +287,7 @@ def test_interrupt_and_resume(here, monkeypatch, whole):
     with monkeypatch.context() as patch:
         patch.setattr(SteadyStore, "_write_checkpoint", write)
         result = ertel_("run", "steady.toml", "--out", "cut", code=130)
-    assert "interrupted; go on with: ertel resume cut" in result.stderr
+    assert "interrupted; to continue: ertel resume cut" in result.stderr
     assert json.loads(ertel_("show", "cut", "--json").stdout)["nodes"] == 33
     ertel_("resume", "cut", "-q")
     assert json.loads(ertel_("show", "cut", "--json").stdout)["nodes"] == 65
@@ -342,7 +342,7 @@ def test_a_transient_run_resumed(here):
 def test_a_transient_run_that_cannot_begin(here, monkeypatch):
     monkeypatch.setattr(import_module("ertel.runs.drive"), "SMALLEST_STEP", 10.0)
     result = ertel_("run", "transient.toml", code=1)
-    assert "gave up" in result.stderr
+    assert "failed: " in result.stderr
     assert "No step was taken" in ertel_("show", "runs/transient").stdout
 
 

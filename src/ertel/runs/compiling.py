@@ -1,31 +1,136 @@
-"""JAX compilations: counted, and kept on disk so that each is done once per machine and grid shape."""
+"""JAX's compilations: counted, kept on disk for the next process, and checked for versions that compute wrongly."""
 
+import hashlib
 import os
+import platform
+import warnings
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from importlib.metadata import version
+from itertools import takewhile
 from pathlib import Path
+from typing import Any
 
-import jax
+# JAX is imported inside the functions, so that its version can be read and judged without it.
+
+EXCLUDED = ("0.10.2", "0.11.0")  # JAX issue 39103
+REQUIREMENT = "jax" + ",".join(f"!={bad}" for bad in EXCLUDED)
 
 _EVENT = "/jax/core/compile/backend_compile_duration"
-_count = 0
+_compiled = 0
+_told = False
 
 
-def _listen(event: str, duration_secs: float, **_: str | int) -> None:
-    global _count
-    _count += event == _EVENT
+# -- versions that compute wrongly ------------------------------------------------------------------------------------
 
 
-jax.monitoring.register_event_duration_secs_listener(_listen)
+def wrong_version(version: str) -> str:
+    """What to know of a jaxlib version that computes wrongly; empty for the others.
+
+    jaxlib 0.10.2 and 0.11.0 miscompile a product of a matrix with many rows that is summed up, on the CPU and in
+    double precision.  `tests/runs/test_compiling.py` shows it.
+    Source: issue 39103 of JAX.
+    """
+    if version not in EXCLUDED:
+        return ""
+    return f'JAX {version} computes wrongly on the CPU (JAX issue 39103); install another: pip install "{REQUIREMENT}"'
+
+
+def check_jax(tell: Callable[[str], object] | None = None) -> None:
+    """Tell, once in a process, that the installed JAX computes wrongly, if it does.
+
+    tell: what is called with the sentence; `warnings.warn` by default.
+    """
+    global _told
+    message = wrong_version(version("jaxlib"))
+    if message and not _told:
+        _told = True
+        if tell:
+            tell(message)
+        else:
+            warnings.warn(message, RuntimeWarning, stacklevel=2)
+
+
+# -- counting ---------------------------------------------------------------------------------------------------------
 
 
 def count() -> int:
-    """Programs compiled (or fetched from the persistent cache) in this process so far."""
-    return _count
+    """Programs compiled, or fetched from the persistent cache, in this process since the first call."""
+    _listen()
+    return _compiled
+
+
+@cache
+def _listen() -> None:
+    import jax
+
+    def on_event(event: str, duration_secs: float, **_: str | int) -> None:
+        global _compiled
+        _compiled += event == _EVENT
+
+    jax.monitoring.register_event_duration_secs_listener(on_event)
+
+
+# -- the persistent cache ---------------------------------------------------------------------------------------------
 
 
 def keep_on_disk() -> None:
-    """Use a persistent compilation cache, unless the user has chosen one (JAX_COMPILATION_CACHE_DIR) or none."""
-    chosen = getattr(jax.config, "jax_compilation_cache_dir", None)
-    if chosen is None and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-        jax.config.update("jax_compilation_cache_dir", str(base / "ertel" / "jax"))
+    """Keep compiled programs in `cache_directory`, and replace those that cannot be read."""
+    import jax
+
+    if _jax_directory() is None and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
+        jax.config.update("jax_compilation_cache_dir", str(cache_directory()))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # the many small ones add up
+    _replace_unreadable()
+
+
+def cache_directory() -> Path:
+    """Where compiled programs are kept: JAX_COMPILATION_CACHE_DIR, or a folder per processor type and jaxlib version.
+
+    XLA compiles for the instructions of one processor type, and a home directory may be shared between machines.
+    """
+    if chosen := os.environ.get("JAX_COMPILATION_CACHE_DIR"):
+        return Path(chosen)
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "ertel" / "jax" / f"{_processor()}-jaxlib-{version('jaxlib')}"
+
+
+def _jax_directory() -> str | None:
+    """The directory that JAX uses now."""
+    import jax
+
+    return getattr(jax.config, "jax_compilation_cache_dir", None)
+
+
+def _processor() -> str:
+    """The machine's architecture and a digest of its processor's model and instructions."""
+    kind = [platform.processor()]
+    with suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as file:  # Linux
+        first = takewhile(str.strip, file)  # one block per core, with an empty line after it
+        kind = [line for line in first if line.startswith(("model name", "flags", "CPU", "Features"))]
+    return f"{platform.machine()}-{hashlib.sha256(''.join(kind).encode()).hexdigest()[:8]}"
+
+
+@cache
+def _replace_unreadable() -> None:
+    """Have JAX delete an entry of its cache that it cannot read, such as one cut short, and compile it anew.
+
+    JAX itself warns, compiles, and leaves the entry as it is: so in every process from then on.  It has no public hook
+    for this; a version without the function that is wrapped here goes on as it is.
+    """
+    from jax._src import compilation_cache
+
+    read = getattr(compilation_cache, "get_executable_and_time", None)
+    if read is None:
+        return
+
+    def read_or_delete(cache_key: str, *arguments: Any, **named: Any) -> Any:
+        try:
+            return read(cache_key, *arguments, **named)
+        except Exception:  # zlib.error, an error of XLA, ...
+            with suppress(OSError):  # a cache that may only be read
+                Path(_jax_directory() or "", f"{cache_key}-cache").unlink(missing_ok=True)
+            return None, None
+
+    compilation_cache.get_executable_and_time = read_or_delete  # type: ignore[assignment, unused-ignore]

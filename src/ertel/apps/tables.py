@@ -1,0 +1,180 @@
+"""The tables that the command line prints, and the same as data."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from ertel.model.case import Case
+    from ertel.physics.film_formulas import Film
+
+Errors = Mapping[str, tuple[float, float]]  # error estimate and extrapolated value by name
+
+
+def console() -> Console:
+    """Where tables are printed: stdout, without markup."""
+    return Console(highlight=False, markup=False, soft_wrap=True)
+
+
+# -- a run ------------------------------------------------------------------------------------------------------------
+
+
+def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
+    """The outcome of a run."""
+    parameters = f"M = {summary['M']:.5g}, L = {summary['L']:.4g}"
+    out.print(f"{case.name or case.kind}: {parameters} ({_grid(case)}): {summary['status']}", style="bold")
+    if case.kind == "rolling":
+        _print_rolling(out, case, summary)
+    else:
+        _print_impact(out, case, summary)
+    steps = f"{summary['steps']} steps, " if "steps" in summary else ""
+    work = "{newton_iterations} Newton and {krylov_iterations} Krylov iterations, {wall_s:.1f} s"
+    out.print(steps + work.format_map(summary))
+    for warning in summary["warnings"]:
+        out.print(f"Warning: {warning}", style="yellow")
+
+
+def _grid(case: "Case") -> str:
+    s = case.solver
+    if case.kind == "impact":
+        return f"{s.method}, {s.nodes} nodes to {s.half_width:g} a*"
+    inlet = s.inlet or s.half_width
+    return f"{s.method}, {s.nodes} nodes, {inlet:g} a upstream to {2 * s.half_width - inlet:g} a downstream"
+
+
+def _print_impact(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
+    if summary["max_approach"]:
+        out.print(value_table(case, "at maximum approach", summary["max_approach"], _impact_errors(summary)))
+    else:
+        out.print("Maximum approach was not reached.")
+    if summary.get("restitution") is not None:
+        out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
+
+
+def _impact_errors(summary: Mapping[str, Any]) -> Errors:
+    estimate = summary.get("error_estimate") or {}
+    return {"Delta" if key == "Delta_max" else key: (e["error"], e["extrapolated"]) for key, e in estimate.items()}
+
+
+def _print_rolling(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
+    """Values with their errors, then the film formulas at the load and the speed of that moment."""
+    from ertel.results.summary import films
+    from ertel.results.variables import FILMS, MEASURED
+
+    if summary["H_c"] is None:
+        out.print("No time step was completed.")
+        return
+    steady, T = summary["method"] == "steady", summary.get("T", 0.0)
+    heading = f"on {summary['nodes']} x {summary['nodes']} nodes" if steady else "at the last time"
+    values = {key: summary[key] for key in (MEASURED if steady else ("T", *MEASURED))}
+    known = [name for name in FILMS if summary[f"{name}_error"] is not None]
+    errors = {name: (summary[f"{name}_error"], summary[f"{name}_extrapolated"]) for name in known}
+    out.print(value_table(case, heading, values, errors))
+    found = films(case, case.motion.load(T), case.motion.entrainment(T))
+    computed = {name: summary[f"{name}_extrapolated"] if name in known else summary[name] for name in FILMS}
+    if found:
+        out.print()
+        out.print(film_table(case, found, computed, "computed, extrapolated" if known else "computed"))
+
+
+def value_table(case: "Case", heading: str, values: Mapping[str, float], errors: Errors) -> Table:
+    """Dimensionless values, with their value in SI, their error and the extrapolated value where these are known."""
+    table = Table(heading, "", box=None, pad_edge=False)
+    for column in ["value", *(["in SI"] if case.scales else []), *(["error", "extrapolated"] if errors else [])]:
+        table.add_column(column, justify="right", no_wrap=True)
+    for key, value in values.items():
+        table.add_row(*_value_cells(case, key, value, errors.get(key)))
+    return table
+
+
+def _value_cells(case: "Case", key: str, value: float, error: tuple[float, float] | None) -> list[str]:
+    from ertel.results.variables import VARIABLES, with_prefix
+
+    variable = VARIABLES["time" if key == "T" else key]
+    cells = [variable.long_name, key, f"{value:.5g}"]
+    if case.scales:
+        cells.append(with_prefix(value * variable.factor(case.scales), variable.si_units))
+    if error:
+        cells += [f"{error[0] / abs(value):.2%}" if value else "-", f"{error[1]:.5g}"]
+    return cells
+
+
+# -- film formulas ----------------------------------------------------------------------------------------------------
+
+
+def film_table(
+    case: "Case", found: "Sequence[Film]", computed: Mapping[str, float], computed_by: str = "computed"
+) -> Table:
+    """The films by the formulas, and how far they are from a computed film if there is one.
+
+    A formula that is not made for such a contact is in brackets.
+    """
+    caption = "(in brackets: the contact is outside the range of the formula)"
+    table = Table("film", box=None, pad_edge=False, caption=caption)
+    table.columns[0].no_wrap = True
+    for column in ("central", "deviation", "minimum", "deviation") if computed else ("central", "minimum"):
+        table.add_column(column, justify="right", no_wrap=True)
+    if computed:
+        table.add_row(computed_by, _film(case, computed["H_c"]), "", _film(case, computed["H_min"]))
+    for f in found:
+        cells = [_film(case, f.central), _film(case, f.minimum)]
+        if computed:
+            cells.insert(1, _deviation(f.central, computed["H_c"]))
+            cells.append(_deviation(f.minimum, computed["H_min"]))
+        table.add_row(f.name if f.inside is not False else f"({f.name})", *cells)
+    return table
+
+
+def _film(case: "Case", film: float | None) -> str:
+    from ertel.results.variables import with_prefix
+
+    if film is None:
+        return ""
+    return with_prefix(film * case.scales.film, "m") if case.scales else f"{film:.4g}"
+
+
+def _deviation(film: float | None, computed: float) -> str:
+    return f"{film / computed - 1:+.1%}" if film is not None and computed else ""
+
+
+def print_sources(out: Console, found: "Sequence[Film]") -> None:
+    """Where the formulas come from and what they are made for."""
+    sources: dict[str, list[str]] = {}
+    for f in found:
+        sources.setdefault(f.source, []).append(f"{f.name}: {f.valid}")
+    for source, formulas in sources.items():
+        out.print(f"\n{source}", *(f"  {line}" for line in formulas), sep="\n")
+
+
+def films_as_data(case: "Case", found: "Sequence[Film]") -> dict[str, Any]:
+    """The parameters of a case and its films by the formulas, ready for JSON."""
+    from ertel.results.parameters import parameter_summary
+    from ertel.results.variables import in_si
+
+    rows = [film._asdict() for film in found]
+    if case.scales:
+        for row in rows:
+            values = {"H_c": row["central"], "H_min": row["minimum"]}
+            row["si"] = in_si(values, case.scales)
+    return {**parameter_summary(case), "films": rows}
+
+
+# -- names and values -------------------------------------------------------------------------------------------------
+
+
+def print_parameters(out: Console, content: Mapping[str, Any]) -> None:
+    """The parameters of a case, then its scales in SI."""
+    table = Table("parameter", "value", box=None, pad_edge=False)
+    for name, value in {**content, **content.get("si", {})}.items():
+        if name != "si":
+            table.add_row(name, f"{value:.6g}")
+    out.print(table)
+
+
+def print_names(out: Console, content: Mapping[str, str]) -> None:
+    """Names and what belongs to them, a line each."""
+    width = max(map(len, content)) + 2
+    for name, text in content.items():
+        out.print(f"{name:{width}}{text}")
