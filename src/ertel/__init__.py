@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from ertel.inputs.case_files import load_case as load_case
     from ertel.inputs.case_files import parse_case as parse_case
     from ertel.model.case import Case as Case
-    from ertel.model.case import Output as Output
-    from ertel.model.case import Solver as Solver
-    from ertel.model.case import Time as Time
+    from ertel.model.sections import Output as Output
+    from ertel.model.sections import Solver as Solver
+    from ertel.model.sections import Time as Time
     from ertel.model.status import Status as Status
     from ertel.physics.lubricant import Lubricant as Lubricant
     from ertel.physics.scales import Parameters as Parameters
@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 _HOMES = {
     "simulate_batch": "runs.batch",
     "Case": "model.case",
-    "Output": "model.case",
-    "Solver": "model.case",
-    "Time": "model.case",
+    "Output": "model.sections",
+    "Solver": "model.sections",
+    "Time": "model.sections",
     "ConfigError": "inputs.case_files",
     "load_case": "inputs.case_files",
     "parse_case": "inputs.case_files",

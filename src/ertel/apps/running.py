@@ -8,7 +8,6 @@ from typing import Any
 from ertel.apps import tables
 from ertel.apps.exits import FAILED, INTERRUPTED, check_jax, leave, reason_of
 from ertel.apps.progress import Watch, interruptible, progress, watch
-from ertel.inputs.case_files import check_case
 from ertel.model.case import Case
 from ertel.model.state import Method
 from ertel.model.status import Status
@@ -32,7 +31,7 @@ def create(directory: Path, case: Case, method: Method | None) -> RunStore:
 
 def half_grid(case: Case) -> Case | None:
     """The case for an error estimate, None where the run has one of its own."""
-    return None if case.solver.method == "steady" else check_case(case.on_half_grid())
+    return None if case.solver.method == "steady" else case.on_half_grid()
 
 
 def finish(run: RunStore, coarse: Case | None, as_json: bool, quiet: bool, method: Method | None = None) -> None:

@@ -17,8 +17,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.numerics import halfspace
 from ertel.model.pytrees import traceable
+from ertel.numerics import halfspace
 from ertel.numerics.grid import Grid
 from ertel.numerics.symmetry import WHOLE, Even, extended, total
 from ertel.physics.lubricant import Lubricant

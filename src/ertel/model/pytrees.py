@@ -1,6 +1,7 @@
 """The laws of an oil as something that JAX can trace; the laws themselves do not know JAX."""
 
 from functools import cache
+from typing import Any
 
 from jax.tree_util import register_dataclass
 
@@ -9,13 +10,14 @@ from ertel.physics.lubricant import Lubricant
 
 def traceable(oil: Lubricant) -> Lubricant:
     """The same oil, with its record and those of its laws known to JAX: their fields are arrays or numbers."""
-    for part in (oil, oil.viscosity_law, oil.density_law):
+    parts: tuple[object, ...] = (oil, oil.viscosity_law, oil.density_law)
+    for part in parts:
         _register(type(part))
     return oil
 
 
 @cache
-def _register(record: type) -> None:
+def _register(record: Any) -> None:
     try:
         register_dataclass(record)
     except ValueError as error:

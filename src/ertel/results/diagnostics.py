@@ -122,7 +122,7 @@ def _doubled(case: Case) -> int:
 
 
 def _roughness_warning(case: Case) -> str:
-    size = min((getattr(feature.shape, "size", inf) for feature in case.roughness), default=inf)
+    size = min((getattr(feature.shape, "size", inf) for feature in case.features), default=inf)
     cells = size * (case.solver.nodes - 1) / (2 * case.solver.half_width)
     if cells >= CELLS_IN_WAVE:
         return ""
@@ -169,7 +169,7 @@ def _front_warning(case: Case, data: xr.Dataset) -> str:
 
 
 def _gap_warning(case: Case) -> str:
-    gap, film = -case.time.start_approach, case.parameters.trapped_film
+    gap, film = -case.schedule.start_approach, case.parameters.trapped_film
     if gap >= GAP_SHARE * film:
         return ""
     return (

@@ -2,10 +2,8 @@
 
 import json
 import platform
-from dataclasses import asdict, is_dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
-from math import inf
 from typing import Any
 
 import ertel
@@ -24,7 +22,7 @@ def provenance(case: Case) -> dict[str, object]:
         "date_created": datetime.now(UTC).isoformat(timespec="seconds"),
         "platform": f"{platform.system()} {platform.machine()}, {platform.processor() or 'unknown processor'}",
         "versions": json.dumps(versions()),
-        "case": json.dumps(describe(case), default=repr),
+        "case": json.dumps(_data_of(case)),
         "kind": case.kind,
         "method": case.solver.method,
         **parameters_of(case),
@@ -39,27 +37,9 @@ def versions() -> dict[str, str]:
     return ours | {name: version(name) for name in packages}
 
 
-def describe(case: Case) -> dict[str, object]:
-    """A case as plain data: the records that it is made of, the names of its laws, and its input."""
-    oil = case.lubricant
-    return {
-        "name": case.name,
-        "kind": case.kind,
-        "parameters": asdict(case.parameters),
-        "lubricant": {"viscosity": _describe_law(oil.viscosity_law), "density": _describe_law(oil.density_law)},
-        "motion": {name: _describe_law(value) for name, value in vars(case.motion).items()},
-        "roughness": [{"surface": f.surface, **_describe_law(f.shape)} for f in case.roughness],
-        "solver": asdict(case.solver),
-        "time": asdict(case.time),
-        "output": asdict(case.output),
-        "scales": asdict(case.scales) if case.scales else None,
-        "source": case.source,
-    }
-
-
-def _describe_law(law: Any) -> Any:
-    """A record as its name and what is in it; infinite means that there is none.  A number as it is."""
-    if isinstance(law, int | float):
-        return law
-    values = asdict(law) if is_dataclass(law) and not isinstance(law, type) else {}
-    return {"law": type(law).__name__, **{name: value for name, value in values.items() if value != inf}}
+def _data_of(case: Case) -> dict[str, Any]:
+    """The case as it is written; of one that cannot be, in memory only, the reason."""
+    try:
+        return case.to_data()
+    except ValueError as error:
+        return {"not_written": str(error)}

@@ -192,7 +192,7 @@ def summarise(case: Case, last: Step, data: xr.Dataset, work: Mapping[str, float
 
 def progress_fraction(case: Case, record: Mapping[str, float]) -> float:
     """How much of a run lies behind a step, 0 to 1, roughly."""
-    T, start, until = record["T"], case.time.start_approach, case.time.until
+    T, start, until = record["T"], case.schedule.start_approach, case.schedule.until
     if not isinstance(until, str):
         return min(T / until, 1.0)
     touch, half, whole = -start, 1.47 - start, 2.95 - 2 * start
@@ -203,8 +203,8 @@ def progress_fraction(case: Case, record: Mapping[str, float]) -> float:
 
 def _first(case: Case, start: Attempt) -> State:
     """The state at T = 0; of a rolling contact its film is worth a map."""
-    step = case.time.step or FIRST_STEP * abs(case.time.start_approach)
-    return State((start.level,), step, Counts().plus(start), next_frame=1 if case.kind == "impact" else 0)
+    step = case.schedule.step or FIRST_STEP * abs(case.schedule.start_approach)
+    return State((start.level,), step, Counts().plus(start), next_frame=1 if case.starts_apart else 0)
 
 
 # -- one step -------------------------------------------------------------------------------------------------------
@@ -212,7 +212,7 @@ def _first(case: Case, start: Attempt) -> State:
 
 def _next(case: Case, method: Method, state: State) -> Step:
     """The next accepted step, with as many attempts as it takes."""
-    fixed = case.time.step
+    fixed = case.schedule.step
     step = fixed or state.next_step
     counts = state.counts
     while step >= SMALLEST_STEP:
@@ -233,9 +233,9 @@ def _next(case: Case, method: Method, state: State) -> Step:
 
 def _landing(case: Case, T: float, step: float) -> float:
     """The step, cut where it would run past an end given as a time."""
-    if isinstance(case.time.until, str):
+    if isinstance(case.schedule.until, str):
         return step
-    left = case.time.until - T
+    left = case.schedule.until - T
     return left if left < step * (1 + 1e-9) else step
 
 
@@ -254,7 +254,7 @@ def _error(case: Case, method: Method, levels: Sequence[Level], new: Level) -> f
     )
     of_speed = abs(new.velocity - velocity) if case.motion.inertia else 0.0
     difference = max(abs(new.approach - approach), of_speed, method.film_error(new.H, H, new.P))
-    return float(bdf.error_factor([new.T, *times]) * difference / case.time.tolerance)
+    return float(bdf.error_factor([new.T, *times]) * difference / case.schedule.tolerance)
 
 
 def _accept(
@@ -264,12 +264,12 @@ def _accept(
     measured = method.measure(attempt.level)
     frames, next_frame = _due_frames(case, method, levels, state.next_frame)
     reached = state.max_approach
-    if case.kind == "impact" and reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
+    if case.starts_apart and reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
         peak = interpolate(levels, turning_time(levels))
         reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak)}
         frames.append(_frame(method, peak, "max-approach"))
     status = Status.CONVERGED if _ended(case, attempt.level, measured["F"], reached) else Status.RUNNING
-    if status is Status.CONVERGED and case.time.until != "max-approach":
+    if status is Status.CONVERGED and case.schedule.until != "max-approach":
         frames.append(_frame(method, attempt.level, "end"))
     spent = counts.minus(state.counts)
     record = {
@@ -292,7 +292,7 @@ def _accept(
 
 
 def _ended(case: Case, level: Level, F: float, reached: Mapping[str, float] | None) -> bool:
-    match case.time.until:
+    match case.schedule.until:
         case "max-approach":
             return reached is not None
         case "rebound":
@@ -327,8 +327,8 @@ def turning_time(levels: Sequence[Level]) -> float:
 def _due_frames(case: Case, method: Method, levels: Sequence[Level], number: int) -> tuple[list[Frame], int]:
     """The maps due since the step before, at multiples of the interval."""
     frames = []
-    while number * case.output.interval <= levels[0].T:
-        frames.append(_frame(method, interpolate(levels, number * case.output.interval), ""))
+    while number * case.schedule.interval <= levels[0].T:
+        frames.append(_frame(method, interpolate(levels, number * case.schedule.interval), ""))
         number += 1
     return frames, number
 

@@ -15,6 +15,7 @@ from jax import Array
 
 from ertel.model import discretise
 from ertel.model.case import Case
+from ertel.model.sections import Time
 from ertel.model.state import Level
 from ertel.model.status import Status
 from ertel.numerics import bdf
@@ -105,7 +106,7 @@ def respond(
     if case.solver.method != "2d":
         raise ValueError(f'solver.method = "{case.solver.method}": must be "2d" for a response to roughness')
     fold = case.solver.fold and all(surfaces.even(features) == (True, True) for features in roughnesses)
-    solver, time = replace(case.solver, fold=fold), replace(case.time, until="max-approach")
+    solver, time = replace(case.solver, fold=fold), replace(case.time or Time(), until="max-approach")
     smooth = replace(case, roughness=(), solver=solver, time=time)
     method = Transient2D(smooth)
     companions = [

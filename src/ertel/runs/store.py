@@ -37,8 +37,7 @@ try:
 except ImportError:  # not on Windows
     fcntl = None  # type: ignore[assignment]
 
-from ertel.inputs.case_files import load_case
-from ertel.inputs.schema import to_toml
+from ertel.inputs.case_files import load_case, to_toml
 from ertel.model.case import Case
 from ertel.model.state import GridSolution, Method
 from ertel.model.status import Status
@@ -128,13 +127,12 @@ class RunStore(ABC):
 
     def _make(self) -> None:
         """Make the directory; nothing is left behind where that fails."""
-        if not self.case.source:
-            raise StoreError("case: has no source to store; make it with ertel.load_case or ertel.parse_case")
+        text = to_toml(self.case)
         draft = self.directory.parent / f".{self.directory.name}-{uuid4().hex[:8]}"
         try:
             _require_free(self.directory)
             draft.mkdir(parents=True)
-            (draft / CASE).write_text(to_toml(self.case.source), encoding="utf-8")
+            (draft / CASE).write_text(text, encoding="utf-8")
             self._make_data(draft / DATA)
             draft.rename(self.directory)
         except OSError as error:

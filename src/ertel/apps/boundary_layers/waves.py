@@ -13,7 +13,8 @@ import xarray as xr
 from ertel.apps.boundary_layers.front import new_figure, radial_task, smooth_impact
 from ertel.apps.boundary_layers.page import Drawn, Table
 from ertel.inputs.case_files import parse_case
-from ertel.model.case import Case, Time
+from ertel.model.case import Case
+from ertel.model.sections import Time
 from ertel.physics import hertz
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Waviness
