@@ -1,20 +1,28 @@
-"""The paper's figures: what they are made of, the page, and the command."""
+"""The figures of the paper: the page, the command, and Figs. 1 to 4 from small runs."""
 
-import csv
-import io
-from collections.abc import Sequence
+import ast
+from collections.abc import Iterator
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
+from executors import Now
 from matplotlib.figure import Figure
-from test_sweep import Now
 from typer.testing import CliRunner
 
-from ertel.apps.boundary_layers import figures, front, page
+from ertel.apps import boundary_layers
+from ertel.apps.boundary_layers import figures, front, page, smooth
 from ertel.apps.boundary_layers.figures import PaperFigure
-from ertel.apps.boundary_layers.page import Drawn, Table
+from ertel.apps.boundary_layers.page import Drawn
+from ertel.apps.boundary_layers.plans import FULL, LOADS, QUICK, Plan, SmoothPlan
+from ertel.apps.boundary_layers.smooth import Results
 from ertel.apps.cli import app
-from ertel.runs.sweep import Task
+from ertel.runs.sweep import Task, sweep
+
+LONG = "a text that is longer than the fifty characters at which tables are cut off"
 
 
 def square(x: float) -> float:
@@ -25,15 +33,18 @@ def fail() -> float:
     raise RuntimeError("no <film>")
 
 
-def drawn(results: Sequence[float], quick: bool) -> Drawn:
-    figure = Figure()
-    figure.subplots().plot(results)
-    return Drawn(figure, "a < b", {"squares": {"x": np.array(results)}}, [Table(["x"], [["1 & 2"]])])
+def drawn(results: Results, plan: Plan) -> Drawn:
+    assert results == {"one": 4.0}
+    figure, x = Figure(), [results["one"]]
+    figure.subplots().plot(x)
+    return Drawn(
+        figure, "a < b", {"squares": pd.DataFrame({"x": x})}, {"c < d": pd.DataFrame({"y & z": ["1 & 2", LONG]})}
+    )
 
 
 SMALL = {
-    "fig1": PaperFigure("First", lambda quick: [Task("one", square, (2.0,), 30.0)], drawn),
-    "fig2": PaperFigure("Second", lambda quick: [Task("one", square, (2.0,), 30.0), Task("bad", fail)], drawn),
+    "fig1": PaperFigure("First", lambda plan: [Task("one", square, (2.0,), 30.0)], drawn),
+    "fig2": PaperFigure("Second", lambda plan: [Task("one", square, (2.0,), 30.0), Task("bad", fail)], drawn),
 }
 
 
@@ -42,13 +53,54 @@ def small(monkeypatch):
     monkeypatch.setattr(figures, "FIGURES", SMALL)
 
 
+class Balanced(HTMLParser):
+    """Checks that every element is closed where it should be."""
+
+    def __init__(self, text: str):
+        super().__init__()
+        self.open: list[str] = []
+        self.seen: list[str] = []
+        self.feed(text)
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag: str, attrs: object) -> None:
+        self.seen.append(tag)
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+# -- page and command --------------------------------------------------------------------------------------------------
+
+
 def test_the_page_needs_no_network_and_has_everything(small, tmp_path):
     file, missing = figures.make(["fig1"], True, tmp_path, Now())
     text = file.read_text(encoding="utf-8")
     assert missing == {} and file.name == "fig1.html"
-    assert "http" not in text and "src=" in text and "data:image/svg+xml;base64," in text
-    assert "a &lt; b" in text and "1 &amp; 2" in text
+    assert "http" not in text and 'src="data:image/svg+xml;base64,' in text
+    assert 'download="fig1_squares.csv" href="data:text/csv;base64,' in text
     assert {"fig1.svg", "fig1.png", "fig1_squares.csv"} <= {path.name for path in tmp_path.iterdir()}
+
+
+def test_texts_are_escaped_and_whole(small, tmp_path):
+    file, _ = figures.make(["fig1"], True, tmp_path, Now())
+    text = file.read_text(encoding="utf-8")
+    assert all(said in text for said in ("a &lt; b", "c &lt; d", "y &amp; z", "1 &amp; 2", LONG))
+
+
+def test_the_page_is_well_formed(small, tmp_path):
+    file, _ = figures.make(["fig1", "fig2"], True, tmp_path, Now())
+    text = file.read_text(encoding="utf-8")
+    assert text.startswith("<!doctype html>")
+    seen = Balanced(text).seen
+    assert [seen.count(tag) for tag in ("html", "head", "title", "body", "section", "figure", "img")] == [1] * 4 + [
+        2,
+        1,
+        1,
+    ]
 
 
 def test_a_figure_whose_runs_failed_is_missing_and_says_why(small, tmp_path):
@@ -64,8 +116,8 @@ def test_what_it_takes_is_known_before(small, tmp_path):
 
 
 def test_columns_of_different_length_stand_side_by_side():
-    rows = list(csv.reader(io.StringIO(page.to_csv({"a": np.array([1.0, 2.5]), "b": np.array([3.0])}))))
-    assert rows == [["a", "b"], ["1", "3"], ["2.5", ""]]
+    table = page.side_by_side({"a": np.array([1.0, 2.5, np.nan]), "b": np.array([1 / 3])})
+    assert page.to_csv(table) == "a,b\n1,0.333333333\n2.5,\n,\n"
 
 
 def test_command(small, tmp_path):
@@ -75,33 +127,74 @@ def test_command(small, tmp_path):
     assert runner.invoke(app, ["paper", "fig9", "--out", str(tmp_path)]).exit_code == 2
 
 
-def test_every_run_has_one_name_for_one_meaning():
+@pytest.mark.parametrize("plan", [QUICK, FULL])
+def test_every_run_has_one_name_for_one_meaning(plan):
     """Two figures may share a run, but not a name for different runs."""
-    for quick in (True, False):
-        every = [task for figure in figures.FIGURES.values() for task in figure.tasks(quick)]
-        assert len({task.name for task in every}) == len({(task.name, repr(task.arguments)) for task in every})
-        assert all(task.seconds > 0 for task in every)
+    every = [task for figure in figures.FIGURES.values() for task in figure.tasks(plan)]
+    assert len({task.name for task in every}) == len({(task.name, repr(task.arguments)) for task in every})
+    assert all(task.seconds > 0 for task in every)
 
 
-# -- the figures themselves, from small runs ---------------------------------------------------------------------------
+# -- the app is a user of the library ----------------------------------------------------------------------------------
+
+PUBLIC = {  # what it may import of ertel
+    "ertel",
+    "ertel.physics",
+    "ertel.physics.surfaces",
+    "ertel.results",
+    "ertel.results.fronts",
+    "ertel.results.waves",
+    "ertel.results.plots.drawing",
+    "ertel.runs.response",
+    "ertel.runs.sweep",
+}
+OWN = "ertel.apps.boundary_layers"
+
+
+def imported(tree: ast.AST) -> Iterator[tuple[str, str]]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from ((alias.name, "") for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield from ((str(node.module), alias.name) for alias in node.names)
+
+
+@pytest.mark.parametrize("file", sorted(Path(next(iter(boundary_layers.__path__))).glob("*.py")), ids=lambda f: f.stem)
+def test_only_public_names_are_imported(file):
+    found = [(module, name) for module, name in imported(ast.parse(file.read_text(encoding="utf-8")))]
+    elsewhere = {module for module, _ in found if module.startswith("ertel") and not module.startswith(OWN)}
+    assert elsewhere <= PUBLIC
+    assert not [name for _, name in found if name.startswith("_")]
+
+
+# -- Figs. 1 to 4 from small runs --------------------------------------------------------------------------------------
+
+COARSE = replace(QUICK, smooth=SmoothPlan(101, 1.0, 33, 1.5, 1.0))
 
 
 @pytest.fixture(scope="module")
-def impacts():
-    radial = [front.smooth_impact(M, 10, {"method": "radial", "nodes": 101}, 0.03) for M in front.LOADS]
-    return [*radial, front.smooth_impact(front.SHOWN, 10, {"nodes": 33, "half_width": 1.5}, 10.0)]
+def impacts() -> Results:
+    tasks = smooth.all_tasks(COARSE)
+    return dict(zip([task.name for task in tasks], sweep(tasks, Now()), strict=True))
 
 
 @pytest.mark.parametrize("name", ["fig1", "fig2", "fig3", "fig4"])
 def test_figures_of_the_front(impacts, name):
-    made = figures.FIGURES[name].draw(impacts, True)
+    made = figures.FIGURES[name].draw(impacts, COARSE)
     assert made.caption and made.figure.axes
-    for columns in made.data.values():
-        assert all(np.isfinite(values).any() for values in columns.values())
-    for table in made.tables:
-        assert table.rows and all(len(row) == len(table.head) for row in table.rows)
+    assert all(np.isfinite(table).any().all() for table in made.data.values())
+    for table in made.tables.values():
+        assert len(table) and table.notna().all().all()
+
+
+def test_figures_find_their_runs_by_name(impacts):
+    """The order of the results does not matter."""
+    usual, other = (front.dry_impact(runs, COARSE) for runs in (impacts, dict(reversed(impacts.items()))))
+    for title, table in usual.tables.items():
+        assert table.equals(other.tables[title])
+    assert list(usual.tables["Full base fitted to the front"]["M"]) == [str(M) for M in LOADS]
 
 
 def test_an_impact_that_gives_up_is_a_failure():
     with pytest.raises(ValueError, match=r"solver\.nodes"):
-        front.smooth_impact(1000, 10, {"method": "radial", "nodes": 3}, 0.1)
+        smooth.smooth_impact(1000, 10, {"method": "radial", "nodes": 3}, 0.1)

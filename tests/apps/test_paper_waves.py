@@ -8,14 +8,39 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from ertel.apps.boundary_layers import beyond, reduction, waves
-from ertel.apps.boundary_layers.waves import Extrapolated
+from ertel.apps.boundary_layers import beyond, oils, reduction, shapes, waves
+from ertel.apps.boundary_layers.beyond import shape_name, shaped_name
+from ertel.apps.boundary_layers.dots import Extrapolated
+from ertel.apps.boundary_layers.page import Drawn
+from ertel.apps.boundary_layers.plans import QUICK, BeyondPlan, Plan, SmoothPlan, WavesPlan
+from ertel.apps.boundary_layers.smooth import Results
 from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
 from ertel.results.waves import local_nabla2
+from ertel.runs.sweep import Task
 
 M, L, WAVE = 200, 10, 0.4
 X = np.linspace(-1.5, 1.5, 301)
+SMALL = replace(
+    QUICK,
+    smooth=SmoothPlan(101, 1.0, 33, 1.5, 1.0),
+    waves=WavesPlan(
+        impacts={(M, L): (WAVE,)},
+        grids=(33, 65),
+        rolling=((M, L, 1.0, 65), (M, L, 1.5, 65)),
+        twins=((M, L, WAVE, 0.6),),
+        twin_grids=(33, 65),
+        shown=(M, L),
+    ),
+    beyond=BeyondPlan(
+        shaped={(M, L): (WAVE,)},
+        oils={(M, L): (WAVE,)},
+        soft={M: (WAVE,)},
+        grids=(33, 65),
+        rolling=((M, L, 1.0),),
+        rolling_grids=(33, 65),
+    ),
+)
 
 
 def test_extrapolation_and_its_bar():
@@ -36,13 +61,13 @@ def fading(amplitude: float) -> xr.Dataset:
             "X_min": ("time", np.sqrt(1 - (1 - T) ** 2)),
             "P_max": ("time", np.ones_like(T)),
         },
-        {"X": X, "time": T, "frame": 1.0},
+        {"X": X, "time": T, "frame": 1.0, "wave": [shape_name(shape, WAVE) for shape in ("transverse", "rings")]},
     )
 
 
 def test_marks_of_other_shapes():
-    plan = replace(beyond.QUICK, shaped={(M, L): (WAVE,)})
-    across, rings, along = beyond.shaped_marks(plan, [fading(0.6), fading(0.5)])
+    results = {shaped_name("shapes", M, L, 65): fading(0.5), shaped_name("shapes", M, L, 33): fading(0.6)}
+    across, rings, along = shapes.shaped_marks(results, SMALL)
     assert [mark.kind for mark in (across, rings, along)] == ["transverse", "rings", "longitudinal"]
     assert across.ratio == pytest.approx((0.6, 0.5), rel=1e-3)
     assert rings.ratio == pytest.approx((0.3, 0.25), rel=1e-3)
@@ -64,62 +89,53 @@ def test_wavelength_over_film_is_nabla2_where_the_oil_is_piezoviscous():
 
 # -- the figures themselves, from small runs ---------------------------------------------------------------------------
 
-SMALL = waves.Plan(
-    impacts={(M, L): (WAVE,)},
-    grids=(33, 65),
-    rolling=((M, L, 1.0, 65), (M, L, 1.5, 65)),
-    twins=((M, L, WAVE, 0.6),),
-    twin_grids=(33, 65),
-)
-BEYOND = beyond.Plan(
-    shaped={(M, L): (WAVE,)},
-    oils={(M, L): (WAVE,)},
-    soft={M: (WAVE,)},
-    grids=(33, 65),
-    rolling=((M, L, 1.0),),
-    rolling_grids=(33, 65),
-)
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, Any]:
+    """What has been run already, shared by the figures."""
+    return {}
 
 
-@pytest.fixture
-def small(monkeypatch):
-    monkeypatch.setattr(waves, "QUICK", SMALL)
-    monkeypatch.setattr(waves, "SHOWN", (M, L))
-    monkeypatch.setattr(reduction, "SHOWN", (M, L))
-    monkeypatch.setattr(beyond, "QUICK", BEYOND)
-
-
-def drawn(tasks: Callable[[bool], list[Any]], draw: Callable[[list[Any], bool], Any]) -> Any:
-    made = draw([task.function(*task.arguments) for task in tasks(True)], True)
-    for table in made.tables:
-        assert table.rows and all(len(row) == len(table.head) for row in table.rows)
-    for columns in made.data.values():
-        assert len({len(values) for values in columns.values()}) == 1
-        assert all(np.isfinite(values).any() for values in columns.values())
+def drawn(
+    tasks: Callable[[Plan], list[Task]], draw: Callable[[Results, Plan], Drawn], results: dict[str, Any]
+) -> Drawn:
+    for task in tasks(SMALL):
+        if task.name not in results:
+            results[task.name] = task.function(*task.arguments)
+    made = draw(results, SMALL)
+    for table in made.tables.values():
+        assert len(table) and table.notna().all().all()
+    for table in made.data.values():
+        assert table.notna().any().all()
     return made
 
 
+def test_figure_5(results):
+    made = drawn(waves.impact_tasks, waves.deformed_waves, results)
+    assert 0.3 < float(made.tables["Last complete waves, 65 nodes per side"]["A_d/A_i"].iloc[0]) < 1.0
+
+
 @pytest.mark.slow
-def test_figure_6(small):
-    made = drawn(reduction.all_tasks, reduction.reduction)
+def test_figure_6(results):
+    made = drawn(reduction.tasks, reduction.reduction, results)
     assert 0.3 < made.data["rolling"]["limit"][0] < 0.8
     assert made.data["impact"]["last"].sum() == 1
 
 
 @pytest.mark.slow
-def test_figure_7(small):
-    made = drawn(beyond.shape_tasks, beyond.other_waves)
+def test_figure_7(results):
+    made = drawn(shapes.tasks, shapes.other_waves, results)
     assert (made.data["impact"]["fine"] < 1.05).all()
 
 
 @pytest.mark.slow
-def test_figure_8(small):
-    made = drawn(beyond.oil_tasks, beyond.other_oils)
-    assert len(made.tables[1].rows) == 2
+def test_figure_8(results):
+    made = drawn(oils.tasks, oils.other_oils, results)
+    assert len(made.tables[f"Compared with {beyond.USUAL}"]) == 2
 
 
 def test_long_ridges_under_rolling():
     """Hardly deformed where they are short, nearly flat where they are long, as (15) has it with f = e."""
     nabla2 = Parameters.from_moes(M, L).nabla2(0.5)
-    found = beyond.ridged_rolling(M, L, 0.5, 65)
+    found = shapes.ridged_rolling(M, L, 0.5, 65)
     assert found == pytest.approx(float(amplitude_reduction.ratio_left(nabla2, np.inf)), abs=0.2)

@@ -5,10 +5,11 @@ import signal
 import subprocess
 import sys
 import threading
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from executors import Now
 
 from ertel.runs import sweep as sweep_module
 from ertel.runs.sweep import Failure, Task, kept, processes, source_digest, sweep
@@ -28,18 +29,6 @@ def one_over(x: float) -> float:
 
 def worker(_: int) -> tuple[str | None, int]:
     return os.environ.get("OPENBLAS_NUM_THREADS"), os.getpid()
-
-
-class Now(Executor):
-    """Runs at once: the least that an Executor is."""
-
-    def submit(self, fn, /, *args, **kwargs):
-        future: Future = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:
-            future.set_exception(error)
-        return future
 
 
 def test_results_come_in_the_order_of_the_tasks():

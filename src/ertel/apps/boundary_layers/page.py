@@ -1,95 +1,89 @@
-"""Figures with captions, numbers and data on one HTML page that opens without a network."""
+"""Figures with captions, tables and data on one HTML page that opens without a network."""
 
 import base64
-import csv
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from html import escape
-from itertools import zip_longest
 from pathlib import Path
-from typing import NamedTuple
 
+from jinja2 import Environment, PackageLoader
+from markupsafe import Markup
 from matplotlib import rc_context
 from matplotlib.figure import Figure
-
-from ertel.results.fronts import Values
-
-STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
-figure { margin: 2.5rem 0; }
-img { width: 100%; height: auto; }
-table { border-collapse: collapse; font-size: 0.85rem; margin: 0.5rem 0; }
-th, td { padding: 0.15rem 0.7rem; text-align: right; border-bottom: 1px solid #ddd; }
-th:first-child, td:first-child { text-align: left; }
-.failed { color: #a00; }
-"""
-
-
-class Table(NamedTuple):
-    """Numbers to read."""
-
-    head: list[str]
-    rows: list[list[str]]
+from numpy.typing import ArrayLike
+from pandas import DataFrame, Series, option_context
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure, what it says, the data behind it (name of a file: its columns, (n,) each) and numbers to read."""
+    """A figure with what belongs to it.
+
+    data: the numbers behind the figure, written as CSV; file name without its beginning and end -> table.  tables:
+    numbers to read on the page; heading -> table, whose cells are texts.
+    """
 
     figure: Figure
     caption: str
-    data: Mapping[str, Mapping[str, Values]] = field(default_factory=dict)
-    tables: Sequence[Table] = ()
+    data: Mapping[str, DataFrame] = field(default_factory=dict)
+    tables: Mapping[str, DataFrame] = field(default_factory=dict)
 
 
-def save(drawn: Drawn, name: str, directory: Path) -> str:
-    """Write NAME.svg, NAME.png and the data as CSV; the figure as a piece of HTML."""
+@dataclass(frozen=True)
+class Part:
+    """A figure on the page.  picture: address of the image; files: name -> address; failure: why there is no figure.
+
+    Pictures and files are embedded: their addresses are data URLs.
+    """
+
+    heading: str
+    picture: str = ""
+    caption: str = ""
+    tables: Mapping[str, Markup] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict)
+    failure: str = ""
+
+
+def save(drawn: Drawn, name: str, heading: str, directory: Path) -> Part:
+    """Write NAME.svg, NAME.png and the data as NAME_PART.csv; the figure as a part of the page."""
     directory.mkdir(parents=True, exist_ok=True)
     image = io.BytesIO()
     with rc_context({"svg.hashsalt": name}):  # the same figure gives the same file
         drawn.figure.savefig(image, format="svg", metadata={"Date": None})
     (directory / f"{name}.svg").write_bytes(image.getvalue())
     drawn.figure.savefig(directory / f"{name}.png", dpi=150)
-    links = []
-    for part, columns in drawn.data.items():
-        file, text = f"{name}_{part}.csv", to_csv(columns)
-        (directory / file).write_text(text, encoding="utf-8", newline="")
-        links.append(f'<a download="{escape(file)}" href="{_embedded("text/csv", text.encode())}">{escape(file)}</a>')
-    picture = f'<img alt="{escape(name)}" src="{_embedded("image/svg+xml", image.getvalue())}">'
-    tables = "\n".join(_table(table) for table in drawn.tables)
-    data = f"<p>Data: {', '.join(links)}</p>" if links else ""
-    return f"{picture}\n<figcaption>{escape(drawn.caption)}</figcaption>\n{tables}\n{data}"
+    files = {f"{name}_{part}.csv": to_csv(table).encode() for part, table in drawn.data.items()}
+    for file, content in files.items():
+        (directory / file).write_bytes(content)
+    return Part(
+        heading,
+        _embedded("image/svg+xml", image.getvalue()),
+        drawn.caption,
+        {title: to_html(table) for title, table in drawn.tables.items()},
+        {file: _embedded("text/csv", content) for file, content in files.items()},
+    )
 
 
-def to_csv(columns: Mapping[str, Values]) -> str:
-    """Columns of any length side by side."""
-    text = io.StringIO()
-    writer = csv.writer(text)
-    writer.writerow(columns)
-    for row in zip_longest(*columns.values(), fillvalue=""):
-        writer.writerow([value if value == "" else f"{value:.9g}" for value in row])
-    return text.getvalue()
+def side_by_side(columns: Mapping[str, ArrayLike]) -> DataFrame:
+    """A table of columns that may differ in length."""
+    return DataFrame({name: Series(values) for name, values in columns.items()})
 
 
-def page(title: str, remarks: Sequence[str], figures: Mapping[str, str]) -> str:
-    """A page of figures: heading -> HTML."""
-    parts = [f"<figure><h2>{escape(heading)}</h2>\n{body}\n</figure>" for heading, body in figures.items()]
-    said = "\n".join(f"<p>{escape(remark)}</p>" for remark in remarks)
-    head = f'<meta charset="utf-8"><title>{escape(title)}</title><style>{STYLE}</style>'
-    body = "\n".join([f"<h1>{escape(title)}</h1>", said, *parts])
-    return f'<!doctype html>\n<html lang="en"><head>{head}</head>\n<body>\n{body}\n</body></html>\n'
+def to_csv(table: DataFrame) -> str:
+    """A table as CSV with nine digits; an empty cell is an unknown value."""
+    return str(table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))
 
 
-def failed(reason: str) -> str:
-    """Instead of a figure."""
-    return f'<p class="failed">Not made: {escape(reason)}</p>'
+def to_html(table: DataFrame) -> Markup:
+    """A table as HTML, its texts escaped and not cut off."""
+    with option_context("display.max_colwidth", None):
+        return Markup(table.to_html(index=False, border=0, justify="unset"))
 
 
-def _table(table: Table) -> str:
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in table.head)
-    rows = "\n".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in table.rows)
-    return f"<table><thead><tr>{head}</tr></thead>\n<tbody>{rows}</tbody></table>"
+def page(title: str, remarks: Sequence[str], parts: Sequence[Part]) -> str:
+    """The HTML page."""
+    loader = PackageLoader("ertel.apps.boundary_layers")
+    environment = Environment(loader=loader, autoescape=True, trim_blocks=True)
+    return environment.get_template("page.html").render(title=title, remarks=remarks, parts=parts)
 
 
 def _embedded(kind: str, content: bytes) -> str:

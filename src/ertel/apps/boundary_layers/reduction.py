@@ -1,165 +1,136 @@
-"""Figure 6 of the paper: amplitude reduction in impact and in rolling, and which parameter brings them together."""
+"""Figure 6 of the paper: amplitude reduction in impact and in rolling, and the parameter that brings them together."""
 
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
-from itertools import islice
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from pandas import DataFrame
 
-from ertel.apps.boundary_layers.front import FORMED, NAMES, new_figure
-from ertel.apps.boundary_layers.page import Drawn, Table
-from ertel.apps.boundary_layers.waves import (
-    CHECKED,
-    SHORTER,
-    SHOWN,
-    STEPPED,
+from ertel.apps.boundary_layers import checks
+from ertel.apps.boundary_layers.dots import (
+    DRY,
+    FILM,
+    HALF_HERTZ,
     Dot,
-    Extrapolated,
-    Plan,
-    check_tasks,
+    Rolled,
+    Twin,
+    curve_of,
     dots,
-    half,
-    impact_tasks,
-    last_wave,
-    plan,
-    rolling_tasks,
-    twin_tasks,
+    rolled_over,
+    scatter,
+    twins_of,
 )
+from ertel.apps.boundary_layers.page import Drawn
+from ertel.apps.boundary_layers.plans import Plan, half
+from ertel.apps.boundary_layers.smooth import FORMED, Results, new_figure
+from ertel.apps.boundary_layers.waves import check_tasks, impact_tasks, rolling_tasks, twin_tasks
 from ertel.physics import amplitude_reduction
-from ertel.physics.scales import Parameters
-from ertel.results import waves
-from ertel.results.fronts import Values
 from ertel.results.plots.drawing import BLUE, GREY, ORANGE, ORDERED_COLOURS
 from ertel.results.waves import Reduction
 from ertel.runs.sweep import Task
 
-PARTS: Sequence[Callable[[bool], list[Task]]] = (impact_tasks, check_tasks, rolling_tasks, twin_tasks)
-SPEEDS = (NAMES["film"], NAMES["half-hertz"], "dry law")
-LEAST_ERROR = 0.01  # of a ratio, in the fit: no dot is better than that
+
+def tasks(plan: Plan) -> list[Task]:
+    """The runs of Fig. 6."""
+    return [*impact_tasks(plan), *check_tasks(plan), *rolling_tasks(plan), *twin_tasks(plan)]
 
 
-def all_tasks(quick: bool) -> list[Task]:
-    """What Fig. 6 takes."""
-    return [task for part in PARTS for task in part(quick)]
+@dataclass(frozen=True)
+class Found:
+    """All that Fig. 6 shows.  own: the curve of the form of (15) through the rolling contacts."""
+
+    impacts: list[Dot]
+    rolled: list[Rolled]
+    twins: list[Twin]
+    own: Reduction
+
+    @property
+    def last(self) -> list[Dot]:
+        """The last complete waves."""
+        return [dot for dot in self.impacts if dot.last]
+
+    @property
+    def inner(self) -> list[Dot]:
+        """The waves further in, as far as there was a front."""
+        return [dot for dot in self.impacts if not dot.last and dot.X > FORMED]
 
 
-class Rolled(NamedTuple):
-    """A rolling contact's square; change: of A_d/A_i from a period to the next, on the fine grid."""
+def reduction(results: Results, plan: Plan) -> Drawn:
+    """Fig. 6: A_d/A_i of impact and of rolling against the local and the global nabla2, and the curve (15)."""
+    impacts, rolled = list(dots(results, plan)), list(rolled_over(results, plan))
+    found = Found(impacts, rolled, list(twins_of(impacts, results, plan)), curve_of(rolled))
+    caption = (
+        "Amplitude reduction.  Dots: last complete wave inside the contact at maximum impact, extrapolated from grids "
+        f"of {plan.waves.grids[0]} and {plan.waves.grids[1]} nodes per side for a method of second order; the error "
+        "bar reaches to the limit of a method of first order.  Horizontal bars on the left: range of nabla2 for three "
+        f"speeds of the front at that place (front defined by the {FILM}, by {HALF_HERTZ}, and exact dry law).  "
+        "Squares: rolling over the same waviness, at the centre of the contact, when the film has become periodic, on "
+        "the grids in the table.  Solid line: eq. (15).  Dashed: curve of transverse waviness in a line contact.  "
+        f"Dotted: {_text(found.own)}, fitted to the squares.  Right: nabla2 with radius and pressure of the Hertz "
+        "contact at the moment when the front passed, lambda_bar v/A^4, alpha_bar A, wavelength/A.  Crosses: rolling "
+        "at exactly these parameters."
+    )
+    tables = {
+        "Impact: last complete waves": _dots_table(found.last),
+        "A_d/A_i minus the curve: mean, root mean square": _scatter_table(found),
+        "Rolling at the parameters of the front": _twins_table(found.twins),
+        "Rolling": _rolling_table(found.rolled),
+        **checks.tables(results, plan),
+    }
+    data = {"impact": _impact_data(impacts), "rolling": _rolling_data(rolled)}
+    return Drawn(_draw(found), caption, data, tables)
 
-    M: float
-    L: float
-    wavelength: float
-    nodes: int  # of the fine grid
-    nabla2: float
-    ratio: Extrapolated
-    change: float
+
+# -- the figure -------------------------------------------------------------------------------------------------------
 
 
-class Twin(NamedTuple):
-    """An impact's wave at X, and rolling in the place of its front as it passed there."""
-
-    M: float
-    L: float
-    wavelength: float
-    X: float
-    nabla2: float
-    impact: Extrapolated
-    rolling: Extrapolated
-
-
-def reduction(results: Sequence[Any], quick: bool) -> Drawn:
-    """Fig. 6: A_d/A_i of impact and of rolling against nabla2, local and global, over the curve (15)."""
-    p, rest = plan(quick), iter(results)
-    impacts, checks, rolling, twinned = (list(islice(rest, len(part(quick)))) for part in PARTS)
-    waves = list(dots(p, impacts))
-    rolled, found = list(rolled_over(p, rolling)), [dot for dot in waves if dot.last]
-    own, twins = curve_of(rolled), list(_twins(p, waves, twinned))
+def _draw(found: Found) -> Figure:
     figure, (left, middle, right) = new_figure(1, 3)
     for axes in (left, middle, right):
         draw_curves(axes)
         n = np.geomspace(0.3, 30, 200)
-        axes.plot(n, own.ratio(n), color=ORANGE, linewidth=1.0, linestyle=":", label="fitted to the squares")
-        _draw_rolled(axes, rolled)
-    draw_dots(left, found, [dot.local[0] for dot in found], ranges=True)
-    draw_dots(middle, found, [dot.everywhere for dot in found])
-    draw_dots(right, found, [dot.hertz for dot in found])
-    inner = [dot for dot in waves if not dot.last and dot.X > FORMED]
-    further = [dot.hertz for dot in inner], [dot.ratio.limit for dot in inner]
-    crosses = [twin.nabla2 for twin in twins], [twin.rolling.limit for twin in twins]
+        axes.plot(n, found.own.ratio(n), color=ORANGE, linewidth=1.0, linestyle=":", label="fitted to the squares")
+        _draw_rolled(axes, found.rolled)
+    ranges = [(min(dot.local.values()), max(dot.local.values())) for dot in found.last]
+    _draw_dots(left, found.last, [dot.local[FILM] for dot in found.last], ranges)
+    _draw_dots(middle, found.last, [dot.everywhere for dot in found.last])
+    _draw_dots(right, found.last, [dot.hertz for dot in found.last])
+    further = [dot.hertz for dot in found.inner], [dot.ratio.limit for dot in found.inner]
+    crosses = [twin.nabla2 for twin in found.twins], [twin.rolling.limit for twin in found.twins]
     handles = right.plot(*further, ".", color=GREY, markersize=3, label="impact, waves further in")
-    handles += right.plot(*crosses, "x", color=BLUE, label="rolling in the place of the front")
+    handles += right.plot(*crosses, "x", color=BLUE, label="rolling, parameters of the front")
     left.set_xlabel("local $\\nabla_2$, $\\bar\\lambda v$")
     middle.set_xlabel("global $\\nabla_2$ (rolling: its own)")
     right.set_xlabel("local $\\nabla_2$ with the Hertz contact then")
     left.legend(loc="lower left", frameon=False, fontsize="xx-small")
     right.legend(handles=handles, loc="lower left", frameon=False, fontsize="x-small")
-    caption = (
-        "Amplitude reduction.  Dots: the last complete wave inside the contact at maximum impact, extrapolated from "
-        f"grids of {p.grids[0]} and {p.grids[1]} nodes a side as for a method of second order; the bar reaches to "
-        "where first order would have it.  Horizontally, on the left, the range of three speeds of the front (least "
-        "film, half of Hertz' pressure, exact dry law) at that place.  Squares: rolling over the same waviness, at the "
-        "contact's centre, once periodic, on the grids in the table.  Line: eq. (15); "
-        f"dashed: the curve of transverse waviness in a line contact; dotted: {_text(own)}, fitted to the squares.  "
-        "Right: nabla2 with radius and pressure of the Hertz contact at the moment when the front passed, lambda_bar "
-        "v/A^4, alpha_bar A, wavelength/A; crosses: rolling at just those parameters."
-    )
-    tables = [
-        _dots_table(found),
-        _scatter_table(found, inner, rolled, own),
-        _twins_table(twins),
-        _rolling_table(rolled),
-        *_check_tables(quick, impacts, checks, rolling),
-    ]
-    return Drawn(figure, caption, {"impact": _columns(waves), "rolling": _rolled_columns(rolled)}, tables)
-
-
-def rolled_over(plan: Plan, results: Sequence[tuple[float, float]]) -> Iterator[Rolled]:
-    """The squares, from the results of `rolling_tasks`."""
-    for (M, L, wavelength, nodes), coarse, fine in zip(plan.rolling, results[::2], results[1::2], strict=True):
-        nabla2 = Parameters.from_moes(M, L).nabla2(wavelength)
-        yield Rolled(M, L, wavelength, nodes, nabla2, Extrapolated(coarse[0], fine[0]), fine[1])
-
-
-def curve_of(rolled: Sequence[Rolled]) -> Reduction:
-    """The curve of the form of (15) through the squares, each by the weight of its bar."""
-    errors = [max(r.ratio.error, LEAST_ERROR) for r in rolled]
-    return waves.fit_reduction([r.nabla2 for r in rolled], [r.ratio.limit for r in rolled], errors)
-
-
-def _twins(plan: Plan, waves: Sequence[Dot], results: Sequence[tuple[float, float, float]]) -> Iterator[Twin]:
-    for (M, L, wavelength, X), coarse, fine in zip(plan.twins, results[::2], results[1::2], strict=True):
-        own = [dot for dot in waves if (dot.M, dot.L, dot.wavelength) == (M, L, wavelength)]
-        nearest = min(own, key=lambda dot: abs(dot.X - X))
-        yield Twin(M, L, wavelength, nearest.X, fine[0], nearest.ratio, Extrapolated(coarse[1], fine[1]))
-
-
-# -- what is drawn -----------------------------------------------------------------------------------------------------
+    return figure
 
 
 def draw_curves(axes: Axes) -> None:
-    """Eq. (15) and the line contact's curve, over nabla2 = 0.4 to 20."""
+    """Eq. (15) and the curve of the line contact, for nabla2 = 0.4 to 20."""
     n = np.geomspace(0.3, 30, 200)
+    line_contact = amplitude_reduction.in_line_contact(n)
     axes.semilogx(n, amplitude_reduction.ratio_left(n), color="black", label="(15), isotropic")
-    axes.semilogx(
-        n, amplitude_reduction.in_line_contact(n), color=GREY, linestyle="--", label="line contact, transverse"
-    )
+    axes.semilogx(n, line_contact, color=GREY, linestyle="--", label="line contact, transverse")
     axes.set(ylim=(0, 1.1), xlim=(0.4, 20), ylabel="$A_d/A_i$")
     axes.set_xticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
 
 
-def draw_dots(axes: Axes, found: Sequence[Dot], nabla2: Sequence[float], ranges: bool = False) -> None:
-    """Dots with their bars, a colour and a marker for each (M, L); ranges: of the three local nabla2 too."""
+def _draw_dots(
+    axes: Axes, found: Sequence[Dot], nabla2: Sequence[float], ranges: Sequence[tuple[float, float]] = ()
+) -> None:
+    """Dots with error bars, one colour and marker for each (M, L); horizontal bars where ranges of nabla2 are given."""
     cases = list(dict.fromkeys((dot.M, dot.L) for dot in found))
     shades = ORDERED_COLOURS(np.linspace(0.95, 0.0, len(cases)))
-    for case, colour, marker in zip(cases, shades, "ovD^P*<>", strict=False):
-        own = [(n, dot) for n, dot in zip(nabla2, found, strict=True) if (dot.M, dot.L) == case]
-        limit, place = [dot.ratio.limit for _, dot in own], [n for n, _ in own]
-        across = np.array([(n - min(dot.local), max(dot.local) - n) for n, dot in own]).T if ranges else None
-        bar = [dot.ratio.error for _, dot in own]
-        label = f"impact, M = {case[0]:g}, L = {case[1]:g}"
+    for (M, L), colour, marker in zip(cases, shades, "ovD^P*<>", strict=False):
+        own = [i for i, dot in enumerate(found) if (dot.M, dot.L) == (M, L)]
+        place, ratios = [nabla2[i] for i in own], [found[i].ratio for i in own]
+        limit, bar = [ratio.limit for ratio in ratios], [ratio.error for ratio in ratios]
+        across = np.array([(nabla2[i] - ranges[i][0], ranges[i][1] - nabla2[i]) for i in own]).T if ranges else None
+        label = f"impact, M = {M:g}, L = {L:g}"
         axes.errorbar(place, limit, bar, across, fmt=marker, color=colour, label=label, capsize=2, elinewidth=0.8)
 
 
@@ -169,134 +140,111 @@ def _draw_rolled(axes: Axes, rolled: Sequence[Rolled]) -> None:
     axes.errorbar(place, limit, bar, fmt="s", color="black", markerfacecolor="white", capsize=2, label="rolling")
 
 
-def _columns(waves: Sequence[Dot]) -> dict[str, Values]:
-    names = ("M", "L", "wavelength", "X", "last", "everywhere", "hertz")
-    columns = {name: np.array([float(getattr(dot, name)) for dot in waves]) for name in names}
-    columns |= {
-        name: np.array([getattr(d.ratio, name) for d in waves]) for name in ("coarse", "fine", "limit", "error")
-    }
-    return columns | {f"local, {name}": np.array([d.local[i] for d in waves]) for i, name in enumerate(SPEEDS)}
+# -- data -------------------------------------------------------------------------------------------------------------
 
 
-def _rolled_columns(rolled: Sequence[Rolled]) -> dict[str, Values]:
+def _impact_data(impacts: Sequence[Dot]) -> DataFrame:
+    return DataFrame(
+        {
+            **{name: getattr(dot, name) for name in ("M", "L", "wavelength", "X")},
+            "last": int(dot.last),
+            "everywhere": dot.everywhere,
+            "hertz": dot.hertz,
+            **dot.ratio.columns(),
+            **{f"local, {name}": nabla2 for name, nabla2 in dot.local.items()},
+        }
+        for dot in impacts
+    )
+
+
+def _rolling_data(rolled: Sequence[Rolled]) -> DataFrame:
     names = ("M", "L", "wavelength", "nabla2", "change")
-    columns = {name: np.array([getattr(r, name) for r in rolled]) for name in names}
-    return columns | {
-        name: np.array([getattr(r.ratio, name) for r in rolled]) for name in ("coarse", "fine", "limit", "error")
-    }
+    return DataFrame({**{name: getattr(r, name) for name in names}, **r.ratio.columns()} for r in rolled)
 
 
-# -- numbers to read ---------------------------------------------------------------------------------------------------
+# -- tables -----------------------------------------------------------------------------------------------------------
 
 
 def _text(curve: Reduction) -> str:
     return f"1/(1 + {curve.linear:.3f} nabla2 + {curve.quadratic:.4f} nabla2^2)"
 
 
-def ratio_cells(ratio: Extrapolated) -> list[str]:
-    """Coarse, fine, and extrapolated with its bar."""
-    return [f"{ratio.coarse:.3f}", f"{ratio.fine:.3f}", f"{ratio.limit:.3f} ± {ratio.error:.3f}"]
+def case_cells(M: float, L: float, wavelength: float) -> dict[str, str]:
+    """The first cells of a row."""
+    return {"M": f"{M:g}", "L": f"{L:g}", "wavelength": f"{wavelength:g}"}
 
 
-RATIO_HEAD = ["A_d/A_i coarse", "fine", "extrapolated"]
-
-
-def _dots_table(found: Sequence[Dot]) -> Table:
-    head = ["M", "L", "wavelength", "X", *RATIO_HEAD, "nabla2 local", "with Hertz then", "global", "(15) of local"]
-    rows = []
-    for d in found:
-        curve = float(amplitude_reduction.ratio_left(d.local[0]))
-        numbers = [f"{n:.2f}" for n in (d.local[0], d.hertz, d.everywhere)]
-        case = [f"{d.M:g}", f"{d.L:g}", f"{d.wavelength:g}", f"{d.X:.3f}"]
-        rows.append([*case, *ratio_cells(d.ratio), *numbers, f"{curve:.3f}"])
-    return Table(head, rows)
-
-
-class Scatter(NamedTuple):
-    """Of dots about a curve, in A_d/A_i: mean and root mean square."""
-
-    mean: float
-    rms: float
-
-
-def scatter(values: Sequence[float], curve: Values) -> Scatter:
-    """How dots lie about a curve."""
-    off = np.asarray(values) - curve
-    return Scatter(float(off.mean()), float(np.sqrt(np.mean(off**2))))
-
-
-def _scatter_table(found: Sequence[Dot], inner: Sequence[Dot], rolled: Sequence[Rolled], own: Reduction) -> Table:
-    """How impact and rolling lie about the curves, for each parameter that may bring them together."""
-    rows = []
-    kinds: dict[str, Callable[[Dot], float]] = {
-        f"local nabla2, speed by {name}": partial(_local, i) for i, name in enumerate(SPEEDS)
-    }
-    kinds |= {"local nabla2, Hertz contact then": lambda dot: dot.hertz, "global nabla2": lambda dot: dot.everywhere}
-    for name, chosen in {"last waves": found, f"waves further in, X > {FORMED:g}": inner}.items():
-        known = [dot for dot in chosen if np.isfinite(dot.local).all()]
-        for kind, nabla2 in kinds.items() if known else ():
-            values = [dot.ratio.limit for dot in known]
-            rows.append([f"impact, {name} ({len(known)}), {kind}", *_about(values, [nabla2(d) for d in known], own)])
-    rows.append(["rolling", *_about([r.ratio.limit for r in rolled], [r.nabla2 for r in rolled], own)])
-    head = ["A_d/A_i less the curve: mean, root mean square", "isotropic (15)", "line contact", "fitted to rolling"]
-    return Table(head, rows)
-
-
-def _local(speed: int, dot: Dot) -> float:
-    return dot.local[speed]
-
-
-def _about(values: Sequence[float], nabla2: Sequence[float], own: Reduction) -> list[str]:
-    curves = (
-        amplitude_reduction.ratio_left(nabla2),
-        amplitude_reduction.in_line_contact(nabla2),
-        own.ratio(nabla2),
+def _dots_table(found: Sequence[Dot]) -> DataFrame:
+    return DataFrame(
+        {
+            **case_cells(dot.M, dot.L, dot.wavelength),
+            "X": f"{dot.X:.3f}",
+            **dot.ratio.cells(),
+            "nabla2 local": f"{dot.local[FILM]:.2f}",
+            "with Hertz then": f"{dot.hertz:.2f}",
+            "global": f"{dot.everywhere:.2f}",
+            "(15) of local": f"{float(amplitude_reduction.ratio_left(dot.local[FILM])):.3f}",
+        }
+        for dot in found
     )
-    return [f"{s.mean:+.3f}, {s.rms:.3f}" for s in (scatter(values, curve) for curve in curves)]
 
 
-def _twins_table(twins: Sequence[Twin]) -> Table:
-    head = ["twins: M", "L", "wavelength", "X", "nabla2", "impact at X", "rolling in its place", "impact less rolling"]
+PARAMETERS: Mapping[str, Callable[[Dot], float]] = {
+    f"local nabla2, speed by {FILM}": lambda dot: dot.local[FILM],
+    f"local nabla2, speed by {HALF_HERTZ}": lambda dot: dot.local[HALF_HERTZ],
+    f"local nabla2, speed by {DRY}": lambda dot: dot.local[DRY],
+    "local nabla2, Hertz contact then": lambda dot: dot.hertz,
+    "global nabla2": lambda dot: dot.everywhere,
+}
+
+
+def _scatter_table(found: Found) -> DataFrame:
+    """Deviation of impact and rolling from the curves, for each parameter."""
     rows = []
-    for t in twins:
-        numbers = [f"{t.M:g}", f"{t.L:g}", f"{t.wavelength:g}", f"{t.X:.3f}", f"{t.nabla2:.2f}"]
-        ratios = [f"{ratio.limit:.3f} ± {ratio.error:.3f}" for ratio in (t.impact, t.rolling)]
-        rows.append([*numbers, *ratios, f"{t.impact.limit - t.rolling.limit:+.3f}"])
-    s = scatter([t.impact.limit for t in twins], np.array([t.rolling.limit for t in twins]))
-    rows.append(["mean, root mean square", *[""] * 6, f"{s.mean:+.3f}, {s.rms:.3f}"])
-    return Table(head, rows)
+    for name, chosen in {"last waves": found.last, f"waves further in, X > {FORMED:g}": found.inner}.items():
+        known = [dot for dot in chosen if np.isfinite(list(dot.local.values())).all()]
+        for kind, nabla2 in PARAMETERS.items() if known else ():
+            cells = _about([dot.ratio.limit for dot in known], [nabla2(dot) for dot in known], found.own)
+            rows.append({"parameter": f"impact, {name} ({len(known)}), {kind}", **cells})
+    cells = _about([r.ratio.limit for r in found.rolled], [r.nabla2 for r in found.rolled], found.own)
+    return DataFrame([*rows, {"parameter": "rolling", **cells}])
 
 
-def _rolling_table(rolled: Sequence[Rolled]) -> Table:
-    head = ["rolling: M", "L", "wavelength", "nodes", "nabla2", *RATIO_HEAD, "(15)", "still changing"]
-    rows = []
-    for r in rolled:
-        case = [f"{r.M:g}", f"{r.L:g}", f"{r.wavelength:g}", f"{half(r.nodes)}, {r.nodes}", f"{r.nabla2:.2f}"]
-        curve = float(amplitude_reduction.ratio_left(r.nabla2))
-        rows.append([*case, *ratio_cells(r.ratio), f"{curve:.3f}", f"{r.change:.3f}"])
-    return Table(head, rows)
+def _about(values: Sequence[float], nabla2: Sequence[float], own: Reduction) -> dict[str, str]:
+    curves = {
+        "isotropic (15)": amplitude_reduction.ratio_left(nabla2),
+        "line contact": amplitude_reduction.in_line_contact(nabla2),
+        "fitted to rolling": own.ratio(nabla2),
+    }
+    return {name: scatter(values, curve).text() for name, curve in curves.items()}
 
 
-def _check_tables(
-    quick: bool, impacts: Sequence[xr.Dataset], checks: Sequence[Any], rolling: Sequence[tuple[float, float]]
-) -> list[Table]:
-    """That A_d/A_i does not depend on A_i, and how little on the time steps."""
-    p, (heights, linear, shorter, rolled) = plan(quick), checks
-    shown = f"M = {SHOWN[0]:g}, L = {SHOWN[1]:g}"
-    wavelengths, nodes = p.impacts[SHOWN], p.grids[0]
-    rows = [["0: tangent-linear", f"{last_wave(linear, 0, 1.0).amplitude:.4f}"]]
-    for number, height in enumerate(CHECKED):
-        rows.append([f"{height:g}", f"{last_wave(heights, number, 1.0).amplitude:.4f}"])
-    by_height = Table([f"A_i / sqrt(L/M), {shown}, wavelength {wavelengths[0]:g}, {nodes} nodes", "A_d/A_i"], rows)
-    usual, steps = impacts[3 * list(p.impacts).index(SHOWN) + 1], []
-    for number, wavelength in enumerate(wavelengths):
-        pair = [last_wave(run, number, 1.0).amplitude for run in (usual, shorter)]
-        steps.append([f"impact, {shown}, wavelength {wavelength:g}, {nodes} nodes", *_pair(*pair)])
-    M, L, wavelength, nodes = p.rolling[STEPPED]
-    name = f"rolling, M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {half(nodes)} nodes"
-    steps.append([name, *_pair(rolling[::2][STEPPED][0], rolled[0])])
-    return [by_height, Table(["time steps", "A_d/A_i, usual", f"{SHORTER} times as many"], steps)]
+def _twins_table(twins: Sequence[Twin]) -> DataFrame:
+    rows = [
+        {
+            **case_cells(twin.M, twin.L, twin.wavelength),
+            "X": f"{twin.X:.3f}",
+            "nabla2": f"{twin.nabla2:.2f}",
+            "impact at X": twin.impact.text(),
+            "rolling": twin.rolling.text(),
+            "impact minus rolling": f"{twin.impact.limit - twin.rolling.limit:+.3f}",
+        }
+        for twin in twins
+    ]
+    off = scatter([twin.impact.limit for twin in twins], np.array([twin.rolling.limit for twin in twins]))
+    total = {"M": "mean, root mean square", "impact minus rolling": off.text()}
+    return DataFrame([*rows, total]).fillna("")
 
 
-def _pair(usual: float, shorter: float) -> list[str]:
-    return [f"{usual:.4f}", f"{shorter:.4f}"]
+def _rolling_table(rolled: Sequence[Rolled]) -> DataFrame:
+    return DataFrame(
+        {
+            **case_cells(r.M, r.L, r.wavelength),
+            "nodes": f"{half(r.nodes)}, {r.nodes}",
+            "nabla2": f"{r.nabla2:.2f}",
+            **r.ratio.cells(),
+            "(15)": f"{float(amplitude_reduction.ratio_left(r.nabla2)):.3f}",
+            "change in the last period": f"{r.change:.3f}",
+        }
+        for r in rolled
+    )

@@ -1,0 +1,149 @@
+"""What is run for the figures: loads, wavelengths and grids, coarse (`QUICK`) or at full resolution (`FULL`)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+LOADS = (200, 500, 1000, 2000, 5000, 10000)  # M of Figs. 1, 2 and 4
+L = 10.0  # of Figs. 1 to 4
+SHOWN_LOAD = 1000  # M of Fig. 3, and of the run by the 2-D method
+
+Moes = tuple[float, float]  # M, L
+Wavelengths = tuple[float, ...]  # in units a* (impact) or a (rolling)
+
+
+@dataclass(frozen=True)
+class SmoothPlan:
+    """Smooth impacts: nodes and expected seconds by the radial and by the 2-D method, half width (a*) of the latter."""
+
+    radial_nodes: int
+    radial_seconds: float
+    plane_nodes: int
+    plane_half_width: float
+    plane_seconds: float
+
+
+@dataclass(frozen=True)
+class WavesPlan:
+    """Isotropic waviness, Figs. 5 and 6.
+
+    impacts: wavelengths for each M, L.  grids: nodes per side of the impacts, coarse and fine.  rolling: M, L,
+    wavelength, and nodes per side of the fine grid; the time steps of the last one are checked.  twins: M, L,
+    wavelength and X of each `rolling_twin`, where X is the place of a wave.  twin_grids: nodes per side of the twins.
+    shown: M, L of Fig. 5 and of the checks.
+    """
+
+    impacts: Mapping[Moes, Wavelengths]
+    grids: tuple[int, int]
+    rolling: tuple[tuple[float, float, float, int], ...]
+    twins: tuple[tuple[float, float, float, float], ...]
+    twin_grids: tuple[int, int]
+    shown: Moes = (1000, 10)
+
+
+@dataclass(frozen=True)
+class BeyondPlan:
+    """Other waves and other lubricants, Figs. 7 and 8.
+
+    shaped, oils: wavelengths for each M, L of the impacts of Fig. 7 and of Fig. 8.  soft: wavelengths for each M of
+    the impacts with the isoviscous oil, L = 0.  rolling: M, L, wavelength.  Grids: nodes per side, coarse and fine.
+    """
+
+    shaped: Mapping[Moes, Wavelengths]
+    oils: Mapping[Moes, Wavelengths]
+    soft: Mapping[float, Wavelengths]
+    grids: tuple[int, int]
+    rolling: tuple[tuple[float, float, float], ...]
+    rolling_grids: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is run for all figures."""
+
+    resolution: str
+    smooth: SmoothPlan
+    waves: WavesPlan
+    beyond: BeyondPlan
+
+
+QUICK = Plan(
+    "quick: coarse grids",
+    SmoothPlan(radial_nodes=301, radial_seconds=4.0, plane_nodes=129, plane_half_width=1.5, plane_seconds=20.0),
+    WavesPlan(
+        impacts={(200, 10): (0.25, 0.4), (1000, 10): (0.25, 0.4, 0.6), (1000, 5): (0.25, 0.5)},
+        grids=(97, 193),
+        rolling=((200, 10, 0.5, 129), (200, 10, 1.0, 129), (1000, 10, 0.5, 129)),
+        twins=((1000, 10, 0.4, 0.73), (1000, 10, 0.6, 0.5)),
+        twin_grids=(65, 129),
+    ),
+    BeyondPlan(
+        shaped={(1000, 10): (0.25, 0.4)},
+        oils={(1000, 5): (0.4,)},
+        soft={200: (0.2,)},
+        grids=(97, 193),
+        rolling=((200, 10, 1.0), (1000, 10, 1.0)),
+        rolling_grids=(65, 129),
+    ),
+)
+FULL = Plan(
+    "full resolution",
+    SmoothPlan(radial_nodes=801, radial_seconds=20.0, plane_nodes=385, plane_half_width=2.0, plane_seconds=150.0),
+    WavesPlan(
+        impacts={
+            (100, 10): (0.12, 0.25, 0.4),
+            (200, 10): (0.25, 0.4),
+            (500, 10): (0.15, 0.3, 0.5),
+            (1000, 5): (0.25, 0.5),
+            (1000, 10): (0.15, 0.25, 0.4, 0.6),
+            (1000, 20): (0.15, 0.25, 0.5),
+            (2000, 5): (0.4,),
+            (2000, 10): (0.2, 0.4, 0.5),
+        },
+        grids=(257, 513),
+        rolling=(
+            (100, 20, 0.25, 513),
+            (100, 10, 0.4, 513),
+            (200, 10, 0.25, 513),
+            (200, 10, 0.5, 513),
+            (200, 10, 0.75, 257),
+            (200, 10, 1.0, 257),
+            (1000, 10, 0.3, 513),
+            (1000, 10, 0.5, 513),
+            (1000, 10, 0.75, 257),
+            (1000, 10, 1.0, 257),
+        ),
+        twins=(
+            (500, 10, 0.5, 0.4),
+            (500, 10, 0.5, 0.66),
+            (1000, 5, 0.5, 0.67),
+            (1000, 10, 0.4, 0.53),
+            (1000, 10, 0.4, 0.73),
+            (1000, 10, 0.6, 0.5),
+            (2000, 10, 0.5, 0.67),
+        ),
+        twin_grids=(129, 257),
+    ),
+    BeyondPlan(
+        shaped={(200, 10): (0.3, 0.5), (1000, 10): (0.25, 0.4), (1000, 5): (0.25, 0.5)},
+        oils={(500, 10): (0.3, 0.5), (1000, 5): (0.25, 0.5)},
+        soft={100: (0.15, 0.3), 500: (0.15, 0.3)},
+        grids=(193, 385),
+        rolling=((200, 10, 0.5), (200, 10, 1.0), (1000, 10, 0.5), (1000, 10, 1.0)),
+        rolling_grids=(129, 257),
+    ),
+)
+
+
+def impact_seconds(impacts: int, nodes: int) -> float:
+    """Expected duration of impacts in lockstep: the start, and 18 s for each on 513 nodes (measured, one core)."""
+    return 5.0 + impacts * 18.0 * (nodes / 513) ** 2
+
+
+def rolling_seconds(nodes: int) -> float:
+    """Expected duration of a rolling contact: 330 s on 513 nodes, 1/8 of it on half as many (measured, one core)."""
+    return 5.0 + 330.0 * (nodes / 513) ** 3
+
+
+def half(nodes: int) -> int:
+    """Nodes of the grid with twice the spacing."""
+    return (nodes + 1) // 2
