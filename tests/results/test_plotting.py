@@ -32,7 +32,7 @@ def made_up(case_data, radial=False, rebound=True) -> xr.Dataset:
         scalars |= {"P_c": A, "P_max": A, "H_c": float(H.min()), "H_min": float(H.min()) / 2, "X_min": A}
         records.append({"T": T, **dict.fromkeys(variables.SCALARS, 0.0), **scalars})
         event = "max-approach" if abs(T - 2.45) < 1e-9 else ""
-        frames.append(Frame(float(T), P, H, event))
+        frames.append(Frame(float(T), {"P": P, "H": H}, event))
     coordinates = {"r": axis} if radial else {"Y": axis, "X": axis}
     return variables.assemble(case, records, frames, coordinates)
 

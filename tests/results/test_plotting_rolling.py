@@ -87,7 +87,7 @@ def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
         known = {"T": T, "F": 1.0, "w": 1.0, "U": flow, "Delta": 0.9, "H_c": film, "H_min": film / 2}
         known |= {"X_min": 0.2, "Y_min": 0.8, "P_c": 1.0, "P_max": 1.0}
         records.append({**dict.fromkeys(variables.SCALARS, 0.0), **known})
-        frames.append(Frame(float(T), P, H, "end" if T == 4 else ""))
+        frames.append(Frame(float(T), {"P": P, "H": H}, "end" if T == 4 else ""))
     return variables.assemble(case, records, frames, {"Y": Y, "X": X})
 
 

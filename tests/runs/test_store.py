@@ -21,7 +21,7 @@ from ertel.inputs.case_files import load_case, parse_case
 from ertel.model.status import Status
 from ertel.results import variables
 from ertel.runs import store
-from ertel.runs.drive import Frame, State, method_of, simulate, transient
+from ertel.runs.drive import Course, Frame, method_of, simulate, transient
 from ertel.runs.store import RunStore, StoreError, TransientStore
 
 CASE = {
@@ -148,7 +148,7 @@ def deaths():
         (store, "_commit"),
         (TransientStore, "_extend"),
         (TransientStore, "_write_checkpoint"),
-        (State, "to_arrays"),
+        (Course, "to_arrays"),
     ]
     return [(place, name, when, count) for place, name in places for when in ("before", "after") for count in (2, 5)]
 
@@ -306,7 +306,10 @@ def a_run(contact, oil=None):
     case = parse_case({"contact": contact, "lubricant": oil or {}})
     x = np.linspace(-1, 1, 5)
     records = [{"T": T, **{name: float(k) for k, name in enumerate(variables.SCALARS)}} for T in (0.1, 0.2)]
-    frames = [Frame(T, np.full((5, 5), T), np.full((5, 5), 2 * T), event) for T, event in ((0.1, ""), (0.2, "end"))]
+    frames = [
+        Frame(T, {"P": np.full((5, 5), T), "H": np.full((5, 5), 2 * T)}, event)
+        for T, event in ((0.1, ""), (0.2, "end"))
+    ]
     return case, variables.assemble(case, records, frames, {"Y": x, "X": x})
 
 
