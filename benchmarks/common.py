@@ -49,6 +49,8 @@ def timed(work: Callable[[], Any]) -> tuple[float, Any]:
 
 def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
     """The last time levels of an impact at T = until, newest first, interpolated from a run on 65 nodes."""
+    from dataclasses import replace
+
     import jax.numpy as jnp
 
     from ertel.model import contact
@@ -62,29 +64,30 @@ def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
         P = jnp.asarray(level.P)
         while P.shape[0] < method.grid.shape[0]:
             P = multigrid.prolong(P)
-        levels.append(level._replace(P=P, H=contact.film_thickness(method.contact, P, level.approach)))
+        fields = {"P": P, "H": contact.film_thickness(method.contact, P, level.approach)}
+        levels.append(replace(level, fields=fields))
     return levels
 
 
 def march(method: Any, levels: Sequence[Any], step: float, settle: int, timed_steps: int) -> tuple[list[Any], Any, Any]:
-    """Fixed steps from these levels: the new levels; times (wall, CPU) and attempts of all but the first few."""
+    """Fixed steps from these levels: the last levels; times (wall, CPU) and new levels of all but the first few."""
     import jax
 
-    timings, attempts, levels = [], [], list(levels)
+    timings, found, levels = [], [], list(levels)
     for number in range(settle + timed_steps):
         cpu = time.process_time()
-        wall, attempt = timed(lambda levels=levels: waited(method.advance(levels, step), jax))
+        wall, new = timed(lambda levels=levels: waited(method.advance(levels, step), jax))
         if number >= settle:
             timings.append((wall, time.process_time() - cpu))
-            attempts.append(attempt)
-        levels = [attempt.level, *levels][:3]
-    return levels, timings, attempts
+            found.append(new)
+        levels = [new, *levels][:3]
+    return levels, timings, found
 
 
-def step_seconds(timings: Sequence[float], attempts: Sequence[Any]) -> float:
+def step_seconds(timings: Sequence[float], levels: Sequence[Any]) -> float:
     """Of a step with the mean number of convolutions, from the step that was least disturbed for its number."""
-    each = min(wall / attempt.convolutions for wall, attempt in zip(timings, attempts, strict=True))
-    return each * statistics.mean(attempt.convolutions for attempt in attempts)
+    each = min(wall / level.work.convolutions for wall, level in zip(timings, levels, strict=True))
+    return each * statistics.mean(level.work.convolutions for level in levels)
 
 
 def keep_compiled() -> None:
@@ -94,9 +97,9 @@ def keep_compiled() -> None:
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
 
 
-def waited(attempt: Any, jax: Any) -> Any:
-    jax.block_until_ready(attempt.level.H)
-    return attempt
+def waited(level: Any, jax: Any) -> Any:
+    jax.block_until_ready(level.H)
+    return level
 
 
 def slope(sizes: Sequence[float], values: Sequence[float]) -> float:

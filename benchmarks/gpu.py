@@ -53,8 +53,8 @@ def measure(nodes: int, device: Any) -> tuple[float, tuple[Any, Any]]:
 
     with jax.default_device(device):
         method = Transient2D(impact(1000, nodes, solver={"tolerance": 1e-10}))
-        levels, timings, attempts = march(method, impact_levels(method), STEP, SETTLE, TIMED)
-    return step_seconds([wall for wall, _ in timings], attempts), (levels[0].P, levels[0].H)
+        levels, timings, found = march(method, impact_levels(method), STEP, SETTLE, TIMED)
+    return step_seconds([wall for wall, _ in timings], found), (levels[0].P, levels[0].H)
 
 
 if __name__ == "__main__":

@@ -65,20 +65,13 @@ def main() -> None:
 
 def measure_impact(nodes: int) -> dict[str, float]:
     keep_compiled()
-    from ertel.solvers.transient import Transient2D, solve_on_device
+    from ertel.solvers.transient import Transient2D, solve_step
 
-    seen: list[Any] = []
-
-    def solve_and_keep(*fields: Any, **choices: Any) -> Any:
-        seen[:] = [(fields, choices)]
-        return solve_on_device(*fields, **choices)
-
-    method = Transient2D(impact(1000, nodes), solve_step=solve_and_keep)
-    _, timings, attempts = march(method, impact_levels(method), STEP, SETTLE, TIMED)
-    fields, choices = seen[0]
-    memory = _memory(solve_on_device.lower(*fields, **choices).compile())
-    convolutions = statistics.mean(a.convolutions for a in attempts)
-    wall, cpu = (step_seconds(times, attempts) for times in zip(*timings, strict=True))
+    method = Transient2D(impact(1000, nodes))
+    levels, timings, found = march(method, impact_levels(method), STEP, SETTLE, TIMED)
+    memory = _memory(solve_step.lower(next(method.attempt(levels, STEP))).compile())
+    convolutions = statistics.mean(level.work.convolutions for level in found)
+    wall, cpu = (step_seconds(times, found) for times in zip(*timings, strict=True))
     return _figures(method.grid, wall, cpu, convolutions, memory)
 
 

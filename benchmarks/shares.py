@@ -76,7 +76,7 @@ def compile_seconds(kind: str, nodes: int) -> float:
     from ertel.solvers.transient import Transient2D
 
     method = Transient2D(impact(1000, nodes))
-    levels = [method.start().level]
+    levels = [method.start()]
     first, second = (timed(lambda: method.advance(levels, 1e-4))[0] for _ in range(2))
     return first - second
 
@@ -88,33 +88,37 @@ def measure_impact(nodes: int) -> dict[str, float]:
     """Seconds of a step, of its parts, and of a flush."""
     import jax
 
+    from ertel.model.approach import balanced
     from ertel.model.contact import Rate
     from ertel.runs import drive
-    from ertel.runs.drive import State
+    from ertel.runs.drive import Course
     from ertel.solvers import nonlinear, transient
 
     keep_compiled()
     on_device: list[float] = []
 
-    def solve(*fields: Any, **choices: Any) -> Any:
-        wall, answer = timed(lambda: jax.block_until_ready(transient.solve_on_device(*fields, **choices)))
+    def solve(problem: Any) -> Any:
+        wall, answer = timed(lambda: jax.block_until_ready(transient.solve_step(problem)))
         on_device.append(wall)
         return answer
 
     case = impact(1000, nodes, time={"step": STEP})
-    method = transient.Transient2D(case, solve_step=solve)
-    levels, _, attempts = march(method, impact_levels(method), STEP, SETTLE, TIMED)
-    course = drive.transient(case, State(tuple(levels), STEP), method)
+    method = transient.Transient2D(case)
+    method.solve = solve
+    levels, _, found = march(method, impact_levels(method), STEP, SETTLE, TIMED)
+    course = drive.transient(case, Course(tuple(levels), STEP), method)
     next(course)  # compiles what is measured of a step
     on_device.clear()
     steps = [timed(lambda: next(course)) for _ in range(TIMED)]
     walls = [wall for wall, _ in steps]
     convolutions = [step.record["convolutions"] for _, step in steps]
     whole = min(w / n for w, n in zip(walls, convolutions, strict=True)) * statistics.mean(convolutions)
-    newton, krylov = (statistics.mean(getattr(a, name) for a in attempts) for name in ("newton", "krylov"))
+    newton, krylov = (statistics.mean(getattr(level.work, name) for level in found) for name in ("newton", "krylov"))
     now = levels[0]
-    problem = nonlinear.Problem(Rate(1.5 / STEP, 0.0 * now.H), 0.0, None, 1.0, 1.0)
-    parts = _parts(method.contact, method.elastic, problem, now.P, now.H, nonlinear.still, transient.OPTIONS)
+    rate, line = Rate(1.5 / STEP, 0.0 * now.H), balanced()
+    how = nonlinear.bordered, nonlinear.still, transient.OPTIONS
+    problem = nonlinear.Problem(method.contact, method.elastic, rate, 0.0, line, 1.0, 1.0, *how)
+    parts = _parts(problem, now.P, now.H)
     return {
         "seconds": whole,
         **_times(parts, newton, krylov),
@@ -146,6 +150,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     import jax
 
     from ertel.model import discretise
+    from ertel.model.approach import balanced
     from ertel.numerics import multigrid
     from ertel.solvers import nonlinear, steady
 
@@ -154,8 +159,8 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     steady.steady(case)
     solve, on_device = nonlinear.solve, [0.0]
 
-    def solve_and_wait(*fields: Any, **choices: Any) -> Any:
-        on_device[0], answer = timed(lambda: jax.block_until_ready(solve(*fields, **choices)))
+    def solve_and_wait(*fields: Any) -> Any:
+        on_device[0], answer = timed(lambda: jax.block_until_ready(solve(*fields)))
         return answer
 
     with mock.patch.object(nonlinear, "solve", solve_and_wait):
@@ -163,8 +168,9 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     last = solutions[-1]
     c = discretise.contact_of(case, last.grid)
     elastic = multigrid.elasticities(last.grid, nonlinear.PRECONDITIONER_PRECISION)
-    problem = nonlinear.Problem(steady.STEADY, 1.0, None, 1.0, 1.0)
-    parts = _parts(c, elastic, problem, last.P, last.H, nonlinear.carried, steady.OPTIONS)
+    how = nonlinear.bordered, nonlinear.carried, steady.OPTIONS
+    problem = nonlinear.Problem(c, elastic, steady.STEADY, 1.0, balanced(), 1.0, 1.0, *how)
+    parts = _parts(problem, last.P, last.H)
     return {
         "seconds": walls[-1],
         **_times(parts, last.newton, last.krylov),
@@ -198,9 +204,7 @@ def _run_seconds(case: Any) -> float:
 # -- the parts ---------------------------------------------------------------------------------------------------------
 
 
-def _parts(
-    c: Any, elastic: Any, problem: Any, P: Any, H: Any, preconditioner: Callable[..., Any], options: Any
-) -> dict[str, tuple[float, float, float]]:
+def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]]:
     """Seconds of each part: once in a solve, for each Newton iteration, for each Krylov iteration."""
     import jax
     import jax.numpy as jnp
@@ -213,11 +217,11 @@ def _parts(
     def clock(work: Callable[..., Any], *arguments: Any) -> float:
         return max(seconds(work, *arguments) - call, 0.0)
 
-    one = jnp.ones_like(P)
+    c, one = problem.contact, jnp.ones_like(P)
     free = contact.inside(one, c.even)
 
     def levels_at(P: Any, H: Any) -> Any:
-        return preconditioner(c, elastic, P, H, free, problem).args[0]
+        return problem.preconditioner(problem, P, H, free).args[0]
 
     levels = levels_at(P, H)
     convolve = jax.jit(halfspace.displacement, static_argnums=2)
@@ -243,7 +247,7 @@ def _parts(
     iterations = 4
     diagonal = 1.0 + jnp.arange(P.size, dtype=P.dtype).reshape(P.shape) / P.size  # so that it does not converge at once
     search = jax.jit(lambda b: newton.gcr(lambda x: diagonal * x, lambda k, r: r, b, 0.0, iterations))
-    room = clock(jax.jit(lambda: jnp.zeros((2 * options.krylov_limit, *P.shape))))
+    room = clock(jax.jit(lambda: jnp.zeros((2 * problem.options.krylov_limit, *P.shape))))
     return {
         "fft": (exact, exact, exact + fft),
         "smoother": (0.0, 0.0, smooth),

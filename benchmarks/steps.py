@@ -34,14 +34,14 @@ def measure(nodes: int) -> dict[str, float]:
 
     keep_compiled()
     method = Transient2D(impact(1000, nodes))
-    compile_seconds, _ = timed(lambda: method.advance([method.start().level], 1e-4))
-    levels, timings, attempts = march(method, impact_levels(method), STEP, SETTLE, TIMED)
+    compile_seconds, _ = timed(lambda: method.advance([method.start()], 1e-4))
+    levels, timings, found = march(method, impact_levels(method), STEP, SETTLE, TIMED)
     convolve = jax.jit(contact.deformation)
-    step = step_seconds([wall for wall, _ in timings], attempts)
-    convolutions = statistics.mean(a.convolutions for a in attempts)
+    step = step_seconds([wall for wall, _ in timings], found)
+    convolutions = statistics.mean(level.work.convolutions for level in found)
     return {
         "convolutions": convolutions,
-        "krylov": statistics.mean(a.krylov for a in attempts),
+        "krylov": statistics.mean(level.work.krylov for level in found),
         "seconds": step,
         "ratio": step / (convolutions * seconds(convolve, method.contact, levels[0].P)),
         "cold": compile_seconds,

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from ertel.apps.cli import app
 from ertel.inputs.case_files import parse_case
 from ertel.model.case import Case
-from ertel.model.state import Level, Method
+from ertel.model.state import Method, State
 
 
 def impact(M: float, L: float, nodes: int, **sections: dict[str, Any]) -> Case:
@@ -22,13 +22,12 @@ def impact(M: float, L: float, nodes: int, **sections: dict[str, Any]) -> Case:
     return parse_case(source)
 
 
-def march(method: Method, step: float, steps: int) -> list[Level]:
+def march(method: Method, step: float, steps: int) -> list[State]:
     """Levels of a fixed-step run, newest first."""
-    levels = [method.start().level]
+    levels = [method.start()]
     for _ in range(steps):
-        attempt = method.advance(levels[:3], step)
-        assert attempt.status.ok
-        levels.insert(0, attempt.level)
+        levels.insert(0, method.advance(levels[:3], step))
+        assert levels[0].status.ok
     return levels
 
 

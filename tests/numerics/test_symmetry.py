@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from ertel.model import contact, discretise
 from ertel.model.case import SOLVERS, Case, Solver, Time
 from ertel.model.contact import Rate
-from ertel.model.state import Level
+from ertel.model.state import State
 from ertel.numerics import halfspace
 from ertel.numerics.grid import Grid
 from ertel.numerics.symmetry import WHOLE, Even, extended, folded, total, unfolded
@@ -96,12 +96,12 @@ def test_a_symmetric_grid_is_centred() -> None:
 TIGHT = {"nodes": 33, "tolerance": 1e-11}
 
 
-def impact(fold: bool, *features: Feature) -> tuple[Transient2D, Level]:
+def impact(fold: bool, *features: Feature) -> tuple[Transient2D, State]:
     solver = Solver("2d", half_width=2.0, fold=fold, **TIGHT)
     method = Transient2D(Case(PARAMETERS, OIL, solver, Time(start_approach=-0.5), roughness=features))
-    levels = [method.start().level]
+    levels = [method.start()]
     for _ in range(20):
-        levels.insert(0, method.advance(levels[:3], 0.05).level)
+        levels.insert(0, method.advance(levels[:3], 0.05))
     return method, levels[0]
 
 

@@ -1,7 +1,6 @@
 """Many impacts in one compiled step: equal to single runs, alike or refused, failures apart, few compilations."""
 
-import threading
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -14,8 +13,8 @@ from jax.tree_util import register_dataclass
 from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.physics.motion import constant
-from ertel.runs import batch, compiling
-from ertel.runs.batch import Arguments, Desk, lanes_for, simulate_batch
+from ertel.runs import compiling
+from ertel.runs.batch import lanes_for, run_together, simulate_batch
 from ertel.runs.drive import Result, Step, simulate
 from ertel.runs.sweep import Failure
 
@@ -115,47 +114,38 @@ def test_the_batch_shrinks_rarely() -> None:
     assert lanes_for(1, 3) == 3
 
 
-def test_answers_go_to_those_who_asked_whatever_the_order() -> None:
-    desk = Desk(3)
-    late = threading.Event()
+def asks(number: int) -> Generator[int, int, list[int]]:
+    """A run that wants number + 1 solutions."""
+    found = []
+    for turn in range(number + 1):
+        found.append((yield 10 * number + turn))
+    return found
 
-    def run(number: int) -> list[int]:
-        if number == 0:
-            late.wait(10)
-        found = []
-        for turn in range(number + 1):
-            if number == 2:
-                late.set()
-            found.append(desk.ask(number, 10 * number + turn))
-        desk.leave()
-        return found
 
-    def solve(steps: Any, lanes: int) -> list[Any]:
-        sizes.append((len(steps), lanes))
-        return [fields[0] for fields, _ in steps]
-
+def test_every_run_is_sent_its_own_solutions() -> None:
     sizes: list[tuple[int, int]] = []
-    with ThreadPoolExecutor(3) as pool:
-        futures = [pool.submit(run, number) for number in range(3)]
-        desk.serve(solve)
-    assert [future.result() for future in futures] == [[0], [10, 11], [20, 21, 22]]
+
+    def solve(problems: Sequence[int], lanes: int) -> list[int]:
+        sizes.append((len(problems), lanes))
+        return [-problem for problem in problems]
+
+    assert run_together([asks(number) for number in range(3)], solve) == [[0], [-10, -11], [-20, -21, -22]]
     assert sizes == [(3, 3), (2, 3), (1, 3)]
 
 
-def test_what_solving_raises_reaches_every_case(monkeypatch: pytest.MonkeyPatch) -> None:
-    def no_memory(steps: Any, lanes: int) -> Any:
-        raise MemoryError("too many lanes")
+def test_what_solving_raises_reaches_every_run_that_asked() -> None:
+    def no_memory(problems: Sequence[int], lanes: int) -> list[int]:
+        if len(problems) == 2:
+            raise MemoryError("too many lanes")
+        return list(problems)
 
-    monkeypatch.setattr(batch, "solve_together", no_memory)
-    assert simulate_batch(three()) == [Failure("MemoryError: too many lanes")] * 3
+    outcomes = run_together([asks(number) for number in range(3)], no_memory)
+    assert outcomes == [[0], *[Failure("MemoryError: too many lanes")] * 2]
 
 
-def test_an_interrupt_ends_all_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(steps: list[Arguments], lanes: int) -> Any:
+def test_an_interrupt_ends_all_runs() -> None:
+    def interrupt(problems: Sequence[int], lanes: int) -> list[int]:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(batch, "solve_together", interrupt)
-    before = threading.active_count()
     with pytest.raises(KeyboardInterrupt):
-        simulate_batch(three())
-    assert threading.active_count() == before
+        run_together([asks(2), asks(1)], interrupt)

@@ -14,11 +14,11 @@ from jax.tree_util import register_dataclass
 
 from ertel.model.approach import PrescribedApproach
 from ertel.model.case import Case
-from ertel.model.state import Attempt, Level
+from ertel.model.state import Method, State, Stepping
 from ertel.model.status import Status
 from ertel.physics.lubricant import Incompressible, Lubricant
-from ertel.results import diagnostics
-from ertel.runs.drive import State, progress_fraction, simulate, transient
+from ertel.results import diagnostics, summary
+from ertel.runs.drive import Course, progress_fraction, simulate, transient
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
 
@@ -51,7 +51,7 @@ def test_a_resumed_run_equals_an_uninterrupted_one_bit_for_bit() -> None:
     whole = list(transient(case))
     middle = len(whole) // 2
     stored = {key: np.array(value) for key, value in whole[middle].state.to_arrays().items()}
-    rest = list(transient(case, State.from_arrays(stored)))
+    rest = list(transient(case, Course.from_arrays(stored)))
     assert len(rest) == len(whole) - middle - 1
     for a, b in zip(whole[middle + 1 :], rest, strict=True):
         assert a.record == b.record
@@ -64,23 +64,24 @@ def test_a_resumed_run_equals_an_uninterrupted_one_bit_for_bit() -> None:
 @pytest.mark.parametrize("history", [1, 2, 3])
 def test_a_state_survives_storage(history: int) -> None:
     state = list(transient(short()))[history - 1].state
-    again = State.from_arrays(state.to_arrays())
+    again = Course.from_arrays(state.to_arrays())
     assert again.counts == state.counts and again.next_step == state.next_step
     assert len(again.levels) == len(state.levels)
     assert np.array_equal(again.levels[0].P, state.levels[0].P)
 
 
-class Unwilling:
+class Unwilling(Method):
     """A method that fails whenever the step is longer than it likes."""
 
     def __init__(self, method: Transient2D, longest: float):
         self.method, self.longest = method, longest
-        self.coordinates, self.start = method.coordinates, method.start
-        self.measure, self.film_error, self.whole = method.measure, method.film_error, method.whole
+        self.coordinates, self.controlled = method.coordinates, method.controlled
+        for name in ("start", "solve", "measure", "error", "whole"):
+            setattr(self, name, getattr(method, name))
 
-    def advance(self, levels: Sequence[Level], step: float) -> Attempt:
-        attempt = self.method.advance(levels, step)
-        return attempt if step <= self.longest else attempt._replace(status=Status.NEWTON_STALLED)
+    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
+        new = yield from self.method.attempt(levels, step)
+        return new if step <= self.longest else replace(new, status=Status.NEWTON_STALLED)
 
 
 def test_a_step_that_fails_is_repeated_smaller() -> None:
@@ -97,14 +98,14 @@ def test_a_run_that_must_give_up_keeps_what_it_has() -> None:
     method = Transient2D(case)
     steps = 0
 
-    def tire(levels: Sequence[Level], step: float) -> Attempt:
+    def tire(levels: Sequence[State], step: float) -> Stepping:
         nonlocal steps
         steps += 1
-        attempt = Transient2D.advance(method, levels, step)
-        return attempt if steps <= 4 else attempt._replace(status=Status.NEWTON_STALLED)
+        new = yield from method.attempt(levels, step)
+        return new if steps <= 4 else replace(new, status=Status.NEWTON_STALLED)
 
     tired = Unwilling(method, 1.0)
-    tired.advance = tire  # type: ignore[method-assign]
+    tired.attempt = tire  # type: ignore[method-assign]
     result = simulate(case, method=tired)
     assert result.status is Status.STEP_TOO_SMALL
     assert result.status.advice
@@ -202,11 +203,11 @@ def test_the_load_outside_of_a_known_field(w: float) -> None:
 
 
 def test_error_estimate_is_exact_for_a_second_order_error() -> None:
-    def summary(h):
+    def at(h):
         values = {"H_c": 0.07 + 3 * h**2, "H_min": 0.01 - h**2, "Delta": 0.96 + h**2}
         return {"max_approach": values}
 
-    estimate = summary.error_estimate(summary(0.01), summary(0.02))
+    estimate = summary.error_estimate(at(0.01), at(0.02))
     assert estimate is not None
     assert estimate["H_c"]["extrapolated"] == pytest.approx(0.07, rel=1e-12)
     assert estimate["H_c"]["error"] == pytest.approx(3e-4, rel=1e-9)

@@ -13,7 +13,7 @@ from ertel.model import contact
 from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import SOLVERS, Case, Time
 from ertel.model.contact import Rate
-from ertel.model.state import Level
+from ertel.model.state import State
 from ertel.numerics import bdf
 from ertel.physics.lubricant import Barus, Incompressible, Lubricant
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
@@ -36,7 +36,7 @@ def rolling(
     return Case(P20, OIL, grid, time or Time(), kind="rolling", motion=motion, roughness=features)
 
 
-def march(case: Case, step: float, steps: int) -> list[Level]:
+def march(case: Case, step: float, steps: int) -> list[State]:
     """Levels of a fixed-step run, newest first."""
     return levels_of(Transient2D(case), step, steps)
 
@@ -74,7 +74,7 @@ def test_reversing_everything_mirrors_everything() -> None:
     assert largest(np.asarray(here.P)[:, ::-1], there.P) < 1e-6
 
 
-def impact_on_a_track(speed: float) -> Level:
+def impact_on_a_track(speed: float) -> State:
     """A free ball in its own scales, on a surface that moves."""
     motion = replace(FREE_BALL, entrainment=Polyline(((0.0, speed),)))
     solver = replace(SOLVERS["2d"], nodes=33, tolerance=TIGHT, fold=False)
@@ -82,7 +82,7 @@ def impact_on_a_track(speed: float) -> Level:
 
 
 @cache
-def impact_on_a_plane() -> Level:
+def impact_on_a_plane() -> State:
     return impact_on_a_track(0.0)
 
 

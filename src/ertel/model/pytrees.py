@@ -10,9 +10,9 @@ from ertel.physics.lubricant import Lubricant
 
 def traceable(oil: Lubricant) -> Lubricant:
     """The same oil, with its record and those of its laws known to JAX: their fields are arrays or numbers."""
-    parts: tuple[object, ...] = (oil, oil.viscosity_law, oil.density_law)
-    for part in parts:
-        _register(type(part))
+    records: tuple[Any, ...] = (oil, oil.viscosity_law, oil.density_law)
+    for record in records:
+        _register(record.__class__)
     return oil
 
 

@@ -1,55 +1,122 @@
-"""One time level, and what a method of solution must be able to do."""
+"""A time level, what a method of solution must be able to do, and the steady solutions on all grids."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from ertel.model.measure import measure
 from ertel.model.status import Status
+from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
 from ertel.numerics.richardson import Extrapolation, extrapolate
 from ertel.numerics.symmetry import unfolded
 
 Array = Any
+Outcome = TypeVar("Outcome")
+LOWEST: Mapping[str, float] = {"P": 0.0}  # bounds that hold between time levels too
 
 
-class Level(NamedTuple):
-    """The contact at one time.  T in t0, approach in delta*, velocity dDelta/dT; P, H of shape (n, n) or (n,)."""
+class Work(NamedTuple):
+    """Iterations, and convolutions counted by the nodes of the finest grid."""
+
+    newton: int = 0
+    krylov: int = 0
+    convolutions: float = 0.0
+
+    def plus(self, other: "Work") -> "Work":
+        """The sum of both."""
+        return Work(self.newton + other.newton, self.krylov + other.krylov, self.convolutions + other.convolutions)
+
+
+NO_WORK = Work()
+
+
+@dataclass(frozen=True)
+class State:
+    """The contact at one time: T in t0, approach in delta*, velocity dDelta/dT, fields of shape (n, n) or (n,) by name.
+
+    status, work: how the solve for this state ended, and what it took.
+    """
 
     T: float
     approach: float
     velocity: float
-    P: Array
-    H: Array
+    fields: Mapping[str, Array]
+    status: Status = Status.CONVERGED
+    work: Work = NO_WORK
+
+    @property
+    def P(self) -> Array:
+        """The pressure."""
+        return self.fields["P"]
+
+    @property
+    def H(self) -> Array:
+        """The film thickness."""
+        return self.fields["H"]
 
 
-class Attempt(NamedTuple):
-    """A new level, how well it went, and the work it took."""
+def combined(weights: bdf.Weights, values: Sequence[Array]) -> Array:
+    """The weighted sum of values at several times, numbers or arrays."""
+    return sum(w * value for w, value in zip(weights, values, strict=True))
 
-    level: Level
-    status: Status
-    newton: int
-    krylov: int
-    convolutions: float
+
+def interpolated(levels: Sequence[State], T: float) -> State:
+    """The state at a time between or after the levels, by the polynomial through them; bounded fields stay bounded."""
+    weights = bdf.interpolation_weights(T, [level.T for level in levels])
+    fields = {name: combined(weights, [level.fields[name] for level in levels]) for name in levels[0].fields}
+    approach, velocity = (
+        float(combined(weights, [getattr(level, name) for level in levels])) for name in ("approach", "velocity")
+    )
+    return State(
+        T,
+        approach,
+        velocity,
+        {name: field.clip(LOWEST[name]) if name in LOWEST else field for name, field in fields.items()},
+    )
+
+
+Stepping = Generator[Any, Any, State]  # yields the problems of a step, is sent their solutions, returns the new state
+
+
+def solved(course: Generator[Any, Any, Outcome], solve: Callable[[Any], Any]) -> Outcome:
+    """What a generator of problems returns when each is solved as it comes."""
+    try:
+        problem = next(course)
+        while True:
+            problem = course.send(solve(problem))
+    except StopIteration as end:
+        outcome: Outcome = end.value
+        return outcome
 
 
 class Method(Protocol):
-    """A way to step a contact forward in time."""
+    """A way to step a contact forward in time.
 
-    @property
-    def coordinates(self) -> Mapping[str, Any]:
-        """Axes of P and H in order, by name, in units a*."""
+    coordinates: axes of the fields in order, by name, in units a*.  controlled: the fields whose error in time rules
+    the step, besides the approach and its velocity.
+    """
+
+    coordinates: Mapping[str, Any]
+    controlled: Sequence[str]
+
+    def start(self) -> State:
+        """The state at T = 0."""
         ...
 
-    def start(self) -> Attempt:
-        """The level at T = 0, and the work it took."""
-        ...
-
-    def advance(self, levels: Sequence[Level], step: float) -> Attempt:
+    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         """One step on from one to three levels, newest first."""
         ...
 
-    def measure(self, level: Level) -> dict[str, float]:
+    def solve(self, problem: Any) -> Any:
+        """The solution of a problem that `attempt` yields."""
+        ...
+
+    def advance(self, levels: Sequence[State], step: float) -> State:
+        """One step on from one to three levels, newest first, its problems solved by this method."""
+        return solved(self.attempt(levels, step), self.solve)
+
+    def measure(self, level: State) -> dict[str, float]:
         """F (in units of Hertz' load F*), P_c, P_max, H_c, H_min, X_min, Y_min."""
         ...
 
@@ -57,8 +124,8 @@ class Method(Protocol):
         """A field of a level on all nodes of `coordinates`: a level may keep one side of an axis of symmetry only."""
         ...
 
-    def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
-        """How far a film is from its prediction, relative, root mean square over the load that P carries."""
+    def error(self, new: State, predicted: Mapping[str, Array]) -> float:
+        """How far the controlled fields of the new level are from their prediction, relative: the largest."""
         ...
 
 

@@ -2,21 +2,20 @@
 
     results = simulate_batch([parse_case({"contact": {"M": M, "L": 10}}) for M in (200, 500, 1000)])
 
-Each case is an ordinary run in a thread of its own, with its own adaptive steps, events and end (`simulation`).  A run
-that wants a step asks and waits; when all that still run have asked, one call of `jax.vmap` answers them.  What they
-must share is the shape of that call: grid, axes of symmetry, laws of the oil, closure.
+Each case is a run of its own, with its own adaptive steps, events and end: a generator that yields the problem of its
+next step and is sent the solution (`drive.attempts`).  The problems of all runs that have not ended are solved by one
+call of `jax.vmap`.  What the cases must share is the shape of that call: grid, axes of symmetry, laws of the oil,
+closure.
 
 A batched iteration goes on until the slowest case has converged, so a batch pays where a single step leaves the device
 idle: small grids, and graphics processors.  Runs that fill the cores are better spread over processes (`sweep`).
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 from functools import partial
 from operator import itemgetter
-from queue import SimpleQueue
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -25,17 +24,13 @@ from jax import Array, tree
 
 from ertel.model import discretise
 from ertel.model.case import Case
-from ertel.model.contact import Contact
-from ertel.numerics import newton
-from ertel.runs.drive import Result, Step, simulate
+from ertel.model.status import Status
+from ertel.runs.drive import Gathering, Result, Step, attempts, begin
 from ertel.runs.sweep import Failure
-from ertel.solvers import transient
-from ertel.solvers.nonlinear import Close, Preconditioner
-from ertel.solvers.transient import Transient2D
+from ertel.solvers.transient import StepProblem, StepSolution, Transient2D, solve_step
 
-Arguments = tuple[tuple[Any, ...], Mapping[str, Any]]  # of `transient.solve_on_device`: by position, by keyword
-Answer = tuple[newton.Solution, Any]
-SolveTogether = Callable[[Sequence[Arguments], int], Sequence[Answer]]  # from steps and the number of lanes
+Run = Generator[Any, Any, Any]  # yields problems, is sent their solutions, returns its outcome
+SolveTogether = Callable[[Sequence[Any], int], Sequence[Any]]  # from problems and the number of lanes to solutions
 METHODS = ("2d", "transient")
 SHRINKAGE = 4  # a batch becomes smaller, which costs a compilation, when this factor fewer cases still run
 
@@ -45,28 +40,62 @@ def simulate_batch(
 ) -> list[Result | Failure]:
     """The results of all cases in their order, as `simulate` gives them; a `Failure` where a run raised.
 
-    on_step sees every accepted step with the number of its case, called from that case's thread.  Raises ValueError,
-    naming the field, where the cases cannot share a step.
+    on_step sees every accepted step with the number of its case.  Raises ValueError, naming the field, where the cases
+    cannot share a step.
     """
     check_alike(cases)
-    desk = Desk(len(cases))
+    runs = [_run(case, partial(on_step, number)) for number, case in enumerate(cases)]
+    return run_together(runs, solve_together)
 
-    def run(number: int) -> Result:
+
+def _run(case: Case, on_step: Callable[[Step], object]) -> Generator[StepProblem, StepSolution, Result]:
+    """As `drive.simulate`, its problems solved by who runs it."""
+    gathering, method = Gathering(case), Transient2D(case)
+    step = begin(case, method)
+    while step.status is Status.RUNNING:
+        step = yield from attempts(case, method, step.state)
+        gathering.take(step)
+        on_step(step)
+    return gathering.result(step, method)
+
+
+def run_together(runs: Sequence[Run], solve: SolveTogether) -> list[Any]:
+    """What the runs return, in their order; a `Failure` for each that raised, and for all that a failed solve left.
+
+    solve(problems, lanes) solves the problems of all runs that have not ended, at most `lanes`.
+    """
+    outcomes: list[Any] = [None] * len(runs)
+    asked: dict[int, Any] = {}
+
+    def go_on(number: int, reply: Callable[[], Any]) -> None:
         try:
-            method = Transient2D(cases[number], solve_step=partial(desk.ask, number))
-            return simulate(cases[number], partial(on_step, number), method=method)
-        finally:
-            desk.leave()
+            asked[number] = reply()
+        except StopIteration as end:
+            outcomes[number] = end.value
+        except Exception as error:
+            outcomes[number] = Failure(f"{type(error).__name__}: {error}")
 
-    with ThreadPoolExecutor(len(cases)) as pool:
-        futures = [pool.submit(run, number) for number in range(len(cases))]
-        desk.serve(solve_together)
-    return [_outcome(future) for future in futures]
+    for number, run in enumerate(runs):
+        go_on(number, partial(next, run))
+    lanes = len(runs)
+    while asked:
+        numbers, problems = list(asked), list(asked.values())
+        asked.clear()
+        lanes = lanes_for(len(problems), lanes)
+        try:
+            replies = [partial(runs[n].send, s) for n, s in zip(numbers, solve(problems, lanes), strict=True)]
+        except Exception as error:
+            replies = [partial(runs[n].throw, error) for n in numbers]
+        for number, reply in zip(numbers, replies, strict=True):
+            go_on(number, reply)
+    return outcomes
 
 
-def _outcome(future: "Future[Result]") -> Result | Failure:
-    error = future.exception()
-    return Failure(f"{type(error).__name__}: {error}") if error else future.result()
+def lanes_for(asking: int, lanes: int) -> int:
+    """The size of the next batch, given the last one's: rarely another, because every size is compiled."""
+    while asking * SHRINKAGE <= lanes:
+        lanes = -(-lanes // SHRINKAGE)
+    return lanes
 
 
 # -- what cases must share ---------------------------------------------------------------------------------------------
@@ -109,97 +138,24 @@ def _structure(law: object) -> tuple[str, object, tuple[tuple[int, ...], ...]]:
     return type(law).__name__, structure, tuple(np.shape(leaf) for leaf in leaves)
 
 
-# -- the meeting of the runs -------------------------------------------------------------------------------------------
-
-
-class _Question(NamedTuple):
-    number: int
-    arguments: Arguments
-    answer: "Future[Answer]"
-
-
-class Desk:
-    """Where runs in threads ask for a step (`ask`), and one thread answers when all that still run have (`serve`)."""
-
-    def __init__(self, running: int):
-        self._running = running
-        self._inbox: SimpleQueue[_Question | None] = SimpleQueue()  # None: a run has left
-
-    def ask(self, number: int, *fields: Any, **choices: Any) -> Answer:
-        """Wait for what `transient.solve_on_device` gives for these arguments; raises what solving raised."""
-        question = _Question(number, (fields, choices), Future())
-        self._inbox.put(question)
-        return question.answer.result()
-
-    def leave(self) -> None:
-        """This run asks no more."""
-        self._inbox.put(None)
-
-    def serve(self, solve: SolveTogether) -> None:
-        """Answer until all runs have left; solve(steps, lanes) solves the steps, at most `lanes`.
-
-        An interrupt ends the runs at their next step.
-        """
-        waiting: list[_Question] = []
-        lanes = self._running
-        try:
-            while self._running:
-                self._receive(waiting)
-                if waiting and len(waiting) == self._running:
-                    lanes = lanes_for(len(waiting), lanes)
-                    _answer(sorted(waiting, key=lambda question: question.number), solve, lanes)
-                    waiting.clear()
-        except BaseException:
-            while self._running:
-                for question in waiting:
-                    question.answer.cancel()
-                waiting.clear()
-                self._receive(waiting)
-            raise
-
-    def _receive(self, waiting: list[_Question]) -> None:
-        question = self._inbox.get()
-        if question is None:
-            self._running -= 1
-        else:
-            waiting.append(question)
-
-
-def lanes_for(asking: int, lanes: int) -> int:
-    """The size of the next batch, given the last one's: rarely another, because every size is compiled."""
-    while asking * SHRINKAGE <= lanes:
-        lanes = -(-lanes // SHRINKAGE)
-    return lanes
-
-
-def _answer(questions: Sequence[_Question], solve: SolveTogether, lanes: int) -> None:
-    try:
-        answers = solve([question.arguments for question in questions], lanes)
-    except Exception as error:
-        for question in questions:
-            question.answer.set_exception(error)
-        return
-    for question, answer in zip(questions, answers, strict=True):
-        question.answer.set_result(answer)
-
-
 # -- one step of all ---------------------------------------------------------------------------------------------------
 
 
-def solve_together(steps: Sequence[Arguments], lanes: int) -> list[Answer]:
-    """What `transient.solve_on_device` gives for steps of one shape, by one call on so many lanes."""
-    filled = [*steps, *[steps[-1]] * (lanes - len(steps))]
-    (one, elastic, *_), choices = filled[0]
-    own = [(replace(contact, kernel=0.0, spacing=0.0), *others) for (contact, _, *others), _ in filled]
-    contact, *others = tree.map(_stacked, *own)
-    contact = replace(contact, kernel=one.kernel, spacing=one.spacing)  # the same for all, and large
-    P, H, rest = _solve_lanes(contact, elastic, others, **choices)
+def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolution]:
+    """What `transient.solve_step` gives for problems of one shape, by one call on so many lanes."""
+    filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
+    own = tree.map(_stacked, *(_own(problem) for problem in filled))
+    fields, rest = _solve_lanes(problems[0], own)
     numbers = jax.device_get(rest)  # the small ones together: each read waits for the device
-    answers = []
-    for lane in range(len(steps)):
-        solution, approach = tree.map(itemgetter(lane), numbers)
-        answers.append((solution._replace(P=P[lane], H=H[lane]), approach))
-    return answers
+    return [
+        tree.map(itemgetter(lane), numbers)._replace(fields={name: each[lane] for name, each in fields.items()})
+        for lane in range(len(problems))
+    ]
+
+
+def _own(problem: StepProblem) -> Any:
+    """The problem without what is the same for all, and large."""
+    return replace(problem, elastic=(), contact=replace(problem.contact, kernel=(), spacing=()))  # type: ignore[arg-type]
 
 
 def _stacked(*values: Any) -> Any:
@@ -211,12 +167,14 @@ def _stack(fields: Sequence[Array]) -> Array:
     return jnp.stack(fields)
 
 
-@partial(jax.jit, static_argnames=("close", "preconditioner"))
-def _solve_lanes(
-    contact: Contact, elastic: Any, others: Sequence[Any], *, close: Close, preconditioner: Preconditioner
-) -> tuple[list[Array], list[Array], Any]:
-    """P and H of each lane apart; all other results with the lanes along their first axis."""
-    lane_axes = replace(tree.map(lambda _: 0, contact), kernel=None, spacing=None)
-    solve = partial(transient.solve_on_device, close=close, preconditioner=preconditioner)
-    solution, approach = jax.vmap(solve, (lane_axes, None, *[0] * len(others)))(contact, elastic, *others)
-    return list(solution.P), list(solution.H), (solution._replace(P=(), H=()), approach)
+@jax.jit
+def _solve_lanes(one: StepProblem, own: Any) -> tuple[dict[str, list[Array]], StepSolution]:
+    """The fields of each lane apart; all other results with the lanes along their first axis."""
+
+    def solve(own: Any) -> StepSolution:
+        contact = replace(own.contact, kernel=one.contact.kernel, spacing=one.contact.spacing)
+        solution: StepSolution = solve_step(replace(own, elastic=one.elastic, contact=contact))
+        return solution
+
+    solution = jax.vmap(solve)(own)
+    return {name: list(lanes) for name, lanes in solution.fields.items()}, solution._replace(fields={})

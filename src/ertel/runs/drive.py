@@ -5,7 +5,7 @@ case, into a Result.
 """
 
 import time as clock
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.model.case import Case
-from ertel.model.state import Attempt, GridSolution, Level, Method
+from ertel.model.state import GridSolution, Method, State, Work, combined, interpolated, solved
 from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.results.dataset import assemble, assemble_steady
@@ -33,12 +33,21 @@ UNLOADED = 1e-8  # F below which the ball has left
 
 
 class Frame(NamedTuple):
-    """The maps of P and H at a time; event: "", "max-approach" or "end"."""
+    """The maps of all fields at a time, by name; event: "", "max-approach" or "end"."""
 
     T: float
-    P: NDArray[np.float64]
-    H: NDArray[np.float64]
+    fields: Mapping[str, NDArray[np.float64]]
     event: str
+
+    @property
+    def P(self) -> NDArray[np.float64]:
+        """The pressure."""
+        return self.fields["P"]
+
+    @property
+    def H(self) -> NDArray[np.float64]:
+        """The film thickness."""
+        return self.fields["H"]
 
 
 @dataclass(frozen=True)
@@ -51,12 +60,12 @@ class Counts:
     convolutions: float = 0.0
     rejected: int = 0
 
-    def plus(self, attempt: Attempt) -> "Counts":
+    def plus(self, work: Work) -> "Counts":
         return Counts(
             self.steps,
-            self.newton_iterations + attempt.newton,
-            self.krylov_iterations + attempt.krylov,
-            self.convolutions + attempt.convolutions,
+            self.newton_iterations + work.newton,
+            self.krylov_iterations + work.krylov,
+            self.convolutions + work.convolutions,
             self.rejected,
         )
 
@@ -65,10 +74,10 @@ class Counts:
 
 
 @dataclass(frozen=True)
-class State:
+class Course:
     """All that a run needs to go on: the last time levels (newest first), the next step, what has happened so far."""
 
-    levels: tuple[Level, ...]
+    levels: tuple[State, ...]
     next_step: float
     counts: Counts = Counts()
     next_frame: int = 1
@@ -78,14 +87,20 @@ class State:
         """The state as named arrays, exact to the last bit."""
         scalars = {"next_step": self.next_step, "next_frame": self.next_frame, **vars(self.counts)}
         reached = {f"max_approach_{key}": value for key, value in (self.max_approach or {}).items()}
-        stacks = {name: np.array([getattr(level, name) for level in self.levels]) for name in Level._fields}
+        names, numbers = list(self.levels[0].fields), ("T", "approach", "velocity")
+        stacks = {name: np.array([getattr(level, name) for level in self.levels]) for name in numbers}
+        stacks |= {name: np.array([level.fields[name] for level in self.levels]) for name in names}
+        stacks["fields"] = np.array(names)
         return {key: np.asarray(value) for key, value in {**scalars, **reached, **stacks}.items()}
 
     @classmethod
-    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> "State":
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> "Course":
         """Undo `to_arrays`."""
-        rows = zip(*(arrays[name] for name in Level._fields), strict=True)
-        levels = tuple(Level(float(T), float(Delta), float(V), P, H) for T, Delta, V, P, H in rows)
+        names = arrays["fields"].tolist() if "fields" in arrays else ["P", "H"]  # older checkpoints name none
+        numbers = zip(*(arrays[name].tolist() for name in ("T", "approach", "velocity")), strict=True)
+        levels = tuple(
+            State(T, Delta, V, {name: arrays[name][i] for name in names}) for i, (T, Delta, V) in enumerate(numbers)
+        )
         counts = Counts(**{name: arrays[name].item() for name in Counts.__dataclass_fields__})
         prefix = "max_approach_"
         reached = {key.removeprefix(prefix): float(v) for key, v in arrays.items() if key.startswith(prefix)}
@@ -96,7 +111,7 @@ class State:
 class Step:
     """One accepted time step: the state after it, its scalars, the maps that fell due, and how the run stands."""
 
-    state: State
+    state: Course
     record: Mapping[str, float]
     frames: tuple[Frame, ...]
     status: Status
@@ -122,30 +137,47 @@ def method_of(case: Case) -> Method:
     raise ValueError(f'solver.method = "{case.solver.method}": has no time steps')
 
 
-def transient(case: Case, state: State | None = None, method: Method | None = None) -> Iterator[Step]:
+def transient(case: Case, state: Course | None = None, method: Method | None = None) -> Iterator[Step]:
     """Accepted steps from the start, or from a state, until the case's end; the last one's status says how it ended.
 
     A run that must give up yields its last good step again, with the reason as status.
     """
     method = method or method_of(case)
-    if state is None:
-        start = method.start()
-        state = _first(case, start)
-        if not start.status.ok:
-            yield Step(state, {}, (), start.status)
-            return
-    while True:
-        step = _next(case, method, state)
+    step = begin(case, method) if state is None else Step(state, {}, (), Status.RUNNING)
+    if step.status is not Status.RUNNING:
         yield step
-        if step.status is not Status.RUNNING:
-            return
-        state = step.state
+    while step.status is Status.RUNNING:
+        step = solved(attempts(case, method, step.state), method.solve)
+        yield step
+
+
+class Gathering:
+    """The steps of a run in memory."""
+
+    def __init__(self, case: Case):
+        self._case = case
+        self._started, self._compiled = clock.monotonic(), compiling.count()
+        self._records: list[Mapping[str, float]] = []
+        self._frames: list[Frame] = []
+
+    def take(self, step: Step) -> None:
+        """One more step."""
+        if step.record:  # a run that gives up ends with a step that has none
+            self._records.append(step.record)
+        self._frames.extend(step.frames)
+
+    def result(self, last: Step, method: Method) -> Result:
+        """What the run gave, from its last step."""
+        data = assemble(self._case, self._records, self._frames, method.coordinates)
+        work = {"compilations": compiling.count() - self._compiled, "wall_s": clock.monotonic() - self._started}
+        summary = summarise(self._case, last, data, work)
+        return Result(self._case, data.assign_attrs(status=last.status.value), summary, last.status)
 
 
 def simulate(
     case: Case,
     on_step: Callable[[Any], object] | None = None,
-    state: State | None = None,
+    state: Course | None = None,
     method: Method | None = None,
 ) -> Result:
     """Run a case from start to end in memory.
@@ -154,19 +186,13 @@ def simulate(
     """
     if case.solver.method == "steady":
         return _simulate_steady(case, on_step)
-    started, compiled = clock.monotonic(), compiling.count()
+    gathering = Gathering(case)
     method = method or method_of(case)
-    steps = []
     for step in transient(case, state, method):
-        steps.append(replace(step, state=replace(step.state, levels=())))  # the levels of old steps are large
+        gathering.take(step)
         if on_step:
             on_step(step)
-    records = [step.record for step in steps if step.record]
-    frames = [frame for step in steps for frame in step.frames]
-    data = assemble(case, records, frames, method.coordinates)
-    work = {"compilations": compiling.count() - compiled, "wall_s": clock.monotonic() - started}
-    summary = summarise(case, step, data, work)
-    return Result(case, data.assign_attrs(status=step.status.value), summary, step.status)
+    return gathering.result(step, method)
 
 
 def _simulate_steady(case: Case, on_grid: Callable[[GridSolution], object] | None) -> Result:
@@ -201,33 +227,35 @@ def progress_fraction(case: Case, record: Mapping[str, float]) -> float:
     return 1.0 if record["V"] <= 0 else min(T / half, 1.0) if T > touch else T / half
 
 
-def _first(case: Case, start: Attempt) -> State:
-    """The state at T = 0; of a rolling contact its film is worth a map."""
+def begin(case: Case, method: Method) -> Step:
+    """The run before its first step, without a record; of a rolling contact the film at T = 0 is worth a map."""
+    start = method.start()
     step = case.schedule.step or FIRST_STEP * abs(case.schedule.start_approach)
-    return State((start.level,), step, Counts().plus(start), next_frame=1 if case.starts_apart else 0)
+    course = Course((start,), step, Counts().plus(start.work), next_frame=1 if case.starts_apart else 0)
+    return Step(course, {}, (), Status.RUNNING if start.status.ok else start.status)
 
 
 # -- one step -------------------------------------------------------------------------------------------------------
 
 
-def _next(case: Case, method: Method, state: State) -> Step:
-    """The next accepted step, with as many attempts as it takes."""
+def attempts(case: Case, method: Method, state: Course) -> Generator[Any, Any, Step]:
+    """The next accepted step, with as many attempts as it takes: yields their problems, is sent the solutions."""
     fixed = case.schedule.step
     step = fixed or state.next_step
     counts = state.counts
     while step >= SMALLEST_STEP:
         length = _landing(case, state.levels[0].T, step)
-        attempt = method.advance(state.levels, length)
-        counts = counts.plus(attempt)
-        if not attempt.status.ok:
+        new = yield from method.attempt(state.levels, length)
+        counts = counts.plus(new.work)
+        if not new.status.ok:
             step, counts = CUT * length, replace(counts, rejected=counts.rejected + 1)
             continue
-        error = 0.0 if fixed else _error(case, method, state.levels, attempt.level)
+        error = 0.0 if fixed else _error(case, method, state.levels, new)
         if not fixed and not CONTROL.accepts(error):
             step, counts = CONTROL.next_step(length, error), replace(counts, rejected=counts.rejected + 1)
             continue
         following = fixed or min(CONTROL.next_step(length, error), LARGEST_STEP)
-        return _accept(case, method, state, attempt, replace(counts, steps=counts.steps + 1), following, error)
+        return _accept(case, method, state, new, replace(counts, steps=counts.steps + 1), following, error)
     return Step(replace(state, counts=counts), {}, (), Status.STEP_TOO_SMALL)
 
 
@@ -239,8 +267,8 @@ def _landing(case: Case, T: float, step: float) -> float:
     return left if left < step * (1 + 1e-9) else step
 
 
-def _error(case: Case, method: Method, levels: Sequence[Level], new: Level) -> float:
-    """Local error of Delta, V and H in units of the tolerance: what the prediction tells (see `bdf.error_factor`).
+def _error(case: Case, method: Method, levels: Sequence[State], new: State) -> float:
+    """Local error of Delta, V and the fields in units of the tolerance, from the prediction (see `bdf.error_factor`).
 
     Without inertia V is no unknown of its own, and may jump.
     """
@@ -248,50 +276,48 @@ def _error(case: Case, method: Method, levels: Sequence[Level], new: Level) -> f
         return 1.0  # too little history; keep the step
     times = [level.T for level in levels]
     predict = bdf.interpolation_weights(new.T, times)
-    approach, velocity, H = (
-        sum(w * getattr(level, name) for w, level in zip(predict, levels, strict=True))
-        for name in ("approach", "velocity", "H")
-    )
+    approach, velocity = (combined(predict, [getattr(o, name) for o in levels]) for name in ("approach", "velocity"))
+    fields = {name: combined(predict, [level.fields[name] for level in levels]) for name in method.controlled}
     of_speed = abs(new.velocity - velocity) if case.motion.inertia else 0.0
-    difference = max(abs(new.approach - approach), of_speed, method.film_error(new.H, H, new.P))
+    difference = max(abs(new.approach - approach), of_speed, method.error(new, fields))
     return float(bdf.error_factor([new.T, *times]) * difference / case.schedule.tolerance)
 
 
 def _accept(
-    case: Case, method: Method, state: State, attempt: Attempt, counts: Counts, following: float, error: float
+    case: Case, method: Method, state: Course, new: State, counts: Counts, following: float, error: float
 ) -> Step:
-    levels = (attempt.level, *state.levels)[:3]
-    measured = method.measure(attempt.level)
+    levels = (new, *state.levels)[:3]
+    measured = method.measure(new)
     frames, next_frame = _due_frames(case, method, levels, state.next_frame)
     reached = state.max_approach
     if case.starts_apart and reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
-        peak = interpolate(levels, turning_time(levels))
+        peak = interpolated(levels, turning_time(levels))
         reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak)}
         frames.append(_frame(method, peak, "max-approach"))
-    status = Status.CONVERGED if _ended(case, attempt.level, measured["F"], reached) else Status.RUNNING
+    status = Status.CONVERGED if _ended(case, new, measured["F"], reached) else Status.RUNNING
     if status is Status.CONVERGED and case.schedule.until != "max-approach":
-        frames.append(_frame(method, attempt.level, "end"))
+        frames.append(_frame(method, new, "end"))
     spent = counts.minus(state.counts)
     record = {
-        "T": attempt.level.T,
+        "T": new.T,
         "dT": levels[0].T - levels[1].T,
-        "Delta": attempt.level.approach,
-        "V": attempt.level.velocity,
+        "Delta": new.approach,
+        "V": new.velocity,
         **measured,
-        "U": case.motion.entrainment(attempt.level.T),
-        "w": case.motion.load(attempt.level.T),
+        "U": case.motion.entrainment(new.T),
+        "w": case.motion.load(new.T),
         "error": error,
         **{name: float(getattr(spent, name)) for name in Counts.__dataclass_fields__ if name != "steps"},
     }
     return Step(
-        State(levels, following, counts, next_frame, reached),
+        Course(levels, following, counts, next_frame, reached),
         record,
         tuple(sorted(frames, key=lambda frame: frame.T)),
         status,
     )
 
 
-def _ended(case: Case, level: Level, F: float, reached: Mapping[str, float] | None) -> bool:
+def _ended(case: Case, level: State, F: float, reached: Mapping[str, float] | None) -> bool:
     match case.schedule.until:
         case "max-approach":
             return reached is not None
@@ -304,16 +330,7 @@ def _ended(case: Case, level: Level, F: float, reached: Mapping[str, float] | No
 # -- between steps --------------------------------------------------------------------------------------------------
 
 
-def interpolate(levels: Sequence[Level], T: float) -> Level:
-    """The level at a time between the last steps, by a parabola through them; P stays non-negative."""
-    weights = bdf.interpolation_weights(T, [level.T for level in levels])
-    _, approach, velocity, P, H = (
-        sum(w * getattr(level, name) for w, level in zip(weights, levels, strict=True)) for name in Level._fields
-    )
-    return Level(T, float(approach), float(velocity), P.clip(0.0), H)
-
-
-def turning_time(levels: Sequence[Level]) -> float:
+def turning_time(levels: Sequence[State]) -> float:
     """When V = 0 between the last two levels, by bisection of its parabola."""
     times = [level.T for level in levels]
     V = np.array([level.velocity for level in levels])
@@ -324,15 +341,14 @@ def turning_time(levels: Sequence[Level]) -> float:
     return (early + late) / 2
 
 
-def _due_frames(case: Case, method: Method, levels: Sequence[Level], number: int) -> tuple[list[Frame], int]:
+def _due_frames(case: Case, method: Method, levels: Sequence[State], number: int) -> tuple[list[Frame], int]:
     """The maps due since the step before, at multiples of the interval."""
     frames = []
     while number * case.schedule.interval <= levels[0].T:
-        frames.append(_frame(method, interpolate(levels, number * case.schedule.interval), ""))
+        frames.append(_frame(method, interpolated(levels, number * case.schedule.interval), ""))
         number += 1
     return frames, number
 
 
-def _frame(method: Method, level: Level, event: str) -> Frame:
-    P, H = (np.asarray(method.whole(field)) for field in (level.P, level.H))
-    return Frame(level.T, P, H, event)
+def _frame(method: Method, level: State, event: str) -> Frame:
+    return Frame(level.T, {name: np.asarray(method.whole(field)) for name, field in level.fields.items()}, event)

@@ -16,7 +16,7 @@ from jax import Array
 from ertel.model import discretise
 from ertel.model.case import Case
 from ertel.model.sections import Time
-from ertel.model.state import Level
+from ertel.model.state import State, combined, interpolated
 from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.physics import surfaces
@@ -34,11 +34,11 @@ HEIGHT = {"long_name": "height of the roughness", "symbol": "R", "units": "1"}
 class Companion(Protocol):
     """A run beside the smooth one."""
 
-    def follow(self, smooth: Sequence[Level]) -> Status:
+    def follow(self, smooth: Sequence[State]) -> Status:
         """Make the step that the smooth run has made; its levels are given newest first."""
         ...
 
-    def film_change(self, smooth: Sequence[Level], weights: bdf.Weights) -> Array:
+    def film_change(self, smooth: Sequence[State], weights: bdf.Weights) -> Array:
         """dH between the last levels, interpolated with the weights."""
         ...
 
@@ -48,15 +48,15 @@ class RoughRun:
 
     def __init__(self, case: Case):
         self.method = Transient2D(case)
-        self.levels = [self.method.start().level]
+        self.levels = [self.method.start()]
 
-    def follow(self, smooth: Sequence[Level]) -> Status:
-        attempt = self.method.advance(self.levels, smooth[0].T - smooth[1].T)
-        self.levels = [attempt.level, *self.levels][:3]
-        return attempt.status
+    def follow(self, smooth: Sequence[State]) -> Status:
+        new = self.method.advance(self.levels, smooth[0].T - smooth[1].T)
+        self.levels = [new, *self.levels][:3]
+        return new.status
 
-    def film_change(self, smooth: Sequence[Level], weights: bdf.Weights) -> Array:
-        return sum(w * (rough.H - level.H) for w, rough, level in zip(weights, self.levels, smooth, strict=True))
+    def film_change(self, smooth: Sequence[State], weights: bdf.Weights) -> Array:
+        return combined(weights, [rough.H - level.H for rough, level in zip(self.levels, smooth, strict=True)])
 
 
 class TangentRun:
@@ -69,13 +69,13 @@ class TangentRun:
     def _height(self, T: float) -> Array:
         return discretise.heights(self.features, self.method.case, self.method.grid, T)
 
-    def follow(self, smooth: Sequence[Level]) -> Status:
-        level, krylov = tangent.advance(self.method, smooth, self.levels, self._height(smooth[0].T))
-        self.levels = [level, *self.levels][:3]
-        return Status.CONVERGED if krylov < tangent.LIMIT else Status.NEWTON_STALLED
+    def follow(self, smooth: Sequence[State]) -> Status:
+        new = tangent.advance(self.method, smooth, self.levels, self._height(smooth[0].T))
+        self.levels = [new, *self.levels][:3]
+        return new.status
 
-    def film_change(self, smooth: Sequence[Level], weights: bdf.Weights) -> Array:
-        return sum(w * level.H for w, level in zip(weights, self.levels, strict=True))
+    def film_change(self, smooth: Sequence[State], weights: bdf.Weights) -> Array:
+        return combined(weights, [level.H for level in self.levels])
 
 
 def respond(
@@ -114,7 +114,7 @@ def respond(
         for features in roughnesses
     ]
     records: list[Mapping[str, float]] = []
-    levels: tuple[Level, ...] = (method.start().level,)
+    levels: tuple[State, ...] = (method.start(),)
     status = Status.RUNNING
     for step in drive.transient(smooth, method=method):
         records.append(step.record)
@@ -138,16 +138,15 @@ def _heights(method: Transient2D, roughnesses: Sequence[Sequence[Feature]]) -> n
 def _assemble(
     case: Case,
     method: Transient2D,
-    levels: Sequence[Level],
+    levels: Sequence[State],
     companions: Sequence[Companion],
     records: Sequence[Mapping[str, float]],
     status: Status,
 ) -> xr.Dataset:
     """Everything at the moment of maximum approach, between the last levels."""
     T = drive.turning_time(levels) if status.ok else levels[0].T
-    peak = drive.interpolate(levels, T)
-    P, H = (np.asarray(method.whole(field)) for field in (peak.P, peak.H))
-    frame = Frame(T, P, H, "max-approach")
+    peak = interpolated(levels, T)
+    frame = Frame(T, {name: np.asarray(method.whole(f)) for name, f in peak.fields.items()}, "max-approach")
     data = assemble(case, records, [frame], method.coordinates, {"status": status.value}).isel(frame=0)
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]

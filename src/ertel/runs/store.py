@@ -48,7 +48,7 @@ from ertel.results.dataset import assemble_steady, columns, dimensions, maps
 from ertel.results.provenance import provenance
 from ertel.results.summary import steady_summary
 from ertel.runs import compiling
-from ertel.runs.drive import Frame, State, Step, method_of, summarise, transient
+from ertel.runs.drive import Course, Frame, Step, method_of, summarise, transient
 from ertel.solvers import steady
 
 CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
@@ -210,7 +210,7 @@ class TransientStore(RunStore):
         self._written = dict.fromkeys(NAMES, 0)
         self._records: list[Mapping[str, float]] = []
         self._frames: list[Frame] = []
-        self._state: State | None = None  # the last one taken and not yet written
+        self._state: Course | None = None  # the last one taken and not yet written
 
     def _make_data(self, path: Path) -> None:
         _create_arrays(path, self.case, self._coordinates)
@@ -252,12 +252,12 @@ class TransientStore(RunStore):
             _array(group, name).append(values)
         self._written[dimension] += len(arrays[dimension]) if arrays else 0
 
-    def state(self) -> State | None:
+    def state(self) -> Course | None:
         """The state to go on from; None where the run is still at its very start."""
         arrays = self._read_checkpoint()
-        return State.from_arrays(arrays) if arrays else None
+        return Course.from_arrays(arrays) if arrays else None
 
-    def resume(self) -> State | None:
+    def resume(self) -> Course | None:
         """The state to go on from; what was written after it is cut off."""
         checkpoint = self._read_checkpoint()
         self._go_on(checkpoint)
@@ -272,7 +272,7 @@ class TransientStore(RunStore):
         if group.attrs["status"] != Status.RUNNING.value:
             group.attrs["status"] = Status.RUNNING.value
         _commit(self.directory / DATA)
-        return State.from_arrays(checkpoint) if checkpoint else None
+        return Course.from_arrays(checkpoint) if checkpoint else None
 
     def summarise(self, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         """See `simulation.summarise`."""

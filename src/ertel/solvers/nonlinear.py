@@ -9,13 +9,14 @@ how to solve: two ways to close the system, two preconditioners.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array, tree
+from jax.tree_util import register_dataclass
 
 from ertel.model import contact
 from ertel.model.approach import ClosureLine
@@ -29,21 +30,30 @@ PRECONDITIONER_PRECISION = "float32"
 LOAD_WEIGHT = 200.0  # of the load's misfit beside the residual: large, so that every direction of search keeps the load
 
 
-class Problem(NamedTuple):
-    """What holds at the new level: the squeeze rate, the entrainment U, the closure's line; and what may be left over.
+@register_dataclass
+@dataclass(frozen=True)
+class Problem:
+    """What holds at the new level, what may be left over, and how it is solved.
 
+    contact, rate, entrainment, line: the surfaces, the squeeze rate, the entrainment U, the closure's line.
     tolerance: of Reynolds' equation at each node, (n, n) or a number.  load_tolerance: of a line with Delta unknown.
+    elastic: the deformation operators of the preconditioner's grids.  close, preconditioner, options: the algorithms.
     """
 
+    contact: Contact
+    elastic: tuple[Elasticity, ...]
     rate: Rate
     entrainment: Number
     line: ClosureLine
     tolerance: Number
     load_tolerance: Number
+    close: "Close" = field(metadata={"static": True})
+    preconditioner: "Preconditioner" = field(metadata={"static": True})
+    options: newton.Options = field(metadata={"static": True})
 
 
-Preconditioner = Callable[[Contact, tuple[Elasticity, ...], Array, Array, Array, Problem], newton.Map]
-Close = Callable[[Contact, Problem, Array, Number], "Closed"]
+Preconditioner = Callable[[Problem, Array, Array, Array], newton.Map]  # from P, H and the free nodes
+Close = Callable[[Problem, Array, Number], "Closed"]  # from the first guess of P and Delta
 
 
 class Closed(NamedTuple):
@@ -58,34 +68,33 @@ class Closed(NamedTuple):
     approach: Callable[[newton.Solution], Array]
 
 
-@partial(jax.jit, static_argnames=("close", "preconditioner", "options"))
-def solve(
-    c: Contact,
-    elastic: tuple[Elasticity, ...],
-    problem: Problem,
-    P: Array,
-    approach: Number,
-    *,
-    close: Close,
-    preconditioner: Preconditioner,
-    options: newton.Options,
-) -> tuple[newton.Solution, Array]:
+@jax.jit
+def solve(problem: Problem, P: Array, approach: Number) -> tuple[newton.Solution, Array]:
     """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P)."""
     turned = partial(along_the_flow, problem.entrainment)
-    c, P = replace(c, gap=turned(c.gap)), turned(P)
-    problem = tree.map(turned, problem)._replace(entrainment=jnp.abs(problem.entrainment))
-    closed = close(c, problem, P, approach)
+    problem, P = _along_its_flow(problem), turned(P)
+    closed = problem.close(problem, P, approach)
 
     def residual(P: Array, H: Array) -> Array:
-        return contact.residual(c, P, H, problem.rate, problem.entrainment)
+        return contact.residual(problem.contact, P, H, problem.rate, problem.entrainment)
 
-    def inverse(P: Array, H: Array, free: Array) -> newton.Map:
-        return preconditioner(c, elastic, P, H, free, problem)
-
+    inverse = partial(problem.preconditioner, problem)
     solution = newton.solve(
-        residual, closed.film_change, inverse, P, closed.H, problem.tolerance, options, closed.border
+        residual, closed.film_change, inverse, P, closed.H, problem.tolerance, problem.options, closed.border
     )
     return solution._replace(P=turned(solution.P), H=turned(solution.H)), closed.approach(solution)
+
+
+def _along_its_flow(problem: Problem) -> Problem:
+    """The problem with X the way the oil is carried."""
+    turned = partial(along_the_flow, problem.entrainment)
+    return replace(
+        problem,
+        contact=replace(problem.contact, gap=turned(problem.contact.gap)),
+        rate=Rate(*map(turned, problem.rate)),
+        tolerance=turned(problem.tolerance),
+        entrainment=jnp.abs(problem.entrainment),
+    )
 
 
 def along_the_flow(entrainment: Number, field: Any) -> Any:
@@ -104,9 +113,9 @@ def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int) -> 
 # -- Delta ------------------------------------------------------------------------------------------------------------
 
 
-def eliminated(c: Contact, problem: Problem, P: Array, approach: Number) -> Closed:
+def eliminated(problem: Problem, P: Array, approach: Number) -> Closed:
     """Delta from the load: the line where Delta has a weight."""
-    line = problem.line
+    c, line = problem.contact, problem.line
 
     def of(P: Array) -> Array:
         return (line.value - line.load_weight * contact.load(c, P)) / line.approach_weight
@@ -118,9 +127,9 @@ def eliminated(c: Contact, problem: Problem, P: Array, approach: Number) -> Clos
     return Closed(contact.film_thickness(c, P, of(P)), film_change, newton.NO_BORDER, lambda s: of(s.P))
 
 
-def bordered(c: Contact, problem: Problem, P: Array, approach: Number) -> Closed:
+def bordered(problem: Problem, P: Array, approach: Number) -> Closed:
     """Delta as one more unknown, with the line as its equation."""
-    line = problem.line
+    c, line = problem.contact, problem.line
 
     def misfit(P: Array, approach: Array) -> Array:
         return line.approach_weight * approach + line.load_weight * contact.load(c, P) - line.value
@@ -136,26 +145,22 @@ def bordered(c: Contact, problem: Problem, P: Array, approach: Number) -> Closed
 # -- preconditioners --------------------------------------------------------------------------------------------------
 
 
-def still(c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free: Array, problem: Problem) -> newton.Map:
+def still(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
     """For U = 0."""
-    return partial(multigrid.precondition, levels(c, elastic, P, H, free, problem, problem.rate.new, multigrid.points))
+    return partial(multigrid.precondition, levels(problem, P, H, free, problem.rate.new, multigrid.points))
 
 
-def carried(
-    c: Contact, elastic: tuple[Elasticity, ...], P: Array, H: Array, free: Array, problem: Problem
-) -> newton.Map:
+def carried(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
     """For any U >= 0."""
     smoother = partial(line_smoother.lines, rate=problem.rate.new, drift=problem.entrainment)
-    return partial(multigrid.precondition, levels(c, elastic, P, H, free, problem, 1.0, smoother))
+    return partial(multigrid.precondition, levels(problem, P, H, free, 1.0, smoother))
 
 
 def levels(
-    c: Contact,
-    elastic: tuple[Elasticity, ...],
+    problem: Problem,
     P: Array,
     H: Array,
     free: Array,
-    problem: Problem,
     rate: Number,
     smoother: Callable[[Elasticity, multigrid.Coefficients], multigrid.Smoother],
 ) -> tuple[multigrid.Level, ...]:
@@ -163,6 +168,7 @@ def levels(
 
     rate: of the mass, where the smoother adds none of its own.
     """
+    c, elastic = problem.contact, problem.elastic
 
     def laws(P: Array, H: Array) -> tuple[Array, Array]:
         return contact.mass(c, P, H), contact.mobility(c, P, H)

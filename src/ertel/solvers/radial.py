@@ -22,7 +22,7 @@ from scipy.special import ellipe, ellipkm1
 from ertel.model.approach import HERTZ_LOAD, Closure, ClosureLine, NewtonsLaw
 from ertel.model.case import Case
 from ertel.model.pytrees import traceable
-from ertel.model.state import Attempt, Level
+from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.physics.lubricant import Lubricant
@@ -67,6 +67,14 @@ class Equations(NamedTuple):
     past: Array
     apart: Array
     stiffness: Array
+
+
+class Problem(NamedTuple):
+    """The equations of a step, the first guess of P, and the largest residual allowed."""
+
+    equations: Equations
+    P: Array
+    tolerance: float
 
 
 class Solution(NamedTuple):
@@ -192,12 +200,14 @@ def solve(eq: Equations, P: Array, tolerance: float) -> Solution:
     return jax.lax.while_loop(go_on, improve, solution(P, jnp.zeros((), jnp.int32)))
 
 
-class RadialImpact:
-    """The method "radial": see `level.Method`.
+class RadialImpact(Method):
+    """The method "radial".
 
     The first touch, the trapped film and the thin edge need no other grid than the default; choose half_width = 4 (the
     load carried outside falls with its square) and nodes = 401 (H_c within 0.1 % of its limit at M = 1000, L = 10).
     """
+
+    controlled = ("H",)
 
     def __init__(self, case: Case, closure: Closure | None = None):
         self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width))
@@ -206,28 +216,32 @@ class RadialImpact:
         self.closure = closure or NewtonsLaw.of(case.motion)
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
         self.start_approach = case.schedule.start_approach
-        self.coordinates: Mapping[str, Floats] = {"r": np.asarray(self.mesh.r)}
+        self.coordinates = {"r": np.asarray(self.mesh.r)}
 
-    def start(self) -> Attempt:
+    def start(self) -> State:
         """The ball apart, moving in with unit speed, no pressure yet."""
         r = self.mesh.r
-        level = Level(0.0, self.start_approach, 1.0, jnp.zeros_like(r), r**2 / 2 - self.start_approach)
-        return Attempt(level, Status.CONVERGED, 0, 0, 0.0)
+        fields = {"P": jnp.zeros_like(r), "H": r**2 / 2 - self.start_approach}
+        return State(0.0, self.start_approach, 1.0, fields)
 
-    def advance(self, levels: Sequence[Level], step: float) -> Attempt:
-        """One BDF step (BDF1 from one level, BDF2 from more), newest level first."""
+    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
+        """One BDF step (BDF1 from one level, BDF2 from more), newest level first: yields one `Problem`."""
         T = levels[0].T + step
         rates = bdf.derivative_weights([T, *(level.T for level in levels[:2])])
         approaches = [level.approach for level in levels]
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
         tolerance = self.tolerance * float(rates[0])
-        s = solve(self.equations(levels, rates, line), predicted_pressure(levels, T), tolerance)
+        s: Solution = yield Problem(self.equations(levels, rates, line), predicted_pressure(levels, T), tolerance)
         approach = (line.value - line.load_weight * self.load(s.P)) / line.approach_weight
         velocity = self.closure.velocity(T, rates, approach, approaches)
         status = Status.CONVERGED if bool(s.size <= tolerance) else Status.NEWTON_STALLED  # stalled too if NaN
-        return Attempt(Level(T, approach, velocity, s.P, s.H), status, int(s.newton), 0, 0.0)
+        return State(T, approach, velocity, {"P": s.P, "H": s.H}, status, Work(int(s.newton)))
 
-    def equations(self, levels: Sequence[Level], rates: bdf.Weights, line: ClosureLine) -> Equations:
+    def solve(self, problem: Problem) -> Solution:
+        """P and H at the new level."""
+        return solve(*problem)
+
+    def equations(self, levels: Sequence[State], rates: bdf.Weights, line: ClosureLine) -> Equations:
         """The equations of the level after `levels`."""
         past = jnp.zeros_like(self.mesh.r)
         for weight, level in zip(rates[1:], levels, strict=False):
@@ -240,7 +254,7 @@ class RadialImpact:
         """F = double integral of P."""
         return float(self.mesh.load @ P)
 
-    def measure(self, level: Level) -> dict[str, float]:
+    def measure(self, level: State) -> dict[str, float]:
         """F (units of the dry maximum load), P_c, P_max, H_c, H_min, X_min, Y_min."""
         P, H = np.asarray(level.P), np.asarray(level.H)
         X_min, H_min = lowest_point(self.coordinates["r"], H)
@@ -252,6 +266,10 @@ class RadialImpact:
         """The field itself."""
         return field
 
+    def error(self, new: State, predicted: Mapping[str, Array]) -> float:
+        """That of the film."""
+        return self.film_error(new.H, predicted["H"], new.P)
+
     def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
         """Relative difference of two films, root mean square over the load that P carries."""
         pressed = np.asarray(self.mesh.volume) * np.asarray(P)
@@ -259,7 +277,7 @@ class RadialImpact:
         return float(np.sqrt(pressed @ difference**2 / max(pressed.sum(), np.finfo(float).tiny)))
 
 
-def predicted_pressure(levels: Sequence[Level], T: float) -> Array:
+def predicted_pressure(levels: Sequence[State], T: float) -> Array:
     """P extrapolated in time, not below zero.
 
     From three levels on the way in; from two on the way out, where the pressure breaks down behind a receding edge and

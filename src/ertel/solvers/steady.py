@@ -100,12 +100,18 @@ def expected_approach(coarser: Sequence[GridSolution]) -> float:
 def solve(case: Case, grid: Grid, c: Contact, P: Array, approach: float, tolerance: float) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach."""
     problem = Problem(
-        STEADY, case.motion.entrainment(0.0), balanced(case.motion.load(0.0)), tolerance, tolerance / HERTZ_LOAD
+        c,
+        multigrid.elasticities(grid, nonlinear.PRECONDITIONER_PRECISION),
+        STEADY,
+        case.motion.entrainment(0.0),
+        balanced(case.motion.load(0.0)),
+        tolerance,
+        tolerance / HERTZ_LOAD,
+        nonlinear.bordered,
+        nonlinear.carried,
+        OPTIONS,
     )
-    elastic = multigrid.elasticities(grid, nonlinear.PRECONDITIONER_PRECISION)
-    s, Delta = nonlinear.solve(
-        c, elastic, problem, P, approach, close=nonlinear.bordered, preconditioner=nonlinear.carried, options=OPTIONS
-    )
+    s, Delta = nonlinear.solve(problem, P, approach)
     status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)

@@ -4,34 +4,59 @@ The step solves r(P, H(P, Delta), past) = 0 on the free nodes.  Its derivative i
 the solved step, the exact one (automatic differentiation of `contact.residual`), and the same preconditioner.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 
 import jax
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, tree
+from jax.tree_util import register_dataclass
 
 from ertel.model import contact
 from ertel.model.approach import ClosureLine, NewtonsLaw
 from ertel.model.contact import Contact, Rate
-from ertel.model.state import Level
+from ertel.model.state import State, Work
+from ertel.model.status import Status
 from ertel.numerics import bdf, newton
+from ertel.numerics.bdf import Weights
 from ertel.numerics.multigrid import Elasticity
 from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
 from ertel.solvers.nonlinear import Preconditioner, Problem
-from ertel.solvers.transient import Transient2D
+from ertel.solvers.transient import OPTIONS, Transient2D, stacked
 
 REDUCTION, LIMIT = 1e-6, 40  # of the linear solve
 
 
-def start(shape: Array) -> Level:
+@register_dataclass
+@dataclass(frozen=True)
+class TangentProblem:
+    """The linear system of one step.
+
+    fields: of the solved step.  past, change: fields of the levels before, newest first, and their changes, each of
+    shape (1 or 2, n, n).  rates: weights of the time derivative.  shape: as in `advance`.
+    """
+
+    contact: Contact
+    elastic: tuple[Elasticity, ...]
+    fields: Mapping[str, Array]
+    past: Mapping[str, Array]
+    change: Mapping[str, Array]
+    rates: Weights
+    line: ClosureLine
+    entrainment: float
+    shape: Array
+    preconditioner: Preconditioner = field(metadata={"static": True})
+
+
+def start(shape: Array) -> State:
     """The change at T = 0: the surfaces as they differ, the ball where it was."""
-    return Level(0.0, 0.0, 0.0, jnp.zeros_like(shape), -shape)
+    return State(0.0, 0.0, 0.0, {"P": jnp.zeros_like(shape), "H": -shape})
 
 
-def advance(method: Transient2D, smooth: Sequence[Level], changes: Sequence[Level], shape: Array) -> tuple[Level, int]:
-    """The change of the newest level of `smooth`, and the Krylov iterations it took.
+def advance(method: Transient2D, smooth: Sequence[State], changes: Sequence[State], shape: Array) -> State:
+    """The change of the newest level of `smooth`.
 
     smooth: the levels of the run, newest first.  changes: of the levels before, newest first, fields per unit of the
     parameter.  shape: height of the roughness per unit of the parameter at that time, shape (n, n), in a^2/R.
@@ -46,52 +71,44 @@ def advance(method: Transient2D, smooth: Sequence[Level], changes: Sequence[Leve
     approaches = [level.approach for level in changes]
     line = law.line(new.T, rates, approaches, [level.velocity for level in changes])
     before = len(times) - 1
-    dP, dH, approach, krylov = _advance(
+    problem = TangentProblem(
         method.contact,
         method.elastic,
-        new,
-        *(jnp.stack([getattr(level, name) for level in smooth[1 : before + 1]]) for name in ("P", "H")),
-        *(jnp.stack([getattr(level, name) for level in changes[:before]]) for name in ("P", "H")),
+        new.fields,
+        stacked(smooth[1 : before + 1]),
+        stacked(changes[:before]),
         rates,
         line,
         motion.entrainment(new.T),
         shape,
-        preconditioner=method.preconditioner,
+        method.preconditioner,
     )
+    fields, approach, krylov = solve(problem)
     velocity = law.velocity(new.T, rates, float(approach), approaches)
-    return Level(new.T, float(approach), velocity, dP, dH), int(krylov)
+    status = Status.CONVERGED if int(krylov) < LIMIT else Status.NEWTON_STALLED
+    return State(new.T, float(approach), velocity, fields, status, Work(krylov=int(krylov)))
 
 
-@partial(jax.jit, static_argnames="preconditioner")
-def _advance(
-    c: Contact,
-    elastic: tuple[Elasticity, ...],
-    new: Level,
-    P_old: Array,
-    H_old: Array,
-    dP_old: Array,
-    dH_old: Array,
-    rates: Array,
-    line: ClosureLine,
-    entrainment: float,
-    shape: Array,
-    *,
-    preconditioner: Preconditioner,
-) -> tuple[Array, Array, Array, Array]:
-    turned = partial(nonlinear.along_the_flow, entrainment)
-    P, H, P_old, H_old, dP_old, dH_old, shape = map(turned, (new.P, new.H, P_old, H_old, dP_old, dH_old, shape))
-    U = jnp.abs(entrainment)
+@jax.jit
+def solve(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
+    """The changes of the fields and of the approach, and the number of Krylov iterations."""
+    turned = partial(nonlinear.along_the_flow, p.entrainment)
+    c, line, rates, U = p.contact, p.line, p.rates, jnp.abs(p.entrainment)
+    fields, old, change, shape = tree.map(turned, (p.fields, p.past, p.change, p.shape))
+    P, H = fields["P"], fields["H"]
     free = jnp.where(P > 0.0, 1.0, 0.0)
-    _, mass_change = jax.jvp(partial(contact.mass, c), (P_old, H_old), (dP_old, dH_old))
+    _, mass_change = jax.jvp(partial(contact.mass, c), (old["P"], old["H"]), (change["P"], change["H"]))
     past = jnp.tensordot(rates[1:], mass_change, axes=1)
 
     def residual(P: Array, H: Array, past: Array) -> Array:
         return contact.residual(c, P, H, Rate(rates[0], past), U)
 
     _, change_of_r = jax.linearize(residual, P, H, jnp.zeros_like(P))
-    problem = Problem(Rate(rates[0], 0.0), U, line, 1.0, 1.0)
-    closed = nonlinear.eliminated(c, problem, P, 0.0)
-    inverse = preconditioner(c, elastic, P, H, free, problem)
+    problem = Problem(
+        c, p.elastic, Rate(rates[0], 0.0), U, line, 1.0, 1.0, nonlinear.eliminated, p.preconditioner, OPTIONS
+    )
+    closed = nonlinear.eliminated(problem, P, 0.0)
+    inverse = p.preconditioner(problem, P, H, free)
     known = -line.value / line.approach_weight - shape  # the part of dH that no pressure makes
     (dP, krylov) = newton.gcr(
         lambda d: free * change_of_r(d, closed.film_change(d), jnp.zeros_like(d)),
@@ -101,4 +118,4 @@ def _advance(
         LIMIT,
     )
     approach = (line.value - line.load_weight * contact.load(c, dP)) / line.approach_weight
-    return turned(dP), turned(closed.film_change(dP) + known), approach, krylov
+    return {"P": turned(dP), "H": turned(closed.film_change(dP) + known)}, approach, krylov

@@ -1,21 +1,25 @@
 """The 2-D grid in time: one BDF step of `contact`'s residual, for an impact, for rolling, and for both at once."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.tree_util import register_dataclass
 
 from ertel.model import contact, discretise
 from ertel.model.approach import HERTZ_LOAD, Closure, ClosureLine, NewtonsLaw
 from ertel.model.case import Case
 from ertel.model.contact import Contact, Rate
 from ertel.model.measure import measure
-from ertel.model.state import Attempt, Level
+from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf, multigrid, newton
+from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import check_nodes
 from ertel.numerics.multigrid import Elasticity
 from ertel.numerics.symmetry import Even, total, unfolded
@@ -27,18 +31,58 @@ STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at l
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 # Krylov: 3 or 4 are needed, and each has its two fields.  Newton: cavitation advances a node in one iteration
 OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
-SolveStep = Callable[..., tuple[newton.Solution, Array]]
 
 
-class Transient2D:
-    """The methods "2d" and "transient": see `level.Method`.
+@register_dataclass
+@dataclass(frozen=True)
+class StepProblem:
+    """One BDF step, ready to be solved.
 
-    An impact starts with the bodies apart, rolling from its steady film.  closure is the law for Delta: Newton's law
-    with the case's load and inertia unless another is given.  solve_step: in place of `solve_on_device`, with the
-    same arguments and results (`batch` solves the steps of many cases at once).
+    past: fields of the last three levels, newest first, each of shape (3, n, n).  predict, rates: weights of the
+    prediction and of the time derivative (for the new level, and the last two), both of shape (3,).  approach: the
+    predicted Delta.  elastic: the deformation operators of the preconditioner's grids.
     """
 
-    def __init__(self, case: Case, closure: Closure | None = None, solve_step: SolveStep | None = None):
+    contact: Contact
+    elastic: tuple[Elasticity, ...]
+    past: Mapping[str, Array]
+    approach: float
+    predict: Weights
+    rates: Weights
+    line: ClosureLine
+    entrainment: float
+    tolerance: float
+    film_scale: float
+    close: Close = field(metadata={"static": True})
+    preconditioner: Preconditioner = field(metadata={"static": True})
+    options: newton.Options = field(default=OPTIONS, metadata={"static": True})
+
+
+class StepSolution(NamedTuple):
+    """The new fields, each of shape (n, n), Delta, whether the solve converged, and its iterations."""
+
+    fields: Mapping[str, Array]
+    approach: Array
+    converged: Array
+    newton: Array
+    krylov: Array
+
+
+def stacked(levels: Sequence[State]) -> dict[str, Array]:
+    """The fields of some levels by name, the levels along the first axis."""
+    return {name: jnp.stack([level.fields[name] for level in levels]) for name in levels[0].fields}
+
+
+class Transient2D(Method):
+    """The methods "2d" and "transient".
+
+    An impact starts with the bodies apart, rolling from its steady film.  closure is the law for Delta: Newton's law
+    with the case's load and inertia unless another is given.
+    """
+
+    controlled = ("H",)
+
+    def __init__(self, case: Case, closure: Closure | None = None):
         check_nodes(case.solver.nodes)
         self.case = case
         self.grid = discretise.grid_of(case)
@@ -47,26 +91,24 @@ class Transient2D:
         self.preconditioner = nonlinear.carried if case.motion.flows else nonlinear.still
         self.elastic = multigrid.elasticities(self.grid, nonlinear.PRECONDITIONER_PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
-        self._solve_step = solve_step or solve_on_device
 
-    def start(self) -> Attempt:
+    def start(self) -> State:
         """The bodies apart, moving in with unit speed, no pressure yet; or the steady film with the motion at T = 0."""
         if not self.case.starts_apart:
             rolling = steady.steady(self.case)
             s = rolling.finest
-            level = Level(0.0, s.approach, 0.0, s.P, s.H)
-            return Attempt(level, s.status, s.newton, s.krylov, rolling.convolutions)
+            work = Work(s.newton, s.krylov, rolling.convolutions)
+            return State(0.0, s.approach, 0.0, {"P": s.P, "H": s.H}, s.status, work)
         c, approach = self.contact_at(0.0), self.case.schedule.start_approach
-        P = jnp.zeros(self.grid.shape)
-        level = Level(0.0, approach, 1.0, P, c.gap - approach)  # nothing is deformed yet
-        return Attempt(level, Status.CONVERGED, 0, 0, 1.0)
+        fields = {"P": jnp.zeros(self.grid.shape), "H": c.gap - approach}  # nothing is deformed yet
+        return State(0.0, approach, 1.0, fields, work=Work(convolutions=1.0))
 
     def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
         return discretise.moved(self.contact, self.case, self.grid, T)
 
-    def advance(self, levels: Sequence[Level], step: float) -> Attempt:
-        """One BDF step (BDF1 from one level, BDF2 from more)."""
+    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
+        """One BDF step (BDF1 from one level, BDF2 from more): yields one `StepProblem`."""
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])
@@ -74,11 +116,10 @@ class Transient2D:
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
         padded = [*levels, *[levels[-1]] * 2][:3]  # one shape, so one compilation, whatever the history
         predict = bdf.interpolation_weights(T, times)
-        solution, approach = self._solve_step(
+        solution: StepSolution = yield StepProblem(
             self.contact_at(T),
             self.elastic,
-            jnp.stack([level.P for level in padded]),
-            jnp.stack([level.H for level in padded]),
+            stacked(padded),
             float(predict @ approaches),
             _pad(predict),
             _pad(rates),
@@ -86,17 +127,21 @@ class Transient2D:
             self.case.motion.entrainment(T),
             self.case.solver.tolerance,
             self.case.film_scale,
-            close=nonlinear.eliminated if line.approach_weight else nonlinear.bordered,
-            preconditioner=self.preconditioner,
+            nonlinear.eliminated if line.approach_weight else nonlinear.bordered,
+            self.preconditioner,
         )
         n, k = int(solution.newton), int(solution.krylov)
-        approach = float(approach)
+        approach = float(solution.approach)
         velocity = self.closure.velocity(T, rates, approach, approaches)
         status = Status.CONVERGED if bool(solution.converged) else Status.NEWTON_STALLED
-        work = nonlinear.convolutions(self.grid, n, k)
-        return Attempt(Level(T, approach, velocity, solution.P, solution.H), status, n, k, work)
+        work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
+        return State(T, approach, velocity, solution.fields, status, work)
 
-    def measure(self, level: Level) -> dict[str, float]:
+    def solve(self, problem: StepProblem) -> StepSolution:
+        """The step's solution, on this device."""
+        return solve_step(problem)
+
+    def measure(self, level: State) -> dict[str, float]:
         """Load, pressures and films of one level; without entrainment X_min is the radius of the least film."""
         values = measure(self.grid, level.P, level.H)
         values["F"] = values.pop("load") / HERTZ_LOAD
@@ -107,6 +152,10 @@ class Transient2D:
     def whole(self, field: Array) -> Array:
         """A field of a level on the whole plane."""
         return unfolded(field, self.grid.even)
+
+    def error(self, new: State, predicted: Mapping[str, Array]) -> float:
+        """That of the film."""
+        return self.film_error(new.H, predicted["H"], new.P)
 
     def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
         """Relative difference of two films, root mean square over the load that P carries."""
@@ -123,37 +172,29 @@ def _film_error(H: Array, H_predicted: Array, P: Array, thin: float, even: Even)
     return jnp.sqrt(total(P * relative**2, even) / jnp.maximum(total(P, even), jnp.finfo(P.dtype).tiny))
 
 
-@partial(jax.jit, static_argnames=("close", "preconditioner"))
-def solve_on_device(
-    c: Contact,
-    elastic: tuple[Elasticity, ...],
-    P_old: Array,
-    H_old: Array,
-    approach: float,
-    predict: Array,
-    rates: Array,
-    line: ClosureLine,
-    entrainment: float,
-    tolerance: float,
-    film_scale: float,
-    *,
-    close: Close,
-    preconditioner: Preconditioner,
-) -> tuple[newton.Solution, Array]:
-    """P, H and Delta after one step.
-
-    P_old, H_old: of the last three levels, newest first, shape (3, n, n), with the weights of the prediction and of the
-    time derivative (for the new level, and the last two), both of shape (3,).
-    """
-    mass = contact.mass(c, P_old[:2], H_old[:2])
-    rate = Rate(rates[0], jnp.tensordot(rates[1:], mass, axes=1))
-    P = jnp.tensordot(predict, P_old, axes=1)
+@jax.jit
+def solve_step(p: StepProblem) -> StepSolution:
+    """The fields and Delta after one step."""
+    P_old, H_old = p.past["P"], p.past["H"]
+    mass = contact.mass(p.contact, P_old[:2], H_old[:2])
+    rate = Rate(p.rates[0], jnp.tensordot(p.rates[1:], mass, axes=1))
+    P = jnp.tensordot(p.predict, P_old, axes=1)
     # Newton comes down to a small pressure in few iterations and up from none in many (the viscosity is exponential),
     # and a free boundary retreats in one and advances a node at a time: so predict no steep fall
     P = jnp.maximum(P, STEEPEST_FALL * P_old[0])
     # a residual r adds r/rates[0] to the film in this step
-    allowed = tolerance * rates[0] * (film_scale + jnp.abs(H_old[0]))
-    problem = Problem(rate, entrainment, line, allowed, LOAD_SHARE * tolerance)
-    return nonlinear.solve(
-        c, elastic, problem, P, approach, close=close, preconditioner=preconditioner, options=OPTIONS
+    allowed = p.tolerance * p.rates[0] * (p.film_scale + jnp.abs(H_old[0]))
+    problem = Problem(
+        p.contact,
+        p.elastic,
+        rate,
+        p.entrainment,
+        p.line,
+        allowed,
+        LOAD_SHARE * p.tolerance,
+        p.close,
+        p.preconditioner,
+        p.options,
     )
+    s, approach = nonlinear.solve(problem, P, p.approach)
+    return StepSolution({"P": s.P, "H": s.H}, approach, s.converged, s.newton, s.krylov)
