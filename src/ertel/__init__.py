@@ -1,11 +1,11 @@
 """ertel: elastohydrodynamic lubrication of point contacts, impact and rolling by one equation.
 
 >>> import ertel
->>> case = ertel.parse_case({"contact": {"M": 1000, "L": 10}, "solver": {"method": "radial", "nodes": 257}})
+>>> case = ertel.impact(M=1000, L=10, method="radial", nodes=257)
 >>> result = ertel.simulate(case)  # doctest: +SKIP
->>> result.dataset.H_c  # doctest: +SKIP
+>>> result.summary["max_approach"]["H_c"]  # doctest: +SKIP
 
-The names below are imported when first used, so that `import ertel` costs nothing.
+Everything below is imported when it is first used, so that `import ertel` costs nothing.
 """
 
 from importlib import import_module
@@ -15,53 +15,109 @@ if TYPE_CHECKING:
     from ertel.inputs.case_files import ConfigError as ConfigError
     from ertel.inputs.case_files import load_case as load_case
     from ertel.inputs.case_files import parse_case as parse_case
+    from ertel.inputs.case_files import to_toml as to_toml
+    from ertel.inputs.python import Oil as Oil
+    from ertel.inputs.python import impact as impact
+    from ertel.inputs.python import quantity as quantity
+    from ertel.inputs.python import rolling as rolling
     from ertel.model.case import Case as Case
     from ertel.model.sections import Output as Output
     from ertel.model.sections import Solver as Solver
     from ertel.model.sections import Time as Time
     from ertel.model.status import Status as Status
+    from ertel.physics import amplitude_reduction as amplitude_reduction
+    from ertel.physics import film_formulas as formulas
+    from ertel.physics import hertz as hertz
+    from ertel.physics import units as units
     from ertel.physics.lubricant import Lubricant as Lubricant
+    from ertel.physics.motion import Motion as Motion
+    from ertel.physics.registry import DENSITY_LAWS as density_laws
+    from ertel.physics.registry import SHAPES as shapes
+    from ertel.physics.registry import VISCOSITY_LAWS as viscosity_laws
     from ertel.physics.scales import Parameters as Parameters
     from ertel.physics.scales import Scales as Scales
+    from ertel.physics.surfaces import Feature as Feature
+    from ertel.physics.surfaces import RingWaviness as RingWaviness
+    from ertel.physics.surfaces import Spot as Spot
+    from ertel.physics.surfaces import Waviness as Waviness
+    from ertel.results import fronts as fronts
+    from ertel.results import plots as plots
+    from ertel.results import waves as waves
+    from ertel.results.result import Result as Result
     from ertel.results.variables import to_si as to_si
+    from ertel.runs import sweep as sweep
     from ertel.runs.batch import simulate_batch as simulate_batch
-    from ertel.runs.drive import Result as Result
     from ertel.runs.drive import simulate as simulate
-    from ertel.runs.drive import transient as transient
+    from ertel.runs.response import respond as respond
+    from ertel.runs.response import respond_linearly as respond_linearly
+    from ertel.runs.store import open_run as open
+    from ertel.runs.store import run as run
 
     __version__: str
 
-_HOMES = {
-    "simulate_batch": "runs.batch",
+_HOMES = {  # name: module, or module:name there
+    "ConfigError": "inputs.case_files",
+    "load_case": "inputs.case_files",
+    "parse_case": "inputs.case_files",
+    "to_toml": "inputs.case_files",
+    "Oil": "inputs.python",
+    "impact": "inputs.python",
+    "quantity": "inputs.python",
+    "rolling": "inputs.python",
     "Case": "model.case",
     "Output": "model.sections",
     "Solver": "model.sections",
     "Time": "model.sections",
-    "ConfigError": "inputs.case_files",
-    "load_case": "inputs.case_files",
-    "parse_case": "inputs.case_files",
-    "to_si": "results.variables",
+    "Status": "model.status",
     "Lubricant": "physics.lubricant",
+    "Motion": "physics.motion",
+    "density_laws": "physics.registry:DENSITY_LAWS",
+    "shapes": "physics.registry:SHAPES",
+    "viscosity_laws": "physics.registry:VISCOSITY_LAWS",
     "Parameters": "physics.scales",
     "Scales": "physics.scales",
-    "Result": "runs.drive",
+    "Feature": "physics.surfaces",
+    "RingWaviness": "physics.surfaces",
+    "Spot": "physics.surfaces",
+    "Waviness": "physics.surfaces",
+    "Result": "results.result",
+    "to_si": "results.variables",
+    "simulate_batch": "runs.batch",
     "simulate": "runs.drive",
-    "transient": "runs.drive",
-    "Status": "model.status",
+    "respond": "runs.response",
+    "respond_linearly": "runs.response",
+    "open": "runs.store:open_run",
+    "run": "runs.store",
 }
-__all__ = ["__version__", *_HOMES]
+_MODULES = {
+    "amplitude_reduction": "physics.amplitude_reduction",
+    "formulas": "physics.film_formulas",
+    "hertz": "physics.hertz",
+    "units": "physics.units",
+    "fronts": "results.fronts",
+    "plots": "results.plots",
+    "waves": "results.waves",
+    "sweep": "runs.sweep",
+}
+_ROOMS = ("physics", "numerics", "model", "inputs", "results", "solvers", "runs", "apps")
+__all__ = ["__version__", *_HOMES, *_MODULES]
 
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         return _version()
+    if name in _MODULES:
+        return import_module(f"ertel.{_MODULES[name]}")
+    if name in _ROOMS:
+        return import_module(f"ertel.{name}")
     if name not in _HOMES:
         raise AttributeError(f"module 'ertel' has no attribute {name!r}")
-    return getattr(import_module(f"ertel.{_HOMES[name]}"), name)
+    module, _, there = _HOMES[name].partition(":")
+    return getattr(import_module(f"ertel.{module}"), there or name)
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return [*__all__, *_ROOMS]
 
 
 def _version() -> str:

@@ -82,14 +82,12 @@ def run(
     with bad_input():
         from ertel.apps import running
         from ertel.inputs.case_files import load_case
-        from ertel.runs.drive import method_of
         from ertel.runs.store import unused_directory
 
         case = load_case(case_file, set_ or [])
         coarse = running.half_grid(case) if error else None
-        method = None if case.solver.method == "steady" else method_of(case)
-        store = running.create(out or unused_directory(case), case, method)
-    running.finish(store, coarse, as_json, quiet, method)
+        store = running.create(out or unused_directory(case), case)
+    running.finish(store, coarse, as_json, quiet)
 
 
 @app.command()
@@ -116,7 +114,7 @@ def show(directory: RunDirectory, as_json: Json = False) -> None:
         from ertel.runs.store import RunStore
 
         store = RunStore.open(directory)
-        summary = store.summary() or store.summary_so_far()
+        summary = running.summary_so_far(store)
     running.report(store, summary, as_json, quiet=False)
 
 

@@ -7,64 +7,68 @@ from typing import Any
 
 from ertel.apps import tables
 from ertel.apps.exits import FAILED, INTERRUPTED, check_jax, leave, reason_of
-from ertel.apps.progress import Watch, interruptible, progress, watch
+from ertel.apps.interrupts import interruptible
 from ertel.model.case import Case
-from ertel.model.state import Method
 from ertel.model.status import Status
 from ertel.results.summary import with_error
-from ertel.runs import compiling, drive, store
+from ertel.runs import compiling, store
+from ertel.runs.courses import Course, course_of
+from ertel.runs.drive import Gathering, drive
+from ertel.runs.progress import bars, watch
 from ertel.runs.store import CASE, RunStore, StoreError
 
 
-class _Stopped(Exception):
-    """The user asked to stop while the half grid was running."""
-
-
-def create(directory: Path, case: Case, method: Method | None) -> RunStore:
+def create(directory: Path, case: Case) -> RunStore:
     """The store of a new run.  Raises StoreError with advice where the directory cannot be taken."""
     try:
-        return RunStore.create(directory, case, method)
+        return RunStore.create(directory, case)
     except StoreError as error:
         resumable = f", or continue it: ertel resume {directory}" if (directory / CASE).exists() else ""
         raise StoreError(f"{error}; choose another --out{resumable}") from error
 
 
-def half_grid(case: Case) -> Case | None:
-    """The case for an error estimate, None where the run has one of its own."""
-    return None if case.solver.method == "steady" else case.on_half_grid()
+def half_grid(case: Case) -> Course | None:
+    """The course of the half grid, for an error estimate; None where the run has an estimate of its own."""
+    return None if case.is_steady else course_of(case.on_half_grid())
 
 
-def finish(run: RunStore, coarse: Case | None, as_json: bool, quiet: bool, method: Method | None = None) -> None:
+def finish(run: RunStore, coarse: Course | None, as_json: bool, quiet: bool) -> None:
     """Compute a run from where it stands to its end, report, and exit with a code if it did not come to its end."""
     check_jax()
     compiling.keep_on_disk()
     try:
-        summary = _computed(run, coarse, quiet, method)
-    except _Stopped:
-        leave(INTERRUPTED, f"interrupted before the first step; {_to_continue(run)}")
+        summary = _computed(run, coarse, quiet)
     except OSError as error:
         leave(FAILED, f"cannot write to {run.directory}: {reason_of(error)}; {_to_continue(run)}")
     report(run, summary, as_json, quiet)
     _conclude(run, summary)
 
 
-def _computed(run: RunStore, coarse: Case | None, quiet: bool, method: Method | None) -> Mapping[str, Any]:
+def _computed(run: RunStore, coarse: Course | None, quiet: bool) -> Mapping[str, Any]:
     """Run under progress bars until the end or Ctrl-C: the summary, with errors if there is a half grid."""
-    with interruptible() as stop, progress(quiet) as bars:
-        half = _half_grid_summary(coarse, watch(bars, coarse, "half grid", stop)) if coarse else None
-        summary = store.run(run, watch(bars, run.case, run.case.name, stop), method)
+    with interruptible() as stop, bars(not quiet) as shown:
+        half = _half_grid_summary(run, coarse, [watch(shown, coarse, "half grid"), stop]) if coarse else None
+        summary = store.compute(run, [watch(shown, run.course), stop])
     if half and half["status"] == summary["status"] == "converged":
         summary = with_error(run.case, summary, half)
         run.finish(summary)
     return summary
 
 
-def _half_grid_summary(coarse: Case, on_item: Watch) -> Mapping[str, Any]:
-    def on_step(step: drive.Step) -> None:
-        if not on_item(step):
-            raise _Stopped
+def _half_grid_summary(run: RunStore, coarse: Course, observers: list[Any]) -> Mapping[str, Any]:
+    gathering = Gathering(coarse)
+    last = drive(coarse, [gathering, *observers])
+    if last.status is Status.INTERRUPTED:
+        leave(INTERRUPTED, f"interrupted before the first step; {_to_continue(run)}")
+    return gathering.result(last).summary
 
-    return drive.simulate(coarse, on_step).summary
+
+def summary_so_far(run: RunStore) -> Mapping[str, Any]:
+    """The outcome of a run, or what there is of it.  Raises StoreError with advice where there is nothing."""
+    try:
+        return run.summary() or run.summary_so_far()
+    except StoreError as error:
+        raise StoreError(f"{error}; to begin: ertel resume {run.directory}") from error
 
 
 def report(run: RunStore, summary: Mapping[str, Any], as_json: bool, quiet: bool) -> None:

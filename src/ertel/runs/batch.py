@@ -3,7 +3,7 @@
     results = simulate_batch([parse_case({"contact": {"M": M, "L": 10}}) for M in (200, 500, 1000)])
 
 Each case is a run of its own, with its own adaptive steps, events and end: a generator that yields the problem of its
-next step and is sent the solution (`drive.attempts`).  The problems of all runs that have not ended are solved by one
+next step and is sent the solution (`stepping.next_step`).  The problems of all runs that have not ended are solved by one
 call of `jax.vmap`.  What the cases must share is the shape of that call: grid, axes of symmetry, laws of the oil,
 closure.
 
@@ -25,7 +25,10 @@ from jax import Array, tree
 from ertel.model import discretise
 from ertel.model.case import Case
 from ertel.model.status import Status
-from ertel.runs.drive import Gathering, Result, Step, attempts, begin
+from ertel.results.result import Result
+from ertel.runs.courses import TransientCourse
+from ertel.runs.drive import Gathering
+from ertel.runs.stepping import Step
 from ertel.runs.sweep import Failure
 from ertel.solvers.transient import StepProblem, StepSolution, Transient2D, solve_step
 
@@ -49,14 +52,14 @@ def simulate_batch(
 
 
 def _run(case: Case, on_step: Callable[[Step], object]) -> Generator[StepProblem, StepSolution, Result]:
-    """As `drive.simulate`, its problems solved by who runs it."""
-    gathering, method = Gathering(case), Transient2D(case)
-    step = begin(case, method)
+    """The loop of `drive.drive` over a run in memory, its problems solved by who runs it."""
+    course = TransientCourse(case, Transient2D(case))
+    gathering, step = Gathering(course), course.begin()
     while step.status is Status.RUNNING:
-        step = yield from attempts(case, method, step.state)
-        gathering.take(step)
+        step = yield from course.following(step)
+        gathering(step)
         on_step(step)
-    return gathering.result(step, method)
+    return gathering.result(step)
 
 
 def run_together(runs: Sequence[Run], solve: SolveTogether) -> list[Any]:

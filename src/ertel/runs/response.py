@@ -5,7 +5,7 @@ roughness and not the discretisation.  Or the response is computed directly, as 
 to the height of the roughness (tangent-linear).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -21,9 +21,9 @@ from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.physics import surfaces
 from ertel.physics.surfaces import Feature
-from ertel.results.dataset import assemble
-from ertel.runs import drive
-from ertel.runs.drive import Frame, Step
+from ertel.runs.courses import TransientCourse
+from ertel.runs.drive import Gathering, Observer, drive
+from ertel.runs.stepping import Frame, Step, turning_time
 from ertel.solvers import tangent
 from ertel.solvers.transient import Transient2D
 
@@ -78,13 +78,22 @@ class TangentRun:
         return combined(weights, [level.H for level in self.levels])
 
 
-def respond(
-    case: Case,
-    roughnesses: Sequence[Sequence[Feature]],
-    linear: bool = False,
-    on_step: Callable[[Step], object] | None = None,
-) -> xr.Dataset:
-    """The smooth impact up to maximum approach, and what each roughness changes there.
+class Lockstep:
+    """An observer of the smooth run: every companion makes the step that it has made."""
+
+    def __init__(self, companions: Sequence[Companion]):
+        self.companions, self.status = companions, Status.CONVERGED
+
+    def __call__(self, step: Step) -> bool:
+        """Whether a companion has failed, so that the run is to stop."""
+        if step.record:
+            ends = [companion.follow(step.state.levels) for companion in self.companions]
+            self.status = next((status for status in ends if not status.ok), self.status)
+        return not self.status.ok
+
+
+def respond(case: Case, roughnesses: Sequence[Sequence[Feature]], observers: Sequence[Observer] = ()) -> xr.Dataset:
+    """The smooth impact up to maximum approach, and what each roughness of finite height changes there.
 
     Parameters
     ----------
@@ -92,42 +101,55 @@ def respond(
         An impact by the method "2d"; its own roughness is left out of the smooth run.
     roughnesses : sequence of sequences of Feature
         One for each response.  Heights in a^2/R, positive = metal towards the film.
-    linear : bool
-        The tangent-linear response (exact as the height goes to zero) instead of runs of finite height.
-    on_step : callable
-        Sees each step of the smooth run.
+    observers : sequence of callables
+        Each sees every step of the smooth run.
 
     Returns
     -------
     xarray.Dataset
         H, P (Y, X) of the smooth impact at maximum approach, its scalars over time, and dH, roughness (wave, Y, X) in
         units a*^2/R.  The attribute `status` is not "converged" where a run gave up; dH is then not to be used.
+
+    Raises ValueError for another method.
     """
+    smooth = _smooth(case, roughnesses)
+    companions = [RoughRun(replace(smooth, roughness=tuple(features))) for features in roughnesses]
+    return _in_lockstep(smooth, Transient2D(smooth), companions, roughnesses, observers)
+
+
+def respond_linearly(
+    case: Case, roughnesses: Sequence[Sequence[Feature]], observers: Sequence[Observer] = ()
+) -> xr.Dataset:
+    """As `respond`, but the tangent-linear response: exact as the height of the roughness goes to zero."""
+    smooth = _smooth(case, roughnesses)
+    method = Transient2D(smooth)
+    companions = [TangentRun(method, features) for features in roughnesses]
+    return _in_lockstep(smooth, method, companions, roughnesses, observers)
+
+
+def _smooth(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> Case:
+    """The smooth impact up to maximum approach, on a part of the plane that all responses share."""
     if case.solver.method != "2d":
         raise ValueError(f'solver.method = "{case.solver.method}": must be "2d" for a response to roughness')
     fold = case.solver.fold and all(surfaces.even(features) == (True, True) for features in roughnesses)
     solver, time = replace(case.solver, fold=fold), replace(case.time or Time(), until="max-approach")
-    smooth = replace(case, roughness=(), solver=solver, time=time)
-    method = Transient2D(smooth)
-    companions = [
-        TangentRun(method, features) if linear else RoughRun(replace(smooth, roughness=tuple(features)))
-        for features in roughnesses
-    ]
-    records: list[Mapping[str, float]] = []
-    levels: tuple[State, ...] = (method.start(),)
-    status = Status.RUNNING
-    for step in drive.transient(smooth, method=method):
-        records.append(step.record)
-        levels, status = step.state.levels, step.status
-        failed = [s for s in (companion.follow(levels) for companion in companions) if not s.ok]
-        if failed:
-            status = failed[0]
-            break
-        if on_step:
-            on_step(step)
-    return _assemble(smooth, method, levels, companions, records, status).assign_coords(
-        roughness=(("wave", "Y", "X"), _heights(method, roughnesses), HEIGHT)
-    )
+    return replace(case, roughness=(), solver=solver, time=time)
+
+
+def _in_lockstep(
+    smooth: Case,
+    method: Transient2D,
+    companions: Sequence[Companion],
+    roughnesses: Sequence[Sequence[Feature]],
+    observers: Sequence[Observer],
+) -> xr.Dataset:
+    """The smooth run with its companions, and what they say at maximum approach."""
+    course = TransientCourse(smooth, method)
+    gathering, lockstep = Gathering(course), Lockstep(companions)
+    last = drive(course, [gathering, lockstep, *observers])
+    status = last.status if lockstep.status.ok else lockstep.status
+    data = _assemble(method, gathering, last, companions, status)
+    return data.assign_coords(roughness=(("wave", "Y", "X"), _heights(method, roughnesses), HEIGHT))
 
 
 def _heights(method: Transient2D, roughnesses: Sequence[Sequence[Feature]]) -> np.ndarray:
@@ -136,18 +158,14 @@ def _heights(method: Transient2D, roughnesses: Sequence[Sequence[Feature]]) -> n
 
 
 def _assemble(
-    case: Case,
-    method: Transient2D,
-    levels: Sequence[State],
-    companions: Sequence[Companion],
-    records: Sequence[Mapping[str, float]],
-    status: Status,
+    method: Transient2D, gathering: Gathering, last: Step, companions: Sequence[Companion], status: Status
 ) -> xr.Dataset:
     """Everything at the moment of maximum approach, between the last levels."""
-    T = drive.turning_time(levels) if status.ok else levels[0].T
+    levels = last.state.levels
+    T = turning_time(levels) if status.ok else levels[0].T
     peak = interpolated(levels, T)
     frame = Frame(T, {name: np.asarray(method.whole(f)) for name, f in peak.fields.items()}, "max-approach")
-    data = assemble(case, records, [frame], method.coordinates, {"status": status.value}).isel(frame=0)
+    data = gathering.course.dataset(gathering.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]
     return data.assign(dH=(("wave", "Y", "X"), np.stack([np.asarray(change) for change in changes]), FILM_CHANGE))

@@ -8,29 +8,23 @@ checkpoint.npz          the state to go on from, and how much of run.zarr belong
 summary.json            the outcome
 ======================  =========================================================================================
 
-A flush appends to run.zarr, then renews its consolidated metadata: now readers see the new rows; then replaces the
-checkpoint: now a resumed run goes on from here.  Each file is replaced in one stroke, and what was appended after the
-last checkpoint is cut off again when the run is resumed.  The run.zarr of a steady contact follows from its checkpoint,
-which comes first, and is replaced as a whole.
+A flush writes to run.zarr, then renews its consolidated metadata: now readers see the new rows; then replaces the
+checkpoint: now a resumed run goes on from here.  Each file is replaced in one stroke.  The digest of the case stands in
+run.zarr and in the checkpoint, and is compared whenever the directory is opened.
 """
 
 import json
 import os
 import shutil
 import time
-import warnings
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 from uuid import uuid4
 
-import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-import zarr
-from numpy.typing import NDArray
 
 try:
     import fcntl
@@ -39,89 +33,69 @@ except ImportError:  # not on Windows
 
 from ertel.inputs.case_files import load_case, to_toml
 from ertel.model.case import Case
-from ertel.model.state import GridSolution, Method
+from ertel.model.records import show
 from ertel.model.status import Status
-from ertel.numerics.grid import Grid
-from ertel.numerics.symmetry import Even
-from ertel.results import variables
-from ertel.results.dataset import assemble_steady, columns, dimensions, maps
-from ertel.results.provenance import provenance
-from ertel.results.summary import steady_summary
+from ertel.results.result import Result
 from ertel.runs import compiling
-from ertel.runs.drive import Course, Frame, Step, method_of, summarise, transient
-from ertel.solvers import steady
+from ertel.runs.arrays import attributes_in, commit, data_of, old_of, open_arrays
+from ertel.runs.courses import Course, Item, course_of
+from ertel.runs.drive import Observer, drive, warn_of
+from ertel.runs.progress import progress_bar
 
 CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
-OLD_DATA = f"{DATA}.old"
-FLUSH_INTERVAL = 5.0  # s: what a killed run loses at most
-ROWS = 4096  # steps in a chunk of scalars; each map is a chunk of its own
-NAMES = {"time": ("time", *variables.SCALARS), "frame": ("frame", "event", *variables.FIELDS)}  # what grows along what
 
 
 class StoreError(ValueError):
-    """A run directory cannot be made, or is none: the message names it and says what to do."""
+    """A run directory cannot be made, or is none: the message names it and says what is wrong."""
 
 
-class RunStore(ABC):
-    """The directory of one run.  Make one with `create`, or take up one with `open`.
+class RunStore:
+    """The directory of one run.  Make one with `create`, or take up one with `open`; it is an observer of its run."""
 
-    Items are what a run is made of: time steps, or the grids of a steady contact.
-    """
-
-    def __init__(self, directory: Path, case: Case):
-        self.directory = directory
-        self.case = case
-        self._started = time.monotonic()
+    def __init__(self, directory: Path, case: Case, course: Course | None = None):
+        self.directory, self.case = directory, case
+        self._course = course
+        self._started = self._flushed = time.monotonic()
         self._seconds_before = 0.0  # of computing, before this process took over
+        self._item: Any = None  # the last one taken and not yet written
 
     @classmethod
-    def create(cls, directory: Path, case: Case, method: Method | None = None) -> "RunStore":
-        """The store of a new run in a directory that does not exist or is empty.  Raises StoreError.
+    def create(cls, directory: Path, case: Case, course: Course | None = None) -> "RunStore":
+        """The store of a new run in a directory that does not exist or is empty.
 
-        method spares making the case's method again.
+        Raises StoreError where the directory cannot be made, ValueError where the case cannot be written.
         """
-        if case.solver.method == "steady":
-            store: RunStore = SteadyStore(directory, case)
-        else:
-            store = TransientStore(directory, case, (method or method_of(case)).coordinates)
+        store = cls(directory, case, course)
         store._make()
         return store
 
     @classmethod
     def open(cls, directory: Path) -> "RunStore":
-        """The store of the run in a directory.  Raises StoreError where there is none."""
-        for names in ((CASE,), (DATA, OLD_DATA)):
-            if not any((directory / name).exists() for name in names):
-                raise StoreError(f"{directory}: is no run of ertel, {names[0]} is missing")
-        case = load_case(directory / CASE)
-        return (SteadyStore if case.solver.method == "steady" else TransientStore)(directory, case)
+        """The store of the run in a directory.  Raises StoreError where there is none, or not one of its case."""
+        if not (directory / CASE).exists():
+            raise StoreError(f"{directory} is not an ertel run directory (no {CASE})")
+        data = directory / DATA
+        if not (data.exists() or old_of(data).exists()):
+            raise StoreError(f"{directory} is not an ertel run directory (no {DATA})")
+        store = cls(directory, load_case(directory / CASE))
+        store._check_digest()
+        return store
+
+    @property
+    def course(self) -> Course:
+        """How the case is run."""
+        if self._course is None:
+            self._course = course_of(self.case)
+        return self._course
+
+    @property
+    def _data(self) -> Path:
+        return self.directory / DATA
 
     @property
     def seconds(self) -> float:
         """Wall time of the run so far, over all processes that worked on it."""
         return self._seconds_before + time.monotonic() - self._started
-
-    # -- what differs -------------------------------------------------------------------------------------------------
-
-    @abstractmethod
-    def _make_data(self, path: Path) -> None:
-        """Write the DATA of a run that has not begun."""
-
-    @abstractmethod
-    def course(self, method: Method | None = None) -> Iterator[Step | GridSolution]:
-        """Go on from where the run stands to its end, every item taken in before it is yielded."""
-
-    @abstractmethod
-    def ended(self, item: Any) -> bool:
-        """Whether an item is the run's last."""
-
-    @abstractmethod
-    def flush(self) -> None:
-        """Write what is not yet written."""
-
-    @abstractmethod
-    def summarise(self, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
-        """The summary of what is written, of which there must be something; work: compilations, wall_s."""
 
     # -- writing ------------------------------------------------------------------------------------------------------
 
@@ -133,7 +107,8 @@ class RunStore(ABC):
             _require_free(self.directory)
             draft.mkdir(parents=True)
             (draft / CASE).write_text(text, encoding="utf-8")
-            self._make_data(draft / DATA)
+            self._writer = data_of(self.course)
+            self._writer.create(draft / DATA)
             draft.rename(self.directory)
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
@@ -141,44 +116,89 @@ class RunStore(ABC):
         finally:
             shutil.rmtree(draft, ignore_errors=True)
 
-    def finish(self, summary: Mapping[str, Any]) -> None:
-        """Write what is left, and the outcome of the run."""
-        self.flush()
-        plain = {key: value for key, value in summary.items() if isinstance(value, str | int | float)}
-        _open_arrays(self.directory / DATA).attrs.update(plain)
-        _commit(self.directory / DATA)
-        draft = (self.directory / SUMMARY).with_suffix(".partial")
-        draft.write_text(to_json(summary), encoding="utf-8")
-        draft.replace(self.directory / SUMMARY)
+    def __call__(self, item: Item) -> None:
+        """Take one more item; now and then the items taken so far are written."""
+        self._writer.take(item)
+        self._item = item
+        if time.monotonic() - self._flushed > self._writer.flush_interval:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write the items taken since the last flush, then the checkpoint."""
+        if self._item is None:
+            return
+        item, self._item = self._item, None
+        known = self._writer.flush(self._data)
+        self._write_checkpoint({**self.course.to_arrays(item), **known})
+        self._writer.after_checkpoint(self._data, item)
+        self._flushed = time.monotonic()
 
     def _write_checkpoint(self, arrays: Mapping[str, Any]) -> None:
         path = self.directory / CHECKPOINT
         draft = path.with_suffix(".partial")
+        own = {"store_seconds": np.array(self.seconds), "store_digest": np.array(self.case.digest)}
         with draft.open("wb") as file:
-            np.savez(file, allow_pickle=False, **arrays, store_seconds=np.array(self.seconds))
+            np.savez(file, allow_pickle=False, **arrays, **own)
             file.flush()
             os.fsync(file.fileno())
         draft.replace(path)
 
+    def finish(self, summary: Mapping[str, Any]) -> None:
+        """Write what is left, and the outcome of the run."""
+        self.flush()
+        plain = {key: value for key, value in summary.items() if isinstance(value, str | int | float)}
+        open_arrays(self._data).attrs.update(plain)
+        commit(self._data)
+        draft = (self.directory / SUMMARY).with_suffix(".partial")
+        draft.write_text(to_json(summary), encoding="utf-8")
+        draft.replace(self.directory / SUMMARY)
+
     # -- reading ------------------------------------------------------------------------------------------------------
 
+    def resume(self) -> Any:
+        """The item to go on from, None for the start; what was written after it is cut off, and there is no outcome."""
+        checkpoint = self._read_checkpoint()
+        item = self._item_of(checkpoint)
+        self._seconds_before = float(checkpoint.get("store_seconds", 0.0))
+        self._started = self._flushed = time.monotonic()
+        (self.directory / SUMMARY).unlink(missing_ok=True)
+        self._writer = data_of(self.course)
+        self._writer.restore(self._data, checkpoint, item)
+        return item
+
+    def item(self) -> Any:
+        """The item that the checkpoint holds; None where the run is still at its very start."""
+        return self._item_of(self._read_checkpoint())
+
+    def _item_of(self, checkpoint: Mapping[str, Any]) -> Any:
+        return self.course.from_arrays(checkpoint) if checkpoint else None
+
     def _read_checkpoint(self) -> dict[str, Any]:
-        """What `_write_checkpoint` was given and `store_seconds`, nothing where the run is still at its very start."""
+        """What `_write_checkpoint` was given and more, nothing where the run is still at its very start."""
         if not (self.directory / CHECKPOINT).exists():
             return {}
         with np.load(self.directory / CHECKPOINT) as file:
-            return dict(file)
+            checkpoint = dict(file)
+        if str(checkpoint.get("store_digest")) != self.case.digest:
+            raise StoreError(f"{self.directory}: {CHECKPOINT} is not that of {CASE}")
+        return checkpoint
 
-    def _go_on(self, checkpoint: Mapping[str, Any]) -> None:
-        """The clock runs again, and there is no outcome any more."""
-        self._seconds_before = float(checkpoint.get("store_seconds", 0.0))
-        self._started = time.monotonic()
-        (self.directory / SUMMARY).unlink(missing_ok=True)
+    def _check_digest(self) -> None:
+        """Raise StoreError where the data are not those of the case."""
+        attributes = attributes_in(self._data)
+        if "digest" not in attributes:
+            raise StoreError(
+                f"{self.directory}: was written by an older ertel ({attributes.get('source', 'unknown')}), which did not "
+                f"record its case; run {self.directory / CASE} again"
+            )
+        if attributes["digest"] != self.case.digest:
+            changes = _changes(json.loads(str(attributes["case"])), self.case.to_data())
+            raise StoreError(f"{self.directory}: {CASE} was changed ({changes}); put it back, or run it as a new case")
 
     def dataset(self) -> xr.Dataset:
         """The run as far as it is written."""
-        path = self.directory / DATA
-        data: xr.Dataset = xr.open_zarr(path if path.exists() else self.directory / OLD_DATA)
+        path = self._data if self._data.exists() else old_of(self._data)
+        data: xr.Dataset = xr.open_zarr(path)
         return data.load()
 
     def summary(self) -> dict[str, Any] | None:
@@ -189,206 +209,77 @@ class RunStore(ABC):
         content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         return content
 
+    def summarise(self, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
+        """The summary of what is written, of which there must be something; work: compilations, wall_s."""
+        return self.course.summary(self.dataset(), self.item(), status, work)
+
     def summary_so_far(self) -> dict[str, Any]:
         """The summary of a run that has not ended.  Raises StoreError where there is nothing yet."""
         checkpoint = self._read_checkpoint()
         if not checkpoint:
-            raise StoreError(f"{self.directory}: nothing is computed yet; begin with ertel resume {self.directory}")
+            raise StoreError(f"{self.directory}: nothing is computed yet")
         return self.summarise(Status.RUNNING, {"compilations": 0, "wall_s": float(checkpoint["store_seconds"])})
 
-
-# -- a run in time ----------------------------------------------------------------------------------------------------
-
-
-class TransientStore(RunStore):
-    """The directory of a run in time."""
-
-    def __init__(self, directory: Path, case: Case, coordinates: Mapping[str, Any] | None = None):
-        super().__init__(directory, case)
-        self._coordinates = coordinates or {}
-        self._flushed = time.monotonic()
-        self._written = dict.fromkeys(NAMES, 0)
-        self._records: list[Mapping[str, float]] = []
-        self._frames: list[Frame] = []
-        self._state: Course | None = None  # the last one taken and not yet written
-
-    def _make_data(self, path: Path) -> None:
-        _create_arrays(path, self.case, self._coordinates)
-
-    def course(self, method: Method | None = None) -> Iterator[Step]:
-        """Accepted steps, now and then written."""
-        for step in transient(self.case, self.resume(), method):
-            self.append(step)
-            yield step
-
-    def ended(self, item: Step) -> bool:
-        """Whether a step is the run's last."""
-        return item.status is not Status.RUNNING
-
-    def append(self, step: Step) -> None:
-        """Take one more step; now and then the steps taken so far are written."""
-        if step.record:  # a run that gives up ends with a step that has none
-            self._records.append(step.record)
-        self._frames.extend(step.frames)
-        self._state = step.state
-        if time.monotonic() - self._flushed > FLUSH_INTERVAL:
-            self.flush()
-
-    def flush(self) -> None:
-        """Write the steps taken since the last flush, then the checkpoint."""
-        if self._state is None:
-            return
-        self._extend("time", columns(self._records) if self._records else {})
-        self._extend("frame", maps(self._frames) if self._frames else {})
-        _commit(self.directory / DATA)
-        written = np.array(list(self._written.values()))
-        self._write_checkpoint({**self._state.to_arrays(), "store_written": written})
-        self._records, self._frames, self._state = [], [], None
-        self._flushed = time.monotonic()
-
-    def _extend(self, dimension: str, arrays: Mapping[str, Any]) -> None:
-        group = _open_arrays(self.directory / DATA)
-        for name, values in arrays.items():
-            _array(group, name).append(values)
-        self._written[dimension] += len(arrays[dimension]) if arrays else 0
-
-    def state(self) -> Course | None:
-        """The state to go on from; None where the run is still at its very start."""
-        arrays = self._read_checkpoint()
-        return Course.from_arrays(arrays) if arrays else None
-
-    def resume(self) -> Course | None:
-        """The state to go on from; what was written after it is cut off."""
-        checkpoint = self._read_checkpoint()
-        self._go_on(checkpoint)
-        self._flushed = self._started
-        written = checkpoint["store_written"].tolist() if checkpoint else [0] * len(NAMES)
-        self._written = dict(zip(NAMES, written, strict=True))
-        group = _open_arrays(self.directory / DATA)
-        for dimension, names in NAMES.items():
-            for name in names:
-                array = _array(group, name)
-                array.resize((self._written[dimension], *array.shape[1:]))
-        if group.attrs["status"] != Status.RUNNING.value:
-            group.attrs["status"] = Status.RUNNING.value
-        _commit(self.directory / DATA)
-        return Course.from_arrays(checkpoint) if checkpoint else None
-
-    def summarise(self, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
-        """See `simulation.summarise`."""
-        state = self.state()
-        assert state, "there is a checkpoint"
-        return summarise(self.case, Step(state, {}, (), status), self.dataset(), work)
+    def result(self) -> Result:
+        """The run as far as it is written.  Raises StoreError where there is nothing yet."""
+        summary = self.summary() or self.summary_so_far()
+        return Result(self.case, self.dataset(), summary, Status(summary["status"]), self.directory)
 
 
-# -- a steady contact -------------------------------------------------------------------------------------------------
-
-
-class SteadyStore(RunStore):
-    """The directory of a steady contact: written after every grid, so that a killed run loses the one under way."""
-
-    def _make_data(self, path: Path) -> None:
-        data = assemble_steady(self.case, self.solutions(), {"status": Status.RUNNING.value})
-        data.to_zarr(path, consolidated=False)
-        _commit(path)
-
-    def course(self, method: Method | None = None) -> Iterator[GridSolution]:
-        """Solutions on the grids, coarsest first, every one written."""
-        checkpoint = self._read_checkpoint()
-        self._go_on(checkpoint)
-        done = _from_arrays(checkpoint)
-        self._replace_data()
-        if done and self.ended(done[-1]):  # it gave up, and would again
-            yield done[-1]
-            return
-        for solution in steady.nested(self.case, done):
-            done.append(solution)
-            self._write_checkpoint(_to_arrays(done))
-            self._replace_data()
-            yield solution
-
-    def ended(self, item: GridSolution) -> bool:
-        """Whether it is the solution on the finest grid."""
-        return item.grid.nodes == self.case.solver.nodes
-
-    def flush(self) -> None:
-        """Nothing waits: every grid is written as it comes."""
-
-    def _replace_data(self) -> None:
-        """Make DATA anew from the checkpoint; OLD_DATA stands in for it between the two renames."""
-        path, old, draft = (self.directory / name for name in (DATA, OLD_DATA, f"{DATA}.partial"))
-        shutil.rmtree(draft, ignore_errors=True)
-        self._make_data(draft)
-        if path.exists():
-            shutil.rmtree(old, ignore_errors=True)
-            path.rename(old)
-        draft.rename(path)
-        shutil.rmtree(old, ignore_errors=True)
-
-    def solutions(self) -> list[GridSolution]:
-        """The grids that are done, coarsest first."""
-        return _from_arrays(self._read_checkpoint())
-
-    def summarise(self, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
-        """See `summary.steady_summary`."""
-        return steady_summary(self.case, self.solutions(), work, status)
-
-
-COUNTED = ("approach", "residual", "newton", "krylov", "convolutions")  # the plain numbers of a GridSolution
-
-
-def _to_arrays(solutions: Sequence[GridSolution]) -> dict[str, NDArray[Any]]:
-    """Solutions as named arrays, exact to the last bit."""
-    arrays = {name: np.array([getattr(s, name) for s in solutions]) for name in COUNTED}
-    arrays["grid"] = np.array([_grid_numbers(s.grid) for s in solutions], dtype=float)
-    arrays["status"] = np.array([s.status.value for s in solutions])
-    for i, s in enumerate(solutions):
-        arrays |= {f"{name}_{i}": np.asarray(getattr(s, name)) for name in ("P", "H", "history")}
-    return arrays
-
-
-def _grid_numbers(grid: Grid) -> tuple[float, ...]:
-    return (grid.nodes, grid.spacing, grid.centre_x, grid.centre_y, *grid.even)
-
-
-def _from_arrays(arrays: Mapping[str, NDArray[Any]]) -> list[GridSolution]:
-    """Undo `_to_arrays`; nothing gives none."""
-    found = []
-    for i, (nodes, spacing, x, y, *even) in enumerate(arrays["grid"].tolist() if arrays else []):
-        found.append(
-            GridSolution(
-                grid=Grid(int(nodes), spacing, x, y, Even(*(bool(e) for e in even))),
-                P=jnp.asarray(arrays[f"P_{i}"]),
-                H=jnp.asarray(arrays[f"H_{i}"]),
-                status=Status(str(arrays["status"][i])),
-                history=tuple(arrays[f"history_{i}"].tolist()),
-                **{name: arrays[name][i].item() for name in COUNTED},
-            )
-        )
-    return found
+def _changes(before: Any, now: Any, place: str = "") -> str:
+    """What differs between two cases as plain data."""
+    if isinstance(before, Mapping) and isinstance(now, Mapping):
+        keys = [key for key in {**before, **now} if before.get(key) != now.get(key)]
+        return ", ".join(_changes(before.get(key), now.get(key), f"{place}.{key}".removeprefix(".")) for key in keys)
+    return f"{place} {show(before)} → {show(now)}"
 
 
 # -- running ----------------------------------------------------------------------------------------------------------
 
 
-def run(store: RunStore, on_item: Callable[[Any], bool], method: Method | None = None) -> dict[str, Any]:
-    """Run a stored case, from where it stands to its end, and give its summary, all of it written down.
-
-    on_item sees every Step, or GridSolution, and says whether to go on.  method spares making the case's method again.
-    """
+def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, Any]:
+    """Run a stored case, from where it stands to its end, and give its summary, all of it written down."""
     compiled = compiling.count()
     with _alone(store.directory):
-        status = Status.RUNNING
-        for item in store.course(method):
-            status = item.status
-            if not on_item(item) and not store.ended(item):
-                status = Status.INTERRUPTED
-                break
+        last = drive(store.course, [store, *observers], store.resume())
         store.flush()
         work = {"compilations": compiling.count() - compiled, "wall_s": store.seconds}
-        summary = store.summarise(status, work)
+        summary = store.summarise(last.status, work)
         store.finish(summary)
     return summary
+
+
+def run(case: Case, directory: str | Path, progress: bool = False, observers: Sequence[Observer] = ()) -> Result:
+    """Run a case and store it; a run that was interrupted goes on where it stood, one that is done is read.
+
+    Parameters
+    ----------
+    case : Case
+        What to run.
+    directory : str or Path
+        The run directory: made if it is not there.
+    progress, observers
+        As in `simulate`.
+
+    Raises StoreError where the directory holds another case, or cannot be written.
+    """
+    compiling.check_jax()
+    directory = Path(directory)
+    store = RunStore.open(directory) if (directory / CASE).exists() else RunStore.create(directory, case)
+    if store.case != case:
+        raise StoreError(f"{directory}: holds another case ({_changes(store.case.to_data(), case.to_data())})")
+    outcome = store.summary()
+    if outcome is None or not Status(outcome["status"]).ok:
+        with progress_bar(store.course, progress) as shown:
+            compute(store, [*shown, *observers])
+    result = store.result()
+    warn_of(result)
+    return result
+
+
+def open_run(directory: str | Path) -> Result:
+    """The run in a directory, as far as it is written.  Raises StoreError where there is none."""
+    return RunStore.open(Path(directory)).result()
 
 
 @contextmanager
@@ -417,44 +308,4 @@ def unused_directory(case: Case, parent: Path = Path("runs")) -> Path:
 
 def _require_free(directory: Path) -> None:
     if directory.exists() and not (directory.is_dir() and not any(directory.iterdir())):
-        raise StoreError(f"{directory}: exists already; choose another --out, or take the run up with ertel resume")
-
-
-# -- zarr -------------------------------------------------------------------------------------------------------------
-
-
-def _create_arrays(path: Path, case: Case, coordinates: Mapping[str, Any]) -> None:
-    attributes = {**provenance(case), "status": Status.RUNNING.value}
-    group = zarr.create_group(path, attributes=cast(dict[str, Any], attributes))
-    axes = {name: np.asarray(values, dtype=float) for name, values in coordinates.items()}
-    shape = tuple(len(values) for values in axes.values())
-    for name in (*axes, *NAMES["time"], *NAMES["frame"]):
-        rest = shape if name in variables.FIELDS else ()
-        array = group.create_array(
-            name,
-            shape=axes[name].shape if name in axes else (0, *rest),
-            chunks=axes[name].shape if name in axes else (1, *rest) if rest else (ROWS,),
-            dtype="int8" if name == "event" else "float64",
-            dimension_names=dimensions(name, coordinates),
-            attributes=cast(dict[str, Any], variables.variable_attributes(name, case.scales)),
-        )
-        if name in axes:
-            array[:] = axes[name]
-    _commit(path)
-
-
-def _open_arrays(path: Path) -> zarr.Group:
-    return zarr.open_group(path, mode="r+", use_consolidated=False)
-
-
-def _array(group: zarr.Group, name: str) -> "zarr.Array[Any]":
-    array = group[name]
-    assert isinstance(array, zarr.Array)
-    return array
-
-
-def _commit(path: Path) -> None:
-    """Show readers the arrays as they are now."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Consolidated metadata is currently not part")
-        zarr.consolidate_metadata(path)
+        raise StoreError(f"{directory}: exists already")

@@ -1,0 +1,267 @@
+"""What a user writes in Python: `impact(...)`, `rolling(...)`, `Oil(...)`.
+
+The keywords are the keys of case files.  A quantity is a float in SI or a text with a unit, "10 mm".  An amount (a time of
+the run, a size of the roughness) is a plain number in the units of the case, or a text with a unit.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
+from typing import Any
+
+from ertel.inputs.case_files import parse_case
+from ertel.inputs.messages import ConfigError
+from ertel.inputs.quantities import parse_amount, parse_quantity
+from ertel.model.case import Case
+from ertel.model.conditions import Conditions
+from ertel.model.records import oil_data
+from ertel.model.sections import Output, Solver, Time
+from ertel.physics import lubricant
+from ertel.physics.lubricant import Density, Viscosity
+from ertel.physics.surfaces import Feature, Shape
+from ertel.physics.units import HEIGHT, TIME, Quantity, Unit, marks
+
+Number = float | str  # SI, or a text with a unit
+Roughness = Sequence[Feature | Shape | Mapping[str, Any]]
+
+
+def Oil(  # reads as the record that it makes
+    eta0: Number | None = None,
+    alpha: Number | None = None,
+    viscosity: str | Viscosity = "roelands",
+    density: str | Density = "dowson-higginson",
+    p0: Number = lubricant.P0_ROELANDS,
+    z: float | None = None,
+    reference: str = "",
+) -> lubricant.Oil:
+    """An oil.
+
+    Parameters
+    ----------
+    eta0, alpha : float or str
+        Viscosity at ambient pressure (Pa s) and pressure-viscosity index (1/Pa).
+    viscosity, density : str or record
+        "roelands", "barus", "isoviscous"; "dowson-higginson", "incompressible"; or the record of a registered law.
+    p0, z : float or str
+        Roelands' pressure (Pa) and exponent; z follows from eta0 and alpha where it is not given.
+    reference : str
+        Where the data come from.
+
+    Raises ValueError, naming the argument, for a value that makes no sense.
+
+    Examples
+    --------
+    >>> Oil(eta0="18.6 mPa*s", alpha=20e-9).eta0
+    0.0186
+    """
+    given = {"eta0": eta0, "alpha": alpha, "p0": p0}
+    kinds = marks(lubricant.Oil)
+    si = {name: _si(f"oil.{name}", value, kinds[name]) for name, value in given.items()}
+    return lubricant.Oil(viscosity, density, si["eta0"], si["alpha"], si["p0"] or p0, z, reference)  # type: ignore[arg-type]
+
+
+def quantity(text: str) -> Quantity:
+    """A length or a time with its unit, for records of roughness and signals: quantity("20 nm"), quantity("5 ms")."""
+    for unit in (HEIGHT, TIME):
+        try:
+            found = parse_amount(text, unit)
+        except ValueError:
+            continue
+        assert isinstance(found, Quantity)
+        return found
+    raise ValueError(f"text = {text!r}: must be a length or a time with its unit, such as '20 nm' or '5 ms'")
+
+
+def impact(
+    *,
+    M: float | None = None,
+    L: float | None = None,
+    lambda_bar: float | None = None,
+    alpha_bar: float | None = None,
+    radius: Number | None = None,
+    radius_1: Number | None = None,
+    radius_2: Number | None = None,
+    mass: Number | None = None,
+    ball_density: Number | None = None,
+    speed: Number | None = None,
+    drop_height: Number | None = None,
+    mean_speed: Number | None = None,
+    slide_to_roll: float | None = None,
+    E_prime: Number | None = None,
+    E1: Number | None = None,
+    nu1: float | None = None,
+    E2: Number | None = None,
+    nu2: float | None = None,
+    oil: lubricant.Oil | None = None,
+    method: str | None = None,
+    nodes: int | None = None,
+    half_width: float | None = None,
+    inlet: float | None = None,
+    tolerance: float | None = None,
+    fold: bool | None = None,
+    motion: Mapping[str, Any] | None = None,
+    roughness: Roughness = (),
+    start_approach: float | None = None,
+    until: float | str | None = None,
+    step: float | str | None = None,
+    time_tolerance: float | None = None,
+    interval: float | str | None = None,
+    name: str = "",
+) -> Case:
+    """The impact of a ball on an oiled surface.
+
+    Parameters
+    ----------
+    M, L : float
+        Moes' load and lubricant parameters; or `lambda_bar`, `alpha_bar`; or physical input:
+    radius, radius_1, radius_2 : float or str
+        Radius of a ball on a plate, or of two balls of which the first moves (m).
+    mass, ball_density, speed, drop_height : float or str
+        Mass (kg) or density (kg/m^3) of the ball; its speed at first touch (m/s) or its height of fall (m).
+    mean_speed, slide_to_roll : float or str
+        Mean speed of the surfaces along x (m/s) and (u1 - u2)/u_m: a track that moves under the ball.
+    E_prime, E1, nu1, E2, nu2 : float or str
+        Reduced modulus (Pa), or Young's moduli (Pa) and Poisson's ratios.
+    oil : Oil
+        Needed for a physical contact; a dimensionless one has a typical mineral oil.
+    method : "2d" or "radial"
+        On a square grid, or along the radius (smooth impacts, fast).
+    nodes, half_width, inlet, tolerance, fold
+        Grid and tolerance, see `ertel.Solver`.
+    motion : mapping
+        load, entrainment (signals), slide_to_roll, inertia: as [motion] of a case file.
+    roughness : sequence
+        Shapes, features (a shape on surface 1 or 2), or mappings as [[roughness]] of a case file.
+    start_approach, until, step, time_tolerance, interval
+        Start, end, steps and maps, see `ertel.Time`; until: "max-approach", "rebound", or a time.
+    name : str
+        For titles and directories.
+
+    Raises ConfigError (a ValueError) that names the field, its value and what is allowed.
+
+    Examples
+    --------
+    >>> case = impact(radius=0.01, ball_density=7850, speed=0.1, E1=210e9, nu1=0.3, E2=210e9, nu2=0.3,
+    ...               oil=Oil(eta0=0.0186, alpha=20e-9))
+    >>> round(case.scales.p_h / 1e9, 2)
+    1.36
+    """
+    return _case("impact", locals())
+
+
+def rolling(
+    *,
+    M: float | None = None,
+    L: float | None = None,
+    lambda_bar: float | None = None,
+    alpha_bar: float | None = None,
+    radius: Number | None = None,
+    radius_1: Number | None = None,
+    radius_2: Number | None = None,
+    load: Number | None = None,
+    mean_speed: Number | None = None,
+    slide_to_roll: float | None = None,
+    speed_1: Number | None = None,
+    speed_2: Number | None = None,
+    mass: Number | None = None,
+    ball_density: Number | None = None,
+    E_prime: Number | None = None,
+    E1: Number | None = None,
+    nu1: float | None = None,
+    E2: Number | None = None,
+    nu2: float | None = None,
+    oil: lubricant.Oil | None = None,
+    method: str | None = None,
+    nodes: int | None = None,
+    half_width: float | None = None,
+    inlet: float | None = None,
+    tolerance: float | None = None,
+    fold: bool | None = None,
+    motion: Mapping[str, Any] | None = None,
+    roughness: Roughness = (),
+    until: float | str | None = None,
+    step: float | str | None = None,
+    time_tolerance: float | None = None,
+    interval: float | str | None = None,
+    name: str = "",
+) -> Case:
+    """The contact of a ball that rolls and slides on an oiled surface.
+
+    Parameters
+    ----------
+    M, L, lambda_bar, alpha_bar, radius, radius_1, radius_2, E_prime, E1, nu1, E2, nu2, oil, roughness, name
+        As for `impact`.
+    load : float or str
+        Static load (N).
+    mean_speed, slide_to_roll, speed_1, speed_2 : float or str
+        Mean speed of the surfaces along x (m/s) and (u1 - u2)/u_m, or both speeds.
+    mass, ball_density : float or str
+        Of the ball, for its inertia in a run in time.
+    method : "steady" or "transient"
+        "transient" for what changes in time: load, speed, roughness that moves.
+    motion : mapping
+        load, entrainment (signals), slide_to_roll, inertia: as [motion] of a case file.
+    nodes, half_width, inlet, tolerance, fold, until, step, time_tolerance, interval
+        See `ertel.Solver` and `ertel.Time`.
+
+    Raises ConfigError (a ValueError) that names the field, its value and what is allowed.
+
+    Examples
+    --------
+    >>> rolling(M=200, L=10, nodes=129).solver.method
+    'steady'
+    """
+    return _case("rolling", locals())
+
+
+def _case(kind: str, given: Mapping[str, Any]) -> Case:
+    """The case of keyword arguments, by the same door as a case file."""
+    wanted = {key: value for key, value in given.items() if value is not None}
+    time = {"tolerance" if key == "time_tolerance" else key: wanted[key] for key in TIME_KEYS if key in wanted}
+    records, tables = _sorted(given["roughness"])
+    sections: dict[str, Any] = {
+        "name": given["name"],
+        "contact": {"kind": kind, **_conditions(wanted)},
+        "lubricant": oil_data(wanted["oil"]) if "oil" in wanted else None,
+        "solver": {f.name: wanted[f.name] for f in fields(Solver) if f.name in wanted},
+        "motion": wanted.get("motion"),
+        "roughness": tables,
+        "time": time or None,
+        "output": {f.name: wanted[f.name] for f in fields(Output) if f.name in wanted} or None,
+    }
+    case = parse_case({name: section for name, section in sections.items() if section is not None})
+    return replace(case, roughness=(*case.roughness, *records)) if records else case
+
+
+TIME_KEYS = (*(f.name for f in fields(Time) if f.name != "tolerance"), "time_tolerance")
+
+
+def _conditions(wanted: Mapping[str, Any]) -> dict[str, Any]:
+    """The keys of [contact], numbers of quantities with their SI unit."""
+    kinds = marks(Conditions)
+    found = {f.name: wanted[f.name] for f in fields(Conditions) if f.name in wanted}
+    return {key: _with_unit(value, kinds.get(key)) for key, value in found.items()}
+
+
+def _with_unit(value: Any, mark: object) -> Any:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return f"{float(value)!r} {mark.unit}" if isinstance(mark, Unit) and is_number else value
+
+
+def _si(place: str, value: Number | None, mark: object) -> float | None:
+    assert isinstance(mark, Unit)
+    try:
+        return parse_quantity(_with_unit(value, mark), mark)
+    except ValueError as error:
+        raise ConfigError(f"{place} = {value!r}: {error}") from error
+
+
+def _sorted(roughness: Roughness) -> tuple[list[Feature], list[dict[str, Any]]]:
+    """Records as features, and tables."""
+    records: list[Feature] = []
+    tables: list[dict[str, Any]] = []
+    for item in roughness:
+        if isinstance(item, Mapping):
+            tables.append(dict(item))
+        else:
+            records.append(item if isinstance(item, Feature) else Feature(item))
+    return records, tables

@@ -1,0 +1,251 @@
+"""The two courses that a run can take, behind one interface: time steps, or the grids of a steady contact.
+
+`course_of` chooses; nobody else asks which it is.
+"""
+
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ertel.model.case import Case
+from ertel.model.state import GridSolution, Method, State
+from ertel.model.status import Status
+from ertel.numerics.grid import Grid
+from ertel.numerics.symmetry import Even
+from ertel.results.dataset import assemble, assemble_steady
+from ertel.results.summary import steady_summary, transient_summary
+from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
+from ertel.solvers import steady
+from ertel.solvers.radial import RadialImpact
+from ertel.solvers.transient import Transient2D
+
+Arrays = Mapping[str, NDArray[Any]]
+
+
+class Item(Protocol):
+    """What a course is made of: an accepted time step, or the solution on a grid.
+
+    record: scalars by name.  frames: the maps that fell due.  status: how the run stands after it.
+    """
+
+    @property
+    def record(self) -> Mapping[str, float]: ...
+    @property
+    def frames(self) -> Sequence[Frame]: ...
+    @property
+    def status(self) -> Status: ...
+
+
+class Course(Protocol):
+    """How a case is run, item by item."""
+
+    case: Case
+    coordinates: Mapping[str, Any]
+
+    def begin(self) -> Any:
+        """The run before its first item."""
+        ...
+
+    def following(self, item: Any) -> Generator[Any, Any, Any]:
+        """The next item: yields problems, is sent their solutions."""
+        ...
+
+    def solve(self, problem: Any) -> Any:
+        """The solution of a problem that `following` yields."""
+        ...
+
+    def fraction(self, item: Any) -> float:
+        """How much of the run lies behind an item, 0 to 1, roughly."""
+        ...
+
+    def news(self, item: Any) -> str:
+        """An item in a line."""
+        ...
+
+    def to_arrays(self, item: Any) -> dict[str, NDArray[Any]]:
+        """All that is needed to go on after an item, as named arrays, exact to the last bit."""
+        ...
+
+    def from_arrays(self, arrays: Arrays) -> Any:
+        """The item again from `to_arrays`."""
+        ...
+
+    def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: Any) -> xr.Dataset:
+        """The run as a Dataset."""
+        ...
+
+    def summary(self, data: xr.Dataset, last: Any, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
+        """The outcome of the run as plain data; work: compilations, wall_s."""
+        ...
+
+
+def course_of(case: Case) -> Course:
+    """The course of a case."""
+    return SteadyCourse(case) if case.is_steady else TransientCourse(case, method_of(case))
+
+
+def method_of(case: Case) -> Method:
+    """The way to make a time step that a case asks for."""
+    return RadialImpact(case) if case.solver.method == "radial" else Transient2D(case)
+
+
+# -- in time ----------------------------------------------------------------------------------------------------------
+
+NUMBERS = ("T", "approach", "velocity")  # of a State, besides its fields
+REACHED = "max_approach_"
+
+
+class TransientCourse:
+    """A run in time."""
+
+    def __init__(self, case: Case, method: Method, limits: StepLimits | None = None):
+        self.case, self.method, self.limits = case, method, limits or StepLimits()
+        self.coordinates = method.coordinates
+
+    def begin(self) -> Step:
+        return begin(self.case, self.method, self.limits)
+
+    def following(self, item: Step) -> Generator[Any, Any, Step]:
+        return next_step(self.case, self.method, item.state, self.limits)
+
+    def solve(self, problem: Any) -> Any:
+        return self.method.solve(problem)
+
+    def fraction(self, item: Step) -> float:
+        if not item.record:
+            return 0.0
+        T, start, until = item.record["T"], self.case.schedule.start_approach, self.case.schedule.until
+        if not isinstance(until, str):
+            return min(T / until, 1.0)
+        touch, half, whole = -start, 1.47 - start, 2.95 - 2 * start
+        if until == "rebound":
+            return min(T / whole, 1.0)
+        return 1.0 if item.record["V"] <= 0 else min(T / half, 1.0) if T > touch else T / half
+
+    def news(self, item: Step) -> str:
+        record, counts = item.record, item.state.counts
+        work = f"{counts.steps} steps, {counts.newton_iterations} Newton, {counts.krylov_iterations} Krylov"
+        return f"T {record['T']:.3f}  Δ {record['Delta']:+.4f}  H_c {record['H_c']:.5f}  {work}"
+
+    def to_arrays(self, item: Step) -> dict[str, NDArray[Any]]:
+        state, levels = item.state, item.state.levels
+        scalars = {"next_step": state.next_step, "next_frame": state.next_frame, **vars(state.counts)}
+        reached = {f"{REACHED}{key}": value for key, value in (state.max_approach or {}).items()}
+        names = list(levels[0].fields)
+        stacks = {name: np.array([getattr(level, name) for level in levels]) for name in NUMBERS}
+        stacks |= {name: np.array([level.fields[name] for level in levels]) for name in names}
+        everything = {**scalars, **reached, **stacks, "fields": names, "status": item.status.value}
+        return {key: np.asarray(value) for key, value in everything.items()}
+
+    def from_arrays(self, arrays: Arrays) -> Step:
+        names = arrays["fields"].tolist()
+        numbers = zip(*(arrays[name].tolist() for name in NUMBERS), strict=True)
+        levels = tuple(
+            State(T, Delta, V, {name: arrays[name][i] for name in names}) for i, (T, Delta, V) in enumerate(numbers)
+        )
+        counts = Counts(**{name: arrays[name].item() for name in Counts.__dataclass_fields__})
+        reached = {key.removeprefix(REACHED): float(v) for key, v in arrays.items() if key.startswith(REACHED)}
+        next_step, next_frame = float(arrays["next_step"]), int(arrays["next_frame"])
+        state = RunState(levels, next_step, counts, next_frame, reached or None)
+        return Step(state, {}, (), Status(str(arrays["status"])))
+
+    def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: Step) -> xr.Dataset:
+        return assemble(self.case, records, frames, self.coordinates)
+
+    def summary(self, data: xr.Dataset, last: Step, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
+        counts = {**vars(last.state.counts), **work}
+        counts["convolutions"] = round(counts["convolutions"], 1)
+        return transient_summary(self.case, data, last.state.max_approach, counts, status)
+
+
+# -- steady -----------------------------------------------------------------------------------------------------------
+
+COUNTED = ("approach", "residual", "newton", "krylov", "convolutions")  # the plain numbers of a GridSolution
+FIELDS = ("P", "H", "history")
+
+
+@dataclass(frozen=True)
+class GridStep:
+    """The steady contact on one grid more: all solutions so far, coarsest first."""
+
+    solutions: tuple[GridSolution, ...]
+    status: Status
+    frames: tuple[Frame, ...] = ()
+
+    @property
+    def record(self) -> Mapping[str, float]:
+        """The values on the finest grid so far, and the work on it."""
+        if not self.solutions:
+            return {}
+        s = self.solutions[-1]
+        work = {"newton_iterations": s.newton, "krylov_iterations": s.krylov, "residual": s.residual}
+        return {**s.measure(), **work, "nodes": s.grid.nodes}
+
+
+class SteadyCourse:
+    """A steady contact, grid by grid: each solution is the first guess on the next grid."""
+
+    def __init__(self, case: Case):
+        self.case = case
+        self.coordinates: Mapping[str, Any] = {}
+
+    def begin(self) -> GridStep:
+        return GridStep((), Status.RUNNING)
+
+    def following(self, item: GridStep) -> Generator[Any, Any, GridStep]:
+        solution = next(steady.nested(self.case, item.solutions))
+        solutions = (*item.solutions, solution)
+        finest = solution.grid.nodes == self.case.solver.nodes
+        return GridStep(solutions, solution.status if finest else Status.RUNNING)
+        yield  # nothing: a grid is solved as a whole
+
+    def solve(self, problem: Any) -> Any:
+        raise AssertionError("a steady course asks for no step")
+
+    def fraction(self, item: GridStep) -> float:
+        return (item.record["nodes"] / self.case.solver.nodes) ** 2 if item.solutions else 0.0
+
+    def news(self, item: GridStep) -> str:
+        r = item.record
+        work = f"{r['newton_iterations']} Newton, {r['krylov_iterations']} Krylov"
+        return f"{r['nodes']} x {r['nodes']}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
+
+    def to_arrays(self, item: GridStep) -> dict[str, NDArray[Any]]:
+        solutions = item.solutions
+        arrays = {name: np.array([getattr(s, name) for s in solutions]) for name in COUNTED}
+        arrays["grid"] = np.array([_grid_numbers(s.grid) for s in solutions], dtype=float)
+        arrays["grid_status"] = np.array([s.status.value for s in solutions])
+        arrays["status"] = np.asarray(item.status.value)
+        for i, s in enumerate(solutions):
+            arrays |= {f"{name}_{i}": np.asarray(getattr(s, name)) for name in FIELDS}
+        return arrays
+
+    def from_arrays(self, arrays: Arrays) -> GridStep:
+        found = []
+        for i, (nodes, spacing, x, y, *even) in enumerate(arrays["grid"].tolist()):
+            found.append(
+                GridSolution(
+                    grid=Grid(int(nodes), spacing, x, y, Even(*(bool(e) for e in even))),
+                    P=jnp.asarray(arrays[f"P_{i}"]),
+                    H=jnp.asarray(arrays[f"H_{i}"]),
+                    status=Status(str(arrays["grid_status"][i])),
+                    history=tuple(arrays[f"history_{i}"].tolist()),
+                    **{name: arrays[name][i].item() for name in COUNTED},
+                )
+            )
+        return GridStep(tuple(found), Status(str(arrays["status"])))
+
+    def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: GridStep) -> xr.Dataset:
+        return assemble_steady(self.case, last.solutions)
+
+    def summary(self, data: xr.Dataset, last: GridStep, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
+        return steady_summary(self.case, last.solutions, work, status)
+
+
+def _grid_numbers(grid: Grid) -> tuple[float, ...]:
+    return (grid.nodes, grid.spacing, grid.centre_x, grid.centre_y, *grid.even)

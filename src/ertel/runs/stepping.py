@@ -1,0 +1,225 @@
+"""Time steps of controlled error: attempts until one is accepted, events, and the maps that fall due.
+
+Nothing here loops over a run (`drive`), and nothing solves: `next_step` is a generator that yields the problems of its
+attempts and is sent their solutions, so that one run and a batch of runs share it.
+"""
+
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ertel.model.case import Case
+from ertel.model.state import Method, State, Work, combined, interpolated
+from ertel.model.status import Status
+from ertel.numerics import bdf
+
+UNLOADED = 1e-8  # F below which the ball has left
+
+
+@dataclass(frozen=True)
+class StepLimits:
+    """How long a step may be, in t0, and how the next one follows from the last one's error.
+
+    first: of an impact, as a share of the initial gap.  cut: after a step that did not converge.
+    """
+
+    first: float = 0.01
+    largest: float = 0.1  # the impact lasts about 3
+    smallest: float = 1e-7
+    cut: float = 0.5
+    control: bdf.StepControl = field(default_factory=bdf.StepControl)
+
+
+class Frame(NamedTuple):
+    """The maps of all fields at a time, by name; event: "", "max-approach" or "end"."""
+
+    T: float
+    fields: Mapping[str, NDArray[np.float64]]
+    event: str
+
+    @property
+    def P(self) -> NDArray[np.float64]:
+        """The pressure."""
+        return self.fields["P"]
+
+    @property
+    def H(self) -> NDArray[np.float64]:
+        """The film thickness."""
+        return self.fields["H"]
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Work done so far; convolutions count by nodes of the finest grid."""
+
+    steps: int = 0
+    newton_iterations: int = 0
+    krylov_iterations: int = 0
+    convolutions: float = 0.0
+    rejected: int = 0
+
+    def plus(self, work: Work) -> "Counts":
+        return Counts(
+            self.steps,
+            self.newton_iterations + work.newton,
+            self.krylov_iterations + work.krylov,
+            self.convolutions + work.convolutions,
+            self.rejected,
+        )
+
+    def minus(self, other: "Counts") -> "Counts":
+        return Counts(*(getattr(self, k) - getattr(other, k) for k in self.__dataclass_fields__))
+
+
+@dataclass(frozen=True)
+class RunState:
+    """All that a run needs to go on: the last time levels (newest first), the next step, what has happened so far."""
+
+    levels: tuple[State, ...]
+    next_step: float
+    counts: Counts = Counts()
+    next_frame: int = 1
+    max_approach: Mapping[str, float] | None = None
+
+
+@dataclass(frozen=True)
+class Step:
+    """One accepted time step: the state after it, its scalars, the maps that fell due, and how the run stands."""
+
+    state: RunState
+    record: Mapping[str, float]
+    frames: tuple[Frame, ...]
+    status: Status
+
+
+def begin(case: Case, method: Method, limits: StepLimits) -> Step:
+    """The run before its first step, without a record; the film from which rolling starts is worth a map."""
+    start = method.start()
+    step = case.schedule.step or limits.first * abs(case.schedule.start_approach)
+    state = RunState((start,), step, Counts().plus(start.work), next_frame=1 if case.starts_apart else 0)
+    return Step(state, {}, (), Status.RUNNING if start.status.ok else start.status)
+
+
+# -- one step -------------------------------------------------------------------------------------------------------
+
+
+def next_step(case: Case, method: Method, state: RunState, limits: StepLimits) -> Generator[Any, Any, Step]:
+    """The next accepted step, with as many attempts as it takes: yields their problems, is sent the solutions.
+
+    Where the step would become too small it returns the last state again, with that status and without a record.
+    """
+    fixed = case.schedule.step
+    step = fixed or state.next_step
+    counts = state.counts
+    while step >= limits.smallest:
+        length = _landing(case, state.levels[0].T, step)
+        new = yield from method.attempt(state.levels, length)
+        counts = counts.plus(new.work)
+        if not new.status.ok:
+            step, counts = limits.cut * length, replace(counts, rejected=counts.rejected + 1)
+            continue
+        error = 0.0 if fixed else _error(case, method, state.levels, new)
+        if not fixed and not limits.control.accepts(error):
+            step, counts = limits.control.next_step(length, error), replace(counts, rejected=counts.rejected + 1)
+            continue
+        following = fixed or min(limits.control.next_step(length, error), limits.largest)
+        return _accept(case, method, state, new, replace(counts, steps=counts.steps + 1), following, error)
+    return Step(replace(state, counts=counts), {}, (), Status.STEP_TOO_SMALL)
+
+
+def _landing(case: Case, T: float, step: float) -> float:
+    """The step, cut where it would run past an end given as a time."""
+    if isinstance(case.schedule.until, str):
+        return step
+    left = case.schedule.until - T
+    return left if left < step * (1 + 1e-9) else step
+
+
+def _error(case: Case, method: Method, levels: Sequence[State], new: State) -> float:
+    """Local error of Delta, V and the fields in units of the tolerance, from the prediction (see `bdf.error_factor`).
+
+    Without inertia V is no unknown of its own, and may jump.
+    """
+    if len(levels) < 3:
+        return 1.0  # too little history; keep the step
+    times = [level.T for level in levels]
+    predict = bdf.interpolation_weights(new.T, times)
+    approach, velocity = (combined(predict, [getattr(o, name) for o in levels]) for name in ("approach", "velocity"))
+    fields = {name: combined(predict, [level.fields[name] for level in levels]) for name in method.controlled}
+    of_speed = abs(new.velocity - velocity) if case.motion.inertia else 0.0
+    difference = max(abs(new.approach - approach), of_speed, method.error(new, fields))
+    return float(bdf.error_factor([new.T, *times]) * difference / case.schedule.tolerance)
+
+
+def _accept(
+    case: Case, method: Method, state: RunState, new: State, counts: Counts, following: float, error: float
+) -> Step:
+    levels = (new, *state.levels)[:3]
+    measured = method.measure(new)
+    frames, next_frame = _due_frames(case, method, levels, state.next_frame)
+    reached = state.max_approach
+    if case.starts_apart and reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
+        peak = interpolated(levels, turning_time(levels))
+        reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak)}
+        frames.append(_frame(method, peak, "max-approach"))
+    status = Status.CONVERGED if _ended(case, new, measured["F"], reached) else Status.RUNNING
+    if status is Status.CONVERGED and case.schedule.until != "max-approach":
+        frames.append(_frame(method, new, "end"))
+    spent = counts.minus(state.counts)
+    record = {
+        "T": new.T,
+        "dT": levels[0].T - levels[1].T,
+        "Delta": new.approach,
+        "V": new.velocity,
+        **measured,
+        "U": case.motion.entrainment(new.T),
+        "w": case.motion.load(new.T),
+        "error": error,
+        **{name: float(getattr(spent, name)) for name in Counts.__dataclass_fields__ if name != "steps"},
+    }
+    return Step(
+        RunState(levels, following, counts, next_frame, reached),
+        record,
+        tuple(sorted(frames, key=lambda frame: frame.T)),
+        status,
+    )
+
+
+def _ended(case: Case, level: State, F: float, reached: Mapping[str, float] | None) -> bool:
+    match case.schedule.until:
+        case "max-approach":
+            return reached is not None
+        case "rebound":
+            return reached is not None and F < UNLOADED
+        case until:
+            return level.T >= until * (1 - 1e-12)
+
+
+# -- between steps --------------------------------------------------------------------------------------------------
+
+
+def turning_time(levels: Sequence[State]) -> float:
+    """When V = 0 between the last two levels, by bisection of its parabola."""
+    times = [level.T for level in levels]
+    V = np.array([level.velocity for level in levels])
+    late, early = times[0], times[1]
+    for _ in range(60):
+        middle = (early + late) / 2
+        early, late = (middle, late) if bdf.interpolation_weights(middle, times) @ V > 0 else (early, middle)
+    return (early + late) / 2
+
+
+def _due_frames(case: Case, method: Method, levels: Sequence[State], number: int) -> tuple[list[Frame], int]:
+    """The maps due since the step before, at multiples of the interval."""
+    frames = []
+    while number * case.schedule.interval <= levels[0].T:
+        frames.append(_frame(method, interpolated(levels, number * case.schedule.interval), ""))
+        number += 1
+    return frames, number
+
+
+def _frame(method: Method, level: State, event: str) -> Frame:
+    return Frame(level.T, {name: np.asarray(method.whole(field)) for name, field in level.fields.items()}, event)
