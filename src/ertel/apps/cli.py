@@ -116,7 +116,7 @@ def show(directory: RunDirectory, as_json: Json = False) -> None:
         from ertel.runs.store import RunStore
 
         store = RunStore.open(directory)
-        summary = store.summary() or store.summary_so_far()
+        summary = store.summary() or running.summary_so_far(store)
     running.report(store, summary, as_json, quiet=False)
 
 

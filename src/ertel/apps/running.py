@@ -30,6 +30,14 @@ def create(directory: Path, case: Case, method: Method | None) -> RunStore:
         raise StoreError(f"{error}; choose another --out{resumable}") from error
 
 
+def summary_so_far(run: RunStore) -> dict[str, Any]:
+    """The summary of a run that has not ended.  Raises StoreError with advice where there is nothing yet."""
+    try:
+        return run.summary_so_far()
+    except StoreError as error:
+        raise StoreError(f"{error}; to start it: ertel resume {run.directory}") from error
+
+
 def half_grid(case: Case) -> Case | None:
     """The case for an error estimate, None where the run has one of its own."""
     return None if case.solver.method == "steady" else check_case(case.on_half_grid())
