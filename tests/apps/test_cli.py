@@ -2,18 +2,20 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
-import time
-from importlib import import_module
 from pathlib import Path
 
 import pytest
 from cases import ertel_, names
+from matplotlib.figure import Figure
 
 import ertel
-from ertel.runs import store
+from ertel.apps import about
+from ertel.results.plots import transient
+from ertel.runs import compiling, drive, store
 
 MOES = """
 [contact]
@@ -46,6 +48,17 @@ SUMMARY_KEYS = [
 ]
 
 
+@pytest.fixture(scope="session")
+def runs(tmp_path_factory):
+    """Finished runs that the tests look at, with what they printed: small, to maximum approach; ball, to T = 1.2."""
+    directory = tmp_path_factory.mktemp("cli")
+    printed = {}
+    for name, text in (("small", MOES), ("ball", BALL)):
+        (directory / f"{name}.toml").write_text(text)
+        printed[name] = ertel_("run", str(directory / f"{name}.toml"), "--out", str(directory / name)).stdout
+    return directory, printed
+
+
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     """An empty working directory with a case in it."""
@@ -55,6 +68,30 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.fixture
+def small(here, runs):
+    """A copy of the small run in the working directory."""
+    return Path(shutil.copytree(runs[0] / "small", here / "runs" / "small"))
+
+
+@pytest.fixture
+def ball(here, runs):
+    """A copy of the ball's run in the working directory."""
+    return Path(shutil.copytree(runs[0] / "ball", here / "a"))
+
+
+@pytest.fixture
+def quick_figures(monkeypatch):
+    """As if a run were drawn in two empty figures, of which one shows a moment; its choice is in the title."""
+
+    def film(data, at="end"):
+        figure = Figure()
+        figure.suptitle(repr(at))
+        return figure
+
+    monkeypatch.setattr(transient, "figures_of", lambda data: {"film": film, "history": lambda data: Figure()})
+
+
 # -- answers at once --------------------------------------------------------------------------------------------------
 
 
@@ -62,31 +99,45 @@ def test_version():
     assert ertel_("--version").stdout == f"ertel {ertel.__version__}\n"
 
 
+COMMANDS = ["run", "resume", "show", "plot", "params", "film", "about", "paper"]
+
+
 def test_help_names_the_commands():
     text = ertel_("--help").stdout
-    assert all(command in text for command in ("run", "resume", "show", "plot", "params"))
+    assert all(command in text for command in COMMANDS)
 
 
-@pytest.mark.parametrize("command", ["run", "resume", "show", "plot", "params"])
+@pytest.mark.parametrize("command", COMMANDS)
 def test_help_of_commands(command):
     assert "--help" in ertel_(command, "--help").stdout
+
+
+def test_about():
+    text = ertel_("about").stdout
+    for said in (f"ertel          {ertel.__version__}", "NumPy", "cpu", str(compiling.cache_directory()), "Tribology"):
+        assert said in text
+
+
+def test_about_a_jax_that_computes_wrongly(monkeypatch):
+    monkeypatch.setattr(about, "version", lambda package: "0.11.0")
+    assert 'pip install "jax!=0.10.2,!=0.11.0"' in ertel_("about").stdout
 
 
 # -- run --------------------------------------------------------------------------------------------------------------
 
 
-def test_run_stores_and_tells(here):
-    result = ertel_("run", "small.toml")
-    assert names(here / "runs" / "small") == {"case.toml", "run.zarr", "checkpoint.npz", "summary.json"}
-    summary = json.loads((here / "runs" / "small" / "summary.json").read_text())
+def test_run_stores_and_tells(small, runs):
+    assert names(small) == {"case.toml", "run.zarr", "checkpoint.npz", "summary.json"}
+    summary = json.loads((small / "summary.json").read_text())
     assert set(SUMMARY_KEYS) <= set(summary)
     assert list(summary["max_approach"]) == ["T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min"]
     assert summary["status"] == "converged"
     assert summary["restitution"] is None
-    assert "M = 200, L = 10" in result.stdout
-    assert f"{summary['max_approach']['H_c']:.5g}" in result.stdout
-    assert "Warning: the front" in result.stdout  # 33 nodes do not resolve it
-    assert "ertel plot runs/small" in result.stdout
+    printed = runs[1]["small"]
+    assert "M = 200, L = 10" in printed
+    assert f"{summary['max_approach']['H_c']:.5g}" in printed
+    assert "Warning: the front" in printed  # 33 nodes do not resolve it
+    assert f"ertel plot {runs[0] / 'small'}" in printed
 
 
 def test_run_json_is_json_and_nothing_else(here):
@@ -99,9 +150,17 @@ def test_run_json_is_json_and_nothing_else(here):
 
 
 def test_run_quiet(here):
-    result = ertel_("run", "ball.toml", "--quiet")
+    result = ertel_("run", "ball.toml", "--quiet", "--set", "time.until=0.1")
     assert result.output == ""
     assert (here / "runs" / "ball").is_dir()
+
+
+def test_run_with_a_jax_that_computes_wrongly(here, monkeypatch):
+    monkeypatch.setattr(compiling, "version", lambda package: "0.10.2")
+    monkeypatch.setattr(compiling, "_told", False)
+    result = ertel_("run", "ball.toml", "--quiet", "--set", "time.until=0.1")
+    assert result.stdout == ""
+    assert result.stderr == f"ertel: warning: {compiling.wrong_version('0.10.2')}\n"
 
 
 def test_second_run_gets_its_own_directory(here):
@@ -116,9 +175,10 @@ def test_set_overrides(here):
     assert (round(case.parameters.M, 9), case.time.until) == (300, 0.1)
 
 
-def test_error_estimate(here):
-    summary = json.loads(ertel_("run", "small.toml", "--json", "--error", "--set", "solver.nodes=65").stdout)
-    half = json.loads(ertel_("run", "small.toml", "--json").stdout)
+def test_error_estimate(small):
+    arguments = ("run", "small.toml", "--out", "fine", "--json", "--error", "--set", "solver.nodes=65")
+    summary = json.loads(ertel_(*arguments).stdout)
+    half = json.loads((small / "summary.json").read_text())
     assert list(summary["error_estimate"]) == ["H_c", "H_min", "Delta_max"]
     H_c = summary["error_estimate"]["H_c"]
     fine, coarse = summary["max_approach"]["H_c"], half["max_approach"]["H_c"]
@@ -128,18 +188,16 @@ def test_error_estimate(here):
         "error": abs(fine - coarse) / 3,
         "extrapolated": fine + (fine - coarse) / 3,
     }
-    assert "extrapolated" in ertel_("show", "runs/small").stdout
+    assert "extrapolated" in ertel_("show", "fine").stdout
 
 
-def test_run_that_gives_up(here, monkeypatch):
-    monkeypatch.setattr(import_module("ertel.runs.drive"), "SMALLEST_STEP", 0.02)
-    monkeypatch.setattr(import_module("ertel.runs.drive"), "FIRST_STEP", 0.03)
-    result = ertel_("run", "small.toml", code=1)
-    assert "failed: the time step became too small" in result.stderr
-    assert "runs/small" in result.stderr
-    summary = json.loads((here / "runs" / "small" / "summary.json").read_text())
-    assert summary["status"] == "the time step became too small"
-    assert summary["steps"] > 0
+def test_run_that_gives_up(here, small, monkeypatch):
+    """What it stores is tested with the store."""
+    summary = json.loads((small / "summary.json").read_text())
+    monkeypatch.setattr(store, "run", lambda *_: {**summary, "status": "the time step became too small"})
+    result = ertel_("run", "small.toml", "--out", "b", code=1)
+    assert "failed: the time step became too small; refine the grid" in result.stderr
+    assert "Results so far are in b" in result.stderr
 
 
 def test_full_disk(here, monkeypatch):
@@ -154,8 +212,7 @@ def test_full_disk(here, monkeypatch):
 # -- interrupted ------------------------------------------------------------------------------------------------------
 
 
-def test_interrupt_and_resume(here, monkeypatch):
-    ertel_("run", "small.toml", "--out", "whole", "-q")
+def test_interrupt_and_resume(here, runs, monkeypatch):
     original = store.TransientStore.append
 
     def append(self, step):
@@ -169,7 +226,7 @@ def test_interrupt_and_resume(here, monkeypatch):
     assert "interrupted; to continue: ertel resume cut" in result.stderr
     assert json.loads(ertel_("show", "cut", "--json").stdout)["steps"] == 5
     ertel_("resume", "cut", "-q")
-    whole, resumed = (store.RunStore.open(here / name).dataset() for name in ("whole", "cut"))
+    whole, resumed = (store.RunStore.open(path).dataset() for path in (runs[0] / "small", here / "cut"))
     assert whole.drop_attrs(deep=False).identical(resumed.drop_attrs(deep=False))
 
 
@@ -180,32 +237,48 @@ def test_interrupt_of_the_half_grid(here, monkeypatch):
             on_step(step)
 
     with monkeypatch.context() as patch:
-        patch.setattr(import_module("ertel.runs.drive"), "simulate", interrupted)
+        patch.setattr(drive, "simulate", interrupted)
         result = ertel_("run", "small.toml", "--error", "--set", "solver.nodes=65", code=130)
     assert "to continue: ertel resume runs/small" in result.stderr
-    ertel_("show", "runs/small", code=2)  # nothing to show yet
+    assert "; to start it: ertel resume runs/small" in ertel_("show", "runs/small", code=2).stderr
     ertel_("resume", "runs/small", "-q")
     assert json.loads(ertel_("show", "runs/small", "--json").stdout)["status"] == "converged"
 
 
-def test_resume_of_a_finished_run_shows_it(here):
-    summary = ertel_("run", "ball.toml", "--out", "a", "--json").stdout
+def test_resume_of_a_finished_run_shows_it(ball):
+    summary = (ball / "summary.json").read_text()
     assert ertel_("resume", "a", "--json").stdout == summary
     assert ertel_("show", "a", "--json").stdout == summary
 
 
+LISTENING = """
+import signal
+from ertel.apps.cli import main
+
+install = signal.signal
+
+def tell(number, handler):
+    before = install(number, handler)
+    print("listening", flush=True)
+    return before
+
+signal.signal = tell
+main()
+"""
+
+
 @pytest.mark.skipif(os.name == "nt", reason="no SIGINT to another process")
 def test_control_c(here):
-    """A real one, at a real process."""
-    command = [sys.executable, "-m", "ertel", "run", "small.toml", "--set", "time.step=1e-5"]
-    with subprocess.Popen(command, env={**os.environ, "PYTHONPATH": SOURCE}, stderr=subprocess.PIPE) as process:
-        while not (here / "runs" / "small").exists():
-            time.sleep(0.05)
-        time.sleep(2.0)
+    """A real one, at a real process; XLA has nothing to add on stderr."""
+    command = [sys.executable, "-c", LISTENING, "run", "small.toml", "--set", "time.step=1e-5"]
+    environment = {name: value for name, value in os.environ.items() if name != "TF_CPP_MIN_LOG_LEVEL"}
+    environment["PYTHONPATH"] = SOURCE
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout.readline() == b"listening\n"
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=60)
+        _, said = process.communicate()
     assert process.returncode == 130
-    assert b"to continue: ertel resume runs/small" in said
+    assert said == b"ertel: interrupted; to continue: ertel resume runs/small\n"
 
 
 # -- show, plot, params -----------------------------------------------------------------------------------------------
@@ -219,33 +292,41 @@ def test_show_si(here):
     assert "µm" in text
 
 
-def test_show_of_a_run_under_way(here, monkeypatch):
-    def die(*_):
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(store, "FLUSH_INTERVAL", -1.0)
-        patch.setattr(store.RunStore, "finish", die)
-        ertel_("run", "small.toml", code=130)
-    result = ertel_("show", "runs/small", "--json")
-    assert json.loads(result.stdout)["status"] == "running"
+def test_show_of_a_run_under_way(small):
+    (small / "summary.json").unlink()
+    assert json.loads(ertel_("show", "runs/small", "--json").stdout)["status"] == "running"
 
 
-@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
-def test_plot(here, kind):
-    ertel_("run", "ball.toml", "--out", "a", "-q")
-    printed = ertel_("plot", "a", "--format", kind).stdout.split()
-    pictures = {f"{name}.{kind}" for name in ("overview", "maps", "profiles", "history")}
-    assert names(here / "a" / "plots") == pictures
+def test_plot(ball):
+    printed = ertel_("plot", "a").stdout.split()
+    pictures = {f"{name}.png" for name in ("overview", "maps", "profiles", "history")}
+    assert names(ball / "plots") == pictures
     assert {Path(path).name for path in printed} == pictures
-    start = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[kind]
-    assert (here / "a" / "plots" / f"overview.{kind}").read_bytes().startswith(start)
 
 
-def test_plot_elsewhere(here):
-    ertel_("run", "ball.toml", "--out", "a", "-q")
+@pytest.mark.parametrize(("kind", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_plot_formats(ball, quick_figures, kind, start):
+    ertel_("plot", "a", "--format", kind)
+    assert names(ball / "plots") == {f"film.{kind}", f"history.{kind}"}
+    assert (ball / "plots" / f"film.{kind}").read_bytes().startswith(start)
+
+
+def test_plot_elsewhere(here, ball, quick_figures):
     ertel_("plot", "a", "--out", "pictures/of/it")
-    assert "maps.png" in names(here / "pictures" / "of" / "it")
+    assert names(here / "pictures" / "of" / "it") == {"film.png", "history.png"}
+
+
+@pytest.mark.parametrize(("at", "title"), [("1.5", "1.5"), ("max-approach", "'max-approach'"), (None, "'end'")])
+def test_plot_at(ball, quick_figures, monkeypatch, at, title):
+    saved = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, path: saved.append(figure.get_suptitle()))
+    ertel_("plot", "a", *(["--at", at] if at else []))
+    assert saved == [title, ""]
+
+
+def test_plot_at_refused(ball, monkeypatch):
+    monkeypatch.setattr(transient, "figures_of", lambda data: {"history": lambda data: Figure()})
+    assert "--at 1.5: the figures of this run" in ertel_("plot", "a", "--at", "1.5", code=2).stderr
 
 
 def test_params_from_moes():
@@ -310,7 +391,8 @@ def test_params_refused(flags, said):
         (["run", "ball.toml", "--set", "contact.radius=1 kg"], 'contact.radius = "1 kg": has the wrong dimension'),
         (["run", "ball.toml", "--set", "contact.drop_height=1 m"], "are given together"),
         (["run", "small.toml", "--error", "--set", "solver.nodes=17"], "solver.nodes = 9"),
-        (["run", "small.toml", "--out", "taken"], "taken: exists already; choose another --out"),
+        (["run", "small.toml", "--out", "taken"], "taken: exists already"),
+        (["run", "small.toml", "--out", "taken"], "; choose another --out"),
         (["run", "small.toml", "--out", "small.toml"], "small.toml: exists already"),
         (["run", "small.toml", "--out", "small.toml/sub"], "small.toml/sub: cannot write there"),
         (["resume", "nowhere"], "nowhere: is no run of ertel, case.toml is missing"),
@@ -329,6 +411,11 @@ def test_wrong_input(here, arguments, said):
     assert result.stdout == ""
     assert names(here) == {"small.toml", "ball.toml", "taken"}
     assert names(here / "taken") == {"file"}
+
+
+def test_directory_of_a_run_is_taken(small):
+    result = ertel_("run", "small.toml", "--out", "runs/small", code=2)
+    assert "; choose another --out, or continue it: ertel resume runs/small" in result.stderr
 
 
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write anywhere")

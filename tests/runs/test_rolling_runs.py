@@ -360,7 +360,10 @@ def test_a_transient_run_that_cannot_begin(here, monkeypatch):
         (["run", "transient.toml", "--set", "roughness=3"], "roughness = 3: must be an array of tables"),
         (["film", "steady.toml", "--M", "3"], "steady.toml and --M are given together"),
         (["film"], "contact.M: missing"),
-        (["film", "--kind", "impact", "--M", "10", "--L", "2"], 'contact.kind = "impact": the film formulas are for'),
+        (
+            ["film", "--kind", "impact", "--M", "10", "--L", "2"],
+            'contact.kind = "impact": must be "rolling" for the film',
+        ),
         (["params", "--kind", "rolling", "--M", "10"], "contact.L: missing"),
         (["params", "--kind", "walking", "--M", "10"], 'contact.kind = "walking"'),
         (["params", "--load", "3 N"], 'contact.load = "3 N": not for an impact'),

@@ -68,7 +68,7 @@ def summary_so_far(run: RunStore) -> Mapping[str, Any]:
     try:
         return run.summary() or run.summary_so_far()
     except StoreError as error:
-        raise StoreError(f"{error}; to begin: ertel resume {run.directory}") from error
+        raise StoreError(f"{error}; to start it: ertel resume {run.directory}") from error
 
 
 def report(run: RunStore, summary: Mapping[str, Any], as_json: bool, quiet: bool) -> None:

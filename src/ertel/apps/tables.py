@@ -64,7 +64,7 @@ def _print_rolling(out: Console, case: "Case", summary: Mapping[str, Any]) -> No
     from ertel.results.variables import FILMS, MEASURED
 
     if summary["H_c"] is None:
-        out.print("No time step was completed.")
+        out.print("No step was taken.")
         return
     steady, T = summary["method"] == "steady", summary.get("T", 0.0)
     heading = f"on {summary['nodes']} x {summary['nodes']} nodes" if steady else "at the last time"
