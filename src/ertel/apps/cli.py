@@ -133,12 +133,12 @@ def plot(
 ) -> None:
     """Draw a run: an overview, maps, profiles, histories; of a steady one film, pressure, mid-lines, convergence."""
     with _bad_input():
-        from ertel.results.plots import transient
+        from ertel.results.plots import figures_of
         from ertel.runs.store import RunStore
 
         data = RunStore.open(directory).dataset()
         target = out or directory / "plots"
-        figures = {name: draw(data) for name, draw in transient.figures_of(data).items()}
+        figures = {name: draw(data) for name, draw in figures_of(data).items()}
         target.mkdir(parents=True, exist_ok=True)
         for name, figure in figures.items():
             figure.savefig(target / f"{name}.{format_.value}")

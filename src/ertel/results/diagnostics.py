@@ -148,7 +148,7 @@ def _film_warning(case: Case, data: xr.Dataset) -> str:
 
 
 def front_length(case: Case) -> float:
-    """Length sqrt(alpha_bar lambda_bar dA/dT) of the front's pressure sweep in a*, at X = 0.9, with the dry front speed."""
+    """Length of the front's pressure sweep sqrt(alpha_bar lambda_bar dA/dT) in a*, at X = 0.9 of the dry impact."""
     p = case.parameters
     return float(np.sqrt(max(p.alpha_bar, 1.0) * p.lambda_bar * hertz.front_speed(FRONT_POSITION)))
 
