@@ -90,7 +90,7 @@ def test_heading_states_the_load_of_the_moment(moes):
     assert "load 0 $F^*$" in plots.maps(moes, at=0.2).get_suptitle()
     ball = dry_impact(BALL_FALLS)
     newtons = float(ball["F"].attrs["si_factor"]) * load
-    assert f"load {newtons:.3g} N" in plots.maps(ball).get_suptitle()
+    assert f"load {newtons:.4g} N" in plots.maps(ball).get_suptitle()
 
 
 def test_heading_states_the_speed_of_the_moment():
@@ -98,8 +98,8 @@ def test_heading_states_the_speed_of_the_moment():
     data["U"].values *= 1.0 - 0.1 * data["time"].values
     assert "speed 0.8 $u_m$" in plots.maps(data, at=2.0).get_suptitle()
     data = in_time(BALL_ROLLS)
-    assert "load 38.9 N" in plots.maps(data).get_suptitle()
-    assert "speed 503 mm/s" in plots.maps(data).get_suptitle()
+    assert "load 38.89 N" in plots.maps(data).get_suptitle()
+    assert "speed 0.5026 m/s" in plots.maps(data).get_suptitle()
 
 
 # -- roughness --------------------------------------------------------------------------------------------------------

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from ertel.results.plots.drawing import At, Values, is_physical, scale
-from ertel.results.variables import EVENTS
+from ertel.results.plots.drawing import At, Values, scale
+from ertel.results.variables import EVENTS, with_prefix
 
 MAXIMUM, LAST, END, CHOSEN = "maximum approach", "last map", "end of the run", "chosen map"
 NAMES = {"max-approach": MAXIMUM, "end": END}
@@ -86,7 +86,7 @@ def entrainment(dataset: xr.Dataset, T: float) -> float:
 def heading(dataset: xr.Dataset, p: Profiles) -> list[str]:
     """What is shown: the moment, and the load and the speed of that moment."""
     time = scale(dataset, "time", 1.0)
-    parts = [f"{p.moment} at {time.symbol} = {p.time * time.factor:.3g} {time.unit}"]
+    parts = [f"{p.moment} at {time.symbol} = {p.time * time.factor:.4g} {time.unit}"]
     if "F" in dataset:
         parts.append(f"load {_shown(dataset, 'F', _at(dataset, 'F', p.time))}")
     if "U" in dataset and np.any(dataset["U"].values):
@@ -101,6 +101,8 @@ def _at(dataset: xr.Dataset, name: str, T: float) -> float:
 def _shown(dataset: xr.Dataset, name: str, value: float) -> str:
     """A value with its unit; nothing to speak of is zero."""
     value = 0.0 if abs(value) < NOTHING else value
-    z = scale(dataset, name, abs(value))
-    rolls = name == "U" and dataset.attrs["kind"] == "rolling" and not is_physical(dataset)
-    return f"{value * z.factor:.3g} {'$u_m$' if rolls else z.unit}"  # a/t0 of a rolling contact is u_m
+    attributes = dataset[name].attrs
+    if "si_factor" in attributes:
+        return with_prefix(value * attributes["si_factor"], attributes["si_units"])
+    rolls = name == "U" and dataset.attrs["kind"] == "rolling"
+    return f"{value:.3g} {'$u_m$' if rolls else scale(dataset, name, 1.0).unit}"  # a/t0 of a rolling contact is u_m

@@ -41,7 +41,7 @@ def draw_contours(axes: Axes, dataset: xr.Dataset, T: float) -> None:
 def draw_band(axes: Axes, dataset: xr.Dataset, T: float, x: Values, top: float, along: str = "x") -> bool:
     """Show the roughness through the centre below a profile that reaches up to `top`; whether there is any.
 
-    x: the positions of the profile (a*) along "x" or "y".  The heights fill a band below zero; their range is written in.
+    x: the positions of the profile (a*) along "x" or "y".  The heights fill a band below zero, with their range.
     """
     place = np.linspace(x[0], x[-1], BAND_NODES)
     zero = np.zeros_like(place)
