@@ -8,6 +8,7 @@ Colours are told apart by everybody (Okabe and Ito's; for what is ordered, maps 
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from io import BytesIO
 from typing import Protocol
 
 import numpy as np
@@ -223,10 +224,19 @@ def figure_of(axes: Axes) -> Figure:
     return figure
 
 
+class Picture(Figure):
+    """A Figure that a notebook shows without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        png = BytesIO()
+        self.savefig(png, format="png")
+        return png.getvalue()
+
+
 def compose(dataset: xr.Dataset, rows: list[list[Panel]], heading: list[str]) -> Figure:
     """A figure of rows of panels; heading: a name and what is said of it, on as many lines as it takes."""
     width = max(5.0 * len(rows[0]), 6.0)
-    figure = Figure(figsize=(width, width / len(rows[0]) * 0.8 * len(rows) + 0.4), layout="constrained", dpi=150)
+    figure = Picture(figsize=(width, width / len(rows[0]) * 0.8 * len(rows) + 0.4), layout="constrained", dpi=150)
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.1)  # type: ignore[union-attr, call-arg]
     for panels, line in zip(rows, figure.subplots(len(rows), len(rows[0]), squeeze=False), strict=True):
         for draw, axes in zip(panels, line, strict=True):
