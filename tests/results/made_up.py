@@ -8,6 +8,7 @@ import xarray as xr
 from ertel.inputs.case_files import parse_case
 from ertel.model.case import SOLVERS, Case
 from ertel.model.discretise import grid_of
+from ertel.model.status import Status
 from ertel.numerics.grid import Grid
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus, Incompressible, Lubricant
@@ -78,6 +79,7 @@ class Solved:
     newton: int = 3
     krylov: int = 9
     convolutions: float = 50.0
+    status: Status = Status.CONVERGED
 
     def measure(self) -> dict[str, float]:
         return self.values

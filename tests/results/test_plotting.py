@@ -9,7 +9,8 @@ from matplotlib.colors import to_rgba
 
 from ertel.inputs.case_files import parse_case
 from ertel.physics import hertz
-from ertel.results.plots import transient
+from ertel.results import plots
+from ertel.results.plots import drawing, transient
 
 
 @pytest.fixture(scope="module")
@@ -36,17 +37,17 @@ def line(axes, label):
 
 
 def test_physical_labels_have_si_units(ball):
-    film, pressure, film_profiles, *_ = panels(transient.overview(ball))[0], *panels(transient.overview(ball))[3:5]
+    film, pressure, film_profiles, *_ = panels(plots.overview(ball))[0], *panels(plots.overview(ball))[3:5]
     assert film.get_xlabel() == "$x$ (µm)"
     assert film.get_ylabel() == "$y$ (µm)"
     assert pressure.get_title().endswith("GPa")
     assert film_profiles.get_ylabel() == r"pressure $p$ (GPa)"
-    motion = panels(transient.history(ball))[0]
+    motion = panels(plots.history(ball))[0]
     assert motion.get_xlabel() == "time $t$ (µs)"
 
 
 def test_dimensionless_labels_have_the_papers_units(moes):
-    film, pressure = panels(transient.profiles(moes))
+    film, pressure = panels(plots.profiles(moes))
     assert film.get_xlabel() == "$X$ ($a^*$)"
     assert film.get_ylabel() == "film thickness $H$ ($a^{*2}/R$)"
     assert pressure.get_ylabel() == "pressure $P$ ($p_h^*$)"
@@ -62,20 +63,20 @@ def test_every_panel_says_what_it_shows(name, data, request):
 
 
 def test_title_says_the_conditions(ball, moes):
-    title = transient.overview(ball).get_suptitle()
+    title = plots.overview(ball).get_suptitle()
     assert "10 mm" in title and "0.1 m/s" in title and "1.394 GPa" in title and "maximum approach" in title
-    assert "$M$ = 1000" in transient.overview(moes).get_suptitle()
+    assert "$M$ = 1000" in plots.overview(moes).get_suptitle()
 
 
 def test_name_is_the_title():
-    assert transient.maps(made_up({**MOES, "name": "my_case"})).get_suptitle().startswith("My case:")
+    assert plots.maps(made_up({**MOES, "name": "my_case"})).get_suptitle().startswith("My case:")
 
 
 # -- data -------------------------------------------------------------------------------------------------------------
 
 
 def test_profile_at_maximum_approach(ball):
-    film, pressure = panels(transient.profiles(ball))
+    film, pressure = panels(plots.profiles(ball))
     frame = int(np.flatnonzero(ball["event"].values)[0])
     scales = parse_case(BALL).scales
     assert scales is not None
@@ -91,7 +92,7 @@ def test_profile_at_maximum_approach(ball):
 
 def test_radial_profiles_are_mirrored():
     data = made_up(MOES, radial=True)
-    shown = line(panels(transient.profiles(data))[1], "maximum approach")
+    shown = line(panels(plots.profiles(data))[1], "maximum approach")
     x, P = shown.get_xdata(), shown.get_ydata()
     assert len(x) == 81
     np.testing.assert_array_equal(x, -x[::-1])
@@ -100,14 +101,14 @@ def test_radial_profiles_are_mirrored():
 
 
 def test_radial_map_is_the_profile_turned_round():
-    field = transient.map_of(made_up(MOES, radial=True), "P", 48)
+    field = drawing.map_of(made_up(MOES, radial=True), "P", 48)
     r = np.hypot(field.y[:, None], field.x[None, :])
     np.testing.assert_allclose(field.values, hertz.pressure(r, float(hertz.contact_radius(1.45))), atol=0.12)
     np.testing.assert_array_equal(field.values, field.values.T)
 
 
 def test_map_shows_the_film(moes):
-    axes = panels(transient.maps(moes))[0]
+    axes = panels(plots.maps(moes))[0]
     (mesh,) = [c for c in axes.collections if type(c).__name__ == "QuadMesh"]
     values = np.asarray(mesh.get_array())
     frame = int(np.flatnonzero(moes["event"].values)[0])
@@ -120,7 +121,7 @@ def test_map_shows_the_film(moes):
 
 
 def test_rebound_is_dashed(moes):
-    axes = panels(transient.profiles(moes))[0]
+    axes = panels(plots.profiles(moes))[0]
     lines = [candidate for candidate in axes.get_lines() if len(candidate.get_xdata()) > 0]
     assert {candidate.get_linestyle() for candidate in lines} == {"-", "--"}
     assert line(axes, "rebound").get_linestyle() == "--"
@@ -128,12 +129,12 @@ def test_rebound_is_dashed(moes):
 
 def test_without_maximum_the_last_map_is_shown():
     data = made_up(MOES).isel(frame=slice(0, 30))
-    axes = panels(transient.profiles(data))[1]
+    axes = panels(plots.profiles(data))[1]
     np.testing.assert_array_equal(line(axes, "last map").get_ydata(), data["P"].values[-1, 40])
 
 
 def test_histories(moes):
-    motion, film, front, pressure = panels(transient.history(moes))
+    motion, film, front, pressure = panels(plots.history(moes))
     T = moes["time"].values
     np.testing.assert_array_equal(line(motion, "load $F/F^*$").get_xdata(), T)
     np.testing.assert_array_equal(line(motion, "load $F/F^*$").get_ydata(), moes["F"].values)
@@ -141,13 +142,13 @@ def test_histories(moes):
     assert len(film.get_lines()) == len(pressure.get_lines()) == 3  # two curves and the moment of the maximum
     dry = line(front, "edge of the dry contact").get_ydata()
     np.testing.assert_allclose(np.nanmax(dry), 1.0, atol=1e-3)
-    made_of = line(front, "front: place of the least film").get_ydata()
+    made_of = line(front, "front: place of the minimum film thickness").get_ydata()
     loaded = np.isfinite(made_of)
     np.testing.assert_allclose(made_of[loaded & np.isfinite(dry)], dry[loaded & np.isfinite(dry)])
 
 
 def test_histories_mark_the_maximum(ball):
-    motion = panels(transient.history(ball))[0]
+    motion = panels(plots.history(ball))[0]
     scales = parse_case(BALL).scales
     assert scales is not None
     moment = [candidate for candidate in motion.get_lines() if candidate.get_linestyle() == ":"]
@@ -156,7 +157,7 @@ def test_histories_mark_the_maximum(ball):
 
 @pytest.mark.parametrize(("largest", "unit"), [(1.0, "µm"), (0.01, "nm"), (300.0, "mm")])
 def test_prefix_fits(ball, largest, unit):
-    shown = transient.scale(ball, "H", largest)
+    shown = drawing.scale(ball, "H", largest)
     assert shown.unit == unit
     assert 0.5 <= largest * shown.factor < 500
 
@@ -170,24 +171,24 @@ def test_short_runs_can_be_drawn():
 def test_a_film_that_vanishes_can_be_drawn():
     data = made_up(MOES)
     data["H_min"][40:] = 0.0
-    film = panels(transient.history(data))[1]
+    film = panels(plots.history(data))[1]
     assert film.get_ylim()[0] > 0
 
 
 def test_a_run_without_maps_says_so():
     data = made_up(MOES).isel(frame=slice(0, 0))
     with pytest.raises(ValueError, match="no maps"):
-        transient.overview(data)
+        plots.overview(data)
 
 
 def test_impact_has_no_flow(moes):
-    assert not [text for axes in panels(transient.maps(moes)) for text in axes.texts if text.get_text() == "flow"]
+    assert not [text for axes in panels(plots.maps(moes)) for text in axes.texts if text.get_text() == "flow"]
 
 
 def test_long_headings_are_broken(ball):
-    heading = transient.overview(ball).get_suptitle()
+    heading = plots.overview(ball).get_suptitle()
     assert heading.count("\n") == 0
-    assert transient.maps(ball).get_suptitle().replace("\n", "  ") == heading
+    assert plots.maps(ball).get_suptitle().replace("\n", "  ") == heading
 
 
 def test_nothing_is_shown_and_pyplot_is_left_alone():

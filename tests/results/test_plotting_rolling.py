@@ -12,7 +12,9 @@ from ertel.model.case import SOLVERS
 from ertel.model.state import Rolling
 from ertel.physics import hertz
 from ertel.physics.motion import STEADY_ROLLING
+from ertel.results import plots
 from ertel.results.dataset import assemble_steady
+from ertel.results.plots import steady as steady_plots
 from ertel.results.plots import transient
 from ertel.results.plots.steady import estimate_of
 
@@ -52,14 +54,14 @@ def arrow(axes):
 
 
 def test_the_figures_of_a_dataset(moes):
-    assert transient.figures_of(moes) is transient.STEADY_FIGURES
-    assert transient.figures_of(in_time(MOES)) is transient.FIGURES
+    assert plots.figures_of(moes) is steady_plots.STEADY_FIGURES
+    assert plots.figures_of(in_time(MOES)) is transient.FIGURES
 
 
-@pytest.mark.parametrize("name", transient.STEADY_FIGURES)
+@pytest.mark.parametrize("name", steady_plots.STEADY_FIGURES)
 @pytest.mark.parametrize("data", ["ball", "moes"])
 def test_every_panel_says_what_it_shows(name, data, request):
-    figure = transient.STEADY_FIGURES[name](request.getfixturevalue(data))
+    figure = steady_plots.STEADY_FIGURES[name](request.getfixturevalue(data))
     figure.draw_without_rendering()
     assert panels(figure)
     for axes in panels(figure):
@@ -68,10 +70,10 @@ def test_every_panel_says_what_it_shows(name, data, request):
 
 
 def test_heading_gives_films_with_their_errors(ball, moes):
-    heading = transient.STEADY_FIGURES["film"](moes).get_suptitle()
+    heading = steady_plots.STEADY_FIGURES["film"](moes).get_suptitle()
     assert r"$H_\mathrm{c}$ = 0.0950 ± 0.0017 $a^2/R$" in heading
     assert heading.startswith("Rolling: $M$ = 200,")
-    heading = transient.STEADY_FIGURES["overview"](ball).get_suptitle()
+    heading = steady_plots.STEADY_FIGURES["overview"](ball).get_suptitle()
     assert r"$h_\mathrm{c}$ = 182.1 ± 3.2 nm" in heading  # a^2/R = 1.9169 µm
     assert heading.startswith("Steel ball: $R$ = 10 mm,  $u_m$ = 0.5026 m/s,  $F$ = 38.89 N")
 
@@ -86,12 +88,12 @@ def test_error_bars_are_those_of_the_run(moes):
 
 
 def test_one_grid_has_no_error(moes):
-    heading = transient.STEADY_FIGURES["convergence"](moes.isel(grid=[2])).get_suptitle()
+    heading = steady_plots.STEADY_FIGURES["convergence"](moes.isel(grid=[2])).get_suptitle()
     assert r"$H_\mathrm{c}$ = 0.095 $a^2/R$" in heading
 
 
 def test_horseshoe(ball):
-    (axes,) = panels(transient.STEADY_FIGURES["film"](ball))
+    (axes,) = panels(steady_plots.STEADY_FIGURES["film"](ball))
     assert axes.get_xlabel() == "$x$ (µm)"
     (mesh,) = [c for c in axes.collections if type(c).__name__ == "QuadMesh"]
     shown = np.asarray(mesh.get_array())
@@ -104,18 +106,18 @@ def test_horseshoe(ball):
 @pytest.mark.parametrize("flow", [1.0, -1.0])
 def test_arrow_shows_the_flow(flow):
     for name in ("film", "pressure"):
-        (axes,) = panels(transient.STEADY_FIGURES[name](steady(MOES, flow)))
+        (axes,) = panels(steady_plots.STEADY_FIGURES[name](steady(MOES, flow)))
         assert np.sign(arrow(axes)) == flow
-    for axes in panels(transient.maps(in_time(MOES, flow))):
+    for axes in panels(plots.maps(in_time(MOES, flow))):
         assert np.sign(arrow(axes)) == flow
 
 
 def test_still_surfaces_have_no_arrow():
-    assert not [axes for axes in panels(transient.maps(in_time(MOES, 0.0))) if axes.texts]
+    assert not [axes for axes in panels(plots.maps(in_time(MOES, 0.0))) if axes.texts]
 
 
 def test_midlines_carry_both_fields(ball):
-    figure = transient.STEADY_FIGURES["midlines"](ball)
+    figure = steady_plots.STEADY_FIGURES["midlines"](ball)
     along, across = panels(figure)
     (film,) = along.get_lines()
     x = ball["X"].values
@@ -129,7 +131,7 @@ def test_midlines_carry_both_fields(ball):
 
 
 def test_convergence_on_every_grid(moes):
-    axes, _ = panels(transient.STEADY_FIGURES["convergence"](moes))
+    axes, _ = panels(steady_plots.STEADY_FIGURES["convergence"](moes))
     assert axes.get_yscale() == "log"
     np.testing.assert_array_equal(labelled(axes, "65²").get_ydata(), [1.0, 1e-2, 1e-5, 1e-9])
     np.testing.assert_array_equal(labelled(axes, "33²").get_xdata(), [0, 1, 2])
@@ -137,12 +139,12 @@ def test_convergence_on_every_grid(moes):
 
 
 def test_films_on_every_grid(moes):
-    _, axes = panels(transient.STEADY_FIGURES["convergence"](moes))
-    central, least = (container for container in axes.containers)
+    _, axes = panels(steady_plots.STEADY_FIGURES["convergence"](moes))
+    central, minimum = (container for container in axes.containers)
     np.testing.assert_array_equal(central.lines[0].get_ydata(), H_C)
     bars = central.lines[2][0].get_segments()
     np.testing.assert_allclose(bars[-1][:, 1], [0.095 - 0.005 / 3, 0.095 + 0.005 / 3])
-    np.testing.assert_array_equal(least.lines[0].get_ydata(), H_MIN)
+    np.testing.assert_array_equal(minimum.lines[0].get_ydata(), H_MIN)
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["33²", "65²", "129²", "∞"]
     hollow = [line.get_ydata()[0] for line in axes.get_lines() if line.get_markerfacecolor() == "white"]
     np.testing.assert_allclose(hollow, [0.095 + 0.005 / 3, 0.04 + 0.01 / 3])
@@ -163,31 +165,31 @@ def test_a_run_in_time_can_be_drawn(name, case):
 
 
 def test_what_drives_it():
-    axes = panels(transient.history(in_time(BALL)))[0]
+    axes = panels(plots.history(in_time(BALL)))[0]
     labels = {candidate.get_label() for candidate in axes.get_lines()}
     assert {"load of the film", "applied load", "entrainment"} <= labels
 
 
 def test_where_the_film_is_thinnest():
-    axes = panels(transient.history(in_time(BALL)))[2]
+    axes = panels(plots.history(in_time(BALL)))[2]
     np.testing.assert_allclose(labelled(axes, "to the side").get_ydata(), 0.8 * C1.a * 1e6)
-    assert axes.get_ylabel() == "place of the least film (µm)"
+    assert axes.get_ylabel() == "place of the minimum film (µm)"
 
 
 def test_a_steady_film_is_not_drawn_over_decades():
-    assert panels(transient.history(in_time(MOES)))[1].get_yscale() == "linear"
+    assert panels(plots.history(in_time(MOES)))[1].get_yscale() == "linear"
 
 
 def test_without_a_solution_there_is_nothing_to_draw():
     with pytest.raises(ValueError, match="no solution"):
-        transient.STEADY_FIGURES["overview"](assemble_steady(MOES, ()))
+        steady_plots.STEADY_FIGURES["overview"](assemble_steady(MOES, ()))
 
 
 def test_sliding_is_said():
     sliding = replace(BALL, motion=replace(STEADY_ROLLING, slide_to_roll=0.5))
-    assert "slide-to-roll 0.5" in transient.STEADY_FIGURES["film"](steady(sliding)).get_suptitle()
+    assert "slide-to-roll 0.5" in steady_plots.STEADY_FIGURES["film"](steady(sliding)).get_suptitle()
 
 
 def test_heading_of_a_run_in_time():
-    heading = transient.overview(in_time(BALL)).get_suptitle()
+    heading = plots.overview(in_time(BALL)).get_suptitle()
     assert "$u_m$ = 0.5026 m/s" in heading and "$F$ = 38.89 N" in heading and "v_0" not in heading

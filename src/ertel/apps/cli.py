@@ -134,12 +134,12 @@ def plot(
 ) -> None:
     """Draw the figures of a run."""
     with bad_input():
-        from ertel.results.plots import transient
+        from ertel.results.plots import figures_of
         from ertel.runs.store import RunStore
 
         data = RunStore.open(directory).dataset()
         target = out or directory / "plots"
-        draws = transient.figures_of(data)
+        draws = figures_of(data)
         figures = {name: draw(data, **options) for name, draw, options in _at(draws, at)}
         target.mkdir(parents=True, exist_ok=True)
         for name, figure in figures.items():

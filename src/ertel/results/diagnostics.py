@@ -17,7 +17,7 @@ CELLS_IN_FRONT = 10.0  # wanted across sqrt(alpha_bar lambda_bar dA/dT), the len
 FRONT_POSITION = 0.9  # where the front is looked at: the films of interest lie inside
 MISSING_SHARE = 2e-3  # of the dry maximum load that the oil outside the domain may carry, in the mean over time
 GAP_SHARE = 3.0  # initial gap in units of the trapped film, below which the shape depends on it
-INLET_PRESSURE = 0.02  # p_h, half way to the edge upstream: what may be missing of a rolling contact's inlet
+INLET_PRESSURE = 0.02  # p_h, halfway to the edge upstream: what may be missing of a rolling contact's inlet
 LARGE_ERROR = 0.1  # of a film: its estimated discretisation error from which it is said to be uncertain
 CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
@@ -47,19 +47,19 @@ def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
 
 
 def _inlet_warning(case: Case, P: xr.DataArray, T: float) -> str:
-    """Half way to the edge upstream the edge's P = 0 is hardly felt.
+    """Halfway to the edge upstream the edge's P = 0 is hardly felt.
 
     With M = 10 to 1000, L = 0 to 10 and the edge at 2.75 and 4.5 the films were thinner than with the edge at 9, by 0.2
     to 0.7 of the pressure there (p_h) where that is above 0.02.
     """
     s = case.solver
     upstream = -(s.inlet or s.half_width) if case.motion.entrainment(T) >= 0 else s.inlet or s.half_width
-    half_way = float(P.sel(Y=0.0, method="nearest").sel(X=upstream / 2, method="nearest"))
-    if half_way <= INLET_PRESSURE:
+    halfway = float(P.sel(Y=0.0, method="nearest").sel(X=upstream / 2, method="nearest"))
+    if halfway <= INLET_PRESSURE:
         return ""
     return (
-        f"the inlet is too short (the pressure halfway to its edge is {half_way:.2g} p_h, {INLET_PRESSURE:g} is "
-        f"allowed): the films are too thin by about {0.4 * half_way:.0%}, which the error estimate does not include; "
+        f"the inlet is too short (the pressure halfway to its edge is {halfway:.2g} p_h, {INLET_PRESSURE:g} is "
+        f"allowed): the films are too thin by about {0.4 * halfway:.0%}, which the error estimate does not include; "
         f"use solver.half_width > {s.half_width:g}"
     )
 
@@ -148,7 +148,7 @@ def _film_warning(case: Case, data: xr.Dataset) -> str:
 
 
 def front_length(case: Case) -> float:
-    """Length sqrt(alpha_bar lambda_bar dA/dT) of the front's pressure sweep (a*) at X = 0.9, with the dry front speed."""
+    """Length of the front's pressure sweep sqrt(alpha_bar lambda_bar dA/dT) in a*, at X = 0.9 of the dry impact."""
     p = case.parameters
     return float(np.sqrt(max(p.alpha_bar, 1.0) * p.lambda_bar * hertz.front_speed(FRONT_POSITION)))
 
@@ -194,11 +194,11 @@ def _domain_warning(data: xr.Dataset) -> str:
 def missing_load(data: xr.Dataset) -> xr.DataArray:
     """Load that the oil outside the domain would carry, in units of the dry maximum load, at each map.
 
-    Far out the gap is r^2/2 and squeezed oil carries P ~ r^-4.  From P half way to the edge at w, where the
+    Far out the gap is r^2/2 and squeezed oil carries P ~ r^-4.  From P halfway to the edge at w, where the
     edge's P = 0 is hardly felt, the rest is the integral of 2 pi r P beyond w: pi P(w/2) (w/2)^4 / w^2.
     """
     along = data["P"].isel(Y=data.sizes["Y"] // 2) if "Y" in data.dims else data["P"]
     axis = "X" if "X" in data.dims else "r"
     w = float(data[axis][-1])
-    half_way = along.interp({axis: w / 2})
-    return np.pi * half_way * (w / 2) ** 4 / w**2 / HERTZ_LOAD
+    halfway = along.interp({axis: w / 2})
+    return np.pi * halfway * (w / 2) ** 4 / w**2 / HERTZ_LOAD

@@ -9,54 +9,66 @@ from numpy.typing import ArrayLike, NDArray
 
 from ertel.physics import film_formulas
 from ertel.physics.scales import Parameters
-from ertel.results import variables
-
-
-def at_max_approach(data: xr.Dataset) -> xr.Dataset:
-    """The maps at maximum approach.  Raises ValueError where the run has not come so far."""
-    found = np.flatnonzero(data["event"].values == variables.EVENTS.index("max-approach"))
-    if found.size == 0:
-        raise ValueError("dataset: has no map at maximum approach, the run ended before it")
-    return data.isel(frame=int(found[0]))
-
+from ertel.results.variables import EVENTS
 
 Values = NDArray[np.float64]
 FrontDefinition = Literal["film", "slope", "half-hertz"]
 
 SMALLEST_FRONT = 0.1  # a*: before, there is a bell of pressure and no contact yet
-LOADED_FRONT = 0.02  # of the largest pressure: where there is less, the film is only a gap
+LOADED_FRONT = 0.02  # of the maximum pressure: where there is less, the film is only a gap
 FRONT_WINDOW = 0.06  # t0 to both sides, over which a parabola gives the front's speed
 SPEED_EXPONENT = 0.67  # of the film in the speed: Hamrock and Dowson's, and the paper's
 
 
+def at_max_approach(data: xr.Dataset) -> xr.Dataset:
+    """The maps of an impact at maximum approach.
+
+    Raises ValueError where the run ended before maximum approach.
+    """
+    found = np.flatnonzero(data["event"].values == EVENTS.index("max-approach"))
+    if found.size == 0:
+        raise ValueError("dataset: has no map at maximum approach, the run ended before it")
+    return data.isel(frame=int(found[0]))
+
+
 class Front(NamedTuple):
-    """Where the contact's front is while it advances: times T, positions A (a*), speeds dA/dT (a*/t0), each (n,)."""
+    """The advancing front of the contact: times T (t0), positions A (a*), speeds dA/dT (a*/t0), each of shape (n,)."""
 
     T: Values
     A: Values
     speed: Values
 
     def passed(self, X: ArrayLike) -> Values:
-        """When the front passed X, of any shape; nan where it did not."""
+        """T (t0) at which the front passed X (a*), of any shape; nan where it did not."""
         X = np.asarray(X, dtype=float)
         reached = np.maximum.accumulate(self.A)  # round-off may set it back near the end
         inside = (X >= reached[0]) & (X <= reached[-1])
         return np.where(inside, np.interp(X, reached, self.T), np.nan)
 
     def speed_at(self, X: ArrayLike) -> Values:
-        """The front's speed dA/dT when it passed X, of any shape; nan where it did not."""
+        """Speed of the front dA/dT (a*/t0) when it passed X (a*), of any shape; nan where it did not."""
         return np.interp(self.passed(X), self.T, self.speed)
 
 
 def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
-    """Position and speed of an impact's front up to maximum approach, radial or 2-D (there along Y = 0).
+    """Position and speed of the front of an impact up to maximum approach.
 
-    by "film": the place of the least film, at every step.  "slope": where the pressure falls most steeply outwards, on
-    every map.  "half-hertz": from the place where the pressure is half of Hertz' largest at the same approach,
-    sqrt(Delta), as Hertz' is at sqrt(3)/2 of its radius; on every map.  From maps it takes an interval (`Output`) of
-    0.05 t0 or less.  The speed is that of a parabola for A^2, which behaves as Delta, fitted to the neighbours in time.
+    The speed is that of a parabola for A^2, which behaves as Delta, fitted to the neighbours in time.
 
-    Raises ValueError where there are too few times, as without maps in the course of time.
+    Parameters
+    ----------
+    data : xarray.Dataset
+        An impact, radial or in the plane (there the front along Y = 0 is found).
+    by : {"film", "slope", "half-hertz"}
+        Definition of the front.  "film": the place of the minimum film thickness, at every step.  "slope": where the
+        pressure falls most steeply outwards, on every map.  "half-hertz": from the place where the pressure is half of
+        Hertz' maximum at the same approach, sqrt(Delta), as Hertz' is at sqrt(3)/2 of its radius; on every map.  The
+        definitions on maps need an interval (`Output`) of 0.05 t0 or less.
+
+    Raises
+    ------
+    ValueError
+        If there are too few times, for example because too few maps were kept.
     """
     turning = float(at_max_approach(data)["frame"]) if "frame" in data.dims else float(data["frame"])
     T, A = _front_by_film(data) if by == "film" else _front_by_pressure(data, _FALLS[by])
@@ -127,9 +139,14 @@ def _parabola(T: Values, values: Values, t: float) -> tuple[float, float]:
 
 
 def fit_half_base(T: ArrayLike, A: ArrayLike, smallest: float = 0.5) -> float:
-    """t* of the paper's parabola A = sqrt(1 - T^2/t*^2), eq. (22), by least squares of A^2 where A > smallest.
+    """Half base t* of the paper's parabola A = sqrt(1 - T^2/t*^2), eq. (22), by least squares of A^2.
 
-    T: time from the maximum; A: contact radius as a share of the largest; both (n,).
+    Parameters
+    ----------
+    T, A : array_like, shape (n,)
+        Time from the maximum, in any unit, and contact radius as a share of its maximum.
+    smallest : float
+        Only points with A > smallest are used.
     """
     T, A = np.asarray(T, dtype=float), np.asarray(A, dtype=float)
     squares = T[A > smallest] ** 2
@@ -137,7 +154,7 @@ def fit_half_base(T: ArrayLike, A: ArrayLike, smallest: float = 0.5) -> float:
 
 
 class Trace(NamedTuple):
-    """What the front left behind: film H at maximum approach and speed of the front when it passed, at X, each (n,)."""
+    """What the front left behind at X (a*): film H at maximum approach (a*^2/R), speed of the front when it passed."""
 
     X: Values
     H: Values
@@ -145,7 +162,17 @@ class Trace(NamedTuple):
 
 
 def film_behind_front(data: xr.Dataset, front: Front, X: ArrayLike) -> Trace:
-    """The film at maximum approach against the front's speed, where the front passed (the other X are left out)."""
+    """Film thickness at maximum approach and the speed of the front that left it.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        An impact, or its map at maximum approach.
+    front : Front
+        Its front, see `front`.
+    X : array_like, shape (n,)
+        Places (a*); those that the front did not pass are left out of the result.
+    """
     X = np.asarray(X, dtype=float)
     r, H = _outwards((at_max_approach(data) if "frame" in data.dims else data)["H"])
     speed = front.speed_at(X)
@@ -154,7 +181,7 @@ def film_behind_front(data: xr.Dataset, front: Front, X: ArrayLike) -> Trace:
 
 
 def fit_power(trace: Trace, exponent: float = SPEED_EXPONENT) -> float:
-    """C of H = C v^exponent by least squares of the logarithms; the paper fits on 0.75 < X < 0.95 (Fig. 4)."""
+    """Coefficient C of H = C v^exponent by least squares of the logarithms; in the paper for 0.75 < X < 0.95 (Fig. 4)."""
     return float(np.exp(np.mean(np.log(trace.H / trace.speed**exponent))))
 
 
@@ -164,11 +191,20 @@ def film_from_speed(
     A: ArrayLike = 1.0,
     formula: Callable[[float, float], float] = film_formulas.nijenbanning_venner_moes,
 ) -> Values:
-    """Film (a*^2/R) that a steady film formula gives where the front ran at `speed`, with nothing fitted.
+    """Film thickness (a*^2/R) of a steady formula for rolling where the front ran at `speed`; nothing is fitted.
 
-    The front drags oil in as rolling at u_m = da/dt does: lambda_bar -> lambda_bar v.  With A, the radius that the
-    contact had then, Hertz' radius and pressure are those of that moment too: lambda_bar v/A^4, alpha_bar A, and the
-    film scales back with A^2.  formula: H of M and L, in units a^2/R.  Shapes broadcast.
+    The front entrains oil as rolling at u_m = da/dt does: lambda_bar -> lambda_bar v.  With A, the radius of the
+    contact at that time, Hertz' radius and pressure are those of that time too: lambda_bar v/A^4, alpha_bar A, and the
+    film scales back with A^2.
+
+    Parameters
+    ----------
+    parameters : Parameters
+        Those of the impact.
+    speed, A : array_like
+        Speed of the front (a*/t0) and radius of the contact (a*), of shapes that broadcast.
+    formula : callable
+        Film thickness in a^2/R from M and L.
     """
 
     def at(v: float, radius: float) -> float:
@@ -179,7 +215,7 @@ def film_from_speed(
 
 
 class Deviation(NamedTuple):
-    """Of a prediction from the truth, relative: mean (which side it errs on), root mean square, worst."""
+    """Relative deviation of a prediction from the truth: mean (with its sign), root mean square, maximum."""
 
     mean: float
     rms: float
@@ -187,6 +223,6 @@ class Deviation(NamedTuple):
 
 
 def deviation(predicted: ArrayLike, true: ArrayLike) -> Deviation:
-    """How far a prediction is off, relative to the truth, both (n,)."""
+    """Relative deviation of a prediction from the truth, both of shape (n,)."""
     off = np.asarray(predicted, dtype=float) / np.asarray(true, dtype=float) - 1
     return Deviation(float(off.mean()), float(np.sqrt(np.mean(off**2))), float(np.abs(off).max()))

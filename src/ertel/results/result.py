@@ -1,27 +1,146 @@
-"""What a run gave."""
+"""What a run gave: a record that shows itself in a shell and in a notebook, in SI, and in pictures."""
 
-from collections.abc import Mapping
+from base64 import b64encode
+from collections.abc import Iterable
 from dataclasses import dataclass
+from html import escape
+from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
 from ertel.model.case import Case
 from ertel.model.status import Status
+from ertel.results.key_numbers import Summary, html_table, lines
+from ertel.results.variables import to_si
+
+if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
+    from matplotlib.figure import Figure
+
+IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history")
+STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence")
+DOTS_PER_INCH = 80  # of the picture in a notebook
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
+class Plot:
+    """The pictures of a run, each a matplotlib Figure.
+
+    `at` chooses the moment of a run in time: a time in t0 or an event, "max-approach" or "end"; see
+    `ertel.results.plots`.  Raises ValueError for a picture or a moment that the run has not.
+    """
+
+    dataset: xr.Dataset
+
+    def overview(self, at: float | str | None = None) -> "Figure":
+        """The run on one page."""
+        return self._draw("overview", at)
+
+    def film(self, at: float | str | None = None) -> "Figure":
+        """Film thickness over the surface."""
+        return self._draw("film", at)
+
+    def pressure(self, at: float | str | None = None) -> "Figure":
+        """Pressure over the surface."""
+        return self._draw("pressure", at)
+
+    def maps(self, at: float | str | None = None) -> "Figure":
+        """Film thickness and pressure over the surface."""
+        return self._draw("maps", at)
+
+    def profiles(self, at: float | str | None = None) -> "Figure":
+        """Film thickness and pressure along the mid-line of a run in time."""
+        return self._draw("profiles", at)
+
+    def history(self, at: float | str | None = None) -> "Figure":
+        """Motion, film thickness, pressure and the place of the minimum film thickness of a run in time."""
+        return self._draw("history", at)
+
+    def midlines(self, at: float | str | None = None) -> "Figure":
+        """Film thickness and pressure through the centre of a steady contact, along and across the flow."""
+        return self._draw("midlines", at)
+
+    def convergence(self, at: float | str | None = None) -> "Figure":
+        """Convergence and film thickness on every grid of a steady contact."""
+        return self._draw("convergence", at)
+
+    def _draw(self, name: str, at: float | str | None) -> "Figure":
+        from ertel.results import plots
+
+        figure: Figure = getattr(plots, name)(self.dataset, at)
+        return figure
+
+    def _names(self) -> tuple[str, ...]:
+        return STEADY if "grid" in self.dataset.dims else IN_TIME
+
+    def __dir__(self) -> Iterable[str]:
+        return [*self._names(), "dataset"]
+
+    def __repr__(self) -> str:
+        return "Plot: " + ", ".join(f"{name}()" for name in self._names())
+
+
+@dataclass(frozen=True, repr=False, eq=False)
 class Result:
-    """What a run gave: its Dataset, its summary (see `results.summary`) and how it ended."""
+    """What a run gave.
+
+    Parameters
+    ----------
+    case : Case
+        What was run.
+    dataset : xarray.Dataset
+        Scalars and fields, dimensionless; `si` is the same in SI.
+    summary : mapping
+        The outcome as plain data, see `results.summary`; it shows its key numbers only.
+    status : Status
+        How the run ended; `status.ok` says whether it converged.
+    directory : Path, optional
+        Where the run is stored.
+    """
 
     case: Case
     dataset: xr.Dataset
-    summary: Mapping[str, Any]
+    summary: dict[str, Any]
     status: Status
     directory: Path | None = None
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "summary", Summary(self.summary))
+
+    @property
+    def si(self) -> xr.Dataset:
+        """The Dataset in SI units under SI names (h_c for H_c, t for time).  Raises ValueError if dimensionless."""
+        return to_si(self.dataset)
+
+    @property
+    def plot(self) -> Plot:
+        """The pictures of the run: `result.plot.overview()`, `result.plot.film(at="max-approach")`, ..."""
+        return Plot(self.dataset)
+
     @property
     def warnings(self) -> list[str]:
-        """What a careful colleague would warn of."""
-        return list(self.summary.get("warnings", ()))
+        """What the grid, the domain or the inlet do not resolve, and what to do about it."""
+        return list(self.summary["warnings"])
+
+    def __repr__(self) -> str:
+        stored = [f"  stored in {self.directory}"] if self.directory else []
+        return "\n".join([f"Result: {self._title}{self.status.value}", *lines(self.summary), *stored])
+
+    @property
+    def _title(self) -> str:
+        return f"{self.case.name}, " if self.case.name else ""
+
+    def _repr_html_(self) -> str:
+        heading = f"<b>{escape(self.case.name)}</b> " if self.case.name else ""
+        return html_table(self.summary, heading) + self._picture()
+
+    def _picture(self) -> str:
+        """The overview as an HTML image; empty where there is nothing to draw yet."""
+        try:
+            figure = self.plot.overview()
+        except ValueError:
+            return ""
+        png = BytesIO()
+        figure.savefig(png, format="png", dpi=DOTS_PER_INCH)
+        return f'<img alt="overview" src="data:image/png;base64,{b64encode(png.getvalue()).decode()}">'

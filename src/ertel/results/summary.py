@@ -18,7 +18,7 @@ from ertel.results.parameters import parameters_of, scales_of, ugw_of
 
 
 def restitution(data: xr.Dataset) -> float | None:
-    """Speed after the impact over speed before, once the film has opened again; None before that.
+    """Coefficient of restitution: speed after the impact over speed before; None until the ball has left.
 
     The ball is free when the load is gone: F below 1e-8 of the dry maximum.
     """
@@ -35,11 +35,24 @@ def transient_summary(
     work: Mapping[str, float],
     status: Status,
 ) -> dict[str, Any]:
-    """The outcome of a run in time as plain data: parameters, values, work, status.
+    """The outcome of a run in time as plain data: parameters, values, work, status, warnings.
 
-    Of an impact: the values at maximum approach, F in units of the dry maximum load, and the restitution.  Of rolling:
-    the values at the last time, as in `steady_summary`, and T; their errors need a second run, see `with_error`.
-    All dimensionless; physical cases add the same in SI under `si`.
+    An impact has its values at maximum approach (F in units of the dry maximum load) and the restitution; rolling has T
+    and the values at the last time, as in `steady_summary`, whose errors need a second run (see `with_error`).
+    All is dimensionless; physical cases add the same in SI under `si`.
+
+    Parameters
+    ----------
+    case : Case
+        What was run.
+    data : xarray.Dataset
+        The run so far, see `dataset.assemble`.
+    max_approach : mapping or None
+        The scalars at maximum approach; None before it, and for rolling.
+    work : mapping
+        Counts of steps and iterations, compilations, wall_s.
+    status : Status
+        How the run ended.
     """
     said = diagnostics.warnings(case, data)
     if case.kind == "rolling":
@@ -70,11 +83,21 @@ def transient_summary(
 def steady_summary(
     case: Case, solutions: Sequence[GridSolution], work: Mapping[str, float], status: Status
 ) -> dict[str, Any]:
-    """The outcome of a steady run as plain data: parameters, values on the finest grid, their errors, work, status.
+    """The outcome of a steady run as plain data: parameters, values on the finest grid, errors, work, status, warnings.
 
-    H_c_error, H_min_error estimate the discretisation error, H_c_extrapolated, H_min_extrapolated are without it; None
-    where there are no two grids.  Counts are those of all grids, convolutions in units of one on the finest.
-    work: compilations, wall_s.
+    H_c_error and H_min_error estimate the discretisation error, H_c_extrapolated and H_min_extrapolated are without it;
+    None with fewer than two grids.  Counts are those of all grids, convolutions in units of one on the finest.
+
+    Parameters
+    ----------
+    case : Case
+        What was run.
+    solutions : sequence of GridSolution
+        The solutions on all grids, coarsest first.
+    work : mapping
+        compilations, wall_s.
+    status : Status
+        How the run ended.
     """
     rolling = Rolling(tuple(solutions))
     counts = {
@@ -144,9 +167,19 @@ def si_summary(case: Case, max_approach: Mapping[str, float] | None) -> dict[str
 
 
 def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]:
-    """What the formulas say of a rolling contact with a load w (F*) and a speed U (u_m), in the case's own a^2/R.
+    """Film thickness of a rolling contact by every formula of `physics.film_formulas`, in the case's own a^2/R.
 
-    Empty where there is no load or no speed, in which they have no meaning.
+    Parameters
+    ----------
+    case : Case
+        A rolling contact.
+    load, entrainment : float
+        Load w in F* and speed U in u_m of the moment.
+
+    Returns
+    -------
+    list of Film
+        Empty without load or without speed, where the formulas have no meaning.
     """
     speed = abs(entrainment)
     if load <= 0 or speed == 0:
@@ -164,11 +197,18 @@ def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]
 
 
 def with_error(case: Case, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-    """The summary of a run in time with the discretisation errors that a run on the half grid tells.
+    """The summary of a run in time with the discretisation errors that a run on the half grid gives (Richardson).
 
     For a method of second order the error is a third of the difference, and the value without it, `extrapolated`, lies
-    as much beyond the fine one (Richardson).  Of an impact under `error_estimate`, at maximum approach, None where one
-    of the runs did not reach it; of rolling as in `steady_summary`, at the last time.
+    as much beyond the fine one.  An impact has them under `error_estimate`, at maximum approach (None if one of the
+    runs did not reach it); rolling as in `steady_summary`, at the last time.
+
+    Parameters
+    ----------
+    case : Case
+        The case of the fine run.
+    fine, coarse : mapping
+        The summaries of the run and of the run on the half grid.
     """
     if case.kind == "impact":
         return {**fine, "error_estimate": error_estimate(fine, coarse)}

@@ -1,4 +1,4 @@
-"""Waviness under an impact: complete waves, the operating parameter of their place, amplitudes, the fitted curve."""
+"""Waviness in an impact: complete waves, their local operating parameter and amplitude, and the reduction curve."""
 
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ Values = NDArray[np.float64]
 
 
 class Wave(NamedTuple):
-    """A complete wave of dH: its amplitude (max - min)/2, its place X halfway between crest and trough, its ends."""
+    """A complete wave of dH: amplitude (max - min)/2 (a*^2/R), place X halfway between crest and trough, ends (a*)."""
 
     amplitude: float
     X: float
@@ -24,11 +24,18 @@ class Wave(NamedTuple):
 def waves(X: ArrayLike, dH: ArrayLike, edge: float = 1.0) -> list[Wave]:
     """The complete waves of dH along 0 < X < edge, from the centre outwards.
 
-    A wave is what lies between a zero of dH and the next but one: one crest and one trough.  It is complete when both
-    zeros lie inside; neighbours overlap by a half.  Zeros and extremes are those of the cubic spline through the nodes,
-    so that crests between nodes are not cut off.
+    A wave reaches from a zero of dH to the next but one: one crest and one trough.  It is complete when both zeros lie
+    inside; neighbours overlap by a half.  Zeros and extremes are those of the cubic spline through the nodes, so that
+    crests between nodes are not cut off.
 
-    X : (n,) rising, in a*.  dH : (n,), along Y = 0.  edge: of the contact, 1 or the place of the front.
+    Parameters
+    ----------
+    X : array_like, shape (n,)
+        Positions along Y = 0, rising, in a*.
+    dH : array_like, shape (n,)
+        Film thickness with the waviness less the smooth one.
+    edge : float
+        Edge of the contact in a*: 1, or the place of the front.
     """
     spline = CubicSpline(np.asarray(X, dtype=float), np.asarray(dH, dtype=float))
     slope = spline.derivative()
@@ -49,7 +56,7 @@ def _wave(spline: CubicSpline, turns: Values, start: float, end: float) -> Wave:
 
 
 def last_wave(X: ArrayLike, dH: ArrayLike, edge: float = 1.0) -> Wave:
-    """The last complete wave inside the contact, whose amplitude is the paper's A_d; see `waves`.
+    """The last complete wave inside the contact, whose amplitude is the paper's A_d; arguments as of `waves`.
 
     Raises ValueError where no complete wave lies inside.
     """
@@ -60,25 +67,47 @@ def last_wave(X: ArrayLike, dH: ArrayLike, edge: float = 1.0) -> Wave:
 
 
 def local_nabla2(parameters: Parameters, wavelength: float, speed: ArrayLike, A: ArrayLike = 1.0) -> Values:
-    """nabla2 of eq. (16) with the front's speed when it passed, lambda_bar -> lambda_bar dA/dT: the global one/sqrt(v).
+    """Operating parameter nabla2 of eq. (16) with the speed of the front when it passed.
 
-    With A, the radius that the contact had then, Hertz' radius and pressure are those of that moment too, as in
-    `film_from_speed`: lambda_bar v/A^4, alpha_bar A, wavelength/A, which makes sqrt(A/v) of 1/sqrt(v).
+    lambda_bar -> lambda_bar v makes it the global one, `Parameters.nabla2`, over sqrt(v).  With A, the radius of the
+    contact at that time, Hertz' radius and pressure are those of that time too, as in `film_from_speed`:
+    lambda_bar v/A^4, alpha_bar A, wavelength/A, which makes sqrt(A/v) of 1/sqrt(v).
 
-    wavelength in a*; speed in a*/t0, A in a*, of shapes that broadcast.  `Parameters.nabla2` is the global one.
+    Parameters
+    ----------
+    parameters : Parameters
+        Those of the impact.
+    wavelength : float
+        In a*.
+    speed, A : array_like
+        Speed of the front (a*/t0) and radius of the contact (a*), of shapes that broadcast.
     """
     ratio = np.asarray(A, dtype=float) / np.asarray(speed, dtype=float)
     return np.asarray(parameters.nabla2(wavelength) * np.sqrt(ratio))
 
 
 def ridge_amplitude(X: ArrayLike, Y: ArrayLike, dH: ArrayLike, wavelength: float, r: ArrayLike) -> Values:
-    """Amplitude (n,) that is left of ridges cos(2 pi X/wavelength) where a front runs along them, at radii r (n,).
+    """Amplitude that is left of ridges cos(2 pi X/wavelength) where a front runs along them.
 
-    Along X = 0 a front that runs outwards meets a crest lengthwise, along X = wavelength/2 a trough: half of what dH
-    differs between the two, at the same distance from the centre, as the front passes both at the same moment.  Where
-    r < wavelength/2 there is no trough, and nan.
+    A front that runs outwards meets a crest lengthwise along X = 0 and a trough along X = wavelength/2.  The amplitude
+    is half the difference of dH between the two at the same distance from the centre, which the front passes at the
+    same moment.
 
-    X, Y : (n,) rising, in a*.  dH : (Y, X).  r in a*.
+    Parameters
+    ----------
+    X, Y : array_like, shape (n,)
+        Positions, rising, in a*.
+    dH : array_like, shape (Y, X)
+        Film thickness with the ridges less the smooth one.
+    wavelength : float
+        In a*.
+    r : array_like, shape (m,)
+        Distances from the centre in a*.
+
+    Returns
+    -------
+    array, shape (m,)
+        The amplitude; nan where r < wavelength/2, where there is no trough.
     """
     field = RectBivariateSpline(np.asarray(Y, dtype=float), np.asarray(X, dtype=float), np.asarray(dH, dtype=float))
     r, aside = np.asarray(r, dtype=float), wavelength / 2
@@ -90,7 +119,7 @@ def ridge_amplitude(X: ArrayLike, Y: ArrayLike, dH: ArrayLike, wavelength: float
 
 
 class Reduction(NamedTuple):
-    """A_d/A_i = 1/(1 + linear nabla2 + quadratic nabla2^2), of the form of eq. (15)."""
+    """The curve A_d/A_i = 1/(1 + linear nabla2 + quadratic nabla2^2), of the form of eq. (15)."""
 
     linear: float
     quadratic: float
@@ -102,9 +131,14 @@ class Reduction(NamedTuple):
 
 
 def fit_reduction(nabla2: ArrayLike, ratio: ArrayLike, error: ArrayLike = 1.0) -> Reduction:
-    """The curve of the form of eq. (15) through A_d/A_i, by least squares of the ratios in units of their errors.
+    """The curve of the form of eq. (15) by least squares of the ratios, in units of their errors.
 
-    nabla2, ratio : (n,), two points at least.  error: of the ratios, of a shape that broadcasts.
+    Parameters
+    ----------
+    nabla2, ratio : array_like, shape (n,)
+        Operating parameter and A_d/A_i, two points at least.
+    error : array_like
+        Errors of the ratios, of a shape that broadcasts.
     """
     n, A, bar = (np.asarray(values, dtype=float) for values in (nabla2, ratio, error))
     found = least_squares(lambda c: (Reduction(*c).ratio(n) - A) / bar, [0.15, 0.015], bounds=(0.0, np.inf))

@@ -1,1 +1,87 @@
-"""Pictures of a run: Dataset to matplotlib Figure.  Nothing is shown, nothing is saved."""
+"""Pictures of a run: Dataset to matplotlib Figure.  Nothing is shown, nothing is saved.
+
+    ertel.plots.overview(result.dataset, at="max-approach").savefig("impact.png")
+
+A run in time has overview, film, pressure, maps, profiles and history; a steady contact overview, film, pressure, maps,
+midlines and convergence.  `at` chooses the moment of a run in time: a time in t0 (the map next to it is drawn) or an
+event, "max-approach" or "end"; by default maximum approach, or the last map where there is none.
+
+Every function raises ValueError where there is nothing to draw yet, for a figure that such a run has not, and for a
+moment that the run has not.
+"""
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from ertel.results.plots import steady, transient
+from ertel.results.plots.drawing import At, Figures
+
+__all__ = [
+    "convergence",
+    "figures_of",
+    "film",
+    "history",
+    "maps",
+    "midlines",
+    "overview",
+    "pressure",
+    "profiles",
+]
+
+
+def figures_of(dataset: xr.Dataset) -> Figures:
+    """The figures that show all of a run, by name: functions of the Dataset and of `at`."""
+    return steady.STEADY_FIGURES if _is_steady(dataset) else transient.FIGURES
+
+
+def _is_steady(dataset: xr.Dataset) -> bool:
+    return "grid" in dataset.dims
+
+
+def _draw(name: str, dataset: xr.Dataset, at: At) -> Figure:
+    more = steady.MORE_STEADY_FIGURES if _is_steady(dataset) else transient.MORE_FIGURES
+    known = {**figures_of(dataset), **more}
+    if name not in known:
+        run = "a steady contact" if _is_steady(dataset) else "a run in time"
+        raise ValueError(f"{name}: {run} has no such figure; it has {', '.join(known)}")
+    return known[name](dataset, at)
+
+
+def overview(dataset: xr.Dataset, at: At = None) -> Figure:
+    """The run on one page."""
+    return _draw("overview", dataset, at)
+
+
+def film(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Film thickness over the surface, with contour lines at equal steps as an interferometer shows them."""
+    return _draw("film", dataset, at)
+
+
+def pressure(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Pressure over the surface, with contour lines at equal steps."""
+    return _draw("pressure", dataset, at)
+
+
+def maps(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Film thickness and pressure over the surface."""
+    return _draw("maps", dataset, at)
+
+
+def profiles(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Film thickness and pressure along the mid-line of a run in time, the moment `at` in black."""
+    return _draw("profiles", dataset, at)
+
+
+def history(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Motion, film thickness, pressure and the place of the minimum film thickness of a run in time."""
+    return _draw("history", dataset, at)
+
+
+def midlines(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Film thickness and pressure through the centre of a steady contact, along the flow and across it."""
+    return _draw("midlines", dataset, at)
+
+
+def convergence(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Convergence of Newton's iteration on every grid of a steady contact, and the film thickness on every grid."""
+    return _draw("convergence", dataset, at)

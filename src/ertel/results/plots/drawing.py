@@ -5,10 +5,11 @@ rolling contact, whose scales are those of its load, without the star).
 Colours are told apart by everybody (Okabe and Ito's; for what is ordered, maps whose lightness is).
 """
 
-import json
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from io import BytesIO
+from typing import Protocol
 
 import numpy as np
 import xarray as xr
@@ -19,21 +20,31 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from ertel.results.plots import stored
 from ertel.results.variables import PREFIXES, exponent, with_prefix
 
 Values = NDArray[np.float64]
 Panel = Callable[[Axes, xr.Dataset], None]
-Figures = Mapping[str, Callable[[xr.Dataset], Figure]]
+At = float | str | None  # a time in t0, an event, or None: maximum approach, or the last map
 
-BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#777777"
+BLUE, ORANGE, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC2F8E", "#777777"
 FILM_COLOURS, PRESSURE_COLOURS = "YlGnBu_r", "YlOrRd"
 ORDERED_COLOURS = LinearSegmentedColormap.from_list("ordered", colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
-UNITS = {"a*": "$a^*$", "a*^2/R": "$a^{*2}/R$", "p_h*": "$p_h^*$", "t0": "$t_0$", "F*": "$F^*$"}
+UNITS = {"a*": "$a^*$", "a*^2/R": "$a^{*2}/R$", "p_h*": "$p_h^*$", "t0": "$t_0$", "F*": "$F^*$", "a*/t0": "$a^*/t_0$"}
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so far from its centre
-LOADED = 0.02  # of the largest pressure: where there is less, the film carries nothing to speak of
+LOADED = 0.02  # of the maximum pressure: where there is less, the film carries nothing to speak of
 
 
 # -- units and labels -------------------------------------------------------------------------------------------------
+
+
+class Draw(Protocol):
+    """Draws a run; `at` is a time in t0 or an event."""
+
+    def __call__(self, dataset: xr.Dataset, at: At = None) -> Figure: ...
+
+
+Figures = Mapping[str, Draw]
 
 
 @dataclass(frozen=True)
@@ -47,11 +58,12 @@ class Scale:
 
     @property
     def label(self) -> str:
+        """Name, symbol and unit for an axis."""
         return f"{self.long_name} {self.symbol} ({self.unit})" if self.unit else f"{self.long_name} {self.symbol}"
 
 
-def scale(dataset: xr.Dataset, name: str, largest: float) -> Scale:
-    """The scale of a variable: SI with the prefix that fits `largest` (dimensionless), or the dimensionless units."""
+def scale(dataset: xr.Dataset, name: str, maximum: float) -> Scale:
+    """The scale of a variable: SI with the prefix that fits `maximum` (dimensionless), or the dimensionless units."""
     attributes = dataset[name].attrs
     if "si_factor" not in attributes:
         unit = attributes.get("in_units_of", "")
@@ -59,7 +71,7 @@ def scale(dataset: xr.Dataset, name: str, largest: float) -> Scale:
         if dataset.attrs["kind"] == "rolling":
             unit = unit.replace("^*", "").replace("^{*2}", "^2")
         return Scale(1.0, _mathtext(attributes["symbol"]), unit, attributes["long_name"])
-    power = exponent(abs(largest) * attributes["si_factor"])
+    power = exponent(abs(maximum) * attributes["si_factor"])
     unit = PREFIXES[power] + attributes["si_units"]
     factor = attributes["si_factor"] / 10**power
     return Scale(factor, _mathtext(attributes["si_name"]), unit, attributes["long_name"])
@@ -93,11 +105,11 @@ def axis_label(dataset: xr.Dataset, axis: str) -> str:
 
 
 def title(dataset: xr.Dataset) -> list[str]:
-    """What it is: name, then conditions."""
+    """The name of a run, then its conditions."""
     a = dataset.attrs
     name = str(a["title"]).partition(", M = ")[0].replace("_", " ")  # the conditions say M and L of a case without name
     conditions = [f"{name[:1].upper()}{name[1:]}", f"$M$ = {a['M']:.4g}", f"$L$ = {a['L']:.3g}"]
-    if a["kind"] == "rolling" and (sliding := json.loads(a["case"])["motion"]["slide_to_roll"]):
+    if a["kind"] == "rolling" and (sliding := stored.slide_to_roll(dataset)):
         conditions.append(f"slide-to-roll {sliding:.3g}")
     if not is_physical(dataset):
         return conditions
@@ -144,12 +156,12 @@ def extent(x: Values, P: Values) -> float:
 def reach(x: Values, P: Values) -> float:
     """How far from the centre a profile carries pressure."""
     loaded = x[LOADED * P.max() < P]
-    largest = float(np.abs(loaded).max()) if len(loaded) else float(x.max())
-    return max(largest, 0.2 * float(x.max()))  # something to see even at first touch
+    farthest = float(np.abs(loaded).max()) if len(loaded) else float(x.max())
+    return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch
 
 
 def film_inside(x: Values, P: Values, H: Values) -> float:
-    """The largest film well inside the contact, of a profile."""
+    """The maximum film thickness well inside the contact, of a profile."""
     return float(H[np.abs(x) < 0.8 * min(reach(x, P), 1.0)].max())
 
 
@@ -167,7 +179,8 @@ def draw_map(axes: Axes, dataset: xr.Dataset, field: Field, side: float, z: Scal
     )
     limits = Normalize(0.0, steps[-1])
     image = axes.pcolormesh(x, y, shown, cmap=colours, norm=limits, shading="gouraud", rasterized=True)
-    axes.contour(x, y, shown, levels=steps[1:], colors="black", linewidths=0.4, alpha=0.6)
+    if shown.min() < steps[-1] and shown.max() > steps[1]:
+        axes.contour(x, y, shown, levels=steps[1:], colors="black", linewidths=0.4, alpha=0.6)
     axes.set(xlabel=axis_label(dataset, "x"), ylabel=axis_label(dataset, "y"), aspect="equal")
     extend = "max" if shown.max() > steps[-1] else "neither"
     figure_of(axes).colorbar(image, ax=axes, label=z.label, extend=extend)
@@ -183,8 +196,9 @@ def draw_film(axes: Axes, dataset: xr.Dataset, field: Field, side: float, top: f
 
 def draw_pressure(axes: Axes, dataset: xr.Dataset, field: Field, side: float) -> None:
     """Pressure with contour lines at equal steps."""
-    z = scale(dataset, "P", float(field.values.max()))
-    steps = levels(float(field.values.max()) * z.factor)
+    top = max(float(field.values.max()), 0.01)  # p_h*: something to divide where the contact carries nothing
+    z = scale(dataset, "P", top)
+    steps = levels(top * z.factor)
     draw_map(axes, dataset, field, side, z, steps, PRESSURE_COLOURS)
     axes.set_title(f"Pressure, a line every {steps[1]:.3g} {z.unit}")
 
@@ -210,10 +224,19 @@ def figure_of(axes: Axes) -> Figure:
     return figure
 
 
+class Picture(Figure):
+    """A Figure that a notebook shows without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        png = BytesIO()
+        self.savefig(png, format="png")
+        return png.getvalue()
+
+
 def compose(dataset: xr.Dataset, rows: list[list[Panel]], heading: list[str]) -> Figure:
     """A figure of rows of panels; heading: a name and what is said of it, on as many lines as it takes."""
     width = max(5.0 * len(rows[0]), 6.0)
-    figure = Figure(figsize=(width, width / len(rows[0]) * 0.8 * len(rows) + 0.4), layout="constrained", dpi=150)
+    figure = Picture(figsize=(width, width / len(rows[0]) * 0.8 * len(rows) + 0.4), layout="constrained", dpi=150)
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.1)  # type: ignore[union-attr, call-arg]
     for panels, line in zip(rows, figure.subplots(len(rows), len(rows[0]), squeeze=False), strict=True):
         for draw, axes in zip(panels, line, strict=True):

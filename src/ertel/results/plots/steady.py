@@ -1,9 +1,8 @@
 """Pictures of a steady rolling contact and of the grids that it was solved on: Dataset -> matplotlib Figure."""
 
-import json
 from dataclasses import dataclass
 from functools import partial
-from math import isfinite, pi
+from math import isfinite
 
 import numpy as np
 import xarray as xr
@@ -11,12 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
+from ertel.model.approach import HERTZ_LOAD
 from ertel.physics import hertz
+from ertel.results.plots import stored
 from ertel.results.plots.drawing import (
     BLUE,
     GREY,
     ORANGE,
     ORDERED_COLOURS,
+    At,
     Figures,
     Panel,
     Values,
@@ -32,6 +34,7 @@ from ertel.results.plots.drawing import (
     scale,
     title,
 )
+from ertel.results.plots.roughness import draw_band, draw_contours, set_height
 
 # -- error bars --------------------------------------------------------------------------------------------------------
 
@@ -46,7 +49,7 @@ class Estimate:
 
 
 def estimate_of(dataset: xr.Dataset, name: str) -> Estimate:
-    """As `steady2d.Rolling.extrapolate` has it, for every grid: the error falls with the square of the spacing."""
+    """Error estimates on every grid, as `model.state.Rolling.extrapolate`: the error falls with the spacing squared."""
     values = np.asarray(dataset[name].values)
     steps = np.diff(values, prepend=np.nan) / 3.0
     return Estimate(values, np.abs(steps), float(values[-1] + steps[-1]))
@@ -70,12 +73,14 @@ def draw_horseshoe(axes: Axes, dataset: xr.Dataset) -> None:
     """Film thickness of a steady contact, with contour lines at equal steps as an interferometer shows them."""
     H = float(dataset["H_c"].values[-1])
     draw_film(axes, dataset, map_of(dataset, "H"), _side(dataset), 1.75 * H, lines=16)
+    draw_contours(axes, dataset, 0.0)
     draw_flow(axes, _flow(dataset))
 
 
 def draw_spike(axes: Axes, dataset: xr.Dataset) -> None:
     """Pressure of a steady contact with its spike."""
     draw_pressure(axes, dataset, map_of(dataset, "P"), _side(dataset))
+    draw_contours(axes, dataset, 0.0)
     draw_flow(axes, _flow(dataset))
 
 
@@ -98,14 +103,15 @@ def draw_midline(axes: Axes, dataset: xr.Dataset, along: str) -> None:
     H, P = section["H"].values, section["P"].values
     across, h = lateral(dataset), scale(dataset, "H", float(dataset["H_c"].values[-1]))
     p, right = scale(dataset, "P", float(P.max())), axes.twinx()
-    radius = float(dataset["load"].values[-1] / (2.0 * pi / 3.0)) ** (1 / 3)
+    radius = float(dataset["load"].values[-1] / HERTZ_LOAD) ** (1 / 3)
     right.plot(x * across.factor, hertz.pressure(x, radius) * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across.factor, P * p.factor, color=ORANGE)
     axes.plot(x * across.factor, H * h.factor, color=BLUE)
     side = _side(dataset) * across.factor
     axes.set(xlim=(-side, min(side, x[-1] * across.factor)), xlabel=axis_label(dataset, along))
-    axes.set_ylim(0.0, 4.0 * float(dataset["H_c"].values[-1]) * h.factor)
-    right.set_ylim(0.0, 1.1 * max(float(P.max()), radius) * p.factor)
+    top = 1.1 * max(float(P.max()), radius) * p.factor
+    rough = draw_band(axes, dataset, 0.0, x, 4.0 * float(dataset["H_c"].values[-1]) * h.factor, along)
+    set_height(right, top, rough)
     for scaled, z, colour in ((axes, h, BLUE), (right, p, ORANGE)):
         scaled.set_ylabel(z.label, color=colour)
         scaled.tick_params(axis="y", colors=colour)
@@ -114,14 +120,14 @@ def draw_midline(axes: Axes, dataset: xr.Dataset, along: str) -> None:
 
 
 def draw_convergence(axes: Axes, dataset: xr.Dataset) -> None:
-    """The largest residual against Newton's iterations, on every grid."""
+    """The maximum residual against Newton's iterations, on every grid."""
     grids = dataset["grid"].values
     for nodes, colour, history in zip(grids, _shades(len(grids)), dataset["history"].values, strict=True):
         known = history[np.isfinite(history)]
         axes.semilogy(np.arange(len(known)), known, "o-", color=colour, markersize=3.5, label=f"{int(nodes)}²")
-    tolerance = json.loads(dataset.attrs["case"])["solver"]["tolerance"]
+    tolerance = stored.tolerance(dataset)
     axes.axhline(tolerance, color="black", linewidth=0.8, linestyle=":", label="tolerance")
-    axes.set(xlabel="Newton iteration", ylabel="largest residual", title="Convergence on each grid")
+    axes.set(xlabel="Newton iteration", ylabel="maximum residual", title="Convergence on each grid")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.yaxis.set_major_locator(LogLocator(numticks=8))
     axes.legend(loc="upper right", frameon=False, fontsize="small", title="nodes", title_fontsize="small")
@@ -153,33 +159,40 @@ def draw_grids(axes: Axes, dataset: xr.Dataset) -> None:
 # -- figures ---------------------------------------------------------------------------------------------------------
 
 
-def overview(dataset: xr.Dataset) -> Figure:
+def overview(dataset: xr.Dataset, at: At = None) -> Figure:
     """The steady contact on one page: maps, sections, convergence, and what the grid does to the film."""
     above: list[Panel] = [draw_horseshoe, partial(draw_midline, along="x"), draw_grids]
-    return _of(dataset, [above, [draw_spike, partial(draw_midline, along="y"), draw_convergence]])
+    return _of(dataset, at, [above, [draw_spike, partial(draw_midline, along="y"), draw_convergence]])
 
 
-def film(dataset: xr.Dataset) -> Figure:
-    """The horseshoe."""
-    return _of(dataset, [[draw_horseshoe]])
+def film(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Film thickness over the surface: the horseshoe."""
+    return _of(dataset, at, [[draw_horseshoe]])
 
 
-def pressure(dataset: xr.Dataset) -> Figure:
-    """The pressure and its spike."""
-    return _of(dataset, [[draw_spike]])
+def pressure(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Pressure over the surface with its spike."""
+    return _of(dataset, at, [[draw_spike]])
 
 
-def midlines(dataset: xr.Dataset) -> Figure:
+def maps(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Film thickness and pressure over the surface."""
+    return _of(dataset, at, [[draw_horseshoe, draw_spike]])
+
+
+def midlines(dataset: xr.Dataset, at: At = None) -> Figure:
     """Film and pressure through the centre, along the flow and across it."""
-    return _of(dataset, [[partial(draw_midline, along="x"), partial(draw_midline, along="y")]])
+    return _of(dataset, at, [[partial(draw_midline, along="x"), partial(draw_midline, along="y")]])
 
 
-def convergence(dataset: xr.Dataset) -> Figure:
+def convergence(dataset: xr.Dataset, at: At = None) -> Figure:
     """How Newton's iteration converged on every grid, and the film with the grid."""
-    return _of(dataset, [[draw_convergence, draw_grids]])
+    return _of(dataset, at, [[draw_convergence, draw_grids]])
 
 
-def _of(dataset: xr.Dataset, rows: list[list[Panel]]) -> Figure:
+def _of(dataset: xr.Dataset, at: At, rows: list[list[Panel]]) -> Figure:
+    if at is not None:
+        raise ValueError(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
     if not dataset.sizes["grid"]:
         raise ValueError("dataset: has no solution yet, there is nothing to draw")
     dataset = dataset.load()
@@ -194,3 +207,4 @@ STEADY_FIGURES: Figures = {
     "midlines": midlines,
     "convergence": convergence,
 }
+MORE_STEADY_FIGURES: Figures = {"maps": maps}  # film and pressure in one, for a notebook

@@ -1,0 +1,133 @@
+"""A result shows its key numbers, in SI where it can, and its pictures."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, dry_impact, in_time, solutions, steady
+from matplotlib.figure import Figure
+
+from ertel.inputs.case_files import parse_case
+from ertel.model.status import Status
+from ertel.results.result import Result
+from ertel.results.summary import steady_summary, transient_summary
+
+WORK = {"steps": 78, "newton_iterations": 80, "krylov_iterations": 200, "wall_s": 1.0}
+MAXIMUM = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.2, "P_max": 1.3, "H_c": 0.07, "H_min": 0.02, "X_min": 0.9}
+
+
+def impact(case_data, reached=MAXIMUM, **more):
+    case, data = parse_case(case_data), dry_impact(case_data)
+    summary = transient_summary(case, data, reached, WORK, Status.CONVERGED)
+    return Result(case, data, {**summary, **more}, Status.CONVERGED)
+
+
+def rolling(case):
+    case = replace(case, solver=replace(case.solver, nodes=129))
+    summary = steady_summary(case, solutions(case), {"wall_s": 1.0}, Status.CONVERGED)
+    return Result(case, steady(case), summary, Status.CONVERGED)
+
+
+def rolling_in_time(case):
+    data = in_time(case)
+    case = replace(case, solver=replace(case.solver, method="transient"))
+    return Result(case, data, transient_summary(case, data, None, WORK, Status.CONVERGED), Status.CONVERGED)
+
+
+def test_repr_of_a_physical_impact():
+    estimate = {"H_c": {"error": 0.0007}, "H_min": {"error": 0.002}}
+    result = impact({**BALL_FALLS, "name": "ball"}, error_estimate=estimate, restitution=0.93)
+    text = repr(result)
+    film = result.case.scales.film * 1e9
+    assert text.startswith("Result: ball, converged\n  impact (2d), M = ")
+    assert "at maximum approach" in text
+    assert f"{0.07 * film:.4g} nm (0.07 a*^2/R), error 1.0%" in text
+    assert "error 10.0%" in text
+    assert "GPa (1.3 p_h*)" in text
+    assert "coefficient of restitution e  0.9300" in text
+    assert len(text.splitlines()) < 15
+
+
+def test_repr_carries_the_warnings():
+    case = {**MOES_FALLS, "solver": {"nodes": 81}}
+    result = impact(case)
+    (warning,) = [warning for warning in result.warnings if "not resolved at the front" in warning]
+    assert f"warning: {warning}" in repr(result)
+    assert warning in result._repr_html_().replace("&#x27;", "'").replace("&gt;", ">")
+
+
+def test_repr_of_a_steady_contact():
+    text = repr(rolling(BALL_ROLLS))
+    assert text.startswith("Result: steel_ball, converged\n  rolling (steady), M = 200, L = 10\n  on 129 x 129 nodes")
+    assert f"{0.095 * C1.film * 1e9:.4g} nm (0.095 a^2/R), error 1.8%" in text
+
+
+def test_repr_of_a_dimensionless_run_in_time():
+    text = repr(rolling_in_time(MOES_ROLLS))
+    assert "at T = 4" in text and "0.08486 a^2/R" in text and "nm" not in text
+
+
+def test_repr_before_maximum_approach():
+    result = impact(MOES_FALLS, reached=None)
+    assert "maximum approach was not reached" in repr(result)
+    assert "<table>" not in result._repr_html_()
+
+
+def test_directory_is_said(tmp_path: Path):
+    assert f"stored in {tmp_path}" in repr(replace(rolling(MOES_ROLLS), directory=tmp_path))
+
+
+def test_summary_is_plain_data_that_shows_little():
+    result = rolling(BALL_ROLLS)
+    plain = json.loads(json.dumps(result.summary))
+    assert plain == {**result.summary} and isinstance(result.summary, dict)
+    assert repr(result.summary).startswith("Summary: converged")
+    assert len(repr(result.summary).splitlines()) < 12
+    assert "central film thickness" in result.summary._repr_html_()
+
+
+def test_a_notebook_gets_a_table_and_a_picture():
+    html = rolling(BALL_ROLLS)._repr_html_()
+    assert "<b>steel_ball</b>" in html
+    assert "<td>H_min</td>" in html and "<th>in SI</th>" in html and "<th>error</th>" in html
+    assert 'src="data:image/png;base64,iVBOR' in html
+    html = rolling_in_time(MOES_ROLLS)._repr_html_()
+    assert "<th>in SI</th>" not in html and "<th>error</th>" not in html
+
+
+def test_without_maps_there_is_no_picture():
+    result = impact(MOES_FALLS)
+    assert "<img" not in replace(result, dataset=result.dataset.isel(frame=slice(0, 0)))._repr_html_()
+
+
+def test_si():
+    result = rolling(BALL_ROLLS)
+    np.testing.assert_allclose(result.si["h_c"].values, result.dataset["H_c"].values * C1.film)
+    with pytest.raises(ValueError, match="dimensionless and has no SI scales"):
+        _ = rolling(MOES_ROLLS).si
+
+
+def test_plots_of_a_result():
+    result = rolling(MOES_ROLLS)
+    assert "midlines" in dir(result.plot) and "history" not in dir(result.plot)
+    assert repr(result.plot).startswith("Plot: overview(), film()")
+    for name in set(dir(result.plot)) - {"dataset"}:
+        assert isinstance(getattr(result.plot, name)(), Figure)
+    moving = impact(MOES_FALLS)
+    for name in set(dir(moving.plot)) - {"dataset"}:
+        assert "chosen map at $T$ = 2" in getattr(moving.plot, name)(at=2.0).get_suptitle()
+    with pytest.raises(ValueError, match="no such figure"):
+        moving.plot.convergence()
+
+
+def test_a_figure_shows_itself_in_a_notebook():
+    assert rolling(MOES_ROLLS).plot.film()._repr_png_().startswith(b"\x89PNG")
+
+
+def test_matplotlib_comes_only_with_a_picture():
+    code = "import sys, ertel.results.result; print('matplotlib' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "False"
