@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 from executors import Now
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
@@ -17,9 +18,10 @@ from ertel.apps import boundary_layers
 from ertel.apps.boundary_layers import figures, front, page, smooth
 from ertel.apps.boundary_layers.figures import PaperFigure
 from ertel.apps.boundary_layers.page import Drawn
-from ertel.apps.boundary_layers.plans import FULL, LOADS, QUICK, Plan, SmoothPlan
+from ertel.apps.boundary_layers.plans import FULL, LOADS, QUICK, SHOWN_LOAD, L, Plan, SmoothPlan
 from ertel.apps.boundary_layers.smooth import Results
 from ertel.apps.cli import app
+from ertel.results import fronts
 from ertel.runs.sweep import Task, sweep
 
 LONG = "a text that is longer than the fifty characters at which tables are cut off"
@@ -172,10 +174,19 @@ def test_only_public_names_are_imported(file):
 COARSE = replace(QUICK, smooth=SmoothPlan(101, 1.0, 33, 1.5, 1.0))
 
 
+def turned(run: xr.Dataset) -> xr.Dataset:
+    """A radial run turned round the centre: the result of an exact 2-D method."""
+    x = xr.DataArray(np.linspace(-1.5, 1.5, 61), dims="X")
+    X, Y = x.assign_coords(X=x), x.rename(X="Y").assign_coords(Y=x.values)
+    last = run.isel(frame=run["frame"] == fronts.at_max_approach(run)["frame"])
+    return last.drop_dims("r").assign(H=last["H"].interp(r=np.hypot(X, Y)).drop_vars("r"))
+
+
 @pytest.fixture(scope="module")
 def impacts() -> Results:
-    tasks = smooth.all_tasks(COARSE)
-    return dict(zip([task.name for task in tasks], sweep(tasks, Now()), strict=True))
+    tasks = smooth.radial_tasks(COARSE)
+    runs = dict(zip([task.name for task in tasks], sweep(tasks, Now()), strict=True))
+    return {**runs, smooth.plane_name(COARSE): turned(runs[smooth.radial_name(SHOWN_LOAD, L, COARSE)])}
 
 
 @pytest.mark.parametrize("name", ["fig1", "fig2", "fig3", "fig4"])
@@ -185,6 +196,10 @@ def test_figures_of_the_front(impacts, name):
     assert all(np.isfinite(table).any().all() for table in made.data.values())
     for table in made.tables.values():
         assert len(table) and table.notna().all().all()
+
+
+def test_both_methods_agree_at_the_centre(impacts):
+    assert "0.00%)" in figures.FIGURES["fig3"].draw(impacts, COARSE).caption
 
 
 def test_figures_find_their_runs_by_name(impacts):

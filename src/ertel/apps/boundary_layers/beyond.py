@@ -102,7 +102,7 @@ def shaped_tasks(
 
 
 class Mark(NamedTuple):
-    """A_d/A_i for one kind of waves or oil at X; nabla2 of this place, with the Hertz contact then, and global.
+    """A_d/A_i for one kind of waves or oil at X; nabla2 of this place, with the momentary Hertz contact, and global.
 
     Without piezoviscosity nabla2 is infinite; wavelength over trapped film takes its place, see `over_film`.
     """
@@ -195,7 +195,7 @@ def marks_table(kind: str, marks: Iterator[Mark] | Sequence[Mark]) -> DataFrame:
             "X": f"{mark.X:.3f}",
             **mark.ratio.cells(),
             "nabla2 local": f"{mark.local:.2f}",
-            "with Hertz then": f"{mark.hertz:.2f}",
+            "momentary Hertz contact": f"{mark.hertz:.2f}",
             "global": f"{mark.everywhere:.2f}",
         }
         for mark in marks

@@ -103,7 +103,7 @@ def _draw(found: Found) -> Figure:
     handles += right.plot(*crosses, "x", color=BLUE, label="rolling, parameters of the front")
     left.set_xlabel("local $\\nabla_2$, $\\bar\\lambda v$")
     middle.set_xlabel("global $\\nabla_2$ (rolling: its own)")
-    right.set_xlabel("local $\\nabla_2$ with the Hertz contact then")
+    right.set_xlabel("local $\\nabla_2$ with the momentary Hertz contact")
     left.legend(loc="lower left", frameon=False, fontsize="xx-small")
     right.legend(handles=handles, loc="lower left", frameon=False, fontsize="x-small")
     return figure
@@ -181,7 +181,7 @@ def _dots_table(found: Sequence[Dot]) -> DataFrame:
             "X": f"{dot.X:.3f}",
             **dot.ratio.cells(),
             "nabla2 local": f"{dot.local[FILM]:.2f}",
-            "with Hertz then": f"{dot.hertz:.2f}",
+            "momentary Hertz contact": f"{dot.hertz:.2f}",
             "global": f"{dot.everywhere:.2f}",
             "(15) of local": f"{float(amplitude_reduction.ratio_left(dot.local[FILM])):.3f}",
         }
@@ -193,7 +193,7 @@ PARAMETERS: Mapping[str, Callable[[Dot], float]] = {
     f"local nabla2, speed by {FILM}": lambda dot: dot.local[FILM],
     f"local nabla2, speed by {HALF_HERTZ}": lambda dot: dot.local[HALF_HERTZ],
     f"local nabla2, speed by {DRY}": lambda dot: dot.local[DRY],
-    "local nabla2, Hertz contact then": lambda dot: dot.hertz,
+    "local nabla2, momentary Hertz contact": lambda dot: dot.hertz,
     "global nabla2": lambda dot: dot.everywhere,
 }
 

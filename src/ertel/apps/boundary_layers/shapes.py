@@ -164,7 +164,7 @@ def _scatter_table(impacts: Sequence[Mark], rolled: Sequence[Mark]) -> DataFrame
         own = [mark for mark in impacts if mark.kind == kind]
         rolling = [mark for mark in rolled if mark.kind == kind]
         rows.append({"parameter": f"impact, {kind}, local nabla2", **_about(own, [m.local for m in own])})
-        rows.append({"parameter": f"impact, {kind}, Hertz contact then", **_about(own, [m.hertz for m in own])})
+        rows.append({"parameter": f"impact, {kind}, momentary Hertz contact", **_about(own, [m.hertz for m in own])})
         if rolling:
             rows.append({"parameter": f"rolling, {kind}", **_about(rolling, [m.local for m in rolling])})
     return DataFrame(rows)
