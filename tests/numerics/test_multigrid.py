@@ -1,3 +1,5 @@
+import itertools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -6,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from jax import Array
 
-from ertel.numerics import multigrid
+from ertel.numerics import halfspace, multigrid
 from ertel.numerics.grid import Grid
 from ertel.numerics.multigrid import Coefficients, Level
+from ertel.numerics.stencils import Pair
 
 
 def impact_like(nodes: int, dt: float = 0.01, depth: float = 3e-6) -> Coefficients:
@@ -17,7 +20,9 @@ def impact_like(nodes: int, dt: float = 0.01, depth: float = 3e-6) -> Coefficien
     r = np.hypot(grid.x[None, :], grid.y[:, None])
     eps = depth + np.where(r > 1, (r**2 - 1) ** 3, 0) * 50
     free = np.pad(np.ones((nodes - 2, nodes - 2)), 1)
-    return Coefficients(*(jnp.asarray(f) for f in (eps, np.full_like(r, 1.5 / dt), np.zeros_like(r), free)))
+    return Coefficients(
+        Pair(jnp.asarray(eps)), *(jnp.asarray(f) for f in (np.full_like(r, 1.5 / dt), np.zeros_like(r), free))
+    )
 
 
 def levels_of(nodes: int, coefficients: Coefficients) -> tuple[Level, ...]:
@@ -44,9 +49,48 @@ def test_a_v_cycle_contracts_whatever_the_grid(dt: float) -> None:
 def test_each_regime_alone(ruled_by: str) -> None:
     nodes = 129
     c = impact_like(nodes)
-    one = jnp.ones_like(c.eps)
-    c = c._replace(eps=one, stretch=0 * one) if ruled_by == "diffusion" else c._replace(eps=0 * one, stretch=one)
+    one = jnp.ones_like(c.free)
+    c = (
+        c._replace(eps=Pair(one), stretch=0 * one)
+        if ruled_by == "diffusion"
+        else c._replace(eps=Pair(0 * one), stretch=one)
+    )
     assert contraction(levels_of(nodes, c)) < 0.5
+
+
+@pytest.mark.parametrize("dt", [0.1, 0.001])
+@pytest.mark.parametrize("more", ["along X", "along Y"])
+def test_a_v_cycle_contracts_where_the_oil_flows_twice_as_readily_one_way(dt: float, more: str) -> None:
+    c = impact_like(65, dt)
+    pair = (2 * c.eps.x, c.eps.x) if more == "along X" else (c.eps.x, 2 * c.eps.x)
+    assert contraction(levels_of(65, c._replace(eps=Pair(*pair)))) < 0.6
+
+
+def test_the_solution_with_two_mobilities_is_that_of_the_matrix() -> None:
+    """The plain twin: flux by flux in loops, the deformation by its coefficients, solved by elimination."""
+    nodes, rng = 17, np.random.default_rng(3)
+    c = impact_like(nodes)._replace(eps=Pair(*(jnp.asarray(0.5 + rng.random((nodes, nodes))) for _ in range(2))))
+    levels = levels_of(nodes, c)
+    h = 4.0 / (nodes - 1)
+    eps_x, eps_y, stretch, free = (np.asarray(f) for f in (c.eps.x, c.eps.y, c.stretch, c.free))
+    K = halfspace.love_coefficients(nodes, h)
+    matrix = np.zeros((nodes, nodes, nodes, nodes))
+    for i, j in itertools.product(range(1, nodes - 1), repeat=2):
+        for (k, m), eps in (((i, j - 1), eps_x), ((i, j + 1), eps_x), ((i - 1, j), eps_y), ((i + 1, j), eps_y)):
+            face = (eps[i, j] + eps[k, m]) / 2 / h**2
+            matrix[i, j, i, j] += face
+            matrix[i, j, k, m] -= face
+        for k, m in itertools.product(range(1, nodes - 1), repeat=2):
+            matrix[i, j, k, m] += stretch[i, j] * K[abs(i - k), abs(j - m)]
+    inner = free.ravel() > 0
+    matrix = matrix.reshape(nodes**2, nodes**2)[np.ix_(inner, inner)]
+    r = rng.standard_normal((nodes, nodes)) * free
+    expected = np.zeros(nodes**2)
+    expected[inner] = np.linalg.solve(matrix, r.ravel()[inner])
+    e = jnp.zeros((nodes, nodes))
+    for _ in range(40):
+        e += multigrid.v_cycle(levels, r - multigrid.apply(levels[0], e))
+    np.testing.assert_allclose(np.asarray(e).ravel(), expected, atol=1e-10 * np.abs(expected).max())
 
 
 def test_held_nodes_stay_zero_and_take_no_part() -> None:
@@ -89,7 +133,7 @@ def test_transfers_keep_linear_functions() -> None:
 
 def test_a_spread_change_deforms_only_nearby() -> None:
     """The dipole's displacement falls with the third power of the distance, the monopole's with the first."""
-    levels = levels_of(65, impact_like(65)._replace(eps=jnp.zeros((65, 65)), stretch=jnp.ones((65, 65))))
+    levels = levels_of(65, impact_like(65)._replace(eps=Pair(jnp.zeros((65, 65))), stretch=jnp.ones((65, 65))))
     d = jnp.zeros((65, 65)).at[32, 32].set(1.0)
 
     def fall(change: Array) -> float:

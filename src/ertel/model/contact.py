@@ -20,8 +20,10 @@ from jax.tree_util import register_dataclass
 from ertel.model.pytrees import traceable
 from ertel.numerics import halfspace
 from ertel.numerics.grid import Grid
-from ertel.numerics.symmetry import WHOLE, Even, extended, total
+from ertel.numerics.stencils import Pair, diffusion, inside, upstream_slope
+from ertel.numerics.symmetry import WHOLE, Even, total
 from ertel.physics.lubricant import Lubricant
+from ertel.physics.rheology import NEWTONIAN, Rheology
 
 
 @register_dataclass
@@ -30,6 +32,7 @@ class Contact:
     """Two surfaces and the oil between them.
 
     gap: the undeformed surfaces' distance X^2/2 + Y^2/2 - roughness, shape (n, n).  kernel: from `halfspace.spectrum`.
+    flow: how the oil flows (`rheology`).
     even: where the fields are even, only one side of the axis is kept (`symmetry`).
     """
 
@@ -39,6 +42,7 @@ class Contact:
     lambda_bar: float
     lubricant: Lubricant
     even: Even = field(default=WHOLE, metadata={"static": True})
+    flow: Rheology = NEWTONIAN
 
 
 class Rate(NamedTuple):
@@ -74,13 +78,10 @@ def mass(contact: Contact, P: Array, H: Array) -> Array:
     return contact.lubricant.density(P) * H
 
 
-def mobility(contact: Contact, P: Array, H: Array) -> Array:
-    """eps = rho H^3/(eta lambda_bar): how readily the oil flows under a pressure gradient.
-
-    Where a grid too coarse for the film lets the surfaces overlap (H < 0), nothing flows.
-    """
+def mobility(contact: Contact, P: Array, H: Array) -> Pair:
+    """eps = rho H^3/(eta lambda_bar), along X and along Y: how readily the oil flows under a pressure gradient."""
     oil = contact.lubricant
-    return oil.density(P) * jnp.maximum(H, 0.0) ** 3 / (oil.viscosity(P) * contact.lambda_bar)
+    return Pair.of(*contact.flow.mobility(oil.density(P), oil.viscosity(P), H, contact.lambda_bar))
 
 
 def residual(contact: Contact, P: Array, H: Array, rate: Rate, entrainment: Array | float) -> Array:
@@ -91,7 +92,7 @@ def residual(contact: Contact, P: Array, H: Array, rate: Rate, entrainment: Arra
 
 def balance(
     mass: Array,
-    eps: Array,
+    eps: Pair,
     P: Array,
     rate: Rate,
     entrainment: Array | float,
@@ -100,29 +101,6 @@ def balance(
 ) -> Array:
     """The residual, mass rho H and mobility eps given: the equation without the laws of the oil."""
     squeeze = rate.new * mass + rate.past
-    wedge = (
-        0.0 if even.x else entrainment * upstream_slope(mass, spacing)
-    )  # fields even in X: nothing is carried along X
-    poiseuille = divergence_of_flux(eps, P, spacing, even)
+    wedge = 0.0 if even.x else entrainment * upstream_slope(mass, spacing)  # even in X: nothing is carried along X
+    poiseuille = diffusion(eps, P, even) / spacing**2
     return inside(squeeze + wedge - poiseuille, even)
-
-
-def divergence_of_flux(eps: Array, P: Array, spacing: Array | float, even: Even = WHOLE) -> Array:
-    """d/dX(eps dP/dX) + d/dY(eps dP/dY), conservative, second order; zero on the edge nodes."""
-    e, p = extended(eps, even, "edge"), extended(P, even, "edge")
-    in_X = (e[1:-1, 1:] + e[1:-1, :-1]) / 2 * (p[1:-1, 1:] - p[1:-1, :-1])
-    in_Y = (e[1:, 1:-1] + e[:-1, 1:-1]) / 2 * (p[1:, 1:-1] - p[:-1, 1:-1])
-    return inside(((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / spacing**2, even)
-
-
-def upstream_slope(mass: Array, spacing: Array | float) -> Array:
-    """d(mass)/dX from the two nodes upstream, second order (first order next to the edge, zero on it)."""
-    first = mass[:, 1:] - mass[:, :-1]
-    second = 1.5 * first[:, 1:] - 0.5 * first[:, :-1]
-    return jnp.concatenate([jnp.zeros_like(mass[:, :1]), first[:, :1], second], axis=1) / spacing
-
-
-def inside(values: Array, even: Even = WHOLE) -> Array:
-    """The values with the edge set to zero; an axis of symmetry is no edge."""
-    low_y, low_x = (0 if mirror else 1 for mirror in even)
-    return jnp.pad(values[low_y:-1, low_x:-1], ((low_y, 1), (low_x, 1)))

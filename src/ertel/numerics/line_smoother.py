@@ -21,6 +21,7 @@ from jax.tree_util import register_dataclass
 
 from ertel.numerics import multigrid, tridiagonal
 from ertel.numerics.multigrid import Coefficients, Elasticity
+from ertel.numerics.stencils import face_sum
 from ertel.numerics.symmetry import WHOLE, Even
 from ertel.numerics.tridiagonal import Factors
 
@@ -59,9 +60,9 @@ class _Pattern(NamedTuple):
 
 def lines(elastic: Elasticity, c: Coefficients, rate: Array | float, drift: Array | float) -> Lines:
     """The smoother with entrainment: rate and drift as in the operator above."""
-    flow = (jnp.asarray(rate, c.eps.dtype), jnp.asarray(drift, c.eps.dtype) / elastic.spacing)
+    flow = (jnp.asarray(rate, c.free.dtype), jnp.asarray(drift, c.free.dtype) / elastic.spacing)
     # the derivative multiplies short waves by 1/spacing, long ones by one
-    by_jacobi = multigrid.diffusion_rules(elastic, c, flow[0] + flow[1], rate + drift).astype(c.eps.dtype)
+    by_jacobi = multigrid.diffusion_rules(elastic, c, flow[0] + flow[1], rate + drift).astype(c.free.dtype)
     factors = tridiagonal.factorise(*_bands(elastic, c, by_jacobi, *flow))
     return Lines(factors, by_jacobi * c.free, *flow, elastic.even)
 
@@ -88,9 +89,8 @@ def _bands(
 
 def _diffusion(elastic: Elasticity, c: Coefficients) -> tuple[Array, Array]:
     """The own coefficient of - div(eps grad e), and that of the face upstream."""
-    return multigrid.face_sum(c.eps, elastic.even) / elastic.spacing**2, 0.5 * (
-        c.eps + _upstream(c.eps)
-    ) / elastic.spacing**2
+    own, upstream = face_sum(c.eps, elastic.even), 0.5 * (c.eps.x + _upstream(c.eps.x))
+    return own / elastic.spacing**2, upstream / elastic.spacing**2
 
 
 def _spread(K: Array, k: int) -> Array:

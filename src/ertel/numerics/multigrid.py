@@ -4,9 +4,10 @@ On every grid the operator is
 
     e  ->  - div(eps grad e) + stretch * (K e) + local * e        (zero where a node is not free)
 
-with eps from almost nothing (inside a contact, where the elastic deformation K e rules) to very large (outside, where
-diffusion rules).  Each node is smoothed by what is stiff there: Jacobi where diffusion is, and where the deformation
-is, distributive Jacobi: a change is spread as (1; -1/4 to the four neighbours), whose deformation is short-ranged.
+with eps (along X and along Y, `stencils.Pair`) from almost nothing (inside a contact, where the elastic deformation K e
+rules) to very large (outside, where diffusion rules).  Each node is smoothed by what is stiff there: Jacobi where
+diffusion is, and where the deformation is, distributive Jacobi: a change is spread as (1; -1/4 to the four neighbours),
+whose deformation is short-ranged.
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
 
@@ -17,11 +18,12 @@ from typing import NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, tree
 from jax.tree_util import register_dataclass
 
 from ertel.numerics import halfspace
 from ertel.numerics.grid import Grid
+from ertel.numerics.stencils import Pair, diffusion, face_sum
 from ertel.numerics.symmetry import WHOLE, Even, extended
 
 JACOBI_DAMPING = 0.8
@@ -50,7 +52,7 @@ class Elasticity:
 class Coefficients(NamedTuple):
     """The operator's coefficients on one grid, each of shape (n, n); free is 1 where e may differ from zero."""
 
-    eps: Array
+    eps: Pair
     stretch: Array
     local: Array
     free: Array
@@ -122,9 +124,9 @@ def _elasticity(grid: Grid, dtype: str) -> Elasticity:
 def points(elastic: Elasticity, c: Coefficients) -> Points:
     """The smoother without entrainment."""
     by_jacobi, K = diffusion_rules(elastic, c), elastic.near
-    diffusion = face_sum(c.eps, elastic.even) / elastic.spacing**2
-    jacobi = JACOBI_DAMPING / (diffusion + c.stretch * K[0, 0] + c.local)
-    distributive = DISTRIBUTIVE_DAMPING / (SPREAD_DIFFUSION * diffusion + c.stretch * (K[0, 0] - K[0, 1]) + c.local)
+    faces = face_sum(c.eps, elastic.even) / elastic.spacing**2
+    jacobi = JACOBI_DAMPING / (faces + c.stretch * K[0, 0] + c.local)
+    distributive = DISTRIBUTIVE_DAMPING / (SPREAD_DIFFUSION * faces + c.stretch * (K[0, 0] - K[0, 1]) + c.local)
     alone, together = jnp.where(by_jacobi, jacobi, 0.0), jnp.where(by_jacobi, 0.0, distributive)
     return Points(alone * c.free, together * c.free, elastic.even)
 
@@ -145,9 +147,8 @@ def hierarchy(
         smooth = smoother(e, coefficients)
         levels.append(Level(e, coefficients, smooth, operator or partial(_operate, e, coefficients, smooth)))
         operator = None
-        coefficients = Coefficients(
-            restrict(coefficients.eps, e.even, "edge"), *(c[::2, ::2] for c in coefficients[1:])
-        )
+        eps = tree.map(partial(restrict, even=e.even, beyond="edge"), coefficients.eps)
+        coefficients = Coefficients(eps, *(c[::2, ::2] for c in coefficients[1:]))
     return *levels[:-1], replace(levels[-1], inverse=_inverse(levels[-1]))
 
 
@@ -161,7 +162,7 @@ def diffusion_rules(
 
 
 def _operate(elastic: Elasticity, c: Coefficients, smoother: Smoother, e: Array, Ke: Array) -> Array:
-    return _diffuse(c.eps, e, elastic.even) / elastic.spacing**2 + smoother.balance(c.stretch * Ke + c.local * e)
+    return smoother.balance(c.stretch * Ke + c.local * e) - diffusion(c.eps, e, elastic.even) / elastic.spacing**2
 
 
 def apply(level: Level, e: Array, Ke: Array | None = None) -> Array:
@@ -209,7 +210,7 @@ def deformed_nearby(level: Level, e: Array) -> Array:
 def precondition(levels: Sequence[Level], r: Array) -> Array:
     """A V-cycle in the precision of the levels, for a residual r of any size and precision."""
     size = jnp.linalg.norm(r)  # keeps a small residual away from the end of the float range
-    return v_cycle(levels, (r / size).astype(levels[0].coefficients.eps.dtype)).astype(r.dtype) * size
+    return v_cycle(levels, (r / size).astype(levels[0].coefficients.free.dtype)).astype(r.dtype) * size
 
 
 def v_cycle_convolutions(grid: Grid) -> float:
@@ -244,7 +245,6 @@ def _inverse(level: Level) -> Array:
 
 def spread(d: Array, even: Even = WHOLE) -> Array:
     """The distributive change: d at the node, -d/4 at each of its four neighbours."""
-    # summed in pairs, here and below: to the last bit the same whichever axis comes first
     p = extended(d, even)
     return d - 0.25 * ((p[:-2, 1:-1] + p[2:, 1:-1]) + (p[1:-1, :-2] + p[1:-1, 2:]))
 
@@ -278,17 +278,3 @@ def interleave(nodes: Array, between: Array) -> Array:
     """Rows in turn: those of the nodes, and between them the others, one fewer."""
     pairs = jnp.stack([nodes[:-1], between], axis=1)
     return jnp.concatenate([pairs.reshape(-1, nodes.shape[1]), nodes[-1:]])
-
-
-def face_sum(eps: Array, even: Even = WHOLE) -> Array:
-    """Sum of eps over the four faces of each cell."""
-    p = extended(eps, even, "edge")
-    return 2.0 * eps + 0.5 * ((p[:-2, 1:-1] + p[2:, 1:-1]) + (p[1:-1, :-2] + p[1:-1, 2:]))
-
-
-def _diffuse(eps: Array, e: Array, even: Even) -> Array:
-    """- div(eps grad e) on unit spacing, eps averaged at faces; of no meaning on the edge nodes."""
-    c, p = extended(eps, even, "edge"), extended(e, even)
-    in_X = 0.5 * (c[1:-1, 1:] + c[1:-1, :-1]) * (p[1:-1, 1:] - p[1:-1, :-1])
-    in_Y = 0.5 * (c[1:, 1:-1] + c[:-1, 1:-1]) * (p[1:, 1:-1] - p[:-1, 1:-1])
-    return (in_X[:, :-1] - in_X[:, 1:]) + (in_Y[:-1, :] - in_Y[1:, :])

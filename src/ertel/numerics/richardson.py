@@ -1,5 +1,6 @@
 """Richardson's extrapolation: what two grids tell of the error, for a method of second order."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 
@@ -15,3 +16,9 @@ def extrapolate(coarse: float, fine: float) -> Extrapolation:
     """From the values on a grid and on that of half its spacing: the error falls with the square of the spacing."""
     step = (fine - coarse) / 3
     return Extrapolation(fine, abs(step), fine + step)
+
+
+def expected(values: Sequence[float]) -> float:
+    """The value on the next grid from those on the coarser ones (coarsest first): its change falls fourfold."""
+    *earlier, last = values[-2:]
+    return last + sum(last - e for e in earlier) / 4

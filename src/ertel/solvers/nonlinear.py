@@ -21,9 +21,10 @@ from jax.tree_util import register_dataclass
 from ertel.model import contact
 from ertel.model.approach import ClosureLine
 from ertel.model.contact import Contact, Rate
-from ertel.numerics import line_smoother, multigrid, newton
+from ertel.numerics import line_smoother, multigrid, newton, stencils
 from ertel.numerics.grid import Grid
 from ertel.numerics.multigrid import Elasticity
+from ertel.numerics.stencils import Pair
 
 Number = Array | float
 PRECONDITIONER_PRECISION = "float32"
@@ -170,7 +171,7 @@ def levels(
     """
     c, elastic = problem.contact, problem.elastic
 
-    def laws(P: Array, H: Array) -> tuple[Array, Array]:
+    def laws(P: Array, H: Array) -> tuple[Array, Pair]:
         return contact.mass(c, P, H), contact.mobility(c, P, H)
 
     # in double precision: of a thick oil the viscosity is beyond single, its inverse and their derivatives are not
@@ -178,15 +179,15 @@ def levels(
     (mass, eps), by_P = jax.jvp(laws, (P, H), (one, zero))
     _, by_H = jax.jvp(laws, (P, H), (zero, one))
 
-    def balance(mass: Array, eps: Array, P: Array) -> Array:
+    def balance(mass: Array, eps: Pair, P: Array) -> Array:
         return contact.balance(mass, eps, P, Rate(new, 0.0), U, spacing, c.even)
 
     def jacobian(e: Array, Ke: Array) -> Array:
-        dmass, deps = (p * e + h * Ke for p, h in zip(by_P, by_H, strict=True))
+        dmass, deps = tree.map(lambda p, h: p * e + h * Ke, by_P, by_H)
         return change(dmass, deps, e)
 
     single = partial(jnp.asarray, dtype=elastic[0].spectrum.dtype)
-    mass, eps, by_P, by_H, P, free = tree.map(single, (mass, eps, by_P, by_H, P, contact.inside(free, c.even)))
+    mass, eps, by_P, by_H, P, free = tree.map(single, (mass, eps, by_P, by_H, P, stencils.inside(free, c.even)))
     rate, new, U, spacing = map(single, (rate, problem.rate.new, problem.entrainment, c.spacing))
     _, change = jax.linearize(balance, mass, eps, P)
     finest = multigrid.Coefficients(eps, rate * by_H[0], rate * by_P[0], free)

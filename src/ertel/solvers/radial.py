@@ -26,6 +26,7 @@ from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.physics.lubricant import Lubricant
+from ertel.physics.rheology import NEWTONIAN, Rheology
 
 jax.config.update("jax_enable_x64", True)
 
@@ -62,6 +63,7 @@ class Equations(NamedTuple):
 
     mesh: Mesh
     oil: Lubricant
+    flow: Rheology
     lambda_bar: float
     rate: float
     past: Array
@@ -148,7 +150,7 @@ def outflow(eq: Equations, P: Array, H: Array) -> Array:
 
     The surfaces never overlap in a solution, but they may on the way to it; oil then does not flow.
     """
-    eps = eq.oil.density(P) * jnp.maximum(H, 0.0) ** 3 / (eq.oil.viscosity(P) * eq.lambda_bar)
+    eps, _ = eq.flow.mobility(eq.oil.density(P), eq.oil.viscosity(P), H, eq.lambda_bar)
     return -eq.mesh.face * (eps[1:] + eps[:-1]) / 2 * jnp.diff(P) / jnp.diff(eq.mesh.r)
 
 
@@ -248,7 +250,7 @@ class RadialImpact(Method):
             past += weight * self.oil.density(level.P) * level.H
         apart = self.mesh.r**2 / 2 - line.value / line.approach_weight
         stiffness = self.mesh.kernel + line.load_weight / line.approach_weight * self.mesh.load
-        return Equations(self.mesh, self.oil, self.lambda_bar, float(rates[0]), past, apart, stiffness)
+        return Equations(self.mesh, self.oil, NEWTONIAN, self.lambda_bar, float(rates[0]), past, apart, stiffness)
 
     def load(self, P: Array) -> float:
         """F = double integral of P."""

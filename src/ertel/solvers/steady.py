@@ -10,13 +10,13 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from ertel.model import contact, discretise
+from ertel.model import discretise
 from ertel.model.approach import HERTZ_LOAD, balanced
 from ertel.model.case import Case
 from ertel.model.contact import Contact, Rate
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
-from ertel.numerics import multigrid, newton
+from ertel.numerics import multigrid, newton, richardson, stencils
 from ertel.numerics.grid import Grid, check_nodes
 from ertel.numerics.symmetry import folded, total, unfolded
 from ertel.solvers import nonlinear
@@ -53,7 +53,7 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = discretise.contact_of(case, grid)
         if solutions:
-            guess = first_guess(c, solutions[-1], expected_approach(solutions))
+            guess = first_guess(c, solutions[-1], richardson.expected([s.approach for s in solutions]))
         else:
             guess = hertz_pressure(grid, case.motion.load(0.0))
         solutions.append(solve(case, grid, c, *guess, tolerance))
@@ -88,13 +88,7 @@ def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Arra
 def _from_coarse(c: Contact, coarse: Array) -> Array:
     # linear interpolation leaves steps in the slope, of which the free-flowing inlet makes a large residual
     P = folded(multigrid.prolong_smooth(unfolded(coarse, c.even)), c.even)
-    return contact.inside(jnp.maximum(P, 0.0), c.even)
-
-
-def expected_approach(coarser: Sequence[GridSolution]) -> float:
-    """Delta on the next grid from those on the coarser ones (coarsest first): its error falls fourfold from each."""
-    *earlier, last = (s.approach for s in coarser[-2:])
-    return last + sum(last - e for e in earlier) / 4
+    return stencils.inside(jnp.maximum(P, 0.0), c.even)
 
 
 def solve(case: Case, grid: Grid, c: Contact, P: Array, approach: float, tolerance: float) -> GridSolution:

@@ -18,7 +18,7 @@ from ertel.model.approach import ClosureLine, NewtonsLaw
 from ertel.model.contact import Contact, Rate
 from ertel.model.state import State, Work
 from ertel.model.status import Status
-from ertel.numerics import bdf, newton
+from ertel.numerics import bdf, krylov
 from ertel.numerics.bdf import Weights
 from ertel.numerics.multigrid import Elasticity
 from ertel.physics.motion import constant
@@ -83,10 +83,10 @@ def advance(method: Transient2D, smooth: Sequence[State], changes: Sequence[Stat
         shape,
         method.preconditioner,
     )
-    fields, approach, krylov = solve(problem)
+    fields, approach, iterations = solve(problem)
     velocity = law.velocity(new.T, rates, float(approach), approaches)
-    status = Status.CONVERGED if int(krylov) < LIMIT else Status.NEWTON_STALLED
-    return State(new.T, float(approach), velocity, fields, status, Work(krylov=int(krylov)))
+    status = Status.CONVERGED if int(iterations) < LIMIT else Status.NEWTON_STALLED
+    return State(new.T, float(approach), velocity, fields, status, Work(krylov=int(iterations)))
 
 
 @jax.jit
@@ -110,7 +110,7 @@ def solve(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
     closed = nonlinear.eliminated(problem, P, 0.0)
     inverse = p.preconditioner(problem, P, H, free)
     known = -line.value / line.approach_weight - shape  # the part of dH that no pressure makes
-    (dP, krylov) = newton.gcr(
+    dP, iterations = krylov.gcr(
         lambda d: free * change_of_r(d, closed.film_change(d), jnp.zeros_like(d)),
         lambda k, r: inverse(r),
         -free * change_of_r(jnp.zeros_like(P), known, past),
@@ -118,4 +118,4 @@ def solve(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
         LIMIT,
     )
     approach = (line.value - line.load_weight * contact.load(c, dP)) / line.approach_weight
-    return {"P": turned(dP), "H": turned(closed.film_change(dP) + known)}, approach, krylov
+    return {"P": turned(dP), "H": turned(closed.film_change(dP) + known)}, approach, iterations

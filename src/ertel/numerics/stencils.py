@@ -1,0 +1,69 @@
+"""Differences on a node-centred grid of square cells: diffusion, the slope upstream, the edge.
+
+Arrays have the shape of the grid, index [Y, X].  `even` says on which axes only one side is kept (`symmetry`).
+"""
+
+from functools import partial
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array, tree
+
+from ertel.numerics.symmetry import WHOLE, Even, extended
+
+
+class Pair(NamedTuple):
+    """A coefficient along X and along Y; `other` is None where both are one array, so that nothing is done twice."""
+
+    x: Array
+    other: Array | None = None
+
+    @classmethod
+    def of(cls, x: Array, y: Array) -> "Pair":
+        """The pair of two arrays."""
+        return cls(x, None if y is x else y)
+
+    @property
+    def y(self) -> Array:
+        """The coefficient along Y."""
+        return self.x if self.other is None else self.other
+
+
+def diffusion(eps: Pair, f: Array, even: Even = WHOLE) -> Array:
+    """d/dX(eps_x df/dX) + d/dY(eps_y df/dY) on unit spacing, conservative, second order.
+
+    eps is averaged at the faces between nodes; f vanishes beyond the edge.  Of no meaning on the edge nodes.
+    """
+    c, p = _beyond(eps, even), extended(f, even)
+    in_X = 0.5 * (c.x[1:-1, 1:] + c.x[1:-1, :-1]) * (p[1:-1, 1:] - p[1:-1, :-1])
+    in_Y = 0.5 * (c.y[1:, 1:-1] + c.y[:-1, 1:-1]) * (p[1:, 1:-1] - p[:-1, 1:-1])
+    # summed in pairs, here and elsewhere: to the last bit the same whichever axis comes first
+    total: Array = (in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])
+    return total
+
+
+def face_sum(eps: Pair, even: Even = WHOLE) -> Array:
+    """Sum of the coefficient over the four faces of each cell: the diagonal of - `diffusion`."""
+    c = _beyond(eps, even)
+    along_y, along_x = c.y[:-2, 1:-1] + c.y[2:, 1:-1], c.x[1:-1, :-2] + c.x[1:-1, 2:]
+    total: Array = (eps.x + eps.y) + 0.5 * (along_y + along_x)
+    return total
+
+
+def _beyond(eps: Pair, even: Even) -> Pair:
+    """With one more node on every side."""
+    found: Pair = tree.map(partial(extended, even=even, beyond="edge"), eps)
+    return found
+
+
+def upstream_slope(f: Array, spacing: Array | float) -> Array:
+    """df/dX from the two nodes upstream, second order (first order next to the edge, zero on it)."""
+    first = f[:, 1:] - f[:, :-1]
+    second = 1.5 * first[:, 1:] - 0.5 * first[:, :-1]
+    return jnp.concatenate([jnp.zeros_like(f[:, :1]), first[:, :1], second], axis=1) / spacing
+
+
+def inside(values: Array, even: Even = WHOLE) -> Array:
+    """The values with the edge set to zero; an axis of symmetry is no edge."""
+    low_y, low_x = (0 if mirror else 1 for mirror in even)
+    return jnp.pad(values[low_y:-1, low_x:-1], ((low_y, 1), (low_x, 1)))
