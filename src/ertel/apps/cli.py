@@ -269,12 +269,12 @@ def paper(
 def _make_page(names: list[str], quick: bool, out: Path, jobs: int, quiet: bool) -> tuple[Path, dict[str, str]]:
     """Run what is missing and write the page: its path, and why figures are missing."""
     from ertel.apps.boundary_layers import figures
-    from ertel.apps.progress import progress
+    from ertel.runs.progress import bars
     from ertel.runs.sweep import processes
 
     runs, done, seconds = figures.expected(names, quick, out, jobs)
     if not quiet:
         print(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min", file=sys.stderr)
-    with progress(quiet) as bars, processes(jobs) as executor:
-        bar = bars.add_task("runs", total=runs, news="")
-        return figures.make(names, quick, out, executor, lambda task, _: bars.update(bar, advance=1, news=task.name))
+    with bars(not quiet) as shown, processes(jobs) as executor:
+        bar = shown.add_task("runs", total=runs, news="")
+        return figures.make(names, quick, out, executor, lambda task, _: shown.update(bar, advance=1, news=task.name))

@@ -1,7 +1,7 @@
 """What a user writes in Python: `impact(...)`, `rolling(...)`, `Oil(...)`.
 
-The keywords are the keys of case files.  A quantity is a float in SI or a text with a unit, "10 mm".  An amount (a time of
-the run, a size of the roughness) is a plain number in the units of the case, or a text with a unit.
+The keywords are the keys of case files.  A quantity is a float in SI or a text with a unit, "10 mm".  An amount (a time
+of the run, a size of the roughness) is a plain number in the units of the case, or a text with a unit.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,7 @@
 """The data of a run on disk, as Zarr arrays that `xarray.open_zarr` alone opens.
 
-A run in time appends: what was appended after the last checkpoint is cut off again when the run is resumed.  The data of
-a steady contact follow from its checkpoint and are replaced as a whole.
+A run in time appends: what was appended after the last checkpoint is cut off again when the run is resumed.  The data
+of a steady contact follow from its checkpoint and are replaced as a whole.
 """
 
 import shutil

@@ -3,8 +3,8 @@
     results = simulate_batch([parse_case({"contact": {"M": M, "L": 10}}) for M in (200, 500, 1000)])
 
 Each case is a run of its own, with its own adaptive steps, events and end: a generator that yields the problem of its
-next step and is sent the solution (`stepping.next_step`).  The problems of all runs that have not ended are solved by one
-call of `jax.vmap`.  What the cases must share is the shape of that call: grid, axes of symmetry, laws of the oil,
+next step and is sent the solution (`stepping.next_step`).  The problems of all runs that have not ended are solved by
+one call of `jax.vmap`.  What the cases must share is the shape of that call: grid, axes of symmetry, laws of the oil,
 closure.
 
 A batched iteration goes on until the slowest case has converged, so a batch pays where a single step leaves the device

@@ -188,8 +188,8 @@ class RunStore:
         attributes = attributes_in(self._data)
         if "digest" not in attributes:
             raise StoreError(
-                f"{self.directory}: was written by an older ertel ({attributes.get('source', 'unknown')}), which did not "
-                f"record its case; run {self.directory / CASE} again"
+                f"{self.directory}: was written by an older version ({attributes.get('source', 'unknown')}), which did "
+                f"not record its case; run {self.directory / CASE} again"
             )
         if attributes["digest"] != self.case.digest:
             changes = _changes(json.loads(str(attributes["case"])), self.case.to_data())

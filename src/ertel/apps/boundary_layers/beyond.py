@@ -8,16 +8,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
-from ertel import Parameters
+from ertel import Feature, Parameters, RingWaviness, Waviness, fronts, respond, sweep, waves
 from ertel.apps.boundary_layers.dots import Extrapolated
 from ertel.apps.boundary_layers.plans import Moes, impact_seconds
 from ertel.apps.boundary_layers.reduction import case_cells
 from ertel.apps.boundary_layers.waves import HEIGHT, impact_case, last_wave
-from ertel.physics.surfaces import Feature, RingWaviness, Waviness
-from ertel.results import fronts, waves
-from ertel.results.fronts import Front
-from ertel.runs.response import respond
-from ertel.runs.sweep import Task
 
 Maker = Callable[[float, float], Waviness | RingWaviness]
 SHAPES: Mapping[str, Maker] = {  # of height and wavelength
@@ -85,10 +80,10 @@ def shaped_name(kind: str, M: float, L: float, nodes: int) -> str:
 
 def shaped_tasks(
     kind: str, case: Moes, shapes: Sequence[Shaped], grids: tuple[int, int], oil: str = USUAL
-) -> list[Task]:
+) -> list[sweep.Task]:
     """An impact on both grids."""
     return [
-        Task(
+        sweep.Task(
             shaped_name(kind, *case, nodes),
             shaped_impact,
             (*case, tuple(shapes), nodes, oil),
@@ -134,7 +129,7 @@ class Grids(NamedTuple):
         name = shape_name(shape, wavelength)
         return Grids(self.coarse.sel(wave=name), self.fine.sel(wave=name))
 
-    def front(self) -> Front:
+    def front(self) -> fronts.Front:
         """The front on the fine grid."""
         return fronts.front(self.fine)
 
@@ -148,7 +143,7 @@ def over_film(p: Parameters, wavelength: float, speed: float = 1.0, A: float = 1
     return wavelength / A / Parameters(p.lambda_bar * speed / A**4, p.alpha_bar * A).trapped_film
 
 
-def _mark(kind: str, case: Moes, wavelength: float, X: float, ratio: Extrapolated, front: Front) -> Mark:
+def _mark(kind: str, case: Moes, wavelength: float, X: float, ratio: Extrapolated, front: fronts.Front) -> Mark:
     p, speed = Parameters.from_moes(*case), float(front.speed_at(X))
     places = over_film(p, wavelength, speed), over_film(p, wavelength, speed, X), over_film(p, wavelength)
     return Mark(kind, *case, wavelength, X, ratio, *places)

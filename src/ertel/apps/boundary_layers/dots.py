@@ -7,14 +7,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from ertel import Parameters
+from ertel import Parameters, fronts, hertz, waves
 from ertel.apps.boundary_layers.plans import Plan, half
 from ertel.apps.boundary_layers.smooth import NAMES, Results, Values, radial_name
 from ertel.apps.boundary_layers.waves import HEIGHT, impact_name, rolling_name, twin_name, wave_name
-from ertel.physics import hertz
-from ertel.results import fronts, waves
-from ertel.results.fronts import Front
-from ertel.results.waves import Reduction, Wave
 
 FILM, HALF_HERTZ, DRY = NAMES["film"], NAMES["half-hertz"], "dry law"  # the speeds of the front
 SMALLEST_ERROR = 0.01  # of a ratio, in the fit: no ratio counts as more accurate
@@ -83,13 +79,20 @@ def dots(results: Results, plan: Plan) -> Iterator[Dot]:
                 yield _dot(M, L, wavelength, coarse, fine, front, by_pressure, last=number == 0)
 
 
-def _waves(data: xr.Dataset, wavelength: float, edge: float) -> list[Wave]:
+def _waves(data: xr.Dataset, wavelength: float, edge: float) -> list[waves.Wave]:
     response = data.sel(wave=wave_name(HEIGHT, wavelength))
     return waves.waves(response["X"].values, response["dH"].values, edge)
 
 
 def _dot(
-    M: float, L: float, wavelength: float, coarse: Wave, fine: Wave, front: Front, by_pressure: Front, last: bool
+    M: float,
+    L: float,
+    wavelength: float,
+    coarse: waves.Wave,
+    fine: waves.Wave,
+    front: fronts.Front,
+    by_pressure: fronts.Front,
+    last: bool,
 ) -> Dot:
     p, X = Parameters.from_moes(M, L), fine.X
     speeds = {FILM: front.speed_at(X), HALF_HERTZ: by_pressure.speed_at(X), DRY: hertz.front_speed(X)}
@@ -135,7 +138,7 @@ def rolled_over(results: Results, plan: Plan) -> Iterator[Rolled]:
         yield Rolled(M, L, wavelength, nodes, nabla2, Extrapolated(coarse, fine), change)
 
 
-def curve_of(rolled: list[Rolled]) -> Reduction:
+def curve_of(rolled: list[Rolled]) -> waves.Reduction:
     """The curve of the form of (15) fitted to the rolling contacts, each weighted by its error bar."""
     errors = [max(r.ratio.error, SMALLEST_ERROR) for r in rolled]
     return waves.fit_reduction([r.nabla2 for r in rolled], [r.ratio.limit for r in rolled], errors)

@@ -8,14 +8,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
-from ertel import Parameters
+from ertel import Parameters, fronts, hertz, plots
 from ertel.apps.boundary_layers.page import Drawn, side_by_side
 from ertel.apps.boundary_layers.plans import SHOWN_LOAD, L, Plan
 from ertel.apps.boundary_layers.smooth import NAMES, Results, Values, new_figure, plane_name, radial_name, radial_runs
-from ertel.physics import hertz
-from ertel.results import fronts
-from ertel.results.fronts import Trace
-from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE
 
 INNER, OUTER = 0.75, 0.95  # a*: where the film follows the speed of the front
 FITTED_ON = np.linspace(INNER, OUTER, 81)
@@ -43,12 +39,14 @@ def film_and_speed(results: Results, plan: Plan) -> Drawn:
     X, H = _profile(radial)
     dry = hertz.parabola_front_speed_at(np.where((X > 0) & (X < 1), X, np.nan))
     curves = {
-        "$C v^{0.67}$, $v$ of the computed front": Curve(_fitted(X, H, fronts.front(radial).speed_at(X)), ORANGE, "--"),
-        "$C v^{0.67}$, $v$ of the parabola (23)": Curve(_fitted(X, H, dry), BLUE, "--"),
+        "$C v^{0.67}$, $v$ of the computed front": Curve(
+            _fitted(X, H, fronts.front(radial).speed_at(X)), plots.ORANGE, "--"
+        ),
+        "$C v^{0.67}$, $v$ of the parabola (23)": Curve(_fitted(X, H, dry), plots.BLUE, "--"),
     }
     figure, (axes,) = new_figure(1, 1)
     _draw_both_sides(axes, X, Curve(H, "black", "-"), "computed, radial method")
-    axes.plot(plane["X"], plane, ".", color=GREY, markersize=4, label="computed, 2-D method")
+    axes.plot(plane["X"], plane, ".", color=plots.GREY, markersize=4, label="computed, 2-D method")
     for name, curve in curves.items():
         _draw_both_sides(axes, X, curve, name)
     axes.set(xlim=(-1.2, 1.2), ylim=(0, 1.5 * float(H[0])), xlabel="$X$ ($a^*$)", ylabel="film $H$ ($a^{*2}/R$)")
@@ -99,9 +97,9 @@ def _draw_film(axes: Axes, M: int, run: xr.Dataset) -> dict[str, Values]:
     near = (r > 0.6) & (r < 1.02)
     p, speed = Parameters.from_moes(M, L), fronts.front(run).speed_at(r[near])
     curves = {
-        "$C v^{0.67}$": Curve(_fitted(r[near], H[near], speed), ORANGE, "-"),
-        "formula at $\\bar\\lambda v$": Curve(_predicted(p, speed, np.ones_like(speed)), BLUE, "--"),
-        "formula, local Hertz": Curve(_predicted(p, speed, r[near]), GREEN, "-."),
+        "$C v^{0.67}$": Curve(_fitted(r[near], H[near], speed), plots.ORANGE, "-"),
+        "formula at $\\bar\\lambda v$": Curve(_predicted(p, speed, np.ones_like(speed)), plots.BLUE, "--"),
+        "formula, local Hertz": Curve(_predicted(p, speed, r[near]), plots.GREEN, "-."),
     }
     axes.plot(r[near], H[near], color="black", label="computed")
     for name, curve in curves.items():
@@ -128,17 +126,17 @@ def _deviations(M: int, run: xr.Dataset) -> Iterator[dict[str, str]]:
         }
 
 
-def _traces(run: xr.Dataset) -> dict[str, Trace]:
+def _traces(run: xr.Dataset) -> dict[str, fronts.Trace]:
     """The film and the speed of the front, by three definitions of the front and two laws of the dry contact."""
     H = np.interp(FITTED_ON, *_profile(run))
     return {
         **{name: fronts.film_behind_front(run, fronts.front(run, by), FITTED_ON) for by, name in NAMES.items()},
-        "none: exact dry law": Trace(FITTED_ON, H, hertz.front_speed(FITTED_ON)),
-        "none: parabola (23)": Trace(FITTED_ON, H, hertz.parabola_front_speed_at(FITTED_ON)),
+        "none: exact dry law": fronts.Trace(FITTED_ON, H, hertz.front_speed(FITTED_ON)),
+        "none: parabola (23)": fronts.Trace(FITTED_ON, H, hertz.parabola_front_speed_at(FITTED_ON)),
     }
 
 
-def _deviation(film: Values, trace: Trace) -> str:
+def _deviation(film: Values, trace: fronts.Trace) -> str:
     found = fronts.deviation(film, trace.H)
     return f"{found.rms:.1%} ({found.mean:+.1%})"
 
@@ -151,7 +149,7 @@ def _profile(run: xr.Dataset) -> Profile:
 def _fitted(X: Values, H: Values, speed: Values) -> Values:
     """C v^0.67 with C fitted on the range of the paper."""
     near = (X > INNER) & (X < OUTER) & np.isfinite(speed) & (speed > 0)
-    C = fronts.fit_power(Trace(X[near], H[near], speed[near]))
+    C = fronts.fit_power(fronts.Trace(X[near], H[near], speed[near]))
     return np.asarray(C * speed**fronts.SPEED_EXPONENT)
 
 

@@ -8,6 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
+from ertel import fronts, hertz, plots
 from ertel.apps.boundary_layers.page import Drawn, side_by_side
 from ertel.apps.boundary_layers.plans import LOADS, SHOWN_LOAD, L, Plan
 from ertel.apps.boundary_layers.smooth import (
@@ -20,10 +21,6 @@ from ertel.apps.boundary_layers.smooth import (
     plane_name,
     radial_runs,
 )
-from ertel.physics import hertz
-from ertel.results import fronts
-from ertel.results.fronts import Front
-from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS
 
 TOUCH = 1.0  # t0: the ball starts one delta* above the surface
 LINES: Mapping[Definition, str] = {"film": "-", "slope": ":", "half-hertz": "--"}
@@ -48,9 +45,9 @@ def dry_impact(results: Results, plan: Plan) -> Drawn:
     fitted = fronts.fit_half_base(T, exact)
     laws = {
         "exact": Law(exact, "black", "-"),
-        "Johnson (20)": Law(hertz.johnson_radius(T), BLUE, "--"),
-        "parabola (22), t* = 1.35": Law(hertz.parabola_radius(T), ORANGE, "-"),
-        f"parabola, t* = {fitted:.3f} fitted": Law(hertz.parabola_radius(T, fitted), GREEN, ":"),
+        "Johnson (20)": Law(hertz.johnson_radius(T), plots.BLUE, "--"),
+        "parabola (22), t* = 1.35": Law(hertz.parabola_radius(T), plots.ORANGE, "-"),
+        f"parabola, t* = {fitted:.3f} fitted": Law(hertz.parabola_radius(T, fitted), plots.GREEN, ":"),
     }
     figure, (left, right) = new_figure(1, 2)
     _draw_laws(left, right, T, laws)
@@ -71,7 +68,7 @@ def _draw_laws(left: Axes, right: Axes, T: Values, laws: Mapping[str, Law]) -> N
             speed = np.where((A > 0.02) & (A < 1.01), np.gradient(A, T), np.nan)
         left.plot(T, A, color=colour, linestyle=line, label=name)
         right.plot(T, speed * hertz.HALF_BASE, color=colour, linestyle=line)
-    right.plot(T, hertz.linear_front_speed(T) * hertz.HALF_BASE, color=GREY, linewidth=0.8, label="linear (24)")
+    right.plot(T, hertz.linear_front_speed(T) * hertz.HALF_BASE, color=plots.GREY, linewidth=0.8, label="linear (24)")
     left.set(xlabel="time from the maximum $T$ ($t_0$)", ylabel="$a/a^*$", ylim=(0, 1.05))
     right.set(xlabel="time from the maximum $T$ ($t_0$)", ylabel="$v/v^*$, $v^* = a^*/(1.35\\,t_0)$", ylim=(-3, 3))
     left.legend(loc="lower center", frameon=False, fontsize="small")
@@ -100,7 +97,7 @@ def _half_base(run: xr.Dataset, by: Definition) -> float:
 
 # -- Fig. 2 -----------------------------------------------------------------------------------------------------------
 
-Found = Mapping[int, Mapping[Definition, Front]]  # M, definition -> front
+Found = Mapping[int, Mapping[Definition, fronts.Front]]  # M, definition -> front
 
 
 def front_speed(results: Results, plan: Plan) -> Drawn:
@@ -126,18 +123,20 @@ def front_speed(results: Results, plan: Plan) -> Drawn:
     return Drawn(figure, caption, {"fronts": side_by_side(columns)}, tables)
 
 
-def _draw_speed(axes: Axes, found: Found, plane: Front) -> None:
+def _draw_speed(axes: Axes, found: Found, plane: fronts.Front) -> None:
     T = np.linspace(0.01, hertz.HALF_CONTACT_TIME, 600)
     axes.plot(T, hertz.front_speed(hertz.contact_radius(T)), color="black", label="dry, exact")
     linear = hertz.linear_front_speed(T - hertz.HALF_CONTACT_TIME)
-    axes.plot(T, linear, color=GREY, linestyle=":", label="linear (24), $t^*$ = 1.35")
+    axes.plot(T, linear, color=plots.GREY, linestyle=":", label="linear (24), $t^*$ = 1.35")
     for (M, by_definition), colour in zip(found.items(), _shades(), strict=True):
         for by in ("film", "half-hertz"):
             front = by_definition[by]
             late = front.A > FORMED
             label = f"$M$ = {M}" if by == "film" else None
             axes.plot(front.T[late] - TOUCH, front.speed[late], LINES[by], color=colour, linewidth=1.0, label=label)
-    axes.plot(plane.T - TOUCH, plane.speed, ".", color=GREY, markersize=3, label=f"$M$ = {SHOWN_LOAD}, 2-D method")
+    axes.plot(
+        plane.T - TOUCH, plane.speed, ".", color=plots.GREY, markersize=3, label=f"$M$ = {SHOWN_LOAD}, 2-D method"
+    )
     axes.set(xlabel="time from the dry ball's first touch ($t_0$)", ylabel="front speed $dA/dT$ ($a^*/t_0$)")
     axes.set(xlim=(0, 1.5), ylim=(0, 1.4))
     axes.legend(loc="upper right", frameon=False, fontsize="small")
@@ -150,7 +149,7 @@ def _draw_share(axes: Axes, found: Found) -> None:
             share = front.speed / hertz.front_speed(np.minimum(front.A, 1.0))
             axes.plot(front.A[late], share[late], LINES[by], color=colour, linewidth=1.0)
     for by, name in NAMES.items():
-        axes.plot([], [], LINES[by], color=GREY, label=name)
+        axes.plot([], [], LINES[by], color=plots.GREY, label=name)
     axes.axhline(1.0, color="black", linewidth=0.8)
     axes.set(xlabel="position of the front $A$ ($a^*$)", ylabel="speed over that of the dry contact", ylim=(0, 1.1))
     axes.set(xlim=(FORMED, 1.0))
@@ -168,10 +167,10 @@ def _shares(found: Found) -> DataFrame:
     )
 
 
-def _share(front: Front) -> str:
+def _share(front: fronts.Front) -> str:
     share = front.speed_at(COMPARED) / hertz.front_speed(COMPARED)
     return f"{np.nanmean(share):.2f} ({np.nanmin(share):.2f} to {np.nanmax(share):.2f})"
 
 
 def _shades() -> Values:
-    return np.asarray(ORDERED_COLOURS(np.linspace(1.0, 0.0, len(LOADS))))
+    return np.asarray(plots.ORDERED_COLOURS(np.linspace(1.0, 0.0, len(LOADS))))

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from matplotlib.figure import Figure
 from pandas import DataFrame
 
+from ertel import plots, sweep
 from ertel.apps.boundary_layers.beyond import (
     OILS,
     SOFT,
@@ -22,10 +23,8 @@ from ertel.apps.boundary_layers.page import Drawn
 from ertel.apps.boundary_layers.plans import Moes, Plan, Wavelengths
 from ertel.apps.boundary_layers.reduction import case_cells, draw_curves
 from ertel.apps.boundary_layers.smooth import Results, new_figure
-from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE
-from ertel.runs.sweep import Task
 
-STYLES = dict(zip(OILS, (("o", "black"), ("s", BLUE), ("D", GREEN), ("^", ORANGE)), strict=True))
+STYLES = dict(zip(OILS, (("o", "black"), ("s", plots.BLUE), ("D", plots.GREEN), ("^", plots.ORANGE)), strict=True))
 Pair = tuple[Mark, Mark]  # with the usual oil and with another, at the same M, L and wavelength
 
 
@@ -39,7 +38,7 @@ def oiled(plan: Plan) -> Iterator[tuple[Moes, str, Wavelengths]]:
         yield (M, 0), SOFT, wavelengths
 
 
-def tasks(plan: Plan) -> list[Task]:
+def tasks(plan: Plan) -> list[sweep.Task]:
     """The runs of Fig. 8."""
     return [
         task
@@ -82,7 +81,7 @@ def _draw(marks: Sequence[Mark], pairs: Sequence[Pair]) -> Figure:
         own = [(usual.ratio.limit, mark.ratio.limit) for usual, mark in pairs if mark.kind == oil]
         if own:
             right.plot(*zip(*own, strict=True), marker, color=colour, label=oil)
-    right.plot([0, 1], [0, 1], color=GREY, linewidth=0.8)
+    right.plot([0, 1], [0, 1], color=plots.GREY, linewidth=0.8)
     right.set(xlim=(0, 1), ylim=(0, 1), xlabel=f"$A_d/A_i$, {USUAL}", ylabel="$A_d/A_i$, same $M, L, \\Lambda$")
     right.legend(loc="upper left", frameon=False, fontsize="x-small")
     return figure

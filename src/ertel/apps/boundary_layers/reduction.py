@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from pandas import DataFrame
 
+from ertel import amplitude_reduction, plots, sweep, waves
 from ertel.apps.boundary_layers import checks
 from ertel.apps.boundary_layers.dots import (
     DRY,
@@ -26,13 +27,9 @@ from ertel.apps.boundary_layers.page import Drawn
 from ertel.apps.boundary_layers.plans import Plan, half
 from ertel.apps.boundary_layers.smooth import FORMED, Results, new_figure
 from ertel.apps.boundary_layers.waves import check_tasks, impact_tasks, rolling_tasks, twin_tasks
-from ertel.physics import amplitude_reduction
-from ertel.results.plots.drawing import BLUE, GREY, ORANGE, ORDERED_COLOURS
-from ertel.results.waves import Reduction
-from ertel.runs.sweep import Task
 
 
-def tasks(plan: Plan) -> list[Task]:
+def tasks(plan: Plan) -> list[sweep.Task]:
     """The runs of Fig. 6."""
     return [*impact_tasks(plan), *check_tasks(plan), *rolling_tasks(plan), *twin_tasks(plan)]
 
@@ -44,7 +41,7 @@ class Found:
     impacts: list[Dot]
     rolled: list[Rolled]
     twins: list[Twin]
-    own: Reduction
+    own: waves.Reduction
 
     @property
     def last(self) -> list[Dot]:
@@ -91,7 +88,9 @@ def _draw(found: Found) -> Figure:
     for axes in (left, middle, right):
         draw_curves(axes)
         n = np.geomspace(0.3, 30, 200)
-        axes.plot(n, found.own.ratio(n), color=ORANGE, linewidth=1.0, linestyle=":", label="fitted to the squares")
+        axes.plot(
+            n, found.own.ratio(n), color=plots.ORANGE, linewidth=1.0, linestyle=":", label="fitted to the squares"
+        )
         _draw_rolled(axes, found.rolled)
     ranges = [(min(dot.local.values()), max(dot.local.values())) for dot in found.last]
     _draw_dots(left, found.last, [dot.local[FILM] for dot in found.last], ranges)
@@ -99,8 +98,8 @@ def _draw(found: Found) -> Figure:
     _draw_dots(right, found.last, [dot.hertz for dot in found.last])
     further = [dot.hertz for dot in found.inner], [dot.ratio.limit for dot in found.inner]
     crosses = [twin.nabla2 for twin in found.twins], [twin.rolling.limit for twin in found.twins]
-    handles = right.plot(*further, ".", color=GREY, markersize=3, label="impact, waves further in")
-    handles += right.plot(*crosses, "x", color=BLUE, label="rolling, parameters of the front")
+    handles = right.plot(*further, ".", color=plots.GREY, markersize=3, label="impact, waves further in")
+    handles += right.plot(*crosses, "x", color=plots.BLUE, label="rolling, parameters of the front")
     left.set_xlabel("local $\\nabla_2$, $\\bar\\lambda v$")
     middle.set_xlabel("global $\\nabla_2$ (rolling: its own)")
     right.set_xlabel("local $\\nabla_2$ with the momentary Hertz contact")
@@ -114,7 +113,7 @@ def draw_curves(axes: Axes) -> None:
     n = np.geomspace(0.3, 30, 200)
     line_contact = amplitude_reduction.in_line_contact(n)
     axes.semilogx(n, amplitude_reduction.ratio_left(n), color="black", label="(15), isotropic")
-    axes.semilogx(n, line_contact, color=GREY, linestyle="--", label="line contact, transverse")
+    axes.semilogx(n, line_contact, color=plots.GREY, linestyle="--", label="line contact, transverse")
     axes.set(ylim=(0, 1.1), xlim=(0.4, 20), ylabel="$A_d/A_i$")
     axes.set_xticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
 
@@ -124,7 +123,7 @@ def _draw_dots(
 ) -> None:
     """Dots with error bars, one colour and marker for each (M, L); horizontal bars where ranges of nabla2 are given."""
     cases = list(dict.fromkeys((dot.M, dot.L) for dot in found))
-    shades = ORDERED_COLOURS(np.linspace(0.95, 0.0, len(cases)))
+    shades = plots.ORDERED_COLOURS(np.linspace(0.95, 0.0, len(cases)))
     for (M, L), colour, marker in zip(cases, shades, "ovD^P*<>", strict=False):
         own = [i for i, dot in enumerate(found) if (dot.M, dot.L) == (M, L)]
         place, ratios = [nabla2[i] for i in own], [found[i].ratio for i in own]
@@ -165,7 +164,7 @@ def _rolling_data(rolled: Sequence[Rolled]) -> DataFrame:
 # -- tables -----------------------------------------------------------------------------------------------------------
 
 
-def _text(curve: Reduction) -> str:
+def _text(curve: waves.Reduction) -> str:
     return f"1/(1 + {curve.linear:.3f} nabla2 + {curve.quadratic:.4f} nabla2^2)"
 
 
@@ -210,7 +209,7 @@ def _scatter_table(found: Found) -> DataFrame:
     return DataFrame([*rows, {"parameter": "rolling", **cells}])
 
 
-def _about(values: Sequence[float], nabla2: Sequence[float], own: Reduction) -> dict[str, str]:
+def _about(values: Sequence[float], nabla2: Sequence[float], own: waves.Reduction) -> dict[str, str]:
     curves = {
         "isotropic (15)": amplitude_reduction.ratio_left(nabla2),
         "line contact": amplitude_reduction.in_line_contact(nabla2),

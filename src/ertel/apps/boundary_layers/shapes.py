@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 from pandas import DataFrame
 
-from ertel import Case, Parameters, parse_case, simulate
+from ertel import Case, Parameters, amplitude_reduction, parse_case, plots, simulate, sweep
 from ertel.apps.boundary_layers.beyond import (
     Grids,
     Mark,
@@ -27,11 +27,8 @@ from ertel.apps.boundary_layers.plans import Plan, rolling_seconds
 from ertel.apps.boundary_layers.reduction import draw_curves
 from ertel.apps.boundary_layers.smooth import Results, Values, new_figure
 from ertel.apps.boundary_layers.waves import HEIGHT, wavy_rolling
-from ertel.physics import amplitude_reduction
-from ertel.results.plots.drawing import BLUE, GREEN, ORANGE
-from ertel.runs.sweep import Task
 
-STYLES = {"transverse": ("o", BLUE), "rings": ("D", GREEN), "longitudinal": ("^", ORANGE)}
+STYLES = {"transverse": ("o", plots.BLUE), "rings": ("D", plots.GREEN), "longitudinal": ("^", plots.ORANGE)}
 CURVES: Mapping[str, Callable[[ArrayLike], Values]] = {
     "(15), isotropic": amplitude_reduction.ratio_left,
     "line contact": amplitude_reduction.in_line_contact,
@@ -76,7 +73,7 @@ def ridges_name(M: float, L: float, wavelength: float, nodes: int) -> str:
     return f"ridges_M{M:g}_L{L:g}_{wavelength:g}_{nodes}"
 
 
-def tasks(plan: Plan) -> list[Task]:
+def tasks(plan: Plan) -> list[sweep.Task]:
     """The runs of Fig. 7."""
     found = []
     for case, wavelengths in plan.beyond.shaped.items():
@@ -85,8 +82,8 @@ def tasks(plan: Plan) -> list[Task]:
     for rolling in plan.beyond.rolling:
         for nodes in plan.beyond.rolling_grids:
             seconds = rolling_seconds(nodes)
-            found.append(Task(transverse_name(*rolling, nodes), wavy_rolling, (*rolling, nodes, inf), seconds))
-            found.append(Task(ridges_name(*rolling, nodes), ridged_rolling, (*rolling, nodes), seconds))
+            found.append(sweep.Task(transverse_name(*rolling, nodes), wavy_rolling, (*rolling, nodes, inf), seconds))
+            found.append(sweep.Task(ridges_name(*rolling, nodes), ridged_rolling, (*rolling, nodes), seconds))
     return found
 
 
@@ -149,7 +146,12 @@ def _draw(impacts: Sequence[Mark], rolled: Sequence[Mark]) -> Figure:
     for axes, marks in {left: impacts, right: rolled}.items():
         draw_curves(axes)
         axes.plot(
-            n, longitudinal, color=ORANGE, linewidth=1.0, linestyle=":", label="(15) of $e\\nabla_2$, longitudinal"
+            n,
+            longitudinal,
+            color=plots.ORANGE,
+            linewidth=1.0,
+            linestyle=":",
+            label="(15) of $e\\nabla_2$, longitudinal",
         )
         draw_marks(axes, marks, STYLES)
     left.set(xlabel="local $\\nabla_2$", title="impact")

@@ -7,7 +7,20 @@ import xarray as xr
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
-from ertel import Case, Parameters, parse_case, simulate
+from ertel import (
+    Case,
+    Feature,
+    Parameters,
+    Waviness,
+    fronts,
+    parse_case,
+    plots,
+    respond,
+    respond_linearly,
+    simulate,
+    sweep,
+    waves,
+)
 from ertel.apps.boundary_layers.page import Drawn
 from ertel.apps.boundary_layers.plans import Plan, half, impact_seconds, rolling_seconds
 from ertel.apps.boundary_layers.smooth import (
@@ -19,12 +32,6 @@ from ertel.apps.boundary_layers.smooth import (
     radial_task,
     smooth_impact,
 )
-from ertel.physics.surfaces import Feature, Waviness
-from ertel.results import fronts, waves
-from ertel.results.plots.drawing import BLUE, GREY, ORANGE
-from ertel.results.waves import Wave
-from ertel.runs.response import respond
-from ertel.runs.sweep import Task
 
 HEIGHT = 0.01  # A_i in units of the trapped film sqrt(L/M): small
 CHECKED = (0.005, 0.02, 0.05)  # other heights: A_d/A_i should not depend on the height
@@ -79,7 +86,8 @@ def wavy_impact(
     case = impact_case(M, L, nodes, finer=finer)
     heights = [share * case.parameters.trapped_film for share, _ in waves]
     shapes = [Waviness(A, wave, wave) for A, (_, wave) in zip(heights, waves, strict=True)]
-    data = respond(case, [[Feature(shape)] for shape in shapes], linear)
+    response = respond_linearly if linear else respond
+    data = response(case, [[Feature(shape)] for shape in shapes])
     if data.attrs["status"] != "converged":
         raise RuntimeError(f"M = {M}, L = {L}, {nodes} nodes: {data.attrs['status']}")
     line = data[["H", "dH"]].assign(shape=data["roughness"]).drop_vars("roughness").sel(Y=0.0, method="nearest")
@@ -163,7 +171,7 @@ def twin_name(M: float, L: float, wavelength: float, X: float, nodes: int) -> st
     return f"twin_M{M:g}_L{L:g}_{wavelength:g}_at_{X:g}_{nodes}"
 
 
-def impact_tasks(plan: Plan) -> list[Task]:
+def impact_tasks(plan: Plan) -> list[sweep.Task]:
     """For each M, L: the smooth impact by the radial method, and the waves on both grids."""
     tasks = []
     for (M, L), wavelengths in plan.waves.impacts.items():
@@ -171,11 +179,11 @@ def impact_tasks(plan: Plan) -> list[Task]:
         for nodes in plan.waves.grids:
             arguments = M, L, tuple((HEIGHT, wavelength) for wavelength in wavelengths), nodes
             seconds = impact_seconds(len(wavelengths) + 1, nodes)
-            tasks.append(Task(impact_name(M, L, nodes), wavy_impact, arguments, seconds))
+            tasks.append(sweep.Task(impact_name(M, L, nodes), wavy_impact, arguments, seconds))
     return tasks
 
 
-def check_tasks(plan: Plan) -> list[Task]:
+def check_tasks(plan: Plan) -> list[sweep.Task]:
     """Checks on the coarse grid: other heights of the waves, the tangent-linear response, shorter time steps."""
     M, L, nodes = *plan.waves.shown, plan.waves.grids[0]
     wavelengths = plan.waves.impacts[M, L]
@@ -184,32 +192,32 @@ def check_tasks(plan: Plan) -> list[Task]:
     several, one = impact_seconds(len(usual) + 1, nodes), impact_seconds(2, nodes)
     heights = impact_seconds(len(others) + 1, nodes)
     return [
-        Task(check_name("heights", plan), wavy_impact, (M, L, others, nodes), heights),
-        Task(check_name("linear", plan), wavy_impact, (M, L, usual[:1], nodes, True), one),
-        Task(check_name("steps", plan), wavy_impact, (M, L, usual, nodes, False, SHORTER**3), several),
+        sweep.Task(check_name("heights", plan), wavy_impact, (M, L, others, nodes), heights),
+        sweep.Task(check_name("linear", plan), wavy_impact, (M, L, usual[:1], nodes, True), one),
+        sweep.Task(check_name("steps", plan), wavy_impact, (M, L, usual, nodes, False, SHORTER**3), several),
         _rolling_check(*plan.waves.rolling[-1]),
     ]
 
 
-def _rolling_check(M: float, L: float, wavelength: float, fine: int) -> Task:
+def _rolling_check(M: float, L: float, wavelength: float, fine: int) -> sweep.Task:
     nodes = half(fine)
     arguments = M, L, wavelength, nodes, None, SHORTER
-    return Task(rolling_check_name(nodes), wavy_rolling, arguments, SHORTER * rolling_seconds(nodes))
+    return sweep.Task(rolling_check_name(nodes), wavy_rolling, arguments, SHORTER * rolling_seconds(nodes))
 
 
-def rolling_tasks(plan: Plan) -> list[Task]:
+def rolling_tasks(plan: Plan) -> list[sweep.Task]:
     """Each rolling contact on both grids."""
     return [
-        Task(rolling_name(M, L, wave, nodes), wavy_rolling, (M, L, wave, nodes), rolling_seconds(nodes))
+        sweep.Task(rolling_name(M, L, wave, nodes), wavy_rolling, (M, L, wave, nodes), rolling_seconds(nodes))
         for M, L, wave, fine in plan.waves.rolling
         for nodes in (half(fine), fine)
     ]
 
 
-def twin_tasks(plan: Plan) -> list[Task]:
+def twin_tasks(plan: Plan) -> list[sweep.Task]:
     """Each rolling twin on both grids."""
     return [
-        Task(twin_name(*twin, nodes), rolling_twin, (*twin, nodes), 10.0 + rolling_seconds(nodes))
+        sweep.Task(twin_name(*twin, nodes), rolling_twin, (*twin, nodes), 10.0 + rolling_seconds(nodes))
         for twin in plan.waves.twins
         for nodes in plan.waves.twin_grids
     ]
@@ -243,24 +251,24 @@ def deformed_waves(results: Results, plan: Plan) -> Drawn:
     return Drawn(figure, caption, {"dH": data}, {f"Last complete waves, {nodes} nodes per side": _last_waves(last)})
 
 
-def _draw_waves(axes: Axes, response: xr.Dataset, wave: Wave, edge: float) -> None:
+def _draw_waves(axes: Axes, response: xr.Dataset, wave: waves.Wave, edge: float) -> None:
     X = response["X"].values
     shape = -response["shape"].values
-    axes.plot(X, shape, color=GREY, linewidth=0.7, linestyle=":", label="undeformed: $-\\mathcal{R}/A_i$")
-    axes.plot(X, response["dH"].values, color=BLUE, label="$dH/A_i$")
-    axes.axvspan(wave.start, wave.end, color=ORANGE, alpha=0.2, label="last complete wave")
+    axes.plot(X, shape, color=plots.GREY, linewidth=0.7, linestyle=":", label="undeformed: $-\\mathcal{R}/A_i$")
+    axes.plot(X, response["dH"].values, color=plots.BLUE, label="$dH/A_i$")
+    axes.axvspan(wave.start, wave.end, color=plots.ORANGE, alpha=0.2, label="last complete wave")
     for side in (-edge, edge):
         axes.axvline(side, color="black", linewidth=0.7)
     axes.set(xlim=(-HALF_WIDTH, HALF_WIDTH), ylim=(-1.15, 1.15))
 
 
-def _last_waves(last: Mapping[float, Wave]) -> DataFrame:
+def _last_waves(last: Mapping[float, waves.Wave]) -> DataFrame:
     return DataFrame(
         {"wavelength (a*)": f"{wavelength:g}", "X": f"{wave.X:.3f}", "A_d/A_i": f"{wave.amplitude:.3f}"}
         for wavelength, wave in last.items()
     )
 
 
-def last_wave(response: xr.Dataset, edge: float) -> Wave:
+def last_wave(response: xr.Dataset, edge: float) -> waves.Wave:
     """The last complete wave inside the edge, of one wave's dH/A_i (X)."""
     return waves.last_wave(response["X"].values, response["dH"].values, edge)

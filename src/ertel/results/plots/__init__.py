@@ -14,9 +14,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ertel.results.plots import steady, transient
-from ertel.results.plots.drawing import At, Figures
+from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, At, Figures
 
 __all__ = [
+    "BLUE",
+    "GREEN",
+    "GREY",
+    "ORANGE",
+    "ORDERED_COLOURS",
     "convergence",
     "figures_of",
     "film",
