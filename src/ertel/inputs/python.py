@@ -143,7 +143,7 @@ def impact(
     >>> case = impact(radius=0.01, ball_density=7850, speed=0.1, E1=210e9, nu1=0.3, E2=210e9, nu2=0.3,
     ...               oil=Oil(eta0=0.0186, alpha=20e-9))
     >>> round(case.scales.p_h / 1e9, 2)
-    1.36
+    1.42
     """
     return _case("impact", locals())
 
