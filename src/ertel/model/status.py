@@ -9,13 +9,13 @@ class Status(Enum):
     CONVERGED = "converged"
     RUNNING = "running"
     INTERRUPTED = "interrupted"
-    NEWTON_STALLED = "Newton stalled"
+    NEWTON_STALLED = "Newton iteration stalled"
     STEP_TOO_SMALL = "the time step became too small"
 
     @property
     def advice(self) -> str:
         """What to try next."""
-        return _ADVICE[self]
+        return _ADVICE.get(self, "")
 
     @property
     def ok(self) -> bool:
@@ -23,9 +23,6 @@ class Status(Enum):
 
 
 _ADVICE = {
-    Status.CONVERGED: "",
-    Status.RUNNING: "the run has not come to its end yet; `ertel resume` takes it up from the last checkpoint",
-    Status.INTERRUPTED: "`ertel resume` takes the run up from the last checkpoint",
-    Status.NEWTON_STALLED: "take a smaller time step, or more nodes where the film is thin",
+    Status.NEWTON_STALLED: "reduce the time step, or use more nodes where the film is thin",
     Status.STEP_TOO_SMALL: "refine the grid (solver.nodes), check the lubricant, or loosen time.tolerance",
 }

@@ -1,1 +1,1 @@
-"""What a run says: variables, Dataset, summary, diagnostics, fronts, waves, pictures."""
+"""What a run says: variables, Dataset, provenance, summary, diagnostics, Result, fronts, waves, pictures."""

@@ -31,7 +31,7 @@ try:
 except ImportError:  # not on Windows
     fcntl = None  # type: ignore[assignment]
 
-from ertel.inputs.case_files import load_case, to_toml
+from ertel.inputs.case_files import parse_case, read_toml, to_toml
 from ertel.model.case import Case
 from ertel.model.records import show
 from ertel.model.status import Status
@@ -77,7 +77,7 @@ class RunStore:
         data = directory / DATA
         if not (data.exists() or old_of(data).exists()):
             raise StoreError(f"{directory} is not an ertel run directory (no {DATA})")
-        store = cls(directory, load_case(directory / CASE))
+        store = cls(directory, parse_case(read_toml(directory / CASE)))
         store._check_digest()
         return store
 
@@ -227,9 +227,10 @@ class RunStore:
 
 
 def _changes(before: Any, now: Any, place: str = "") -> str:
-    """What differs between two cases as plain data."""
+    """What differs between two cases as plain data, names and references apart."""
     if isinstance(before, Mapping) and isinstance(now, Mapping):
-        keys = [key for key in {**before, **now} if before.get(key) != now.get(key)]
+        free = ("name", "reference")
+        keys = [key for key in {**before, **now} if before.get(key) != now.get(key) and key not in free]
         return ", ".join(_changes(before.get(key), now.get(key), f"{place}.{key}".removeprefix(".")) for key in keys)
     return f"{place} {show(before)} → {show(now)}"
 

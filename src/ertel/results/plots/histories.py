@@ -25,7 +25,7 @@ def draw_motion(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     _draw_series(axes, dataset, p, lines, 1.0)
     axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(ylabel="share of the dry impact's", ylim=(-1.1, 1.35))
-    axes.legend(loc="upper left", frameon=False, ncols=3, columnspacing=1.0, handlelength=1.5, fontsize="small")
+    axes.legend(loc="upper left", edgecolor="none", ncols=3, columnspacing=1.0, handlelength=1.5, fontsize="small")
 
 
 def draw_drive(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
@@ -41,7 +41,7 @@ def draw_drive(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     low, high = (function([dataset[name].values for name in lines]) for function in (np.min, np.max))
     span = max(high - min(low, 0.0), 0.1)
     axes.set(ylabel="share of the static contact's", ylim=(min(low, 0.0) - 0.05 * span, high + 0.3 * span))
-    axes.legend(loc="upper left", frameon=False, ncols=2, columnspacing=1.0, fontsize="small")
+    axes.legend(loc="upper left", edgecolor="none", ncols=2, columnspacing=1.0, fontsize="small")
 
 
 def draw_film_history(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
@@ -50,7 +50,7 @@ def draw_film_history(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     lines = {"H_c": (named(dataset, "H_c"), BLUE, "-"), "H_min": (named(dataset, "H_min"), ORANGE, "-")}
     _draw_series(axes, dataset, p, lines, z.factor)
     axes.set(ylabel=f"film thickness ({z.unit})")
-    axes.legend(loc="upper right", frameon=False, fontsize="small")
+    axes.legend(loc="upper right", edgecolor="none", fontsize="small")
     films = [dataset[name].values * z.factor for name in lines]
     if np.max(films[0]) < 5.0 * np.min(films[0]):
         axes.set(ylim=(0.0, 1.35 * np.max(films)))
@@ -68,7 +68,7 @@ def draw_pressure_history(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     lines = {"P_max": (named(dataset, "P_max"), ORANGE, "-"), "P_c": (named(dataset, "P_c"), BLUE, "-")}
     _draw_series(axes, dataset, p, lines, z.factor)
     axes.set(ylabel=f"pressure ({z.unit})", ylim=(0.0, 1.3 * float(dataset["P_max"].max()) * z.factor))
-    axes.legend(loc="upper left", frameon=False, fontsize="small")
+    axes.legend(loc="upper left", edgecolor="none", fontsize="small")
 
 
 def draw_front(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
@@ -84,7 +84,7 @@ def draw_front(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     lines = {"X_min": ("front: place of the minimum film thickness", GREEN, "-")}
     _draw_series(axes, dataset, p, lines, across.factor, front)
     axes.set(ylabel=f"distance from the centre ({across.unit})", ylim=(0.0, 1.25 * across.factor))
-    axes.legend(loc="upper left", frameon=False, fontsize="small")
+    axes.legend(loc="upper left", edgecolor="none", fontsize="small")
 
 
 def draw_minimum_film(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
@@ -94,7 +94,7 @@ def draw_minimum_film(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     _draw_series(axes, dataset, p, {name: line for name, line in lines.items() if name in dataset}, across.factor)
     axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(ylabel=f"place of the minimum film ({across.unit})", ylim=(-1.3 * across.factor, 1.7 * across.factor))
-    axes.legend(loc="upper left", frameon=False, ncols=2, fontsize="small")
+    axes.legend(loc="upper left", edgecolor="none", ncols=2, fontsize="small")
 
 
 def _draw_series(

@@ -72,9 +72,9 @@ def draw_film_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     """Film along the mid-line through time, the chosen moment in black."""
     top = 2.0 * film_inside(p.x, p.P[p.chosen], p.H[p.chosen])
     z = scale(dataset, "H", top / 2)
-    _draw_profiles(axes, dataset, p, p.H * z.factor, top * z.factor)
+    rough = _draw_profiles(axes, dataset, p, p.H * z.factor, top * z.factor)
     axes.set(ylabel=z.label)
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, FOOT), edgecolor="none", fontsize="small")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, FOOT if rough else 0.0), edgecolor="none", fontsize="small")
 
 
 def draw_pressure_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
@@ -85,8 +85,10 @@ def draw_pressure_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None
     axes.legend(loc="upper center", frameon=False, ncols=2, fontsize="small")
 
 
-def _draw_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles, values: Values, top: float) -> None:
-    """Lines of the maps that carry load, coloured by time and dashed in the rebound; the chosen moment in black."""
+def _draw_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles, values: Values, top: float) -> bool:
+    """Lines of the maps that carry load, coloured by time and dashed in the rebound, the chosen moment in black, and
+    the roughness below; whether there is any.
+    """
     time, across = scale(dataset, "time", 1.0), lateral(dataset)
     loaded = np.flatnonzero(p.P.max(axis=1) > LOADED * p.P.max())
     shown = loaded[:: max(1, round(len(loaded) / 14))]
@@ -99,10 +101,11 @@ def _draw_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles, values: Values,
     axes.plot(x, values[p.chosen], color="black", linewidth=2.0, label=p.moment)
     if shown[-1] > last:
         axes.plot([], [], color=GREY, linestyle="--", linewidth=0.8, label="rebound")
-    draw_band(axes, dataset, p.time, p.x, top)
+    rough = draw_band(axes, dataset, p.time, p.x, top)
     side = extent(p.x, p.P[p.chosen]) * across.factor
     axes.set(xlim=(-side, min(side, x[-1])), xlabel=axis_label(dataset, "x"))
     figure_of(axes).colorbar(colours, ax=axes, label=time.label)
+    return rough
 
 
 # -- figures ----------------------------------------------------------------------------------------------------------
