@@ -181,11 +181,7 @@ def film_behind_front(data: xr.Dataset, front: Front, X: ArrayLike) -> Trace:
 
 
 def fit_power(trace: Trace, exponent: float = SPEED_EXPONENT) -> float:
-<<<<<<< HEAD
-    """Coefficient C of H = C v^exponent by least squares of the logarithms; the paper has 0.75 < X < 0.95 (Fig. 4)."""
-=======
     """Coefficient C of H = C v^exponent by least squares of the logarithms; the paper: 0.75 < X < 0.95 (Fig. 4)."""
->>>>>>> results
     return float(np.exp(np.mean(np.log(trace.H / trace.speed**exponent))))
 
 
