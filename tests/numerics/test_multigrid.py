@@ -10,8 +10,9 @@ from jax import Array
 
 from ertel.numerics import halfspace, multigrid
 from ertel.numerics.grid import Grid
-from ertel.numerics.multigrid import Coefficients, Level
+from ertel.numerics.multigrid import Coefficients, GridLevel
 from ertel.numerics.stencils import Pair
+from ertel.physics.geometry import COMPLIANCE
 
 
 def impact_like(nodes: int, dt: float = 0.01, depth: float = 3e-6) -> Coefficients:
@@ -25,11 +26,11 @@ def impact_like(nodes: int, dt: float = 0.01, depth: float = 3e-6) -> Coefficien
     )
 
 
-def levels_of(nodes: int, coefficients: Coefficients) -> tuple[Level, ...]:
-    return multigrid.hierarchy(multigrid.elasticities(Grid.square(nodes, 2.0), "float64"), coefficients)
+def levels_of(nodes: int, coefficients: Coefficients) -> tuple[GridLevel, ...]:
+    return multigrid.hierarchy(multigrid.elasticities(Grid.square(nodes, 2.0), COMPLIANCE, "float64"), coefficients)
 
 
-def contraction(levels: tuple[Level, ...]) -> float:
+def contraction(levels: tuple[GridLevel, ...]) -> float:
     """Asymptotic factor by which one V-cycle reduces the error: the power method on a random error."""
     cycle = jax.jit(lambda e: e - multigrid.v_cycle(levels, multigrid.apply(levels[0], e)))
     free = levels[0].coefficients.free
@@ -73,7 +74,7 @@ def test_the_solution_with_two_mobilities_is_that_of_the_matrix() -> None:
     levels = levels_of(nodes, c)
     h = 4.0 / (nodes - 1)
     eps_x, eps_y, stretch, free = (np.asarray(f) for f in (c.eps.x, c.eps.y, c.stretch, c.free))
-    K = halfspace.love_coefficients(nodes, h)
+    K = COMPLIANCE * halfspace.love_coefficients(nodes, h)
     matrix = np.zeros((nodes, nodes, nodes, nodes))
     for i, j in itertools.product(range(1, nodes - 1), repeat=2):
         for (k, m), eps in (((i, j - 1), eps_x), ((i, j + 1), eps_x), ((i - 1, j), eps_y), ((i + 1, j), eps_y)):

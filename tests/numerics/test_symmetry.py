@@ -66,7 +66,7 @@ def test_the_deformation_is_that_of_the_whole_plane(even, dtype) -> None:
     whole = bump(even)
     expected = halfspace.displacement(halfspace.spectrum(grid()), jnp.asarray(whole))
     kept = jnp.asarray(folded(whole, even), dtype)
-    found = halfspace.displacement(halfspace.spectrum(grid(even), dtype), kept, even)
+    found = halfspace.displacement(halfspace.spectrum(grid(even), dtype=dtype), kept, even)
     assert found.dtype == dtype
     assert_allclose(unfolded(found, even), expected, atol=1e-13 if dtype == "float64" else 1e-5)
 

@@ -12,6 +12,7 @@ from ertel.model.contact import Contact
 from ertel.numerics.grid import Grid
 from ertel.numerics.symmetry import WHOLE, Even
 from ertel.physics import surfaces
+from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.surfaces import Feature
 
 
@@ -26,14 +27,23 @@ def grid_of(case: Case) -> Grid:
 
 def _symmetry(case: Case, centre_x: float) -> Even:
     """About which axes a case is symmetric: the flow goes along X."""
-    in_y, in_x = surfaces.even(case.roughness)
+    in_y, in_x = (a and b for a, b in zip(surfaces.even(case.roughness), geometry_of(case).even, strict=True))
     return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
+
+
+def geometry_of(case: Case) -> Geometry:
+    """The geometry of the case's bodies: a circle, so far."""
+    return CIRCLE
+
+
+def smooth_contact(case: Case, grid: Grid) -> Contact:
+    """The two surfaces without roughness, and the oil."""
+    return contact.smooth_contact(geometry_of(case), grid, case.parameters.lambda_bar, case.lubricant)
 
 
 def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
     """The two surfaces and the oil at time T on a grid."""
-    smooth = contact.ball_on_plane(grid, case.parameters.lambda_bar, case.lubricant)
-    return moved(smooth, case, grid, T)
+    return moved(smooth_contact(case, grid), case, grid, T)
 
 
 def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:

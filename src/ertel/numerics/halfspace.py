@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 from ertel.numerics.grid import Grid
 from ertel.numerics.symmetry import WHOLE, Even
 
-jax.config.update("jax_enable_x64", True)  # EHL needs double precision: H is a small difference of large numbers
+jax.config.update("jax_enable_x64", True)  # differences of large numbers need double precision
 
 
 def love_coefficients(nodes: int, spacing: float) -> NDArray[np.float64]:
-    """Displacement at a node i, j cells away from a cell under unit pressure: (2/pi^2) integral of 1/distance.
+    """The integral of 1/distance over a cell, seen from a node i, j cells away: shape (nodes, nodes); [0, 0] its own.
 
-    Shape (nodes, nodes), dimensionless as in eq. (3); K[0, 0] is the cell's own.
     Love AEH, Phil Trans R Soc A 1929;228:377.
     """
     # differences of large numbers far from the cell: extended precision keeps them exact to double
@@ -30,7 +29,7 @@ def love_coefficients(nodes: int, spacing: float) -> NDArray[np.float64]:
     x, y = corner[None, :], corner[:, None]
     antiderivative = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
     cell = np.diff(np.diff(antiderivative, axis=0), axis=1)
-    return np.asarray(cell * (2.0 / np.pi**2) * spacing, dtype=np.float64)
+    return np.asarray(cell * spacing, dtype=np.float64)
 
 
 @lru_cache(maxsize=8)
@@ -42,15 +41,18 @@ def _unit_spectrum(nodes: int) -> NDArray[np.float64]:
     return np.fft.rfft2(coefficients[np.ix_(distance, distance)]).real
 
 
-def spectrum(grid: Grid, dtype: str = "float64") -> Array:
-    """What `displacement` needs to know of a grid: shape (2 (n-1), n), real; (n, n) where fields are even in Y."""
-    whole = _unit_spectrum(grid.nodes) * grid.spacing
+def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Array:
+    """What `displacement` needs to know of a grid: shape (2 (n-1), n), real; (n, n) where fields are even in Y.
+
+    compliance: the displacement is so much times the double integral of P/distance.
+    """
+    whole = _unit_spectrum(grid.nodes) * (compliance * grid.spacing)
     return jnp.asarray(whole[: grid.nodes] if grid.even.y else whole, dtype=dtype)
 
 
 @partial(jax.jit, static_argnames="even")  # one tracing for each shape
 def displacement(kernel: Array, P: Array, even: Even = WHOLE) -> Array:
-    """Normal displacement (eq. 3, third part) under the pressure P, both on the same nodes; P = 0 on the edge.
+    """Normal displacement under the pressure P, both on the same nodes; P = 0 on the edge.
 
     Only rows that hold data are transformed along X, and only rows that are wanted are transformed back.  kernel: from
     `spectrum`, of n nodes along X on the whole plane.

@@ -6,10 +6,10 @@ from math import inf
 import numpy as np
 import xarray as xr
 
-from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import Case
 from ertel.model.state import GridSolution, Rolling
 from ertel.physics import hertz
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.surfaces import RingWaviness, Shape, Spot, Waviness
 from ertel.results import variables
 

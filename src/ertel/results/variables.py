@@ -18,10 +18,10 @@ import xarray as xr
 
 import ertel
 from ertel.model import discretise
-from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import Case
 from ertel.model.state import GridSolution
 from ertel.physics import hertz
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.scales import HamrockDowson, Scales, hamrock_dowson
 
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
