@@ -13,7 +13,7 @@ from ertel.physics.geometry import COMPLIANCE
 
 def rolling_like(nodes: int, depth: float = 1e-5) -> Coefficients:
     """Coefficients as in rolling: eps tiny in the contact, large outside, nothing free downstream of it."""
-    grid = Grid(nodes, 6.0 / (nodes - 1), -1.5)
+    grid = Grid(nodes, nodes, 6.0 / (nodes - 1), -1.5)
     x, y = grid.x[None, :], grid.y[:, None]
     r = np.hypot(x, y)
     eps = depth + np.where(r > 1, (r**2 - 1) ** 3, 0) * 5
@@ -23,7 +23,7 @@ def rolling_like(nodes: int, depth: float = 1e-5) -> Coefficients:
 
 def contraction(nodes: int, c: Coefficients) -> float:
     """The asymptotic factor by which one V-cycle alone reduces the error."""
-    elastic = multigrid.elasticities(Grid(nodes, 6.0 / (nodes - 1), -1.5), COMPLIANCE, "float64")
+    elastic = multigrid.elasticities(Grid(nodes, nodes, 6.0 / (nodes - 1), -1.5), COMPLIANCE, "float64")
     levels = multigrid.hierarchy(elastic, c, lambda e, c: line_smoother(e, c, 0.0, 1.0))
     cycle = jax.jit(lambda e: e - multigrid.v_cycle(levels, multigrid.apply(levels[0], e)))
     e = jnp.asarray(np.random.default_rng(1).standard_normal(c.free.shape)) * c.free
@@ -46,7 +46,7 @@ def test_a_v_cycle_contracts_where_the_oil_flows_twice_as_readily_one_way(more: 
 
 def test_a_uniform_change_has_no_slope() -> None:
     """What the bands of a line leave out must not make a drift of a uniform mass."""
-    (elastic,) = multigrid.elasticities(Grid(5, 0.1), COMPLIANCE, "float64")[:1]
+    (elastic,) = multigrid.elasticities(Grid(5, 5, 0.1), COMPLIANCE, "float64")[:1]
     one = jnp.ones((5, 5))
     smoother = line_smoother(elastic, Coefficients(Pair(0 * one), 0 * one, one, one), 0.0, 1.0)
     assert not smoother.factors.halvings  # the matrix as it is

@@ -27,7 +27,7 @@ every_symmetry = pytest.mark.parametrize("even", [WHOLE, Even(y=True), Even(x=Tr
 
 
 def grid(even: Even = WHOLE) -> Grid:
-    return Grid(17, 0.2, even=even)
+    return Grid(17, 17, 0.2, even=even)
 
 
 def bump(even: Even, seed: int = 0) -> np.ndarray:
@@ -88,7 +88,7 @@ def test_the_residual_is_that_of_the_whole_plane(even) -> None:
 
 def test_a_symmetric_grid_is_centred() -> None:
     with pytest.raises(ValueError, match="centred"):
-        Grid(17, 0.2, centre_x=-1.0, even=Even(x=True))
+        Grid(17, 17, 0.2, centre_x=-1.0, even=Even(x=True))
 
 
 # -- whole solutions --------------------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ def grid_of(case: Case) -> Grid:
     centre = 0.0 if s.inlet is None else s.half_width - s.inlet
     upstream_is_left = case.motion.entrainment(0.0) >= 0
     centre_x = centre if upstream_is_left else -centre
-    return Grid(s.nodes, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
+    return Grid(s.nodes, s.nodes, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
 
 
 def _symmetry(case: Case, centre_x: float) -> Even:

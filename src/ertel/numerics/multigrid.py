@@ -50,7 +50,7 @@ class Elasticity:
 
 
 class Coefficients(NamedTuple):
-    """The operator's coefficients on one grid, each of shape (n, n); free is 1 where e may differ from zero."""
+    """The operator's coefficients on one grid, each of its shape; free is 1 where e may differ from zero."""
 
     eps: Pair
     stretch: Array
@@ -116,7 +116,7 @@ def elasticities(grid: Grid, compliance: float, dtype: str) -> tuple[Elasticity,
 
 
 def _elasticity(grid: Grid, compliance: float, dtype: str) -> Elasticity:
-    near = compliance * halfspace.love_coefficients(4, grid.spacing)
+    near = compliance * halfspace.love_coefficients(4, 4, grid.spacing)
     spectrum, spacing = halfspace.spectrum(grid, compliance, dtype), jnp.asarray(grid.spacing, dtype)
     return Elasticity(spectrum, spacing, jnp.asarray(near, dtype), grid.even)
 
@@ -215,7 +215,7 @@ def precondition(levels: Sequence[GridLevel], r: Array) -> Array:
 
 def v_cycle_convolutions(grid: Grid) -> float:
     """The work of a V-cycle: its convolutions, each counted by the nodes of its grid over those of the finest."""
-    return sum(2.0 * (g.nodes / grid.nodes) ** 2 for g in grid.hierarchy()[1:])
+    return sum(2.0 * g.size / grid.size for g in grid.hierarchy()[1:])
 
 
 def relax(level: GridLevel, r: Array) -> Array:

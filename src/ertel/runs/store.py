@@ -348,16 +348,16 @@ def _to_arrays(solutions: Sequence[GridSolution]) -> dict[str, NDArray[Any]]:
 
 
 def _grid_numbers(grid: Grid) -> tuple[float, ...]:
-    return (grid.nodes, grid.spacing, grid.centre_x, grid.centre_y, *grid.even)
+    return (grid.nodes_x, grid.nodes_y, grid.spacing, grid.centre_x, grid.centre_y, *grid.even)
 
 
 def _from_arrays(arrays: Mapping[str, NDArray[Any]]) -> list[GridSolution]:
     """Undo `_to_arrays`; nothing gives none."""
     found = []
-    for i, (nodes, spacing, x, y, *even) in enumerate(arrays["grid"].tolist() if arrays else []):
+    for i, (*nodes, spacing, x, y, even_y, even_x) in enumerate(arrays["grid"].tolist() if arrays else []):
         found.append(
             GridSolution(
-                grid=Grid(int(nodes), spacing, x, y, Even(*(bool(e) for e in even))),
+                grid=Grid(int(nodes[0]), int(nodes[-1]), spacing, x, y, Even(bool(even_y), bool(even_x))),
                 P=jnp.asarray(arrays[f"P_{i}"]),
                 H=jnp.asarray(arrays[f"H_{i}"]),
                 status=Status(str(arrays["status"][i])),

@@ -17,7 +17,7 @@ from ertel.model.contact import Contact, Rate
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics import multigrid, newton, richardson, stencils
-from ertel.numerics.grid import Grid, check_nodes
+from ertel.numerics.grid import Grid, check_grid
 from ertel.numerics.symmetry import folded, total, unfolded
 from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear, preconditioner
@@ -48,12 +48,12 @@ def nested(
     The case's tolerance bounds the residual of Reynolds' equation where its method is "steady".  Raises ValueError
     where there is no load or no entrainment at T = 0, and so no steady film.
     """
-    check_nodes(case.solver.nodes)
+    grids = [discretise.grid_of(case)]
+    check_grid(grids[0])
     check_motion(case)
     tolerance = case.solver.tolerance if case.solver.method == "steady" else TOLERANCE
-    grids = [discretise.grid_of(case)]
-    while (grids[-1].nodes - 1) // 2 + 1 >= FIRST_GRID:
-        grids.append(grids[-1].coarser())
+    while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
+        grids.append(coarser)
     solutions = list(done)
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = discretise.contact_of(case, grid)

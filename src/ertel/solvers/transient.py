@@ -20,7 +20,7 @@ from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf, multigrid, newton
 from ertel.numerics.bdf import Weights
-from ertel.numerics.grid import check_nodes
+from ertel.numerics.grid import check_grid
 from ertel.numerics.multigrid import Elasticity
 from ertel.numerics.symmetry import Even, total, unfolded
 from ertel.solvers import nonlinear, steady
@@ -84,9 +84,9 @@ class Transient2D(Method):
     controlled = ("H",)
 
     def __init__(self, case: Case, closure: Closure | None = None):
-        check_nodes(case.solver.nodes)
         self.case = case
         self.grid = discretise.grid_of(case)
+        check_grid(self.grid)
         self.geometry = discretise.geometry_of(case)
         self.contact = discretise.smooth_contact(case, self.grid)
         self.closure = closure or NewtonsLaw.of(case.motion)
