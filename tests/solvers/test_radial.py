@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.special import ellipkm1
 
-from ertel.model import approach
 from ertel.model.case import Case, Solver, Time
 from ertel.model.state import State
 from ertel.model.status import Status
 from ertel.numerics import bdf
-from ertel.physics import hertz, lubricant
+from ertel.physics import geometry, hertz, lubricant
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.scales import Parameters
 from ertel.runs.drive import Result, simulate
@@ -149,7 +148,7 @@ def test_the_load_is_exact_for_a_cone_and_right_for_hertz() -> None:
     r = radial.radii(65, 3.0)
     assert radial.load_weights(r) @ (1 - r / 3.0) == pytest.approx(pi * 3.0**2 / 3, rel=1e-13)
     r = radial.radii(513, 3.0)
-    assert radial.load_weights(r) @ hertz.pressure(r) == pytest.approx(approach.HERTZ_LOAD, rel=1e-4)
+    assert radial.load_weights(r) @ hertz.pressure(r) == pytest.approx(geometry.HERTZ_LOAD, rel=1e-4)
 
 
 # -- the equations ----------------------------------------------------------------------------------------------------

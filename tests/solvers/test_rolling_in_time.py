@@ -10,11 +10,11 @@ import pytest
 from cases import march as levels_of
 
 from ertel.model import contact
-from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import SOLVERS, Case, Time
 from ertel.model.contact import Rate
 from ertel.model.state import State
 from ertel.numerics import bdf
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.lubricant import Barus, Incompressible, Lubricant
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
 from ertel.physics.scales import Parameters

@@ -6,11 +6,11 @@ from math import ceil, inf
 import numpy as np
 import xarray as xr
 
-from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import Case
 from ertel.model.state import GridSolution, Rolling
 from ertel.numerics.grid import allowed_nodes
 from ertel.physics import hertz
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.results import variables
 
 CELLS_IN_FRONT = 10.0  # wanted across sqrt(alpha_bar lambda_bar dA/dT), the length of the front's pressure sweep

@@ -6,12 +6,12 @@ from typing import Any
 
 import xarray as xr
 
-from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import Case
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.physics import film_formulas
 from ertel.physics.film_formulas import Film
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.scales import HamrockDowson, Parameters
 from ertel.results import diagnostics, variables
 from ertel.results.parameters import parameters_of, scales_of, ugw_of

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from ertel.model.case import Case
 from ertel.model.state import GridSolution, Method, State
 from ertel.model.status import Status
-from ertel.numerics.grid import Grid
-from ertel.numerics.symmetry import Even
+from ertel.numerics.grid import Even, Grid
 from ertel.results.dataset import assemble, assemble_steady
 from ertel.results.summary import steady_summary, transient_summary
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
@@ -227,10 +226,10 @@ class SteadyCourse:
 
     def from_arrays(self, arrays: Arrays) -> GridStep:
         found = []
-        for i, (nodes, spacing, x, y, *even) in enumerate(arrays["grid"].tolist()):
+        for i, (nodes_x, nodes_y, spacing, x, y, *even) in enumerate(arrays["grid"].tolist()):
             found.append(
                 GridSolution(
-                    grid=Grid(int(nodes), spacing, x, y, Even(*(bool(e) for e in even))),
+                    grid=Grid(int(nodes_x), int(nodes_y), spacing, x, y, Even(*(bool(e) for e in even))),
                     P=jnp.asarray(arrays[f"P_{i}"]),
                     H=jnp.asarray(arrays[f"H_{i}"]),
                     status=Status(str(arrays["grid_status"][i])),
@@ -248,4 +247,4 @@ class SteadyCourse:
 
 
 def _grid_numbers(grid: Grid) -> tuple[float, ...]:
-    return (grid.nodes, grid.spacing, grid.centre_x, grid.centre_y, *grid.even)
+    return (grid.nodes_x, grid.nodes_y, grid.spacing, grid.centre_x, grid.centre_y, *grid.even)

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from ertel.model.approach import HERTZ_LOAD
 from ertel.physics import hertz
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.results.plots import stored
 from ertel.results.plots.drawing import (
     BLUE,
