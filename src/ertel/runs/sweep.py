@@ -23,7 +23,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import ertel
 
 _log = logging.getLogger(__name__)
 
@@ -64,7 +63,8 @@ def processes(jobs: int) -> Iterator[Executor]:
 
 
 def _start_worker() -> None:
-    from ertel.runs import compiling
+    from ertel.version import installed_version
+from ertel.runs import compiling
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
     threading.Thread(target=_end_with_parent, daemon=True).start()
@@ -160,7 +160,7 @@ def _file(directory: Path | None, task: Task) -> Path:
 def _stamp(task: Task) -> tuple[object, ...]:
     """What a kept result depends on."""
     function = task.function.__module__, task.function.__qualname__
-    return ertel.__version__, own_sources(), *function, task.arguments
+    return installed_version(), own_sources(), *function, task.arguments
 
 
 @cache
