@@ -23,6 +23,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ertel.version import installed_version
 
 _log = logging.getLogger(__name__)
 
@@ -63,8 +64,7 @@ def processes(jobs: int) -> Iterator[Executor]:
 
 
 def _start_worker() -> None:
-    from ertel.version import installed_version
-from ertel.runs import compiling
+    from ertel.runs import compiling
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
     threading.Thread(target=_end_with_parent, daemon=True).start()
@@ -166,7 +166,7 @@ def _stamp(task: Task) -> tuple[object, ...]:
 @cache
 def own_sources() -> str:
     """The `source_digest` of ertel itself, read once per process."""
-    return source_digest(Path(next(iter(ertel.__path__))))
+    return source_digest(Path(__file__).parents[1])
 
 
 def source_digest(directory: Path) -> str:
