@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import xarray as xr
-from cases import impact
+from cases import impact, steps_of
 from jax.tree_util import register_dataclass
 
 from ertel.model.approach import PrescribedApproach
