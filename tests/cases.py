@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,19 @@ from typer.testing import CliRunner
 from ertel.apps.cli import app
 from ertel.inputs.case_files import parse_case
 from ertel.model.case import Case
+from ertel.model.conditions import Conditions
+from ertel.model.sections import SOLVERS, Drive, Solver, Time
 from ertel.model.state import Method, State
+from ertel.physics.lubricant import Oil
+from ertel.physics.scales import Parameters
+from ertel.physics.surfaces import Feature
+from ertel.runs.courses import TransientCourse
+from ertel.runs.drive import drive
+from ertel.runs.stepping import Step
+
+ISOVISCOUS = Oil("isoviscous", "incompressible")
+BARUS = Oil("barus", "incompressible")
+BARUS_LIMIT = 1e-12  # an L at which Barus' oil is isoviscous to round-off, and needs no compilation of its own
 
 
 def impact(M: float, L: float, nodes: int, **sections: dict[str, Any]) -> Case:
@@ -22,6 +35,27 @@ def impact(M: float, L: float, nodes: int, **sections: dict[str, Any]) -> Case:
     return parse_case(source)
 
 
+def free_ball(p: Parameters, oil: Oil, solver: Solver, time: Time | None = None, *features: Feature) -> Case:
+    """A dimensionless impact from records."""
+    return Case(_contact("impact", p), oil, solver, roughness=features, time=time)
+
+
+def rolled(
+    p: Parameters, oil: Oil, solver: Solver, drive: Drive | None = None, *features: Feature, time: Time | None = None
+) -> Case:
+    """A dimensionless rolling contact from records."""
+    return Case(_contact("rolling", p), oil, solver, drive, features, time)
+
+
+def _contact(kind: Any, p: Parameters) -> Conditions:
+    return Conditions(kind, lambda_bar=p.lambda_bar, alpha_bar=p.alpha_bar)
+
+
+def steady_solver(nodes: int, **changes: Any) -> Solver:
+    """The solver of a steady contact."""
+    return replace(SOLVERS["steady"], nodes=nodes, **changes)
+
+
 def march(method: Method, step: float, steps: int) -> list[State]:
     """Levels of a fixed-step run, newest first."""
     levels = [method.start()]
@@ -29,6 +63,13 @@ def march(method: Method, step: float, steps: int) -> list[State]:
         levels.insert(0, method.advance(levels[:3], step))
         assert levels[0].status.ok
     return levels
+
+
+def steps_of(case: Case, method: Method, start: Step | None = None) -> list[Step]:
+    """All accepted time steps of a run."""
+    seen: list[Step] = []
+    drive(TransientCourse(case, method), [seen.append], start)
+    return seen
 
 
 def ertel_(*arguments: str, code: int = 0) -> Any:

@@ -1,21 +1,19 @@
 """Fields kept on one side of an axis: the same numbers as on the whole plane."""
 
-from dataclasses import replace
-
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases import BARUS, free_ball, rolled, steady_solver
 from numpy.testing import assert_allclose
 
 from ertel.model import contact, discretise
-from ertel.model.case import SOLVERS, Case, Solver, Time
 from ertel.model.contact import Rate
+from ertel.model.sections import Solver, Time
 from ertel.model.state import State
 from ertel.numerics import halfspace
 from ertel.numerics.grid import WHOLE, Even, Grid
 from ertel.numerics.symmetry import extended, folded, total, unfolded
 from ertel.physics.lubricant import Barus, DowsonHigginson, Lubricant
-from ertel.physics.motion import STEADY_ROLLING
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
 from ertel.solvers import steady
@@ -98,7 +96,7 @@ TIGHT = {"nodes": 33, "tolerance": 1e-11}
 
 def impact(fold: bool, *features: Feature) -> tuple[Transient2D, State]:
     solver = Solver("2d", half_width=2.0, fold=fold, **TIGHT)
-    method = Transient2D(Case(PARAMETERS, OIL, solver, Time(start_approach=-0.5), roughness=features))
+    method = Transient2D(free_ball(PARAMETERS, BARUS, solver, Time(start_approach=-0.5), *features))
     levels = [method.start()]
     for _ in range(20):
         levels.insert(0, method.advance(levels[:3], 0.05))
@@ -122,20 +120,18 @@ def test_a_symmetric_impact_on_a_quarter_of_the_plane(features) -> None:
         ((Feature(Waviness(0.01, 0.5, 0.5, phase_y=0.3)),), (33, 17)),
         ((Feature(Waviness(0.01, 0.5, phase_x=0.3)),), (17, 33)),
         ((Feature(Waviness(0.01, 0.5, phase_x=np.pi)),), (17, 17)),
-        ((Feature(Spot(0.01, 0.2)), Feature(Spot(0.01, 0.2, Y=0.1))), (33, 17)),
+        ((Feature(Spot(0.2, 0.01)), Feature(Spot(0.2, 0.01, y=0.1))), (33, 17)),
     ],
 )
 def test_what_is_not_symmetric_is_not_folded(features, shape) -> None:
     solver = Solver("2d", **TIGHT)
-    assert discretise.grid_of(Case(PARAMETERS, OIL, solver, roughness=features)).shape == shape
+    assert discretise.grid_of(free_ball(PARAMETERS, BARUS, solver, None, *features)).shape == shape
 
 
 def test_steady_rolling_on_half_the_plane() -> None:
     results = []
     for fold in (False, True):
-        solver = replace(SOLVERS["steady"], fold=fold, **TIGHT)
-        case = Case(PARAMETERS, OIL, solver, kind="rolling", motion=STEADY_ROLLING)
-        results.append(steady.steady(case).finest)
+        results.append(steady.steady(rolled(PARAMETERS, BARUS, steady_solver(fold=fold, **TIGHT))).finest)
     whole, half = results
     assert half.P.shape == (17, 33)
     assert_allclose(unfolded(half.H, half.grid.even), whole.H, atol=1e-10)

@@ -9,21 +9,24 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases import BARUS, ISOVISCOUS, free_ball
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.special import ellipkm1
 
-from ertel.model.case import Case, Solver, Time
+from ertel.model.case import Case
+from ertel.model.sections import Solver, Time
 from ertel.model.state import State
 from ertel.model.status import Status
 from ertel.numerics import bdf
-from ertel.physics import geometry, hertz, lubricant
-from ertel.physics.lubricant import Lubricant
+from ertel.physics import geometry, hertz
+from ertel.physics.lubricant import Oil
+from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
-from ertel.runs.drive import Result, simulate
+from ertel.results.result import Result
+from ertel.runs.drive import simulate
 from ertel.solvers import radial
 from ertel.solvers.radial import RadialImpact
 
@@ -31,23 +34,16 @@ Floats = NDArray[np.float64]
 
 
 def isoviscous(lambda_bar: float, nodes: int, half_width: float = 4.0, **time: Any) -> Case:
-    oil = Lubricant(lubricant.Isoviscous(), lubricant.Incompressible())
-    return Case(Parameters(lambda_bar, 0.0), oil, Solver("radial", nodes, half_width), Time(**time))
+    return free_ball(Parameters(lambda_bar, 0.0), ISOVISCOUS, Solver("radial", nodes, half_width), Time(**time))
 
 
 def barus(M: float, L: float, nodes: int, half_width: float = 4.0, **time: Any) -> Case:
-    p = Parameters.from_moes(M, L)
-    oil = Lubricant(lubricant.Barus(p.alpha_bar), lubricant.Incompressible())
-    return Case(p, oil, Solver("radial", nodes, half_width), Time(**time))
+    return free_ball(Parameters.from_moes(M, L), BARUS, Solver("radial", nodes, half_width), Time(**time))
 
 
 def roelands(M: float, L: float, nodes: int, half_width: float = 4.0, **time: Any) -> Case:
     """The oil of `reference/impact.json`."""
-    p = Parameters.from_moes(M, L)
-    p_h = p.alpha_bar / lubricant.ALPHA
-    viscosity = lubricant.Roelands(p.alpha_bar, 0.668, p_h / lubricant.P0_ROELANDS)
-    oil = Lubricant(viscosity, lubricant.DowsonHigginson(p_h / lubricant.DENSITY_PRESSURE))
-    return Case(p, oil, Solver("radial", nodes, half_width), Time(**time))
+    return free_ball(Parameters.from_moes(M, L), Oil(z=0.668), Solver("radial", nodes, half_width), Time(**time))
 
 
 def exactly(case: Case) -> Case:
@@ -93,14 +89,15 @@ def test_a_grid_of_twice_the_intervals_contains_the_coarse_one() -> None:
     ("nodes", "half_width", "message"),
     [
         (16, 2.0, "solver.nodes = 16: must be at least 17"),
-        (65, 1.0, "solver.half_width = 1.0: must be at least 1.2"),
-        (65, float("nan"), "solver.half_width = nan"),
-        (65, float("inf"), "solver.half_width = inf"),
+        (65, 1.1, "solver.half_width = 1.1: must be at least 1.2"),
+        (65, 1.0, "solver.half_width = 1.0: must be greater than 1"),
+        (65, float("nan"), "solver.half_width = NaN"),
+        (65, float("inf"), "solver.half_width = Infinity"),
     ],
 )
 def test_a_useless_grid_is_refused(nodes: int, half_width: float, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        RadialImpact(isoviscous(0.01, nodes, half_width))
+        isoviscous(0.01, nodes, half_width)
 
 
 def test_the_kernel_equals_direct_integration_over_rings() -> None:
@@ -242,7 +239,7 @@ def test_a_step_that_cannot_be_done_is_a_status_not_an_exception() -> None:
     assert attempt.work.newton == radial.NEWTON_LIMIT
 
 
-@register_dataclass
+@VISCOSITY_LAWS.register("nonsense")
 @dataclass(frozen=True)
 class Nonsense:
     """A law that is not a number anywhere."""
@@ -253,27 +250,28 @@ class Nonsense:
         return jnp.full_like(P, jnp.nan)
 
 
-@register_dataclass
+@VISCOSITY_LAWS.register("my barus")
 @dataclass(frozen=True)
 class MyBarus:
     """A user's law, without a word about its derivative."""
 
-    alpha_bar: float
+    alpha: float
     reference: ClassVar[str] = "mine"
 
     def viscosity(self, P: Any) -> Any:
-        return 2.0 ** (self.alpha_bar / log(2) * P)
+        return 2.0 ** (self.alpha / log(2) * P)
 
 
 def test_not_a_number_is_a_status() -> None:
-    case = replace(isoviscous(0.01, 33), lubricant=Lubricant(Nonsense(), lubricant.Incompressible()))
+    case = replace(barus(50, 5, 33), oil=Oil(Nonsense(), "incompressible"))
     method = RadialImpact(case)
     assert method.advance([method.start()], 0.1).status is Status.NEWTON_STALLED
 
 
 def test_a_users_own_law_takes_the_place_of_a_shipped_one() -> None:
     case = exactly(barus(50, 5, 33, start_approach=-0.5))
-    mine = replace(case, lubricant=Lubricant(MyBarus(case.parameters.alpha_bar), lubricant.Incompressible()))
+    assert case.oil.alpha is not None
+    mine = replace(case, oil=replace(case.oil, viscosity=MyBarus(case.oil.alpha)))
     a, b = march(case, 0.05, 1.0)[0], march(mine, 0.05, 1.0)[0]
     np.testing.assert_allclose(a.P, b.P, atol=1e-9)
 

@@ -7,33 +7,32 @@ from itertools import pairwise
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases import BARUS, free_ball, rolled, steps_of
 from cases import march as levels_of
 
 from ertel.model import contact
-from ertel.model.case import SOLVERS, Case, Time
+from ertel.model.case import Case
 from ertel.model.contact import Rate
+from ertel.model.sections import SOLVERS, Drive, Time
 from ertel.model.state import State
 from ertel.numerics import bdf
 from ertel.physics.geometry import HERTZ_LOAD
-from ertel.physics.lubricant import Barus, Incompressible, Lubricant
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
+from ertel.physics.motion import Oscillation, Polyline, constant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Spot, Waviness
-from ertel.runs.drive import transient
 from ertel.solvers import steady
 from ertel.solvers.transient import Transient2D
 
 P20 = Parameters.from_moes(20, 5)  # a thick film: resolved by few nodes
-OIL = Lubricant(Barus(P20.alpha_bar), Incompressible())
 TIGHT = 1e-8
 CENTRED = {"half_width": 3.0, "inlet": None}
 
 
 def rolling(
-    motion: Motion = STEADY_ROLLING, *features: Feature, nodes: int = 33, time: Time | None = None, **solver
+    drive: Drive | None = None, *features: Feature, nodes: int = 33, time: Time | None = None, **solver
 ) -> Case:
     grid = replace(SOLVERS["transient"], **{"nodes": nodes, "tolerance": TIGHT, "fold": False, **solver})
-    return Case(P20, OIL, grid, time or Time(), kind="rolling", motion=motion, roughness=features)
+    return rolled(P20, BARUS, grid, drive, *features, time=time)
 
 
 def march(case: Case, step: float, steps: int) -> list[State]:
@@ -48,10 +47,10 @@ def largest(a, b) -> float:
 # -- limits -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("shape", [Waviness(0.0, 0.5, 0.5), Spot(0.0, 0.3, X=-1.0)])
+@pytest.mark.parametrize("shape", [Waviness(0.0, 0.5, 0.5), Spot(0.3, 0.0, x=-1.0)])
 def test_moving_roughness_of_no_height_leaves_the_film_steady(shape) -> None:
     """To the tolerance of the solver."""
-    last, *_, first = march(rolling(STEADY_ROLLING, Feature(shape)), 0.05, 10)
+    last, *_, first = march(rolling(None, Feature(shape)), 0.05, 10)
     assert largest(last.H, first.H) < 10 * TIGHT
     assert abs(last.approach - first.approach) < 10 * TIGHT
     assert largest(last.P, first.P) < 1e-6
@@ -60,15 +59,15 @@ def test_moving_roughness_of_no_height_leaves_the_film_steady(shape) -> None:
 def test_a_disturbed_film_comes_back_to_the_steady_one() -> None:
     """After the load has doubled for a while; the disturbance leaves with the oil, in about 2 t0."""
     push = Polyline(((0.0, 1.0), (0.2, 2.0), (0.4, 1.0)))
-    last, *_, first = march(rolling(replace(STEADY_ROLLING, load=push)), 0.1, 80)
+    last, *_, first = march(rolling(Drive(load=push)), 0.1, 80)
     assert largest(last.H, first.H) < 1e-5
 
 
 def test_reversing_everything_mirrors_everything() -> None:
     """U -> -U and the roughness mirrored, in time."""
     feature = Waviness(0.02, 0.8, phase_x=0.4)
-    there = march(rolling(STEADY_ROLLING, Feature(feature)), 0.05, 6)[0]
-    back = replace(STEADY_ROLLING, entrainment=constant(-1.0))
+    there = march(rolling(None, Feature(feature)), 0.05, 6)[0]
+    back = Drive(entrainment=constant(-1.0))
     here = march(rolling(back, Feature(replace(feature, phase_x=-0.4))), 0.05, 6)[0]
     assert largest(np.asarray(here.H)[:, ::-1], there.H) < 1e-7
     assert largest(np.asarray(here.P)[:, ::-1], there.P) < 1e-6
@@ -76,9 +75,13 @@ def test_reversing_everything_mirrors_everything() -> None:
 
 def impact_on_a_track(speed: float) -> State:
     """A free ball in its own scales, on a surface that moves."""
-    motion = replace(FREE_BALL, entrainment=Polyline(((0.0, speed),)))
+    return march(impact_over(speed), 0.05, 30)[0]
+
+
+def impact_over(speed: float) -> Case:
     solver = replace(SOLVERS["2d"], nodes=33, tolerance=TIGHT, fold=False)
-    return march(Case(P20, OIL, solver, Time(start_approach=-0.5), motion=motion), 0.05, 30)[0]
+    case = free_ball(P20, BARUS, solver, Time(start_approach=-0.5))
+    return replace(case, drive=Drive(entrainment=Polyline(((0.0, speed),))))
 
 
 @cache
@@ -100,10 +103,7 @@ def test_a_ball_that_hits_a_track_leans_the_film_towards_the_inlet() -> None:
     lean = np.asarray(moving.P) - np.asarray(moving.P)[:, ::-1]
     assert largest(still.P, np.asarray(still.P)[:, ::-1]) < 1e-8
     assert lean[:, :16].sum() > 0.01  # more pressure upstream
-    case = rolling(replace(FREE_BALL, entrainment=constant(0.3)))
-    found = Transient2D(replace(case, kind="impact", solver=replace(SOLVERS["2d"], nodes=33, fold=False))).measure(
-        moving
-    )
+    found = Transient2D(impact_over(0.3)).measure(moving)
     H, x = np.asarray(moving.H), np.linspace(-2.0, 2.0, 33)
     i, j = np.unravel_index(np.argmin(np.where(np.asarray(moving.P) > 0, H, np.inf)), H.shape)
     assert (found["X_min"], found["Y_min"]) == pytest.approx((x[j], abs(x[i])))
@@ -113,10 +113,10 @@ def test_a_ball_that_hits_a_track_leans_the_film_towards_the_inlet() -> None:
 def test_little_inertia_is_none() -> None:
     """A light ball under a varying load follows the balance of load."""
     load = Oscillation(1.0, 0.2, 4.0)
-    without = march(rolling(replace(STEADY_ROLLING, load=load)), 0.05, 12)[0]
+    without = march(rolling(Drive(load=load)), 0.05, 12)[0]
     difference = []
     for inertia in (1e-3, 1e-4):
-        light = march(rolling(replace(STEADY_ROLLING, load=load, inertia=inertia)), 0.05, 12)[0]
+        light = march(rolling(Drive(load=load, inertia=inertia)), 0.05, 12)[0]
         difference.append(abs(light.approach - without.approach))
     assert difference[0] < 2e-3
     assert difference[1] < 0.2 * difference[0]
@@ -125,7 +125,7 @@ def test_little_inertia_is_none() -> None:
 def test_a_heavy_ball_swings_about_the_applied_load() -> None:
     """A step of the load makes the ball swing past the new balance."""
     load = Polyline(((0.0, 1.0), (0.05, 1.2)))
-    levels = march(rolling(replace(STEADY_ROLLING, load=load, inertia=0.5)), 0.05, 50)
+    levels = march(rolling(Drive(load=load, inertia=0.5)), 0.05, 50)
     loads = [float(jnp.sum(level.P)) * (6 / 32) ** 2 / HERTZ_LOAD for level in levels]
     assert max(loads) > 1.3 and loads[0] < max(loads) - 0.1
 
@@ -135,14 +135,14 @@ def test_a_heavy_ball_swings_about_the_applied_load() -> None:
 
 def test_the_load_is_balanced_at_every_step() -> None:
     load = Oscillation(1.0, 0.3, 2.0)
-    for level in march(rolling(replace(STEADY_ROLLING, load=load)), 0.05, 10):
+    for level in march(rolling(Drive(load=load)), 0.05, 10):
         F = float(jnp.sum(level.P)) * (6 / 32) ** 2 / HERTZ_LOAD
         assert F == pytest.approx(load(level.T), abs=1e-8)
 
 
 def test_each_level_solves_reynolds_equation() -> None:
     """With the roughness where it is by then, and the squeeze of the levels before."""
-    case = rolling(STEADY_ROLLING, Feature(Waviness(0.02, 0.8)))
+    case = rolling(None, Feature(Waviness(0.02, 0.8)))
     now, before, earlier, *_ = march(case, 0.05, 6)
     c = Transient2D(case).contact_at(now.T)
     rates = bdf.derivative_weights([now.T, before.T, earlier.T])
@@ -157,7 +157,7 @@ def test_each_level_solves_reynolds_equation() -> None:
 
 def test_a_film_wave_travels_at_the_mean_speed_of_the_surfaces() -> None:
     """A short rise of the speed makes a ridge of oil at the inlet, which is carried through the contact at u_m."""
-    pulse = replace(STEADY_ROLLING, entrainment=Polyline(((0.0, 1.0), (0.2, 1.4), (0.4, 1.0))))
+    pulse = Drive(entrainment=Polyline(((0.0, 1.0), (0.2, 1.4), (0.4, 1.0))))
     levels = march(rolling(pulse, nodes=65, tolerance=1e-6), 0.05, 32)
     x = Transient2D(rolling(nodes=65)).grid.x
     inside = np.abs(x) < 0.8
@@ -170,7 +170,7 @@ def test_a_film_wave_travels_at_the_mean_speed_of_the_surfaces() -> None:
 
 def test_second_order_in_time() -> None:
     """A wave under an oscillating load: the error of the film falls with the square of the step."""
-    motion = replace(STEADY_ROLLING, load=Oscillation(1.0, 0.2, 4.0))
+    motion = Drive(load=Oscillation(1.0, 0.2, 4.0))
     feature = Feature(Waviness(0.02, 1.5, front=-2.0, ramp=1.5))
     films = [np.asarray(march(rolling(motion, feature), 0.4 / n, n)[0].H) for n in (8, 16, 32, 64)]
     errors = [np.abs(late - early).max() for early, late in pairwise(films)]
@@ -183,7 +183,7 @@ def test_second_order_in_time() -> None:
 
 def test_a_run_starts_from_the_steady_film_and_ends_in_time() -> None:
     case = rolling(time=Time(until=0.5), tolerance=1e-3)
-    steps = list(transient(case))
+    steps = steps_of(case, Transient2D(case))
     film = steady.steady(case).finest.measure()
     first, last = steps[0], steps[-1]
     assert first.frames[0].T == 0.0
@@ -197,9 +197,9 @@ def test_a_run_starts_from_the_steady_film_and_ends_in_time() -> None:
 
 def test_work_of_a_step() -> None:
     """A cavity passes: 11.4 convolutions a step in the mean."""
-    cavity = Feature(Spot(-0.05, 0.3, X=-1.8))
-    case = rolling(STEADY_ROLLING, cavity, nodes=65, time=Time(until=1.0, tolerance=2e-4), tolerance=1e-3)
-    steps = list(transient(case))
+    cavity = Feature(Spot(0.3, depth=0.05, x=-1.8))
+    case = rolling(None, cavity, nodes=65, time=Time(until=1.0, tolerance=2e-4), tolerance=1e-3)
+    steps = steps_of(case, Transient2D(case))
     work = [step.record["convolutions"] for step in steps]
     assert steps[-1].status.ok
     assert np.mean(work) < 13.6, np.mean(work)

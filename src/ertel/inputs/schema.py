@@ -168,7 +168,7 @@ def model_at(place: tuple[str | int, ...]) -> type[BaseModel]:
 def _inside(kind: Any, part: str | int) -> Any:
     """What is at a key of a section, an item of an array, or under a tag."""
     if isinstance(part, int):
-        return next(arg for arg in get_args(kind) if arg is not Ellipsis)
+        return _bare(next(arg for arg in get_args(kind) if arg is not Ellipsis))
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         known = {field.alias or key: field for key, field in kind.model_fields.items()}
         return _bare(known[part].annotation)

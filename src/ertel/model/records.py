@@ -49,15 +49,11 @@ def _plain(value: Any, mark: object = None) -> Any:
         case tuple():
             return [_plain(item) for item in value]
         case Polyline():
-            return _constant_of(value) if len(value.points) == 1 else [[_plain(T), v] for T, v in value.points]
+            (start, first), *rest = value.points
+            return first if start == 0.0 and not rest else [[_plain(T), v] for T, v in value.points]
         case Oscillation():
             return data_of(value)
     raise ValueError(f"{value!r}: cannot be written down; allowed: numbers, texts, signals, and records with a name")
-
-
-def _constant_of(signal: Polyline) -> float:
-    ((_, value),) = signal.points
-    return value
 
 
 def law_data(law: object, laws: Registry) -> Any:

@@ -19,11 +19,13 @@ TRANSIENT = 'solver.method = "transient"'
 
 
 def check_method(kind: Kind, solver: Solver) -> None:
-    """Each kind of contact has methods of its own."""
+    """Each kind of contact has methods of its own; a radial grid has no inlet."""
     methods = METHODS[kind]
     if solver.method not in methods:
         allowed = " or ".join(f'"{name}"' for name in methods)
         raise ValueError(f'solver.method = "{solver.method}": must be {allowed} with contact.kind = "{kind}"')
+    if solver.method == "radial" and solver.inlet is not None:
+        raise ValueError(f"solver.inlet = {solver.inlet}: a radial grid has none; leave it out")
 
 
 def check_oil(oil: Oil, scales: Scales | None, parameters: Parameters) -> None:
@@ -66,7 +68,8 @@ def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | N
     if solver.method == "steady":
         for name, section in {"time": time, "output": output}.items():
             if section is not None:
-                raise ValueError(f"{name}: a steady contact has no time; leave [{name}] out or use {TRANSIENT}")
+                said = _said(name, section)
+                raise ValueError(f"{said}: a steady contact has no time; leave [{name}] out or use {TRANSIENT}")
     if kind == "impact" or time is None:
         return
     if time.start_approach is not None:
@@ -77,6 +80,15 @@ def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | N
         raise ValueError(
             f'time.until = "{time.until}": is an event of an impact; a rolling contact needs a time, in units t0'
         )
+
+
+def _said(name: str, section: Time | Output) -> str:
+    """A section by the first of its fields that is not the default: time.until = 5.0."""
+    usual = type(section)()
+    for key, value in vars(section).items():
+        if value != getattr(usual, key):
+            return f"{name}.{key} = {show(value)}"
+    return name
 
 
 def check_drive(kind: Kind, contact: Conditions, drive: Drive | None) -> None:
@@ -103,8 +115,6 @@ def check_grid(solver: Solver) -> None:
     if solver.nodes < FEWEST_NODES:
         raise ValueError(f"solver.nodes = {solver.nodes}: must be at least {FEWEST_NODES}")
     if solver.method == "radial":
-        if solver.inlet is not None:
-            raise ValueError(f"solver.inlet = {solver.inlet}: a radial grid has none; leave it out")
         if solver.half_width < SMALLEST_RADIUS:
             raise ValueError(f"solver.half_width = {solver.half_width}: must be at least {SMALLEST_RADIUS}")
         return

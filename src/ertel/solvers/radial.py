@@ -248,7 +248,7 @@ class RadialImpact(Method):
         """The equations of the level after `levels`."""
         past = jnp.zeros_like(self.mesh.r)
         for weight, level in zip(rates[1:], levels, strict=False):
-            past += weight * self.oil.density(level.P) * level.H
+            past += weight * self.oil.density(jnp.asarray(level.P)) * level.H  # of a stored level too, to the last bit
         apart = CIRCLE.gap(self.mesh.r, 0.0) - line.value / line.approach_weight
         stiffness = self.mesh.kernel + line.load_weight / line.approach_weight * self.mesh.load
         return Equations(self.mesh, self.oil, NEWTONIAN, self.lambda_bar, float(rates[0]), past, apart, stiffness)

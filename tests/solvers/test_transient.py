@@ -6,16 +6,18 @@ from functools import cache
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import impact, march
+from cases import impact, march, steps_of
 
 from ertel.inputs.case_files import parse_case
 from ertel.model import contact
-from ertel.model.case import Case, Time
+from ertel.model.case import Case
 from ertel.model.contact import Rate
+from ertel.model.sections import Time
 from ertel.numerics import bdf
 from ertel.results.fronts import at_max_approach
+from ertel.results.result import Result
 from ertel.runs import compiling
-from ertel.runs.drive import Result, simulate, transient
+from ertel.runs.drive import simulate
 from ertel.solvers.transient import Transient2D
 
 TIGHT = {"tolerance": 1e-8}
@@ -51,7 +53,7 @@ def test_mass_in_an_adaptive_run_to_the_solver_tolerance() -> None:
     """The default tolerance bounds the mass that each step may lose, in units of film: tolerance (film scale + H)."""
     case = impact(200, 10, 65)
     method = Transient2D(case)
-    *_, last = transient(case, method=method)
+    *_, last = steps_of(case, method)
     now, before, earlier = last.state.levels
     rates = bdf.derivative_weights([now.T, before.T, earlier.T])
     oil = method.contact.lubricant

@@ -4,23 +4,26 @@ The reference numbers are those of reference/rolling.json: "grids" (the exact so
 (extrapolated), H in units a^2/R.  They were made by a classical multigrid program and a dense Newton code.
 """
 
-from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases import BARUS, BARUS_LIMIT, rolled, steady_solver
 
-from ertel.model import contact
-from ertel.model.case import SOLVERS, Case
+from ertel.model import contact, discretise
+from ertel.model.case import Case
+from ertel.model.sections import Drive
 from ertel.model.state import Rolling
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
-from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Lubricant, Roelands
-from ertel.physics.motion import STEADY_ROLLING, constant
+from ertel.physics.lubricant import Oil
+from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.solvers import preconditioner, steady
 
-ALPHA, P0, Z = 2.2e-8, 196078400.0, 0.668678  # "rheology" of the reference
+ROELANDS = Oil(alpha=2.2e-8, p0=196078400.0, z=0.668678)  # "rheology" of the reference
+OILS = {"barus": BARUS, "roelands": ROELANDS}
 NAMES = ("Delta", "H_c", "H_min", "P_c")
 
 GRIDS = {  # fluid, M, L: nodes: Delta, H_c, H_min, P_c
@@ -58,11 +61,9 @@ CONVERGED = {  # H_c, its uncertainty
 every_case = pytest.mark.parametrize("key", GRIDS, ids=str)
 
 
-def oil(fluid: str, p: Parameters) -> Lubricant:
-    if fluid == "barus":
-        return Lubricant(Barus(p.alpha_bar), Incompressible())
-    p_h = p.alpha_bar / ALPHA
-    return Lubricant(Roelands(p.alpha_bar, Z, p_h / P0), DowsonHigginson(p_h / 5.9e8))
+def case_of(key: tuple[str, float, float], nodes: int, drive: Drive | None = None, **solver: Any) -> Case:
+    fluid, M, L = key
+    return rolled(Parameters.from_moes(M, L or BARUS_LIMIT), OILS[fluid], steady_solver(nodes, **solver), drive)
 
 
 @cache
@@ -73,11 +74,8 @@ def rolling(
     fold: bool = True,
     precision: str = preconditioner.PRECISION,
 ) -> Rolling:
-    fluid, M, L = key
-    p = Parameters.from_moes(M, L)
-    motion = replace(STEADY_ROLLING, entrainment=constant(entrainment))
-    solver = replace(SOLVERS["steady"], nodes=nodes, fold=fold)
-    return steady.steady(Case(p, oil(fluid, p), solver, kind="rolling", motion=motion), precision)
+    drive = Drive(entrainment=constant(entrainment)) if entrainment != 1.0 else None
+    return steady.steady(case_of(key, nodes, drive, fold=fold), precision)
 
 
 @every_case
@@ -139,11 +137,9 @@ def test_symmetry_across_the_flow() -> None:
 
 @every_case
 def test_the_load_is_carried_by_the_film(key) -> None:
-    fluid, M, L = key
-    p = Parameters.from_moes(M, L)
     s = rolling(key).finest
     assert s.measure()["load"] == pytest.approx(HERTZ_LOAD, abs=2e-8)
-    c = contact.ball_on_plane(s.grid, p.lambda_bar, oil(fluid, p))
+    c = discretise.contact_of(case_of(key, 257), s.grid)
     H = contact.film_thickness(c, s.P, s.approach)
     np.testing.assert_allclose(np.asarray(s.H), np.asarray(H), atol=1e-12)
 
@@ -151,9 +147,8 @@ def test_the_load_is_carried_by_the_film(key) -> None:
 def test_pressure_is_nowhere_negative_and_oil_lacks_only_where_there_is_none() -> None:
     """P >= 0, the residual is zero where P > 0 and not negative where P = 0."""
     key = ("roelands", 200, 10)
-    p = Parameters.from_moes(*key[1:])
     s = rolling(key).finest
-    c = contact.ball_on_plane(s.grid, p.lambda_bar, oil(key[0], p))
+    c = discretise.contact_of(case_of(key, 257), s.grid)
     r = np.asarray(contact.residual(c, s.P, s.H, steady.STEADY, 1.0))
     P = np.asarray(s.P)
     assert P.min() >= 0
@@ -167,9 +162,8 @@ def test_mass_is_conserved_along_the_flow() -> None:
     The wedge is the derivative of the flux 3/2 (rho H)_i - 1/2 (rho H)_{i-1} from cell face to cell face.
     """
     key = ("roelands", 200, 10)
-    p = Parameters.from_moes(*key[1:])
     s = rolling(key, 129, fold=False).finest
-    c = contact.ball_on_plane(s.grid, p.lambda_bar, oil(key[0], p))
+    c = discretise.contact_of(case_of(key, 129), s.grid)
     h, P = s.grid.spacing, np.asarray(s.P)
     mass = np.asarray(c.lubricant.density(s.P) * s.H)
     eps = np.asarray(contact.mobility(c, s.P, s.H).x)
@@ -193,10 +187,8 @@ def test_pressure_tends_to_hertz() -> None:
 
 @pytest.mark.parametrize("part", ["load", "entrainment"])
 def test_no_load_or_no_flow_is_refused(part) -> None:
-    p = Parameters.from_moes(200, 10)
-    motion = replace(STEADY_ROLLING, **{part: constant(0.0)})
-    with pytest.raises(ValueError, match=rf"^motion\.{part} = 0.0 at T = 0"):
-        steady.steady(Case(p, oil("barus", p), SOLVERS["steady"], kind="rolling", motion=motion))
+    with pytest.raises(ValueError, match=rf"^motion\.{part}: is 0 at T = 0"):
+        case_of(("barus", 200, 10), 129, Drive(**{part: constant(0.0)}))
 
 
 @pytest.fixture(scope="module")
@@ -205,9 +197,7 @@ def exact_to_a_millionth() -> dict[float, Rolling]:
 
 
 def solved_to(tolerance: float, M: float) -> Rolling:
-    p = Parameters.from_moes(M, 10)
-    solver = replace(SOLVERS["steady"], nodes=257, tolerance=tolerance)
-    found = steady.steady(Case(p, oil("roelands", p), solver, kind="rolling", motion=STEADY_ROLLING))
+    found = steady.steady(case_of(("roelands", M, 10), 257, tolerance=tolerance))
     assert found.finest.status.ok
     return found
 
