@@ -104,7 +104,8 @@ class Case:
 
     def _check(self) -> None:
         """Raise ValueError for what makes no sense."""
-        rules.check_oil(self.oil, self.scales, self.parameters)
+        rules.check_oil(self.oil, self.scales)
+        rules.check_pressure_scale(self.oil, self.scales, self.parameters)
         rules.check_time(self.kind, self.solver, self.time, self.output)
         rules.check_drive(self.kind, self.contact, self.drive)
         rules.check_grid(self.solver)

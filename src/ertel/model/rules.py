@@ -1,7 +1,7 @@
 """What makes no sense is refused here, whoever asks: every rule names the field, its value and what is allowed."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import is_dataclass, replace
 from math import inf
 
 from ertel.model.conditions import Conditions, Kind
@@ -28,16 +28,20 @@ def check_method(kind: Kind, solver: Solver) -> None:
         raise ValueError(f"solver.inlet = {solver.inlet}: a radial grid has none; leave it out")
 
 
-def check_oil(oil: Oil, scales: Scales | None, parameters: Parameters) -> None:
-    """A physical contact needs the data of its oil; a law needs a scale of pressure."""
-    if scales:
-        for key, example in {"eta0": "40 mPa*s", "alpha": "22 / GPa"}.items():
-            if getattr(oil, key) is None and not (key == "alpha" and oil.is_isoviscous):
-                raise ValueError(f'lubricant.{key}: missing, a physical contact needs it, for example "{example}"')
+def check_oil(oil: Oil, scales: Scales | None) -> None:
+    """A physical contact needs the data of its oil."""
+    for key, example in {"eta0": "40 mPa*s", "alpha": "22 / GPa"}.items() if scales else ():
+        if getattr(oil, key) is None and not (key == "alpha" and oil.is_isoviscous):
+            raise ValueError(f'lubricant.{key}: missing, a physical contact needs it, for example "{example}"')
+
+
+def check_pressure_scale(oil: Oil, scales: Scales | None, parameters: Parameters) -> None:
+    """A law that changes with pressure needs a scale of pressure."""
+    if scales or parameters.alpha_bar:
         return
-    if parameters.alpha_bar == 0 and not oil.is_isoviscous:
+    if not oil.is_isoviscous:
         raise ValueError(f"contact.L = 0: must be above zero with lubricant.viscosity = {show(oil.viscosity)}")
-    if parameters.alpha_bar == 0 and (oil.density == "dowson-higginson" or isinstance(oil.density, DowsonHigginson)):
+    if oil.density == "dowson-higginson" or isinstance(oil.density, DowsonHigginson):
         raise ValueError(
             'lubricant.density = "dowson-higginson": needs a pressure scale, which a dimensionless isoviscous case '
             'does not have; allowed: density = "incompressible", or physical input'
@@ -60,6 +64,9 @@ def check_fields(drive: Drive | None, time: Time | None, output: Output | None, 
             if isinstance(signal, Oscillation):
                 checked(signal, f"motion.{name}")
     for number, feature in enumerate(roughness, 1):
+        if not (is_dataclass(feature.shape) and hasattr(feature.shape, "heights")):
+            kind = type(feature.shape).__name__
+            raise ValueError(f"roughness[{number}].shape = {kind}: must be a dataclass with a method heights(X, Y)")
         checked(feature.shape, f"roughness[{number}]")
 
 
