@@ -3,7 +3,7 @@
 import json
 from copy import deepcopy
 from dataclasses import dataclass, fields, replace
-from math import inf
+from math import inf, nan
 from typing import Annotated, Any
 
 import pytest
@@ -399,6 +399,7 @@ class Power:
     """A law of one's own."""
 
     n: float
+    table: tuple[float, ...] = ()
 
     def viscosity(self, p: Any) -> Any:
         return (1 + p) ** self.n
@@ -408,9 +409,11 @@ class Power:
 
 
 def test_own_laws_and_shapes_are_written_by_their_names() -> None:
-    case = impact(oil=replace(OIL, viscosity=Power(2.0), density=Power(0.1)), roughness=(Feature(Step(0.1)),))
+    oil = replace(OIL, viscosity=Power(2.0), density=Power(0.1, (1.0, 2.0)))
+    case = impact(oil=oil, roughness=(Feature(Step(0.1)),))
     data = case.to_data()
     assert data["lubricant"]["viscosity"] == {"law": "test-power", "n": 2.0}
+    assert data["lubricant"]["density"] == {"law": "test-power", "n": 0.1, "table": [1.0, 2.0]}
     assert data["roughness"] == [{"shape": "test-step", "height": 0.1, "surface": 1}]
     assert Case.from_data(data) == case
 
@@ -541,6 +544,12 @@ REFUSED: list[Refusal] = [
     (STEADY, {"drive": Drive(inertia=-1.0)}, "motion.inertia = -1.0: must be greater than or equal to 0"),
     (STEADY, {"drive": Drive(slide_to_roll=inf)}, "motion.slide_to_roll = Infinity: must be a finite number"),
     (IN_TIME, {"drive": Drive(Oscillation(1.0, inf, 1.0))}, "motion.load.amplitude = Infinity: must be a finite numb"),
+    (IN_TIME, {"drive": Drive(constant(nan))}, "motion.load = NaN: must be finite numbers"),
+    (
+        impact(),
+        {"drive": Drive(entrainment=Polyline(((0.0, 1.0), (inf, 2.0))))},
+        "motion.entrainment = [[0.0, 1.0], [Infinity, 2.0]]: must be finite numbers",
+    ),
     (impact(), {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; for an im"),
     (
         Case(Conditions(**TRACK), OIL, SOLVERS["steady"]),

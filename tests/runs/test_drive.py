@@ -247,4 +247,4 @@ def test_error_estimate_is_exact_for_a_second_order_error() -> None:
     assert estimate["H_c"]["error"] == pytest.approx(3e-4, rel=1e-9)
     assert estimate["H_min"]["extrapolated"] == pytest.approx(0.01, rel=1e-12)
     assert estimate["Delta_max"]["value"] == 0.96 + 1e-4
-    assert summary.error_estimate(summary(0.01), {"max_approach": None}) is None
+    assert summary.error_estimate(at(0.01), {"max_approach": None}) is None
