@@ -109,9 +109,7 @@ def signals(physical: bool, values: st.SearchStrategy[float]) -> st.SearchStrate
 
 
 def roughnesses(physical: bool) -> st.SearchStrategy[tuple[Feature, ...]]:
-    height, width, place = (
-        amounts(physical, plain, "m") for plain in (number, sizes(), st.floats(-5, 5))
-    )
+    height, width, place = (amounts(physical, plain, "m") for plain in (number, sizes(), st.floats(-5, 5)))
     waves = st.builds(Waviness, height, width, st.one_of(st.just(inf), width), number, number)
     fronts = st.builds(Waviness, height, width, front=place, ramp=st.one_of(st.none(), width))
     ridges = st.builds(Waviness, height, wavelength_y=width, phase_y=number)
@@ -220,7 +218,7 @@ def test_the_name_and_where_the_oils_data_come_from_change_no_result() -> None:
     assert case.digest == other.digest
 
 
-RADII_OF_BOTH = {"radius_1": "0.02 m", "radius_2": "0.03 m"}
+TWO_BALLS = {"radius_1": "0.02 m", "radius_2": "0.03 m"}
 STEEL = {"E1": "2e11 Pa", "nu1": 0.3, "E2": "2e11 Pa", "nu2": 0.3}
 WAVE = {"shape": "waviness", "amplitude": 0.1, "wavelength_x": 0.5, "wavelength_y": 0.7, "front": 1.0, "ramp": 0.5}
 RINGS = {"shape": "rings", "amplitude": 0.1, "wavelength": 0.5}
@@ -279,7 +277,10 @@ CHANGES: list[Change] = [
     ({"contact": {"lambda_bar": 0.01, "alpha_bar": 20.0}}, "contact.lambda_bar", 0.02),
     ({"contact": {"lambda_bar": 0.01, "alpha_bar": 20.0}}, "contact.alpha_bar", 21.0),
     *[
-        ({"contact": {**RADII_OF_BOTH, **STEEL, "mass": "0.03 kg", "speed": "0.1 m/s"}, "lubricant": LUBRICANT}, *change)
+        (
+            {"contact": {**RADII_OF_BOTH, **STEEL, "mass": "0.03 kg", "speed": "0.1 m/s"}, "lubricant": LUBRICANT},
+            *change,
+        )
         for change in [
             ("contact.radius_1", "0.021 m"),
             ("contact.radius_2", "0.031 m"),
@@ -504,7 +505,11 @@ REFUSED: list[Refusal] = [
     (PHYSICAL, {"oil": replace(OIL, eta0=-1.0)}, 'lubricant.eta0 = "-1.0 Pa*s": must be finite and above zero'),
     (PHYSICAL, {"oil": replace(OIL, eta0=6e-5)}, "lubricant.eta0 = 6e-05 Pa s: Roelands' law needs"),
     (PHYSICAL, {"oil": replace(OIL, z=-1.0)}, "lubricant.z = -1.0: must be greater than 0"),
-    (impact(), {"contact": Conditions(M=200.0, L=0.0)}, 'contact.L = 0: must be above zero with lubricant.viscosity = "'),
+    (
+        impact(),
+        {"contact": Conditions(M=200.0, L=0.0)},
+        "contact.L = 0: must be above zero with lubricant.viscosity",
+    ),
     (impact(), {"oil": Oil("isoviscous")}, "contact.L = 10.0: must be 0 or left out with lubricant.viscosity = "),
     (
         impact(),
@@ -550,7 +555,11 @@ REFUSED: list[Refusal] = [
         {"drive": Drive(entrainment=Polyline(((0.0, 1.0), (inf, 2.0))))},
         "motion.entrainment = [[0.0, 1.0], [Infinity, 2.0]]: must be finite numbers",
     ),
-    (impact(), {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; for an im"),
+    (
+        impact(),
+        {"drive": Drive(inertia=1.0)},
+        "motion.inertia = 1.0: belongs to dimensionless rolling cases; for an",
+    ),
     (
         Case(Conditions(**TRACK), OIL, SOLVERS["steady"]),
         {"drive": Drive(inertia=1.0)},
@@ -591,7 +600,9 @@ def test_every_rule_is_kept_by_replace_too(case, changes, message) -> None:
 
 
 def test_reading_refuses_what_it_does_not_know() -> None:
-    with pytest.raises(ValueError, match=r'^solvers = \{ nodes = 65 \}: unknown section; allowed: schema, name, contact'):
+    with pytest.raises(
+        ValueError, match=r"^solvers = \{ nodes = 65 \}: unknown section; allowed: schema, name, contact"
+    ):
         Case.from_data({"contact": MOES, "solvers": {"nodes": 65}})
     with pytest.raises(ValueError, match=r"^schema = 2: allowed: 1"):
         Case.from_data({"contact": MOES, "schema": 2})
