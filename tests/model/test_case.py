@@ -278,7 +278,7 @@ CHANGES: list[Change] = [
     ({"contact": {"lambda_bar": 0.01, "alpha_bar": 20.0}}, "contact.alpha_bar", 21.0),
     *[
         (
-            {"contact": {**RADII_OF_BOTH, **STEEL, "mass": "0.03 kg", "speed": "0.1 m/s"}, "lubricant": LUBRICANT},
+            {"contact": {**TWO_BALLS, **STEEL, "mass": "0.03 kg", "speed": "0.1 m/s"}, "lubricant": LUBRICANT},
             *change,
         )
         for change in [
