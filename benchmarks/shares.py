@@ -92,7 +92,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     from ertel.model.contact import Rate
     from ertel.runs import drive
     from ertel.runs.drive import Course
-    from ertel.solvers import nonlinear, transient
+    from ertel.solvers import nonlinear, preconditioner, transient
 
     keep_compiled()
     on_device: list[float] = []
@@ -116,7 +116,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     newton, krylov = (statistics.mean(getattr(level.work, name) for level in found) for name in ("newton", "krylov"))
     now = levels[0]
     rate, line = Rate(1.5 / STEP, 0.0 * now.H), balanced()
-    how = nonlinear.bordered, nonlinear.still, transient.OPTIONS
+    how = nonlinear.bordered, preconditioner.point_preconditioner, transient.OPTIONS
     problem = nonlinear.Problem(method.contact, method.elastic, rate, 0.0, line, 1.0, 1.0, *how)
     parts = _parts(problem, now.P, now.H)
     return {
@@ -152,7 +152,8 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     from ertel.model import discretise
     from ertel.model.approach import balanced
     from ertel.numerics import multigrid
-    from ertel.solvers import nonlinear, steady
+    from ertel.physics.geometry import COMPLIANCE
+    from ertel.solvers import nonlinear, preconditioner, steady
 
     keep_compiled()
     case = rolling(1000, nodes)
@@ -167,8 +168,8 @@ def measure_rolling(nodes: int) -> dict[str, float]:
         walls, solutions = zip(*_each(steady.nested(case)), strict=True)
     last = solutions[-1]
     c = discretise.contact_of(case, last.grid)
-    elastic = multigrid.elasticities(last.grid, nonlinear.PRECONDITIONER_PRECISION)
-    how = nonlinear.bordered, nonlinear.carried, steady.OPTIONS
+    elastic = multigrid.elasticities(last.grid, COMPLIANCE, preconditioner.PRECISION)
+    how = nonlinear.bordered, preconditioner.line_preconditioner, steady.OPTIONS
     problem = nonlinear.Problem(c, elastic, steady.STEADY, 1.0, balanced(), 1.0, 1.0, *how)
     parts = _parts(problem, last.P, last.H)
     return {

@@ -88,10 +88,7 @@ def physics(data: xr.Dataset) -> xr.Dataset:
     return data.drop_attrs(deep=False)
 
 
-def go_on(item: object) -> bool:
-    return True
-
-
 def stop_after(items: int) -> Callable[[object], bool]:
+    """An observer that asks for a stop after so many items."""
     seen = itertools.count(1)
-    return lambda item: next(seen) < items
+    return lambda item: next(seen) >= items

@@ -105,7 +105,9 @@ __all__ = ["__version__", *_HOMES, *_MODULES]
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        return _version()
+        from ertel.version import installed_version
+
+        return installed_version()
     if name in _MODULES:
         return import_module(f"ertel.{_MODULES[name]}")
     if name in _ROOMS:
@@ -118,12 +120,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return [*__all__, *_ROOMS]
-
-
-def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("ertel")
-    except PackageNotFoundError:  # a source tree that was not installed
-        return "0+unknown"

@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
-from ertel.model.approach import HERTZ_LOAD, NewtonsLaw, PrescribedApproach, balanced
+from ertel.model.approach import NewtonsLaw, PrescribedApproach, balanced
 from ertel.numerics.bdf import derivative_weights
 from ertel.physics import hertz
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, constant
 from ertel.physics.scales import impact_scales
 

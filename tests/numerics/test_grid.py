@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ertel.numerics.grid import LARGEST_COARSEST, SMALLEST_COARSEST, Grid, allowed_nodes, check_nodes
+from ertel.numerics.grid import LARGEST_COARSEST, SMALLEST_COARSEST, Grid, allowed_nodes, check_grid, check_nodes
 
 
 @given(st.integers(4, 400), st.floats(0.5, 8.0))
@@ -47,3 +47,19 @@ def test_the_advice_for_a_refused_count_is_good_advice() -> None:
     with pytest.raises(ValueError, match="the nearest are 257 and 289"):
         check_nodes(260)
     check_nodes(289)
+
+
+@pytest.mark.parametrize(("nodes_x", "nodes_y"), [(257, 129), (65, 33), (33, 129)])
+def test_a_rectangle_is_coarsened_alike_in_both_directions(nodes_x: int, nodes_y: int) -> None:
+    grid = Grid(nodes_x, nodes_y, 0.1, centre_x=-1.0)
+    check_grid(grid)
+    assert grid.shape == (len(grid.y), len(grid.x)) == (nodes_y, nodes_x)
+    for fine, coarse in itertools.pairwise(grid.hierarchy()):
+        np.testing.assert_allclose(coarse.x, fine.x[::2], rtol=0, atol=1e-14)
+        np.testing.assert_allclose(coarse.y, fine.y[::2], rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize(("nodes_x", "nodes_y", "message"), [(100, 129, "nodes = 100"), (2049, 17, "less different")])
+def test_a_rectangle_that_multigrid_cannot_coarsen_is_refused(nodes_x: int, nodes_y: int, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        check_grid(Grid(nodes_x, nodes_y, 0.1))

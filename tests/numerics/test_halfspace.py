@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 from scipy.integrate import dblquad
 
 from ertel.numerics import halfspace
-from ertel.numerics.grid import Grid
+from ertel.numerics.grid import WHOLE, Even, Grid
+from ertel.numerics.symmetry import folded, unfolded
 from ertel.physics import hertz
+from ertel.physics.geometry import COMPLIANCE
 
 
 def random_pressure(nodes: int, seed: int) -> NDArray[np.float64]:
@@ -21,25 +23,46 @@ def random_pressure(nodes: int, seed: int) -> NDArray[np.float64]:
 
 def direct_sum(K: NDArray[np.float64], P: NDArray[np.float64]) -> NDArray[np.float64]:
     """The slow plain twin of the FFT."""
-    n = len(P)
-    i = np.arange(n)
+    i, j = (np.arange(n) for n in P.shape)
     result = np.empty_like(P)
-    for y in range(n):
-        for x in range(n):
-            result[y, x] = np.sum(K[np.ix_(abs(i - y), abs(i - x))] * P)
+    for y in i:
+        for x in j:
+            result[y, x] = np.sum(K[np.ix_(abs(i - y), abs(j - x))] * P)
     return result
 
 
 def displaced(grid: Grid, P: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(halfspace.displacement(halfspace.spectrum(grid), jnp.asarray(P)))
+    return np.asarray(halfspace.displacement(halfspace.spectrum(grid, COMPLIANCE), jnp.asarray(P)))
 
 
 @settings(max_examples=8, deadline=None)
 @given(st.sampled_from([9, 17, 25, 33]), st.floats(0.1, 5.0), st.integers(0, 1000))
 def test_fft_equals_the_direct_sum(nodes: int, half_width: float, seed: int) -> None:
     grid, P = Grid.square(nodes, half_width), random_pressure(nodes, seed)
-    expected = direct_sum(halfspace.love_coefficients(nodes, grid.spacing), P)
+    expected = COMPLIANCE * direct_sum(halfspace.love_coefficients(nodes, nodes, grid.spacing), P)
     np.testing.assert_allclose(displaced(grid, P), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("even", [WHOLE, Even(y=True), Even(x=True), Even(True, True)], ids=str)
+@pytest.mark.parametrize(("nodes_x", "nodes_y"), [(33, 9), (17, 25)])
+def test_on_a_rectangle_too_whatever_the_symmetry(nodes_x: int, nodes_y: int, even: Even) -> None:
+    grid = Grid(nodes_x, nodes_y, 0.2, even=even)
+    P = np.zeros((nodes_y, nodes_x))
+    P[1:-1, 1:-1] = np.random.default_rng(2).random((nodes_y - 2, nodes_x - 2))
+    P = (P + P[::-1]) / 2 if even.y else P
+    P = (P + P[:, ::-1]) / 2 if even.x else P
+    expected = direct_sum(halfspace.love_coefficients(nodes_y, nodes_x, grid.spacing), P)
+    kept = jnp.asarray(folded(P, even))
+    assert kept.shape == grid.shape
+    found = halfspace.displacement(halfspace.spectrum(grid), kept, even)
+    np.testing.assert_allclose(unfolded(found, even), expected, rtol=1e-12)
+
+
+def test_the_deformation_of_a_rectangle_is_that_of_the_square_around_it() -> None:
+    square, band = Grid(33, 33, 0.125), Grid(33, 17, 0.125)
+    P = np.zeros((33, 33))
+    P[9:24, 1:-1] = np.random.default_rng(4).random((15, 31))
+    np.testing.assert_allclose(displaced(band, P[8:25]), displaced(square, P)[8:25], rtol=1e-12)
 
 
 @pytest.mark.parametrize(("i", "j"), [(0, 1), (1, 1), (3, 2), (0, 7)])
@@ -48,15 +71,15 @@ def test_a_coefficient_is_the_integral_over_its_cell(i: int, j: int) -> None:
     integral, _ = dblquad(
         lambda y, x: 1 / np.hypot(x, y), (j - 0.5) * h, (j + 0.5) * h, (i - 0.5) * h, (i + 0.5) * h, epsabs=1e-13
     )
-    K = halfspace.love_coefficients(8, h)
-    assert K[i, j] == pytest.approx(2 / np.pi**2 * integral, rel=1e-10)
+    K = halfspace.love_coefficients(8, 8, h)
+    assert K[i, j] == pytest.approx(integral, rel=1e-10)
 
 
 def test_own_cell_and_far_cells_in_closed_form() -> None:
-    K = halfspace.love_coefficients(1000, 0.01)
-    assert K[0, 0] == pytest.approx(2 / np.pi**2 * 0.01 * 4 * np.arcsinh(1.0), rel=1e-14)
+    K = halfspace.love_coefficients(1000, 1000, 0.01)
+    assert K[0, 0] == pytest.approx(0.01 * 4 * np.arcsinh(1.0), rel=1e-14)
     # seen from far away a cell is a point, and its first correction h^2/(24 r^3) is known
-    far = 2 / np.pi**2 * 0.01 * (1 / 999 + 1 / (24 * 999**3))
+    far = 0.01 * (1 / 999 + 1 / (24 * 999**3))
     assert K[0, 999] == pytest.approx(far, rel=1e-11)
     assert K[999, 0] == pytest.approx(far, rel=1e-11)
 
@@ -120,6 +143,6 @@ def test_a_smooth_pressure_is_second_order_everywhere() -> None:
 
 def test_single_precision_is_single_precision() -> None:
     grid, P = Grid.square(65, 2.0), random_pressure(65, 3)
-    single = halfspace.displacement(halfspace.spectrum(grid, "float32"), jnp.asarray(P, "float32"))
+    single = halfspace.displacement(halfspace.spectrum(grid, COMPLIANCE, "float32"), jnp.asarray(P, "float32"))
     assert single.dtype == jnp.float32
     np.testing.assert_allclose(np.asarray(single), displaced(grid, P), rtol=1e-5)

@@ -3,15 +3,17 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from ertel.numerics import line_smoother, multigrid
+from ertel.numerics import multigrid
 from ertel.numerics.grid import Grid
+from ertel.numerics.line_smoother import line_smoother
 from ertel.numerics.multigrid import Coefficients
 from ertel.numerics.stencils import Pair
+from ertel.physics.geometry import COMPLIANCE
 
 
 def rolling_like(nodes: int, depth: float = 1e-5) -> Coefficients:
     """Coefficients as in rolling: eps tiny in the contact, large outside, nothing free downstream of it."""
-    grid = Grid(nodes, 6.0 / (nodes - 1), -1.5)
+    grid = Grid(nodes, nodes, 6.0 / (nodes - 1), -1.5)
     x, y = grid.x[None, :], grid.y[:, None]
     r = np.hypot(x, y)
     eps = depth + np.where(r > 1, (r**2 - 1) ** 3, 0) * 5
@@ -21,8 +23,8 @@ def rolling_like(nodes: int, depth: float = 1e-5) -> Coefficients:
 
 def contraction(nodes: int, c: Coefficients) -> float:
     """The asymptotic factor by which one V-cycle alone reduces the error."""
-    elastic = multigrid.elasticities(Grid(nodes, 6.0 / (nodes - 1), -1.5), "float64")
-    levels = multigrid.hierarchy(elastic, c, lambda e, c: line_smoother.lines(e, c, 0.0, 1.0))
+    elastic = multigrid.elasticities(Grid(nodes, nodes, 6.0 / (nodes - 1), -1.5), COMPLIANCE, "float64")
+    levels = multigrid.hierarchy(elastic, c, lambda e, c: line_smoother(e, c, 0.0, 1.0))
     cycle = jax.jit(lambda e: e - multigrid.v_cycle(levels, multigrid.apply(levels[0], e)))
     e = jnp.asarray(np.random.default_rng(1).standard_normal(c.free.shape)) * c.free
     for _ in range(15):
@@ -44,9 +46,9 @@ def test_a_v_cycle_contracts_where_the_oil_flows_twice_as_readily_one_way(more: 
 
 def test_a_uniform_change_has_no_slope() -> None:
     """What the bands of a line leave out must not make a drift of a uniform mass."""
-    (elastic,) = multigrid.elasticities(Grid(5, 0.1), "float64")[:1]
+    (elastic,) = multigrid.elasticities(Grid(5, 5, 0.1), COMPLIANCE, "float64")[:1]
     one = jnp.ones((5, 5))
-    smoother = line_smoother.lines(elastic, Coefficients(Pair(0 * one), 0 * one, one, one), 0.0, 1.0)
+    smoother = line_smoother(elastic, Coefficients(Pair(0 * one), 0 * one, one, one), 0.0, 1.0)
     assert not smoother.factors.halvings  # the matrix as it is
     row_sums = ((1.0 + sum(smoother.factors.rest)) / smoother.factors.scale)[
         2, 2

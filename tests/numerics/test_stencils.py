@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from ertel.numerics import stencils
+from ertel.numerics.grid import WHOLE, Even
 from ertel.numerics.stencils import Pair
-from ertel.numerics.symmetry import WHOLE, Even, folded
+from ertel.numerics.symmetry import folded
 
 NODES = 9
 FACES = ((0, -1, 0), (0, 1, 0), (-1, 0, 1), (1, 0, 1))  # to a neighbour in Y, in X; which mobility

@@ -11,8 +11,8 @@ from ertel.model.contact import Rate
 from ertel.model.sections import Solver, Time
 from ertel.model.state import State
 from ertel.numerics import halfspace
-from ertel.numerics.grid import Grid
-from ertel.numerics.symmetry import WHOLE, Even, extended, folded, total, unfolded
+from ertel.numerics.grid import WHOLE, Even, Grid
+from ertel.numerics.symmetry import extended, folded, total, unfolded
 from ertel.physics.lubricant import Barus, DowsonHigginson, Lubricant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
@@ -25,7 +25,7 @@ every_symmetry = pytest.mark.parametrize("even", [WHOLE, Even(y=True), Even(x=Tr
 
 
 def grid(even: Even = WHOLE) -> Grid:
-    return Grid(17, 0.2, even=even)
+    return Grid(17, 17, 0.2, even=even)
 
 
 def bump(even: Even, seed: int = 0) -> np.ndarray:
@@ -64,7 +64,7 @@ def test_the_deformation_is_that_of_the_whole_plane(even, dtype) -> None:
     whole = bump(even)
     expected = halfspace.displacement(halfspace.spectrum(grid()), jnp.asarray(whole))
     kept = jnp.asarray(folded(whole, even), dtype)
-    found = halfspace.displacement(halfspace.spectrum(grid(even), dtype), kept, even)
+    found = halfspace.displacement(halfspace.spectrum(grid(even), dtype=dtype), kept, even)
     assert found.dtype == dtype
     assert_allclose(unfolded(found, even), expected, atol=1e-13 if dtype == "float64" else 1e-5)
 
@@ -86,7 +86,7 @@ def test_the_residual_is_that_of_the_whole_plane(even) -> None:
 
 def test_a_symmetric_grid_is_centred() -> None:
     with pytest.raises(ValueError, match="centred"):
-        Grid(17, 0.2, centre_x=-1.0, even=Even(x=True))
+        Grid(17, 17, 0.2, centre_x=-1.0, even=Even(x=True))
 
 
 # -- whole solutions --------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from ertel.inputs.case_files import parse_case
 from ertel.model.status import Status
 from ertel.results.result import Result
-from ertel.results.summary import steady_summary, transient_summary
+from ertel.results.summary import impact_summary, rolling_summary, steady_summary
 
 WORK = {"steps": 78, "newton_iterations": 80, "krylov_iterations": 200, "wall_s": 1.0}
 MAXIMUM = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.2, "P_max": 1.3, "H_c": 0.07, "H_min": 0.02, "X_min": 0.9}
@@ -22,7 +22,7 @@ MAXIMUM = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.2, "P_max": 1.3, "H_c": 0
 
 def impact(case_data, reached=MAXIMUM, **more):
     case, data = parse_case(case_data), dry_impact(case_data)
-    summary = transient_summary(case, data, reached, WORK, Status.CONVERGED)
+    summary = impact_summary(case, data, reached, WORK, Status.CONVERGED)
     return Result(case, data, {**summary, **more}, Status.CONVERGED)
 
 
@@ -35,7 +35,7 @@ def rolling(case):
 def rolling_in_time(case):
     data = in_time(case)
     case = replace(case, solver=replace(case.solver, method="transient"))
-    return Result(case, data, transient_summary(case, data, None, WORK, Status.CONVERGED), Status.CONVERGED)
+    return Result(case, data, rolling_summary(case, data, WORK, Status.CONVERGED), Status.CONVERGED)
 
 
 def test_repr_of_a_physical_impact():

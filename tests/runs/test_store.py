@@ -6,26 +6,25 @@ import signal
 import subprocess
 import sys
 import textwrap
-import time
 import warnings
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from cases import go_on, physics, stop_after
+from cases import physics, stop_after
 
 import ertel
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.model.status import Status
-from ertel.results import variables
-from ertel.results.dataset import assemble
-from ertel.results.summary import si_summary
-from ertel.runs import store
-from ertel.runs.drive import Frame, State, method_of, simulate, transient
-from ertel.runs.store import RunStore, StoreError, TransientStore
+from ertel.runs import arrays, store
+from ertel.runs.arrays import AppendedData
+from ertel.runs.courses import TransientCourse, method_of
+from ertel.runs.drive import simulate
+from ertel.runs.stepping import StepLimits
+from ertel.runs.store import RunStore, StoreError, compute
 
+pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
 CASE = {
     "name": "small",
     "contact": {"M": 200, "L": 10},
@@ -40,21 +39,21 @@ def case():
 
 
 @pytest.fixture(scope="module")
-def method(case):
-    return method_of(case)
+def uninterrupted(case):
+    return simulate(case)
 
 
-@pytest.fixture(scope="module")
-def uninterrupted(case, method):
-    return simulate(case, method=method)
+def at_every_step(run):
+    """An observer that has everything written at once."""
+    return lambda item: run.flush()
 
 
 # -- a whole run ------------------------------------------------------------------------------------------------------
 
 
-def test_a_stored_run_is_the_run_in_memory(tmp_path, case, method, uninterrupted):
-    run = RunStore.create(tmp_path / "run", case, method)
-    summary = store.run(run, go_on, method)
+def test_a_stored_run_is_the_run_in_memory(tmp_path, case, uninterrupted):
+    run = RunStore.create(tmp_path / "run", case)
+    summary = compute(run)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         data = xr.open_zarr(tmp_path / "run" / "run.zarr").load()  # and nothing else
@@ -67,11 +66,11 @@ def test_a_stored_run_is_the_run_in_memory(tmp_path, case, method, uninterrupted
     assert same.items() <= dict(uninterrupted.summary).items()
 
 
-def test_the_resolved_case_is_the_case(tmp_path, case, method):
-    RunStore.create(tmp_path / "run", case, method)
+def test_the_resolved_case_is_the_case(tmp_path, case):
+    RunStore.create(tmp_path / "run", case)
     again = load_case(tmp_path / "run" / "case.toml")
     assert again == case
-    assert again.source == case.source
+    assert again.to_data() == case.to_data()
 
 
 def test_variables_say_what_they_are(uninterrupted):
@@ -88,26 +87,30 @@ def test_frames_are_at_their_times(uninterrupted, case):
     assert np.all(np.diff(frames) >= 0)  # so that .sel(frame=..., method="nearest") works
 
 
-def test_writing_is_cheap(tmp_path, case, uninterrupted, method):
-    """A flush costs far less than the seconds between two of them."""
-    run = RunStore.create(tmp_path / "run", case, method)
-    for step in transient(case, None, method):
-        run.append(step)
-    started = time.perf_counter()
-    run.flush()
-    assert time.perf_counter() - started < 0.2 * store.FLUSH_INTERVAL
+def test_a_flush_writes_once_however_many_steps_there_are(tmp_path, monkeypatch, case):
+    """It costs far less than the seconds between two of them: what is appended does not grow with the run."""
+    run = RunStore.create(tmp_path / "run", case)
+    extended, extend = [], AppendedData._extend
+
+    def counting(self, path, dimension, values):
+        extended.append(len(values.get(dimension, ())))
+        extend(self, path, dimension, values)
+
+    monkeypatch.setattr(AppendedData, "_extend", counting)
+    summary = compute(run)
+    assert sum(extended[::2]) == summary["steps"] > len(extended) / 2
 
 
 # -- interrupted ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("steps", [1, 2, 7])
-def test_resumed_equals_uninterrupted(tmp_path, case, method, uninterrupted, steps):
-    run = RunStore.create(tmp_path / "run", case, method)
-    assert store.run(run, stop_after(steps), method)["status"] == "interrupted"
+def test_resumed_equals_uninterrupted(tmp_path, case, uninterrupted, steps):
+    run = RunStore.create(tmp_path / "run", case)
+    assert compute(run, [stop_after(steps)])["status"] == "interrupted"
     assert run.dataset().sizes["time"] == steps
     again = RunStore.open(tmp_path / "run")
-    summary = store.run(again, go_on)
+    summary = compute(again)
     xr.testing.assert_identical(physics(again.dataset()), physics(uninterrupted.dataset))
     assert summary["status"] == "converged"
     assert summary["newton_iterations"] == uninterrupted.summary["newton_iterations"]
@@ -115,29 +118,38 @@ def test_resumed_equals_uninterrupted(tmp_path, case, method, uninterrupted, ste
 
 def test_resumed_equals_uninterrupted_for_the_radial_method(tmp_path):
     case = parse_case({**CASE, "solver": {"method": "radial", "nodes": 49}})
-    method = method_of(case)
-    run = RunStore.create(tmp_path / "run", case, method)
-    store.run(run, stop_after(9), method)
+    compute(RunStore.create(tmp_path / "run", case), [stop_after(9)])
     again = RunStore.open(tmp_path / "run")
-    store.run(again, go_on)
+    compute(again)
     assert again.dataset()["H"].dims == ("frame", "r")
     xr.testing.assert_identical(physics(again.dataset()), physics(simulate(case).dataset))
 
 
-def test_resumed_many_times(tmp_path, case, method, uninterrupted):
-    RunStore.create(tmp_path / "run", case, method)
+def test_resumed_many_times(tmp_path, case, uninterrupted):
+    RunStore.create(tmp_path / "run", case)
     for _ in range(100):
         run = RunStore.open(tmp_path / "run")
-        if store.run(run, stop_after(3), method)["status"] == "converged":
+        if compute(run, [stop_after(3)])["status"] == "converged":
             break
     xr.testing.assert_identical(physics(run.dataset()), physics(uninterrupted.dataset))
 
 
-def test_wall_time_adds_up(tmp_path, case, method):
-    run = RunStore.create(tmp_path / "run", case, method)
-    first = store.run(run, stop_after(2), method)["wall_s"]
-    second = store.run(RunStore.open(tmp_path / "run"), go_on, method)["wall_s"]
+def test_wall_time_adds_up(tmp_path, case):
+    first = compute(RunStore.create(tmp_path / "run", case), [stop_after(2)])["wall_s"]
+    second = compute(RunStore.open(tmp_path / "run"))["wall_s"]
     assert second > first > 0
+
+
+def test_a_run_that_ended_is_not_stepped_further_without_its_summary(tmp_path, case, uninterrupted):
+    """The checkpoint says that the run has ended, and how."""
+    compute(RunStore.create(tmp_path / "run", case))
+    (tmp_path / "run" / "summary.json").unlink()
+    seen = []
+    again = RunStore.open(tmp_path / "run")
+    summary = compute(again, [lambda item: seen.append(item.record)])
+    assert summary["status"] == "converged"
+    assert not any(seen)
+    xr.testing.assert_identical(physics(again.dataset()), physics(uninterrupted.dataset))
 
 
 class Killed(BaseException):
@@ -147,17 +159,17 @@ class Killed(BaseException):
 def deaths():
     """Where a run can die: the functions that a flush calls, before and after each, sooner or later."""
     places = [
-        (store, "_commit"),
-        (TransientStore, "_extend"),
-        (TransientStore, "_write_checkpoint"),
-        (State, "to_arrays"),
+        (arrays, "commit"),
+        (AppendedData, "_extend"),
+        (RunStore, "_write_checkpoint"),
+        (TransientCourse, "to_arrays"),
     ]
     return [(place, name, when, count) for place, name in places for when in ("before", "after") for count in (2, 5)]
 
 
 @pytest.mark.parametrize(("place", "name", "when", "count"), deaths())
-def test_death_within_a_flush(tmp_path, monkeypatch, case, method, uninterrupted, place, name, when, count):
-    run = RunStore.create(tmp_path / "run", case, method)
+def test_death_within_a_flush(tmp_path, monkeypatch, case, uninterrupted, place, name, when, count):
+    run = RunStore.create(tmp_path / "run", case)
     original, calls = getattr(place, name), itertools.count(1)
 
     def deadly(*arguments, **options):
@@ -170,30 +182,27 @@ def test_death_within_a_flush(tmp_path, monkeypatch, case, method, uninterrupted
         return result
 
     with monkeypatch.context() as patch:
-        patch.setattr(store, "FLUSH_INTERVAL", -1.0)  # flush at every step
         patch.setattr(place, name, deadly)
         with pytest.raises(Killed):
-            store.run(run, go_on, method)
+            compute(run, [at_every_step(run)])
     xr.open_zarr(tmp_path / "run" / "run.zarr").load()  # readers see a whole, if shorter, run
     again = RunStore.open(tmp_path / "run")
-    store.run(again, go_on, method)
+    compute(again)
     xr.testing.assert_identical(physics(again.dataset()), physics(uninterrupted.dataset))
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
-def test_killed_process(tmp_path, case, method, uninterrupted):
+def test_killed_process(tmp_path, case, uninterrupted):
     """A real SIGKILL while the store is being written."""
-    RunStore.create(tmp_path / "run", case, method)
+    RunStore.create(tmp_path / "run", case)
     program = f"""
-        import time
         from pathlib import Path
         from ertel.runs import store
-        store.FLUSH_INTERVAL = -1.0
         run = store.RunStore.open(Path({str(tmp_path / "run")!r}))
-        def slowly(step):
+        def tell(item):
             print("step", flush=True)
-            return True
-        store.run(run, slowly)
+            run.flush()
+        store.compute(run, [tell])
     """
     path = str(Path(ertel.__path__[0]).parent)
     environment = {**os.environ, "PYTHONPATH": path}
@@ -202,91 +211,112 @@ def test_killed_process(tmp_path, case, method, uninterrupted):
         assert process.stdout is not None
         for _ in range(4):
             process.stdout.readline()
-        time.sleep(0.03)
         process.kill()
     again = RunStore.open(tmp_path / "run")
     seen = again.summary_so_far()["steps"]
     assert 0 < seen < uninterrupted.summary["steps"]
-    store.run(again, go_on, method)
+    compute(again)
     xr.testing.assert_identical(physics(again.dataset()), physics(uninterrupted.dataset))
 
 
-def test_a_run_that_gives_up_keeps_what_it_has(tmp_path, monkeypatch, case, method, uninterrupted):
-    run = RunStore.create(tmp_path / "run", case, method)
-    monkeypatch.setattr(import_module("ertel.runs.drive"), "SMALLEST_STEP", 0.02)
-    monkeypatch.setattr(import_module("ertel.runs.drive"), "FIRST_STEP", 0.03)
-    summary = store.run(run, go_on, method)
+def test_a_run_that_gives_up_keeps_what_it_has(tmp_path, case, uninterrupted):
+    course = TransientCourse(case, method_of(case), StepLimits(first=0.03, smallest=0.02))
+    run = RunStore.create(tmp_path / "run", case, course)
+    summary = compute(run)
     assert summary["status"] == Status.STEP_TOO_SMALL.value
     assert summary["max_approach"] is None
     assert 0 < run.dataset().sizes["time"] == summary["steps"] < uninterrupted.summary["steps"]
     assert run.dataset().attrs["status"] == summary["status"]
 
 
-def test_only_one_at_a_time(tmp_path, case, method):
-    run = RunStore.create(tmp_path / "run", case, method)
+def test_only_one_at_a_time(tmp_path, case):
+    run = RunStore.create(tmp_path / "run", case)
     second = RunStore.open(tmp_path / "run")
 
-    def meddle(step):
+    def meddle(item):
         with pytest.raises(StoreError, match="another process"):
-            store.run(second, go_on, method)
-        return False
+            compute(second)
+        return True
 
-    store.run(run, meddle, method)
-    assert store.run(second, go_on, method)["status"] == "converged"
+    compute(run, [meddle])
+    assert compute(second)["status"] == "converged"
+
+
+# -- ertel.run and ertel.open -----------------------------------------------------------------------------------------
+
+
+def test_run_takes_up_what_was_interrupted_and_reads_what_is_done(tmp_path, case, uninterrupted):
+    first = ertel.run(case, tmp_path / "run", observers=[stop_after(4)])
+    assert (first.status, first.dataset.sizes["time"]) == (Status.INTERRUPTED, 4)
+    second = ertel.run(case, str(tmp_path / "run"))
+    xr.testing.assert_identical(physics(second.dataset), physics(uninterrupted.dataset))
+    seen = []
+    third = ertel.run(case, tmp_path / "run", observers=[seen.append])
+    assert seen == [] and third.status.ok
+    xr.testing.assert_identical(third.dataset, second.dataset)
+    again = ertel.open(tmp_path / "run")
+    assert (again.case, again.directory) == (case, tmp_path / "run")
+    assert again.summary == third.summary
+    assert f"stored in {tmp_path / 'run'}" in repr(again)
+
+
+def test_run_refuses_the_directory_of_another_case(tmp_path, case):
+    RunStore.create(tmp_path / "run", case)
+    other = parse_case({**CASE, "contact": {"M": 300, "L": 10}})
+    with pytest.raises(StoreError, match=r"run: holds another case \(contact\.M 200\.0 → 300\.0\)"):
+        ertel.run(other, tmp_path / "run")
+
+
+def test_open_where_nothing_is(tmp_path):
+    with pytest.raises(ValueError, match=r"nowhere is not an ertel run directory \(no case\.toml\)"):
+        ertel.open(tmp_path / "nowhere")
 
 
 # -- directories that will not do -------------------------------------------------------------------------------------
 
 
-def test_existing_output_is_left_alone(tmp_path, case, method):
+def test_existing_output_is_left_alone(tmp_path, case):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "precious").write_text("data")
-    with pytest.raises(StoreError, match=r"run: exists already; choose another --out"):
-        RunStore.create(tmp_path / "run", case, method)
+    with pytest.raises(StoreError, match=r"run: exists already"):
+        RunStore.create(tmp_path / "run", case)
     assert [path.name for path in tmp_path.rglob("*")] == ["run", "precious"]
 
 
-def test_an_empty_directory_will_do(tmp_path, case, method):
+def test_an_empty_directory_will_do(tmp_path, case):
     (tmp_path / "run").mkdir()
-    RunStore.create(tmp_path / "run", case, method)
+    RunStore.create(tmp_path / "run", case)
     assert RunStore.open(tmp_path / "run").case == case
 
 
-def test_a_file_in_the_way(tmp_path, case, method):
+def test_a_file_in_the_way(tmp_path, case):
     (tmp_path / "file").write_text("")
     for target in (tmp_path / "file", tmp_path / "file" / "run"):
         with pytest.raises(StoreError):
-            RunStore.create(target, case, method)
+            RunStore.create(target, case)
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
-def test_failure_while_making_leaves_nothing(tmp_path, monkeypatch, case, method):
+def test_failure_while_making_leaves_nothing(tmp_path, monkeypatch, case):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(store, "_create_arrays", full)
+    monkeypatch.setattr(AppendedData, "create", full)
     with pytest.raises(StoreError, match="run: cannot write there, no space left on device"):
-        RunStore.create(tmp_path / "run", case, method)
+        RunStore.create(tmp_path / "run", case)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_case_without_source_cannot_be_stored(tmp_path, case, method):
-    from dataclasses import replace
-
-    with pytest.raises(StoreError, match="parse_case"):
-        RunStore.create(tmp_path / "run", replace(case, source={}), method)
 
 
 @pytest.mark.parametrize("missing", ["case.toml", "run.zarr"])
 def test_not_a_run(tmp_path, missing):
     for name in {"case.toml", "run.zarr"} - {missing}:
         (tmp_path / name).mkdir()
-    with pytest.raises(StoreError, match=f"is no run of ertel, {missing} is missing"):
+    with pytest.raises(StoreError, match=rf"is not an ertel run directory \(no {missing}\)"):
         RunStore.open(tmp_path)
 
 
-def test_nothing_computed_yet(tmp_path, case, method):
-    run = RunStore.create(tmp_path / "run", case, method)
+def test_nothing_computed_yet(tmp_path, case):
+    run = RunStore.create(tmp_path / "run", case)
     assert run.summary() is None
     assert run.dataset().sizes["time"] == 0
     with pytest.raises(StoreError, match="nothing is computed yet"):
@@ -298,79 +328,3 @@ def test_unused_directory(tmp_path, case):
     (tmp_path / "small").mkdir()
     (tmp_path / "small-2").mkdir()
     assert store.unused_directory(case, tmp_path) == tmp_path / "small-3"
-
-
-# -- the Dataset ------------------------------------------------------------------------------------------------------
-
-
-def a_run(contact, oil=None):
-    """Two steps and two maps of a made-up run."""
-    case = parse_case({"contact": contact, "lubricant": oil or {}})
-    x = np.linspace(-1, 1, 5)
-    records = [{"T": T, **{name: float(k) for k, name in enumerate(variables.SCALARS)}} for T in (0.1, 0.2)]
-    frames = [Frame(T, np.full((5, 5), T), np.full((5, 5), 2 * T), event) for T, event in ((0.1, ""), (0.2, "end"))]
-    return case, assemble(case, records, frames, {"Y": x, "X": x})
-
-
-BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
-OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
-
-
-def test_si_is_the_scales_times_the_dimensionless():
-    case, data = a_run(BALL, OIL)
-    si, scales = variables.to_si(data), case.scales
-    assert scales is not None
-    for name, new, factor, units in [
-        ("H_c", "h_c", scales.film, "m"),
-        ("P_max", "p_max", scales.p_h, "Pa"),
-        ("F", "f", scales.load, "N"),
-        ("V", "v", 0.1, "m/s"),
-        ("time", "t", scales.t0, "s"),
-        ("X", "x", scales.a, "m"),
-        ("H", "h", scales.film, "m"),
-        ("frame", "frame", scales.t0, "s"),
-    ]:
-        np.testing.assert_allclose(si[new].values, data[name].values * factor, rtol=1e-12)
-        assert si[new].attrs["units"] == units
-        assert si[new].attrs["long_name"] == data[name].attrs["long_name"]
-    assert si["h"].dims == ("frame", "y", "x")
-    assert si["newton_iterations"].equals(data["newton_iterations"].rename(time="t").assign_coords(t=si["t"]))
-
-
-def test_dimensionless_runs_have_no_si():
-    _, data = a_run({"M": 100, "L": 10})
-    with pytest.raises(ValueError, match="dimensionless"):
-        variables.to_si(data)
-
-
-def test_si_summary_has_units_in_its_names():
-    case, _ = a_run(BALL, OIL)
-    values = dict.fromkeys(variables.AT_MAXIMUM, 1.0)
-    si = si_summary(case, values)
-    assert si is not None and case.scales is not None
-    assert si["max_approach"] == {
-        "t_s": case.scales.t0,
-        "delta_m": case.scales.film,
-        "f_N": case.scales.load,
-        "p_c_Pa": case.scales.p_h,
-        "p_max_Pa": case.scales.p_h,
-        "h_c_m": case.scales.film,
-        "h_min_m": case.scales.film,
-        "x_min_m": case.scales.a,
-    }
-    assert si_summary(parse_case({"contact": {"M": 1, "L": 1}}), values) is None
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "text"),
-    [
-        (1.4e9, "Pa", "1.4 GPa"),
-        (6.7e-7, "m", "0.67 µm"),
-        (6.7e-8, "m", "67 nm"),
-        (0.1, "m/s", "0.1 m/s"),
-        (0.0, "m", "0 m"),
-        (98.5, "N", "98.5 N"),
-    ],
-)
-def test_values_for_reading(value, unit, text):
-    assert variables.with_prefix(value, unit) == text

@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.special import ellipkm1
 
-from ertel.model import approach
 from ertel.model.case import Case
 from ertel.model.sections import Solver, Time
 from ertel.model.state import State
 from ertel.model.status import Status
 from ertel.numerics import bdf
-from ertel.physics import hertz
+from ertel.physics import geometry, hertz
 from ertel.physics.lubricant import Oil
 from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
@@ -146,7 +145,7 @@ def test_the_load_is_exact_for_a_cone_and_right_for_hertz() -> None:
     r = radial.radii(65, 3.0)
     assert radial.load_weights(r) @ (1 - r / 3.0) == pytest.approx(pi * 3.0**2 / 3, rel=1e-13)
     r = radial.radii(513, 3.0)
-    assert radial.load_weights(r) @ hertz.pressure(r) == pytest.approx(approach.HERTZ_LOAD, rel=1e-4)
+    assert radial.load_weights(r) @ hertz.pressure(r) == pytest.approx(geometry.HERTZ_LOAD, rel=1e-4)
 
 
 # -- the equations ----------------------------------------------------------------------------------------------------

@@ -11,12 +11,12 @@ from cases import BARUS, free_ball, rolled, steps_of
 from cases import march as levels_of
 
 from ertel.model import contact
-from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import Case
 from ertel.model.contact import Rate
 from ertel.model.sections import SOLVERS, Drive, Time
 from ertel.model.state import State
 from ertel.numerics import bdf
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.motion import Oscillation, Polyline, constant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Spot, Waviness

@@ -82,11 +82,13 @@ def run(
     with bad_input():
         from ertel.apps import running
         from ertel.inputs.case_files import load_case
+        from ertel.runs.courses import course_of
         from ertel.runs.store import unused_directory
 
         case = load_case(case_file, set_ or [])
-        coarse = running.half_grid(case) if error else None
-        store = running.create(out or unused_directory(case), case)
+        course = course_of(case)
+        coarse = course.half_grid if error else None
+        store = running.create(out or unused_directory(case), course)
     running.finish(store, coarse, as_json, quiet)
 
 
@@ -98,7 +100,7 @@ def resume(directory: RunDirectory, as_json: Json = False, error: Estimate = Fal
         from ertel.runs.store import RunStore
 
         store = RunStore.open(directory)
-        coarse = running.half_grid(store.case) if error else None
+        coarse = store.course.half_grid if error else None
     summary = store.summary()
     if summary and summary["status"] == "converged":
         running.report(store, summary, as_json, quiet)

@@ -8,28 +8,21 @@ from typing import Any
 from ertel.apps import tables
 from ertel.apps.exits import FAILED, INTERRUPTED, check_jax, leave, reason_of
 from ertel.apps.interrupts import interruptible
-from ertel.model.case import Case
 from ertel.model.status import Status
-from ertel.results.summary import with_error
 from ertel.runs import compiling, store
-from ertel.runs.courses import Course, course_of
+from ertel.runs.courses import Course
 from ertel.runs.drive import Gathering, drive
 from ertel.runs.progress import bars, watch
 from ertel.runs.store import CASE, RunStore, StoreError
 
 
-def create(directory: Path, case: Case) -> RunStore:
+def create(directory: Path, course: Course) -> RunStore:
     """The store of a new run.  Raises StoreError with advice where the directory cannot be taken."""
     try:
-        return RunStore.create(directory, case)
+        return RunStore.create(directory, course.case, course)
     except StoreError as error:
         resumable = f", or continue it: ertel resume {directory}" if (directory / CASE).exists() else ""
         raise StoreError(f"{error}; choose another --out{resumable}") from error
-
-
-def half_grid(case: Case) -> Course | None:
-    """The course of the half grid, for an error estimate; None where the run has an estimate of its own."""
-    return None if case.is_steady else course_of(case.on_half_grid())
 
 
 def finish(run: RunStore, coarse: Course | None, as_json: bool, quiet: bool) -> None:
@@ -50,7 +43,7 @@ def _computed(run: RunStore, coarse: Course | None, quiet: bool) -> Mapping[str,
         half = _half_grid_summary(run, coarse, [watch(shown, coarse, "half grid"), stop]) if coarse else None
         summary = store.compute(run, [watch(shown, run.course), stop])
     if half and half["status"] == summary["status"] == "converged":
-        summary = with_error(run.case, summary, half)
+        summary = run.course.with_error(summary, half)
         run.finish(summary)
     return summary
 

@@ -9,13 +9,11 @@ Impact and rolling differ in this line, in the scales and in the entrainment U(T
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import pi
 from typing import NamedTuple, Protocol
 
 from ertel.numerics.bdf import Weights
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.motion import Motion, Signal
-
-HERTZ_LOAD = 2.0 * pi / 3.0  # double integral of sqrt(1 - r^2): the dry load that carries Delta = 1
 
 
 class ClosureLine(NamedTuple):

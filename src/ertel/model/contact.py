@@ -6,7 +6,7 @@
     d(rho H)/dT + U d(rho H)/dX - d/dX(eps dP/dX) - d/dY(eps dP/dY),    eps = rho H^3 / (eta lambda_bar)
 
 Impact: U = 0 (eq. 1).  Rolling: U = 1.  The scales and the law for the approach Delta differ as well, nothing else.
-X points the way the oil is carried (U >= 0); the other way is the mirror image (`solve2d`).
+X points the way the oil is carried (U >= 0); the other way is the mirror image (`nonlinear.along_the_flow`).
 All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fields have shape (n, n), index [Y, X].
 """
 
@@ -19,9 +19,10 @@ from jax.tree_util import register_dataclass
 
 from ertel.model.pytrees import traceable
 from ertel.numerics import halfspace
-from ertel.numerics.grid import Grid
+from ertel.numerics.grid import WHOLE, Even, Grid
 from ertel.numerics.stencils import Pair, diffusion, inside, upstream_slope
-from ertel.numerics.symmetry import WHOLE, Even, total
+from ertel.numerics.symmetry import total
+from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.rheology import NEWTONIAN, Rheology
 
@@ -31,7 +32,7 @@ from ertel.physics.rheology import NEWTONIAN, Rheology
 class Contact:
     """Two surfaces and the oil between them.
 
-    gap: the undeformed surfaces' distance X^2/2 + Y^2/2 - roughness, shape (n, n).  kernel: from `halfspace.spectrum`.
+    gap: the undeformed surfaces' distance less the roughness, shape (n, n).  kernel: from `halfspace.spectrum`.
     flow: how the oil flows (`rheology`).
     even: where the fields are even, only one side of the axis is kept (`symmetry`).
     """
@@ -52,10 +53,16 @@ class Rate(NamedTuple):
     past: Array | float
 
 
+def smooth_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
+    """Two smooth bodies of a geometry."""
+    gap = jnp.asarray(geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
+    kernel = halfspace.spectrum(grid, geometry.compliance)
+    return Contact(gap, kernel, grid.spacing, lambda_bar, traceable(lubricant), grid.even)
+
+
 def ball_on_plane(grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
     """A smooth ball on a smooth plane, or any two bodies of the same reduced radius."""
-    gap = jnp.asarray(grid.kept_x[None, :] ** 2 / 2 + grid.kept_y[:, None] ** 2 / 2)
-    return Contact(gap, halfspace.spectrum(grid), grid.spacing, lambda_bar, traceable(lubricant), grid.even)
+    return smooth_contact(CIRCLE, grid, lambda_bar, lubricant)
 
 
 def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array:
@@ -64,7 +71,7 @@ def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array
 
 
 def deformation(contact: Contact, P: Array) -> Array:
-    """(2/pi^2) double integral of P/distance."""
+    """The geometry's compliance times the double integral of P/distance, eq. (3)."""
     return halfspace.displacement(contact.kernel, P, contact.even)
 
 

@@ -9,9 +9,9 @@ from jax import Array
 from ertel.model import contact
 from ertel.model.case import Case
 from ertel.model.contact import Contact
-from ertel.numerics.grid import Grid
-from ertel.numerics.symmetry import WHOLE, Even
+from ertel.numerics.grid import WHOLE, Even, Grid
 from ertel.physics import surfaces
+from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.surfaces import Feature
 
 
@@ -21,19 +21,28 @@ def grid_of(case: Case) -> Grid:
     centre = 0.0 if s.inlet is None else s.half_width - s.inlet
     upstream_is_left = case.motion.entrainment(0.0) >= 0
     centre_x = centre if upstream_is_left else -centre
-    return Grid(s.nodes, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
+    return Grid(s.nodes, s.nodes, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
 
 
 def _symmetry(case: Case, centre_x: float) -> Even:
     """About which axes a case is symmetric: the flow goes along X."""
-    in_y, in_x = surfaces.even(case.features)
+    in_y, in_x = (a and b for a, b in zip(surfaces.even(case.features), geometry_of(case).even, strict=True))
     return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
+
+
+def geometry_of(case: Case) -> Geometry:
+    """The geometry of the case's bodies: a circle, so far."""
+    return CIRCLE
+
+
+def smooth_contact(case: Case, grid: Grid) -> Contact:
+    """The two surfaces without roughness, and the oil."""
+    return contact.smooth_contact(geometry_of(case), grid, case.parameters.lambda_bar, case.lubricant)
 
 
 def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
     """The two surfaces and the oil at time T on a grid."""
-    smooth = contact.ball_on_plane(grid, case.parameters.lambda_bar, case.lubricant)
-    return moved(smooth, case, grid, T)
+    return moved(smooth_contact(case, grid), case, grid, T)
 
 
 def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:

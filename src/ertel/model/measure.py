@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ertel.numerics.grid import Grid
-from ertel.numerics.symmetry import Even, total
+from ertel.numerics.grid import Even, Grid
+from ertel.numerics.symmetry import total
 
 
 def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:

@@ -169,7 +169,7 @@ class Rolling:
     @property
     def convolutions(self) -> float:
         """The work on all grids, in convolutions on the finest."""
-        return sum(s.convolutions * (s.grid.nodes / self.finest.grid.nodes) ** 2 for s in self.solutions)
+        return sum(s.convolutions * s.grid.size / self.finest.grid.size for s in self.solutions)
 
     def extrapolate(self, name: str) -> Extrapolation:
         """A quantity of `measure` by Richardson's extrapolation: the error falls with the square of the spacing."""

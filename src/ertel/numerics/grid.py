@@ -2,27 +2,38 @@
 
 from dataclasses import dataclass, replace
 from math import ceil
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.numerics.symmetry import WHOLE, Even
-
 LARGEST_COARSEST = 17  # nodes per side that the direct solve on the coarsest grid is meant for
 SMALLEST_COARSEST = 5
+LARGEST_RECTANGLE = 4 * LARGEST_COARSEST**2  # nodes that a dense matrix may still solve on the coarsest grid
 COARSE_ENOUGH = 9  # a grid coarser than this costs more to compile than it helps
 FEW = 170  # nodes kept on a grid, that are solved at once with a dense matrix: one grid less to compile
 
 
+class Even(NamedTuple):
+    """Whether fields are even in Y (rows) and in X (columns), and so kept for Y >= 0, X >= 0 only."""
+
+    y: bool = False
+    x: bool = False
+
+
+WHOLE = Even()
+
+
 @dataclass(frozen=True)
 class Grid:
-    """nodes x nodes centres of square cells around (centre_x, centre_y), spacing apart; lengths in units a*.
+    """nodes_x times nodes_y centres of square cells around (centre_x, centre_y), spacing apart.
 
-    Arrays on it have shape (nodes, nodes), first index Y, second index X, but where fields are even only the side from
-    the axis on is kept (see `symmetry`): then `shape` is smaller.  x and y are those of the whole plane.
+    Arrays on it have shape (nodes_y, nodes_x), but where fields are even only the side from the axis on is kept (see
+    `symmetry`): then `shape` is smaller.  x and y are those of the whole plane.
     """
 
-    nodes: int
+    nodes_x: int
+    nodes_y: int
     spacing: float
     centre_x: float = 0.0
     centre_y: float = 0.0
@@ -35,58 +46,72 @@ class Grid:
     @classmethod
     def square(cls, nodes: int, half_width: float) -> "Grid":
         """The grid over [-half_width, half_width]^2, with a node at the centre when `nodes` is odd."""
-        return cls(nodes, 2.0 * half_width / (nodes - 1))
+        return cls(nodes, nodes, 2.0 * half_width / (nodes - 1))
+
+    @property
+    def nodes(self) -> int:
+        """Along X; of a square grid also along Y."""
+        return self.nodes_x
+
+    @property
+    def size(self) -> int:
+        """All nodes of the whole plane."""
+        return self.nodes_x * self.nodes_y
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Of arrays on the grid: what is kept of (nodes, nodes)."""
-        half = (self.nodes + 1) // 2
-        return half if self.even.y else self.nodes, half if self.even.x else self.nodes
+        """Of arrays on the grid: what is kept of (nodes_y, nodes_x)."""
+        half_y, half_x = (self.nodes_y + 1) // 2, (self.nodes_x + 1) // 2
+        return half_y if self.even.y else self.nodes_y, half_x if self.even.x else self.nodes_x
 
     @property
     def kept_x(self) -> NDArray[np.float64]:
         """X of the columns of an array on the grid."""
-        return self.x[self.nodes - self.shape[1] :]
+        return self.x[self.nodes_x - self.shape[1] :]
 
     @property
     def kept_y(self) -> NDArray[np.float64]:
         """Y of the rows of an array on the grid."""
-        return self.y[self.nodes - self.shape[0] :]
+        return self.y[self.nodes_y - self.shape[0] :]
 
     @property
     def x(self) -> NDArray[np.float64]:
-        """X of the nodes, shape (nodes,)."""
-        return self._axis(self.centre_x)
+        """X of the nodes, shape (nodes_x,)."""
+        return _axis(self.nodes_x, self.spacing, self.centre_x)
 
     @property
     def y(self) -> NDArray[np.float64]:
-        """Y of the nodes, shape (nodes,)."""
-        return self._axis(self.centre_y)
-
-    def _axis(self, centre: float) -> NDArray[np.float64]:
-        # counted from the middle, so that a symmetric grid is symmetric to the last bit
-        offsets = np.arange(self.nodes, dtype=np.float64) - (self.nodes - 1) / 2
-        return np.asarray(centre + offsets * self.spacing, dtype=np.float64)
+        """Y of the nodes, shape (nodes_y,)."""
+        return _axis(self.nodes_y, self.spacing, self.centre_y)
 
     def coarser(self) -> "Grid":
         """Every second node of this grid."""
-        return replace(self, nodes=(self.nodes - 1) // 2 + 1, spacing=2.0 * self.spacing)
+        nodes_x, nodes_y = ((nodes - 1) // 2 + 1 for nodes in (self.nodes_x, self.nodes_y))
+        return replace(self, nodes_x=nodes_x, nodes_y=nodes_y, spacing=2.0 * self.spacing)
 
     def hierarchy(self) -> tuple["Grid", ...]:
         """This grid and its coarser ones, down to the last that is not trivial and has the axes of symmetry, if any."""
         grids = [self]
         factor = 4 if any(self.even) else 2
-        while (last := grids[-1]).shape[0] * last.shape[1] > FEW and (last.nodes - 1) % factor == 0:
-            if (coarser := last.coarser()).nodes < COARSE_ENOUGH:
+        while (last := grids[-1]).shape[0] * last.shape[1] > FEW:
+            coarser = last.coarser()
+            odd = (last.nodes_x - 1) % factor or (last.nodes_y - 1) % factor
+            if odd or min(coarser.nodes_x, coarser.nodes_y) < COARSE_ENOUGH:
                 break
             grids.append(coarser)
         return tuple(grids)
 
 
+def _axis(nodes: int, spacing: float, centre: float) -> NDArray[np.float64]:
+    # counted from the middle, so that a symmetric grid is symmetric to the last bit
+    offsets = np.arange(nodes, dtype=np.float64) - (nodes - 1) / 2
+    return np.asarray(centre + offsets * spacing, dtype=np.float64)
+
+
 def is_allowed(nodes: int) -> bool:
-    """Whether a grid of nodes x nodes can be coarsened down to a trivial one."""
+    """Whether a grid with so many nodes in a direction can be coarsened down to a trivial one."""
     odd = nodes >= SMALLEST_COARSEST and nodes % 2 == 1
-    return odd and Grid(nodes, 1.0).hierarchy()[-1].nodes <= LARGEST_COARSEST
+    return odd and Grid(nodes, nodes, 1.0).hierarchy()[-1].nodes <= LARGEST_COARSEST
 
 
 def allowed_nodes(at_least: float) -> int:
@@ -98,12 +123,24 @@ def allowed_nodes(at_least: float) -> int:
 
 
 def check_nodes(nodes: int) -> None:
-    """Raise ValueError unless a grid of nodes x nodes can be coarsened down to a trivial one."""
+    """Raise ValueError unless a grid with so many nodes in a direction can be coarsened down to a trivial one."""
     if not is_allowed(nodes):
         below, above = _neighbours(nodes)
         raise ValueError(
             f"nodes = {nodes}: must be 2^k c + 1 with a coarsest grid of {SMALLEST_COARSEST} to {LARGEST_COARSEST} "
             f"nodes a side, so that multigrid can coarsen it; the nearest are {below} and {above}"
+        )
+
+
+def check_grid(grid: Grid) -> None:
+    """Raise ValueError unless multigrid can coarsen the grid: each direction by itself, and both equally often."""
+    check_nodes(grid.nodes_x)
+    check_nodes(grid.nodes_y)
+    coarsest = grid.hierarchy()[-1]
+    if coarsest.size > LARGEST_RECTANGLE:
+        raise ValueError(
+            f"nodes_x = {grid.nodes_x}, nodes_y = {grid.nodes_y}: the coarsest grid has {coarsest.nodes_x} x "
+            f"{coarsest.nodes_y} nodes; must be {LARGEST_RECTANGLE} at most, so take counts less different"
         )
 
 

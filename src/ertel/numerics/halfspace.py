@@ -2,7 +2,7 @@
 
 The pressure is constant on the cell around each node and vanishes on the edge nodes of the grid.  Love's closed form
 gives the displacement of one cell, a convolution by FFT sums over all.  Because the edge carries nothing, a circular
-length of 2 (nodes - 1) is enough to keep the periodic images apart, and that length stays a fast one.
+length of 2 (nodes - 1) in each direction is enough to keep the periodic images apart, and that length stays a fast one.
 """
 
 from functools import lru_cache, partial
@@ -13,59 +13,65 @@ import numpy as np
 from jax import Array, lax
 from numpy.typing import NDArray
 
-from ertel.numerics.grid import Grid
-from ertel.numerics.symmetry import WHOLE, Even
+from ertel.numerics.grid import WHOLE, Even, Grid
 
-jax.config.update("jax_enable_x64", True)  # EHL needs double precision: H is a small difference of large numbers
+jax.config.update("jax_enable_x64", True)  # differences of large numbers need double precision
 
 
-def love_coefficients(nodes: int, spacing: float) -> NDArray[np.float64]:
-    """Displacement at a node i, j cells away from a cell under unit pressure: (2/pi^2) integral of 1/distance.
+def love_coefficients(rows: int, columns: int, spacing: float) -> NDArray[np.float64]:
+    """The integral of 1/distance over a cell, seen from a node i, j cells away: shape (rows, columns); [0, 0] its own.
 
-    Shape (nodes, nodes), dimensionless as in eq. (3); K[0, 0] is the cell's own.
     Love AEH, Phil Trans R Soc A 1929;228:377.
     """
     # differences of large numbers far from the cell: extended precision keeps them exact to double
-    corner = np.abs(np.arange(nodes + 1, dtype=np.longdouble) - 0.5) * np.sign(np.arange(nodes + 1) - 0.5)
-    x, y = corner[None, :], corner[:, None]
+    corner = np.arange(max(rows, columns) + 1, dtype=np.longdouble) - 0.5
+    x, y = corner[None, : columns + 1], corner[: rows + 1, None]
     antiderivative = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
     cell = np.diff(np.diff(antiderivative, axis=0), axis=1)
-    return np.asarray(cell * (2.0 / np.pi**2) * spacing, dtype=np.float64)
+    return np.asarray(cell * spacing, dtype=np.float64)
 
 
 @lru_cache(maxsize=8)
-def _unit_spectrum(nodes: int) -> NDArray[np.float64]:
+def _unit_spectrum(rows: int, columns: int) -> NDArray[np.float64]:
     """Fourier transform of the coefficients for unit spacing; the kernel is even, so the transform is real."""
-    coefficients = love_coefficients(nodes, 1.0)
+    return np.fft.rfft2(love_coefficients(rows, columns, 1.0)[np.ix_(_distances(rows), _distances(columns))]).real
+
+
+def _distances(nodes: int) -> NDArray[np.int64]:
+    """From the first node to each of a period, either way round."""
     period = 2 * (nodes - 1)
-    distance = np.minimum(np.arange(period), period - np.arange(period))
-    return np.fft.rfft2(coefficients[np.ix_(distance, distance)]).real
+    return np.minimum(np.arange(period), period - np.arange(period))
 
 
-def spectrum(grid: Grid, dtype: str = "float64") -> Array:
-    """What `displacement` needs to know of a grid: shape (2 (n-1), n), real; (n, n) where fields are even in Y."""
-    whole = _unit_spectrum(grid.nodes) * grid.spacing
-    return jnp.asarray(whole[: grid.nodes] if grid.even.y else whole, dtype=dtype)
+def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Array:
+    """What `displacement` needs to know of a grid: real, of shape (2 (n_y - 1), n_x), or (n_y, n_x) where fields
+    are even in Y.
+
+    compliance: the displacement is so much times the double integral of P/distance.
+    """
+    whole = _unit_spectrum(grid.nodes_y, grid.nodes_x) * (compliance * grid.spacing)
+    return jnp.asarray(whole[: grid.nodes_y] if grid.even.y else whole, dtype=dtype)
 
 
 @partial(jax.jit, static_argnames="even")  # one tracing for each shape
 def displacement(kernel: Array, P: Array, even: Even = WHOLE) -> Array:
-    """Normal displacement (eq. 3, third part) under the pressure P, both on the same nodes; P = 0 on the edge.
+    """Normal displacement under the pressure P, both on the same nodes; P = 0 on the edge.
 
     Only rows that hold data are transformed along X, and only rows that are wanted are transformed back.  kernel: from
-    `spectrum`, of n nodes along X on the whole plane.
+    `spectrum`.
     """
-    period = 2 * (kernel.shape[1] - 1)
+    period_x = 2 * (kernel.shape[1] - 1)
+    period_y = 2 * (kernel.shape[0] - 1) if even.y else kernel.shape[0]
     rows, columns = P.shape
-    along = _cosines(P, period) if even.x else jnp.fft.rfft(P, n=period, axis=1)
+    along = _cosines(P, period_x) if even.x else jnp.fft.rfft(P, n=period_x, axis=1)
     if even.y:
-        both = _cosines(along.T, period) * kernel.T
-        wanted = _cosines(both, period)[:, :rows].T / period
+        both = _cosines(along.T, period_y) * kernel.T
+        wanted = _cosines(both, period_y)[:, :rows].T / period_y
     else:
-        wanted = jnp.fft.ifft(jnp.fft.fft(along, n=period, axis=0) * kernel, axis=0)[:rows]
+        wanted = jnp.fft.ifft(jnp.fft.fft(along, n=period_y, axis=0) * kernel, axis=0)[:rows]
     if even.x:
-        return _cosines(wanted.real, period)[:, :columns] / period
-    return jnp.fft.irfft(wanted, n=period, axis=1)[:, :columns]
+        return _cosines(wanted.real, period_x)[:, :columns] / period_x
+    return jnp.fft.irfft(wanted, n=period_x, axis=1)[:, :columns]
 
 
 def _cosines(half: Array, period: int) -> Array:

@@ -1,6 +1,4 @@
-"""Smoothing along X lines: what multigrid needs where the oil is carried along.
-
-With entrainment the operator of `multigrid` gains a derivative along X,
+"""Smoothing along X lines: what multigrid needs where its operator has a derivative along X,
 
     e  ->  - div(eps grad e) + (rate + drift d/dX)(stretch * (K e) + local * e),     drift >= 0,
 
@@ -20,9 +18,9 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.numerics import multigrid, tridiagonal
+from ertel.numerics.grid import WHOLE, Even
 from ertel.numerics.multigrid import Coefficients, Elasticity
 from ertel.numerics.stencils import face_sum
-from ertel.numerics.symmetry import WHOLE, Even
 from ertel.numerics.tridiagonal import Factors
 
 JACOBI_DAMPING = 0.4  # both smaller than point by point: the second-order wedge and a spike want it
@@ -31,7 +29,7 @@ DISTRIBUTIVE_DAMPING = 0.3
 
 @register_dataclass
 @dataclass(frozen=True)
-class Lines:
+class LineSmoother:
     """The factors of a tridiagonal matrix for each line; by_jacobi, (n, n): where its solution is not spread."""
 
     factors: Factors
@@ -58,13 +56,13 @@ class _Pattern(NamedTuple):
     change: tuple[float, float, float]
 
 
-def lines(elastic: Elasticity, c: Coefficients, rate: Array | float, drift: Array | float) -> Lines:
-    """The smoother with entrainment: rate and drift as in the operator above."""
+def line_smoother(elastic: Elasticity, c: Coefficients, rate: Array | float, drift: Array | float) -> LineSmoother:
+    """The smoother for an operator with a derivative along X: rate and drift as in the operator above."""
     flow = (jnp.asarray(rate, c.free.dtype), jnp.asarray(drift, c.free.dtype) / elastic.spacing)
     # the derivative multiplies short waves by 1/spacing, long ones by one
     by_jacobi = multigrid.diffusion_rules(elastic, c, flow[0] + flow[1], rate + drift).astype(c.free.dtype)
     factors = tridiagonal.factorise(*_bands(elastic, c, by_jacobi, *flow))
-    return Lines(factors, by_jacobi * c.free, *flow, elastic.even)
+    return LineSmoother(factors, by_jacobi * c.free, *flow, elastic.even)
 
 
 def _bands(

@@ -22,9 +22,9 @@ from jax import Array, tree
 from jax.tree_util import register_dataclass
 
 from ertel.numerics import halfspace
-from ertel.numerics.grid import Grid
+from ertel.numerics.grid import WHOLE, Even, Grid
 from ertel.numerics.stencils import Pair, diffusion, face_sum
-from ertel.numerics.symmetry import WHOLE, Even, extended
+from ertel.numerics.symmetry import extended
 
 JACOBI_DAMPING = 0.8
 DISTRIBUTIVE_DAMPING = 0.7
@@ -50,7 +50,7 @@ class Elasticity:
 
 
 class Coefficients(NamedTuple):
-    """The operator's coefficients on one grid, each of shape (n, n); free is 1 where e may differ from zero."""
+    """The operator's coefficients on one grid, each of its shape; free is 1 where e may differ from zero."""
 
     eps: Pair
     stretch: Array
@@ -67,7 +67,7 @@ class Smoother(Protocol):
         ...
 
     def balance(self, mass: Array) -> Array:
-        """The mass as it enters the operator: by itself, or also its rate of change along X (`lines`)."""
+        """The mass as it enters the operator: by itself, or also its rate of change along X (`line_smoother`)."""
         ...
 
     def change(self, r: Array) -> Array:
@@ -77,7 +77,7 @@ class Smoother(Protocol):
 
 @register_dataclass
 @dataclass(frozen=True)
-class Points:
+class PointSmoother:
     """Node by node: the inverse diagonals of the two kinds of change (zero where not in use)."""
 
     jacobi: Array
@@ -97,7 +97,7 @@ Operator = Callable[[Array, Array], Array]  # a linear map of e and its deformat
 
 @register_dataclass
 @dataclass(frozen=True)
-class Level:
+class GridLevel:
     """One grid of the hierarchy: the operator, and coefficients near it for the smoother.
 
     inverse: of the operator, dense; of the coarsest grid alone.
@@ -110,34 +110,34 @@ class Level:
     inverse: Array | None = None
 
 
-def elasticities(grid: Grid, dtype: str) -> tuple[Elasticity, ...]:
-    """The deformation operators of a grid and all its coarser ones."""
-    return tuple(_elasticity(g, dtype) for g in grid.hierarchy())
+def elasticities(grid: Grid, compliance: float, dtype: str) -> tuple[Elasticity, ...]:
+    """The deformation operators of a grid and all its coarser ones; compliance: see `halfspace.spectrum`."""
+    return tuple(_elasticity(g, compliance, dtype) for g in grid.hierarchy())
 
 
-def _elasticity(grid: Grid, dtype: str) -> Elasticity:
-    near = halfspace.love_coefficients(4, grid.spacing)
-    spectrum, spacing = halfspace.spectrum(grid, dtype), jnp.asarray(grid.spacing, dtype)
+def _elasticity(grid: Grid, compliance: float, dtype: str) -> Elasticity:
+    near = compliance * halfspace.love_coefficients(4, 4, grid.spacing)
+    spectrum, spacing = halfspace.spectrum(grid, compliance, dtype), jnp.asarray(grid.spacing, dtype)
     return Elasticity(spectrum, spacing, jnp.asarray(near, dtype), grid.even)
 
 
-def points(elastic: Elasticity, c: Coefficients) -> Points:
-    """The smoother without entrainment."""
+def point_smoother(elastic: Elasticity, c: Coefficients) -> PointSmoother:
+    """The smoother for an operator without a derivative along X."""
     by_jacobi, K = diffusion_rules(elastic, c), elastic.near
     faces = face_sum(c.eps, elastic.even) / elastic.spacing**2
     jacobi = JACOBI_DAMPING / (faces + c.stretch * K[0, 0] + c.local)
     distributive = DISTRIBUTIVE_DAMPING / (SPREAD_DIFFUSION * faces + c.stretch * (K[0, 0] - K[0, 1]) + c.local)
     alone, together = jnp.where(by_jacobi, jacobi, 0.0), jnp.where(by_jacobi, 0.0, distributive)
-    return Points(alone * c.free, together * c.free, elastic.even)
+    return PointSmoother(alone * c.free, together * c.free, elastic.even)
 
 
 def hierarchy(
     elastic: Sequence[Elasticity],
     finest: Coefficients,
-    smoother: Callable[[Elasticity, Coefficients], Smoother] = points,
+    smoother: Callable[[Elasticity, Coefficients], Smoother] = point_smoother,
     operator: Operator | None = None,
-) -> tuple[Level, ...]:
-    """The levels, finest first: eps by full weighting, everything else by injection.
+) -> tuple[GridLevel, ...]:
+    """The grids, finest first: eps by full weighting, everything else by injection.
 
     operator: on the finest grid, where it is not just the one above (the exact Jacobian, say).
     """
@@ -145,7 +145,7 @@ def hierarchy(
     levels = []
     for e in elastic:
         smooth = smoother(e, coefficients)
-        levels.append(Level(e, coefficients, smooth, operator or partial(_operate, e, coefficients, smooth)))
+        levels.append(GridLevel(e, coefficients, smooth, operator or partial(_operate, e, coefficients, smooth)))
         operator = None
         eps = tree.map(partial(restrict, even=e.even, beyond="edge"), coefficients.eps)
         coefficients = Coefficients(eps, *(c[::2, ::2] for c in coefficients[1:]))
@@ -165,13 +165,13 @@ def _operate(elastic: Elasticity, c: Coefficients, smoother: Smoother, e: Array,
     return smoother.balance(c.stretch * Ke + c.local * e) - diffusion(c.eps, e, elastic.even) / elastic.spacing**2
 
 
-def apply(level: Level, e: Array, Ke: Array | None = None) -> Array:
+def apply(level: GridLevel, e: Array, Ke: Array | None = None) -> Array:
     """The operator; K e is summed if not given."""
     deformation = level.elasticity.displacement(e) if Ke is None else Ke
     return level.coefficients.free * level.operator(e, deformation)
 
 
-def v_cycle(levels: Sequence[Level], r: Array) -> Array:
+def v_cycle(levels: Sequence[GridLevel], r: Array) -> Array:
     """An approximate solution e of `apply(levels[0], e) = r`; both vanish where a node is not free.
 
     No deformation is summed on the grid itself: that of a sweep's change is summed on the coarser grid and corrected
@@ -188,7 +188,7 @@ def v_cycle(levels: Sequence[Level], r: Array) -> Array:
     return e + relax(level, r - apply(level, e, Ke))
 
 
-def nearly_deformed(level: Level, coarser: Level, e: Array) -> Array:
+def nearly_deformed(level: GridLevel, coarser: GridLevel, e: Array) -> Array:
     """K e by multilevel integration: the smooth part on the coarser grid, the rest from the nearest nodes.
 
     What a coarser grid cannot represent changes sign from node to node, so that its deformation is short-ranged.
@@ -199,7 +199,7 @@ def nearly_deformed(level: Level, coarser: Level, e: Array) -> Array:
     return deformed_nearby(level, rest) + prolong(coarser.elasticity.displacement(smooth_part))
 
 
-def deformed_nearby(level: Level, e: Array) -> Array:
+def deformed_nearby(level: GridLevel, e: Array) -> Array:
     """The part of K e that comes from the node itself and the eight around it."""
     p, K = extended(e, level.elasticity.even), level.elasticity.near
     beside = (p[1:-1, :-2] + p[1:-1, 2:]) + (p[:-2, 1:-1] + p[2:, 1:-1])
@@ -207,7 +207,7 @@ def deformed_nearby(level: Level, e: Array) -> Array:
     return K[0, 0] * p[1:-1, 1:-1] + K[0, 1] * beside + K[1, 1] * diagonally
 
 
-def precondition(levels: Sequence[Level], r: Array) -> Array:
+def precondition(levels: Sequence[GridLevel], r: Array) -> Array:
     """A V-cycle in the precision of the levels, for a residual r of any size and precision."""
     size = jnp.linalg.norm(r)  # keeps a small residual away from the end of the float range
     return v_cycle(levels, (r / size).astype(levels[0].coefficients.free.dtype)).astype(r.dtype) * size
@@ -215,10 +215,10 @@ def precondition(levels: Sequence[Level], r: Array) -> Array:
 
 def v_cycle_convolutions(grid: Grid) -> float:
     """The work of a V-cycle: its convolutions, each counted by the nodes of its grid over those of the finest."""
-    return sum(2.0 * (g.nodes / grid.nodes) ** 2 for g in grid.hierarchy()[1:])
+    return sum(2.0 * g.size / grid.size for g in grid.hierarchy()[1:])
 
 
-def relax(level: Level, r: Array) -> Array:
+def relax(level: GridLevel, r: Array) -> Array:
     """The change of e by all sweeps, given the residual r.
 
     A later sweep sees only what the nearest nodes deform: enough, as changes are spread, or made where diffusion rules.
@@ -229,12 +229,12 @@ def relax(level: Level, r: Array) -> Array:
     return e
 
 
-def smooth(level: Level, r: Array) -> Array:
+def smooth(level: GridLevel, r: Array) -> Array:
     """The change of e by one sweep, given the residual r."""
     return level.coefficients.free * level.smoother.change(r)
 
 
-def _inverse(level: Level) -> Array:
+def _inverse(level: GridLevel) -> Array:
     """The operator's inverse on the coarsest grid as a matrix; the identity where a node is not free."""
     free = level.coefficients.free
     unit_vectors = jnp.eye(free.size, dtype=free.dtype).reshape(free.size, *free.shape)

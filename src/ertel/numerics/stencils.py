@@ -9,7 +9,8 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array, tree
 
-from ertel.numerics.symmetry import WHOLE, Even, extended
+from ertel.numerics.grid import WHOLE, Even
+from ertel.numerics.symmetry import extended
 
 
 class Pair(NamedTuple):

@@ -6,23 +6,23 @@ maximum.  All functions take numbers or arrays of any shape and give the same sh
 
 At a moment of the dry impact the contact is Hertzian with radius A = a(t)/a* and approach Delta = A^2, and the ball's
 energy gives (dDelta/dT)^2 = 1 - Delta^{5/2}.  With x = Delta^{5/2} the time from first touch is an incomplete beta
-function, T = (2/5) B(x; 2/5, 1/2), which SciPy also inverts: the exact motion needs no integration in time.
+function, T = (2/5) B(x; 2/5, 1/2), which SciPy also inverts: the exact motion needs no integration in time.  SciPy is
+imported where it is needed: the scales of an impact answer at once without it.
 
 The paper's asymptotes measure time from the maximum and call three different things t*: here `t_star` is half the
 contact time in (18)-(21) and half the base of the parabola in (14), (22)-(24).
 """
 
-from math import pi, sqrt
+from math import gamma, pi, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import beta, betainc, betaincinv
 
 from ertel.physics.scales import require_positive
 
 Values = NDArray[np.float64]
 
-CONTACT_TIME = 0.8 * float(beta(0.4, 0.5))  # 2.943275: the dry impact from first touch to parting, in t0
+CONTACT_TIME = 0.8 * gamma(0.4) * gamma(0.5) / gamma(0.9)  # 2.943275: the dry impact from first touch to parting, in t0
 HALF_CONTACT_TIME = CONTACT_TIME / 2  # from first touch to the maximum
 HALF_BASE = 1.35  # half the base of the parabola (22) that fits the impact best; the paper's t* = 2.7 is all of it
 
@@ -63,6 +63,8 @@ def time_at(approach: ArrayLike) -> Values:
 
     T = int_0^Delta dy/sqrt(1 - y^{5/2}); before the touch, Delta < 0, the ball flies freely and T = Delta.
     """
+    from scipy.special import betainc
+
     Delta = np.asarray(approach, dtype=float)
     x = np.maximum(Delta, 0.0) ** 2.5
     return np.where(Delta < 0, Delta, HALF_CONTACT_TIME * betainc(0.4, 0.5, np.where(x <= 1, x, np.nan)))
@@ -70,6 +72,8 @@ def time_at(approach: ArrayLike) -> Values:
 
 def approach(T: ArrayLike) -> Values:
     """Exact approach Delta(T) of the dry impact, T from first touch; free flight, |dDelta/dT| = 1, before and after."""
+    from scipy.special import betaincinv
+
     T = np.asarray(T, dtype=float)
     touched = np.minimum(T, CONTACT_TIME - T)  # the rebound mirrors the approach
     x: Values = betaincinv(0.4, 0.5, np.clip(touched / HALF_CONTACT_TIME, 0.0, 1.0))
@@ -78,6 +82,8 @@ def approach(T: ArrayLike) -> Values:
 
 def velocity(T: ArrayLike) -> Values:
     """Exact dDelta/dT of the dry impact, T from first touch: 1 before it, 0 at the maximum, -1 after parting."""
+    from scipy.special import betaincinv
+
     early = 1 - np.asarray(T, dtype=float) / HALF_CONTACT_TIME
     # 1 - Delta^{5/2} by the mirrored beta function: 1 - approach(T)**2.5 would cancel near the maximum
     energy = betaincinv(0.5, 0.4, np.minimum(np.abs(early), 1.0))

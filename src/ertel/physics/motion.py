@@ -15,6 +15,7 @@ from typing import Annotated, Literal, Protocol
 
 import numpy as np
 
+from ertel.physics.geometry import FREE_BALL_INERTIA
 from ertel.physics.units import DURATION, FINITE, Amount, Quantity, plain
 
 Surface = Literal[1, 2]
@@ -135,6 +136,5 @@ class Motion:
         return share * self.entrainment.integral(T)
 
 
-# in the scales of an impact m delta*/(F* t0^2) = 4/5, whatever the ball: m v0^2/2 = (2/5) F* delta*
-FREE_BALL = Motion(load=constant(0.0), entrainment=constant(0.0), inertia=0.8)
+FREE_BALL = Motion(load=constant(0.0), entrainment=constant(0.0), inertia=FREE_BALL_INERTIA)
 STEADY_ROLLING = Motion(load=constant(1.0), entrainment=constant(1.0), inertia=0.0)

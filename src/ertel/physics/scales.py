@@ -22,6 +22,8 @@ from dataclasses import astuple, dataclass, fields
 from math import cbrt, inf, isfinite, pi, sqrt
 from typing import NamedTuple
 
+from ertel.physics.geometry import FREE_BALL_INERTIA, HERTZ_LOAD
+
 ISOVISCOUS_FILM = 0.3135  # H_c / sqrt(lambda_bar) at the maximum of an isoviscous impact (computed)
 
 
@@ -138,7 +140,7 @@ class Scales:
     @property
     def load(self) -> float:
         """Hertzian load (N), F* = (2 pi/3) a^2 p_h: the unit of the load F."""
-        return 2 * pi / 3 * self.a**2 * self.p_h
+        return HERTZ_LOAD * self.a**2 * self.p_h
 
     @property
     def speed(self) -> float:
@@ -153,7 +155,7 @@ class Scales:
     @property
     def ball_mass(self) -> float:
         """Mass (kg) of the ball whose dry impact has these scales: m v0^2/2 = (2/5) F* delta*."""
-        return 0.8 * self.load * self.t0**2 / self.film
+        return FREE_BALL_INERTIA * self.load * self.t0**2 / self.film
 
 
 def _hertz_scales(R: float, E_prime: float, a: float, t0: float) -> Scales:

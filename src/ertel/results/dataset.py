@@ -100,7 +100,7 @@ def assemble_steady(
     `assemble`.
     """
     finest = solutions[-1].grid if solutions else discretise.grid_of(case)
-    nothing = np.full((finest.nodes, finest.nodes), np.nan)
+    nothing = np.full((len(finest.y), len(finest.x)), np.nan)
     last = solutions[-1] if solutions else None
     found = {name: np.asarray(last.whole(getattr(last, name))) if last else nothing for name in fields}
     history = _histories(solutions)

@@ -6,11 +6,11 @@ from math import ceil, inf
 import numpy as np
 import xarray as xr
 
-from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import Case
 from ertel.model.state import GridSolution, Rolling
 from ertel.numerics.grid import allowed_nodes
 from ertel.physics import hertz
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.results import variables
 
 CELLS_IN_FRONT = 10.0  # wanted across sqrt(alpha_bar lambda_bar dA/dT), the length of the front's pressure sweep
@@ -22,16 +22,22 @@ LARGE_ERROR = 0.1  # of a film: its estimated discretisation error from which it
 CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 
-def warnings(case: Case, data: xr.Dataset) -> list[str]:
-    """Sentences about what grid, domain, inlet or initial gap of a run in time do not resolve; none if all is well."""
-    said = [_film_warning(case, data)]
-    if case.kind == "impact":
-        said += [_front_warning(case, data), _gap_warning(case), _domain_warning(data)]
-    else:
-        said += [_centre_warning(case)]
-        if data.sizes["frame"]:
-            said += [_inlet_warning(case, data["P"].isel(frame=-1), float(data["frame"][-1]))]
-    return [sentence for sentence in (*said, _roughness_warning(case)) if sentence]
+def impact_warnings(case: Case, data: xr.Dataset) -> list[str]:
+    """Sentences about what grid, domain or initial gap of an impact do not resolve; none if all is well."""
+    said = [_film_warning(case, data), _front_warning(case, data), _gap_warning(case), _domain_warning(data)]
+    return _spoken([*said, _roughness_warning(case)])
+
+
+def rolling_warnings(case: Case, data: xr.Dataset) -> list[str]:
+    """Sentences about what grid and inlet of rolling in time do not resolve; none if all is well."""
+    said = [_film_warning(case, data), _centre_warning(case)]
+    if data.sizes["frame"]:
+        said += [_inlet_warning(case, data["P"].isel(frame=-1), float(data["frame"][-1]))]
+    return _spoken([*said, _roughness_warning(case)])
+
+
+def _spoken(said: Sequence[str]) -> list[str]:
+    return [sentence for sentence in said if sentence]
 
 
 def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
@@ -40,7 +46,7 @@ def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
     said = [_overlap_warning(case, finest), _error_warning(case, solutions), _spike_warning(solutions)]
     P = xr.DataArray(np.asarray(finest.whole(finest.P)), {"Y": finest.grid.y, "X": finest.grid.x}, ("Y", "X"))
     said += [_inlet_warning(case, P, 0.0), _centre_warning(case), _roughness_warning(case)]
-    return [sentence for sentence in said if sentence]
+    return _spoken(said)
 
 
 # -- rolling ----------------------------------------------------------------------------------------------------------

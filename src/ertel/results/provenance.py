@@ -6,9 +6,9 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
 
-import ertel
 from ertel.model.case import Case
 from ertel.results.parameters import parameters_of, scales_of
+from ertel.version import installed_version
 
 
 def provenance(case: Case) -> dict[str, object]:
@@ -17,7 +17,7 @@ def provenance(case: Case) -> dict[str, object]:
     return {
         "Conventions": "CF-1.11",
         "title": case.name or f"{case.kind}, M = {case.parameters.M:.4g}, L = {case.parameters.L:.4g}",
-        "source": f"ertel {ertel.__version__}",
+        "source": f"ertel {installed_version()}",
         "references": "; ".join(getattr(law, "reference", type(law).__name__) for law in laws),
         "date_created": datetime.now(UTC).isoformat(timespec="seconds"),
         "platform": f"{platform.system()} {platform.machine()}, {platform.processor() or 'unknown processor'}",
@@ -33,7 +33,7 @@ def provenance(case: Case) -> dict[str, object]:
 def versions() -> dict[str, str]:
     """Versions of what a result may depend on."""
     packages = ("jax", "jaxlib", "numpy", "scipy", "xarray", "zarr")
-    ours = {"ertel": ertel.__version__, "python": platform.python_version()}
+    ours = {"ertel": installed_version(), "python": platform.python_version()}
     return ours | {name: version(name) for name in packages}
 
 

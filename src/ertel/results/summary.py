@@ -6,12 +6,13 @@ from typing import Any
 
 import xarray as xr
 
-from ertel.model.approach import HERTZ_LOAD
 from ertel.model.case import Case
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
+from ertel.numerics.richardson import Extrapolation, extrapolate
 from ertel.physics import film_formulas
 from ertel.physics.film_formulas import Film
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.scales import HamrockDowson, Parameters
 from ertel.results import diagnostics, variables
 from ertel.results.parameters import parameters_of, scales_of, ugw_of
@@ -28,18 +29,16 @@ def restitution(data: xr.Dataset) -> float | None:
     return -V if V < 0 and F < 1e-8 else None
 
 
-def transient_summary(
+def impact_summary(
     case: Case,
     data: xr.Dataset,
     max_approach: Mapping[str, float] | None,
     work: Mapping[str, float],
     status: Status,
 ) -> dict[str, Any]:
-    """The outcome of a run in time as plain data: parameters, values, work, status, warnings.
+    """The outcome of an impact as plain data: parameters, values at maximum approach, restitution, work, status.
 
-    An impact has its values at maximum approach (F in units of the dry maximum load) and the restitution; rolling has T
-    and the values at the last time, as in `steady_summary`, whose errors need a second run (see `with_error`).
-    All is dimensionless; physical cases add the same in SI under `si`.
+    All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.
 
     Parameters
     ----------
@@ -48,36 +47,41 @@ def transient_summary(
     data : xarray.Dataset
         The run so far, see `dataset.assemble`.
     max_approach : mapping or None
-        The scalars at maximum approach; None before it, and for rolling.
+        The scalars at maximum approach; None before it.
     work : mapping
         Counts of steps and iterations, compilations, wall_s.
     status : Status
         How the run ended.
     """
-    said = diagnostics.warnings(case, data)
-    if case.kind == "rolling":
-        last = {
-            name: float(data[name][-1])
-            for name in ("time", "F", *variables.MEASURED)
-            if name in data and len(data.time)
-        }
-        measured = {"T": last.pop("time", None), **dict.fromkeys(variables.MEASURED), **last}
-        F = measured.pop("F", None)
-        measured["load"] = None if F is None else F * HERTZ_LOAD
-        return _rolling_summary(case, measured, {}, work, status, said)
     reached = None if max_approach is None else {key: float(max_approach[key]) for key in variables.AT_MAXIMUM}
     content: dict[str, Any] = {
-        "kind": case.kind,
-        "method": case.solver.method,
-        **parameters_of(case),
+        **_heading(case),
         "max_approach": reached,
         "restitution": restitution(data),
         **work,
         "status": status.value,
-        "warnings": said,
+        "warnings": diagnostics.impact_warnings(case, data),
     }
     si = si_summary(case, reached)
     return content if si is None else {**content, "si": si}
+
+
+def rolling_summary(
+    case: Case,
+    data: xr.Dataset,
+    work: Mapping[str, float],
+    status: Status,
+) -> dict[str, Any]:
+    """The outcome of rolling in time: T and the values at the last time, otherwise as in `steady_summary`.
+
+    The errors of the films need a second run, see `rolling_with_error`.  Parameters as in `impact_summary`.
+    """
+    names = ("time", "F", *variables.MEASURED)
+    last = {name: float(data[name][-1]) for name in names if name in data and len(data.time)}
+    measured = {"T": last.pop("time", None), **dict.fromkeys(variables.MEASURED), **last}
+    F = measured.pop("F", None)
+    measured["load"] = None if F is None else F * HERTZ_LOAD
+    return _rolling_summary(case, measured, {}, work, status, diagnostics.rolling_warnings(case, data))
 
 
 def steady_summary(
@@ -109,8 +113,8 @@ def steady_summary(
     estimates: dict[str, float] = {}
     if len(solutions) > 1 and all(s.status.ok for s in solutions[-2:]):
         for name in variables.FILMS:
-            found = rolling.extrapolate(name)
-            estimates |= {f"{name}_error": found.error, f"{name}_extrapolated": found.extrapolated}
+            error = _error_of(rolling.extrapolate(name))
+            estimates |= {f"{name}_{what}": value for what, value in error.items()}
     values = rolling.finest.measure()
     measured = {"nodes": rolling.finest.grid.nodes, **{name: values[name] for name in variables.MEASURED}}
     said = diagnostics.steady_warnings(case, solutions)
@@ -127,9 +131,7 @@ def _rolling_summary(
 ) -> dict[str, Any]:
     names = [f"{name}_{what}" for what in ("error", "extrapolated") for name in variables.FILMS]
     content: dict[str, Any] = {
-        "kind": case.kind,
-        "method": case.solver.method,
-        **parameters_of(case),
+        **_heading(case),
         **measured,
         **work,
         "status": status.value,
@@ -196,36 +198,34 @@ def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]
     return [film._replace(central=own(film.central), minimum=own(film.minimum)) for film in found]
 
 
-def with_error(case: Case, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-    """The summary of a run in time with the discretisation errors that a run on the half grid gives (Richardson).
+def _heading(case: Case) -> dict[str, Any]:
+    return {"kind": case.kind, "method": case.solver.method, **parameters_of(case)}
 
-    For a method of second order the error is a third of the difference, and the value without it, `extrapolated`, lies
-    as much beyond the fine one.  An impact has them under `error_estimate`, at maximum approach (None if one of the
-    runs did not reach it); rolling as in `steady_summary`, at the last time.
 
-    Parameters
-    ----------
-    case : Case
-        The case of the fine run.
-    fine, coarse : mapping
-        The summaries of the run and of the run on the half grid.
+def impact_with_error(case: Case, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
+    """An impact's summary with the discretisation errors at maximum approach that a run on the half grid tells.
+
+    They are under `error_estimate`, by Richardson's extrapolation for a method of second order; None where one of the
+    runs did not reach maximum approach.
     """
-    if case.kind == "impact":
-        return {**fine, "error_estimate": error_estimate(fine, coarse)}
+    reached, half = fine["max_approach"], coarse["max_approach"]
+    if reached is None or half is None:
+        return {**fine, "error_estimate": None}
+    estimate = {}
+    for name, key in {"H_c": "H_c", "H_min": "H_min", "Delta_max": "Delta"}.items():
+        found = extrapolate(half[key], reached[key])
+        estimate[name] = {"value": found.value, "half_grid": half[key], **_error_of(found)}
+    return {**fine, "error_estimate": estimate}
+
+
+def rolling_with_error(case: Case, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
+    """The summary of rolling in time with the errors at the last time that a run on the half grid tells."""
     found: dict[str, float] = {}
     for name in variables.FILMS:
-        step = (fine[name] - coarse[name]) / 3
-        found |= {f"{name}_error": abs(step), f"{name}_extrapolated": fine[name] + step}
+        error = _error_of(extrapolate(coarse[name], fine[name]))
+        found |= {f"{name}_{what}": value for what, value in error.items()}
     return _with_si(case, {**fine, **found})
 
 
-def error_estimate(fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any] | None:
-    """Discretisation error of H_c, H_min and Delta at maximum approach, see `with_error`."""
-    if fine["max_approach"] is None or coarse["max_approach"] is None:
-        return None
-    estimate = {}
-    for name, key in {"H_c": "H_c", "H_min": "H_min", "Delta_max": "Delta"}.items():
-        value, half = fine["max_approach"][key], coarse["max_approach"][key]
-        step = (value - half) / 3
-        estimate[name] = {"value": value, "half_grid": half, "error": abs(step), "extrapolated": value + step}
-    return estimate
+def _error_of(found: Extrapolation) -> dict[str, float]:
+    return {"error": found.error, "extrapolated": found.extrapolated}

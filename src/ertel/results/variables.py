@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import floor, log10
 from typing import TYPE_CHECKING
 
-from ertel.model.approach import HERTZ_LOAD
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.scales import Scales
 
 if TYPE_CHECKING:

@@ -27,11 +27,11 @@ from ertel.model.case import Case
 from ertel.model.pytrees import traceable
 from ertel.model.status import Status
 from ertel.results.result import Result
-from ertel.runs.courses import TransientCourse
+from ertel.runs.courses import course_of
 from ertel.runs.drive import Gathering
 from ertel.runs.stepping import Step
 from ertel.runs.sweep import Failure
-from ertel.solvers.transient import StepProblem, StepSolution, Transient2D, solve_step
+from ertel.solvers.transient import StepProblem, StepSolution, solve_step
 
 Run = Generator[Any, Any, Any]  # yields problems, is sent their solutions, returns its outcome
 SolveTogether = Callable[[Sequence[Any], int], Sequence[Any]]  # from problems and the number of lanes to solutions
@@ -54,7 +54,7 @@ def simulate_batch(
 
 def _run(case: Case, on_step: Callable[[Step], object]) -> Generator[StepProblem, StepSolution, Result]:
     """The loop of `drive.drive` over a run in memory, its problems solved by who runs it."""
-    course = TransientCourse(case, Transient2D(case))
+    course = course_of(case)
     gathering, step = Gathering(course), course.begin()
     while step.status is Status.RUNNING:
         step = yield from course.following(step)

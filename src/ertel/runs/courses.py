@@ -3,6 +3,7 @@
 `course_of` chooses; nobody else asks which it is.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -15,10 +16,15 @@ from numpy.typing import NDArray
 from ertel.model.case import Case
 from ertel.model.state import GridSolution, Method, State
 from ertel.model.status import Status
-from ertel.numerics.grid import Grid
-from ertel.numerics.symmetry import Even
+from ertel.numerics.grid import Even, Grid
 from ertel.results.dataset import assemble, assemble_steady
-from ertel.results.summary import steady_summary, transient_summary
+from ertel.results.summary import (
+    impact_summary,
+    impact_with_error,
+    rolling_summary,
+    rolling_with_error,
+    steady_summary,
+)
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
@@ -83,10 +89,21 @@ class Course(Protocol):
         """The outcome of the run as plain data; work: compilations, wall_s."""
         ...
 
+    @property
+    def half_grid(self) -> "Course | None":
+        """The course with twice the spacing, for an error estimate; None where the run has one of its own."""
+        ...
+
+    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
+        """The summary with the errors that the summary of the half grid tells."""
+        ...
+
 
 def course_of(case: Case) -> Course:
     """The course of a case."""
-    return SteadyCourse(case) if case.is_steady else TransientCourse(case, method_of(case))
+    if case.is_steady:
+        return SteadyCourse(case)
+    return (ImpactCourse if case.starts_apart else RollingCourse)(case, method_of(case))
 
 
 def method_of(case: Case) -> Method:
@@ -100,8 +117,8 @@ NUMBERS = ("T", "approach", "velocity")  # of a State, besides its fields
 REACHED = "max_approach_"
 
 
-class TransientCourse:
-    """A run in time."""
+class TransientCourse(ABC):
+    """A run in time; what is said of it at its end differs between impact and rolling."""
 
     def __init__(self, case: Case, method: Method, limits: StepLimits | None = None):
         self.case, self.method, self.limits = case, method, limits or StepLimits()
@@ -160,7 +177,40 @@ class TransientCourse:
     def summary(self, data: xr.Dataset, last: Step, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         counts = {**vars(last.state.counts), **work}
         counts["convolutions"] = round(counts["convolutions"], 1)
-        return transient_summary(self.case, data, last.state.max_approach, counts, status)
+        return self._outcome(data, last, counts, status)
+
+    @abstractmethod
+    def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
+        """The summary, from the counts of all work."""
+
+    @abstractmethod
+    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
+        """See `Course`."""
+
+    @property
+    def half_grid(self) -> "TransientCourse":
+        case = self.case.on_half_grid()
+        return type(self)(case, method_of(case), self.limits)
+
+
+class ImpactCourse(TransientCourse):
+    """An impact."""
+
+    def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
+        return impact_summary(self.case, data, last.state.max_approach, counts, status)
+
+    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
+        return impact_with_error(self.case, fine, coarse)
+
+
+class RollingCourse(TransientCourse):
+    """Rolling in time, from the steady film."""
+
+    def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
+        return rolling_summary(self.case, data, counts, status)
+
+    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
+        return rolling_with_error(self.case, fine, coarse)
 
 
 # -- steady -----------------------------------------------------------------------------------------------------------
@@ -227,10 +277,10 @@ class SteadyCourse:
 
     def from_arrays(self, arrays: Arrays) -> GridStep:
         found = []
-        for i, (nodes, spacing, x, y, *even) in enumerate(arrays["grid"].tolist()):
+        for i, (nodes_x, nodes_y, spacing, x, y, *even) in enumerate(arrays["grid"].tolist()):
             found.append(
                 GridSolution(
-                    grid=Grid(int(nodes), spacing, x, y, Even(*(bool(e) for e in even))),
+                    grid=Grid(int(nodes_x), int(nodes_y), spacing, x, y, Even(*(bool(e) for e in even))),
                     P=jnp.asarray(arrays[f"P_{i}"]),
                     H=jnp.asarray(arrays[f"H_{i}"]),
                     status=Status(str(arrays["grid_status"][i])),
@@ -246,6 +296,13 @@ class SteadyCourse:
     def summary(self, data: xr.Dataset, last: GridStep, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         return steady_summary(self.case, last.solutions, work, status)
 
+    @property
+    def half_grid(self) -> None:
+        return None
+
+    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
+        return dict(fine)
+
 
 def _grid_numbers(grid: Grid) -> tuple[float, ...]:
-    return (grid.nodes, grid.spacing, grid.centre_x, grid.centre_y, *grid.even)
+    return (grid.nodes_x, grid.nodes_y, grid.spacing, grid.centre_x, grid.centre_y, *grid.even)

@@ -21,7 +21,7 @@ from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.physics import surfaces
 from ertel.physics.surfaces import Feature
-from ertel.runs.courses import TransientCourse
+from ertel.runs.courses import ImpactCourse
 from ertel.runs.drive import Gathering, Observer, drive
 from ertel.runs.stepping import Frame, Step, turning_time
 from ertel.solvers import tangent
@@ -144,7 +144,7 @@ def _in_lockstep(
     observers: Sequence[Observer],
 ) -> xr.Dataset:
     """The smooth run with its companions, and what they say at maximum approach."""
-    course = TransientCourse(smooth, method)
+    course = ImpactCourse(smooth, method)
     gathering, lockstep = Gathering(course), Lockstep(companions)
     last = drive(course, [gathering, lockstep, *observers])
     status = last.status if lockstep.status.ok else lockstep.status

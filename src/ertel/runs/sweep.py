@@ -23,7 +23,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import ertel
+from ertel.version import installed_version
 
 _log = logging.getLogger(__name__)
 
@@ -160,13 +160,13 @@ def _file(directory: Path | None, task: Task) -> Path:
 def _stamp(task: Task) -> tuple[object, ...]:
     """What a kept result depends on."""
     function = task.function.__module__, task.function.__qualname__
-    return ertel.__version__, own_sources(), *function, task.arguments
+    return installed_version(), own_sources(), *function, task.arguments
 
 
 @cache
 def own_sources() -> str:
     """The `source_digest` of ertel itself, read once per process."""
-    return source_digest(Path(next(iter(ertel.__path__))))
+    return source_digest(Path(__file__).parents[1])
 
 
 def source_digest(directory: Path) -> str:

@@ -1,11 +1,8 @@
 """One solve on the 2-D grid: P and Delta at a new time level, or of the steady state, of an impact or of rolling.
 
-The equation is always `contact.residual`, the closure always one line (`closure.ClosureLine`).  What is chosen here is
-how to solve: two ways to close the system, two preconditioners.
-
-    eliminated, bordered    Delta follows from the load at once where it has a weight of its own in the closure's line
-                            (inertia); a balanced load has none, and Newton's iteration carries Delta as an unknown
-    still, carried          nodes smoothed one by one, or along the lines on which the oil is carried (entrainment)
+The equation is always `contact.residual`, the closure always one line (`approach.ClosureLine`).  There are two ways to
+close the system: Delta is eliminated where it has a weight of its own in the closure's line (inertia); a balanced load
+has none, and Newton's iteration carries Delta as one more unknown (bordered).
 """
 
 from collections.abc import Callable
@@ -15,19 +12,17 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jax import Array, tree
+from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.model import contact
 from ertel.model.approach import ClosureLine
 from ertel.model.contact import Contact, Rate
-from ertel.numerics import line_smoother, multigrid, newton, stencils
+from ertel.numerics import multigrid, newton
 from ertel.numerics.grid import Grid
 from ertel.numerics.multigrid import Elasticity
-from ertel.numerics.stencils import Pair
 
 Number = Array | float
-PRECONDITIONER_PRECISION = "float32"
 LOAD_WEIGHT = 200.0  # of the load's misfit beside the residual: large, so that every direction of search keeps the load
 
 
@@ -141,54 +136,3 @@ def bordered(problem: Problem, P: Array, approach: Number) -> Closed:
     weight = LOAD_WEIGHT * (1.0 + problem.rate.new) / c.spacing
     border = newton.Border(approach, -1.0, misfit, problem.load_tolerance, weight)
     return Closed(contact.film_thickness(c, P, approach), film_change, border, lambda s: s.s)
-
-
-# -- preconditioners --------------------------------------------------------------------------------------------------
-
-
-def still(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
-    """For U = 0."""
-    return partial(multigrid.precondition, levels(problem, P, H, free, problem.rate.new, multigrid.points))
-
-
-def carried(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
-    """For any U >= 0."""
-    smoother = partial(line_smoother.lines, rate=problem.rate.new, drift=problem.entrainment)
-    return partial(multigrid.precondition, levels(problem, P, H, free, 1.0, smoother))
-
-
-def levels(
-    problem: Problem,
-    P: Array,
-    H: Array,
-    free: Array,
-    rate: Number,
-    smoother: Callable[[Elasticity, multigrid.Coefficients], multigrid.Smoother],
-) -> tuple[multigrid.Level, ...]:
-    """The V-cycle's grids for the Jacobian, on the finest grid the exact one.
-
-    rate: of the mass, where the smoother adds none of its own.
-    """
-    c, elastic = problem.contact, problem.elastic
-
-    def laws(P: Array, H: Array) -> tuple[Array, Pair]:
-        return contact.mass(c, P, H), contact.mobility(c, P, H)
-
-    # in double precision: of a thick oil the viscosity is beyond single, its inverse and their derivatives are not
-    one, zero = jnp.ones_like(P), jnp.zeros_like(P)
-    (mass, eps), by_P = jax.jvp(laws, (P, H), (one, zero))
-    _, by_H = jax.jvp(laws, (P, H), (zero, one))
-
-    def balance(mass: Array, eps: Pair, P: Array) -> Array:
-        return contact.balance(mass, eps, P, Rate(new, 0.0), U, spacing, c.even)
-
-    def jacobian(e: Array, Ke: Array) -> Array:
-        dmass, deps = tree.map(lambda p, h: p * e + h * Ke, by_P, by_H)
-        return change(dmass, deps, e)
-
-    single = partial(jnp.asarray, dtype=elastic[0].spectrum.dtype)
-    mass, eps, by_P, by_H, P, free = tree.map(single, (mass, eps, by_P, by_H, P, stencils.inside(free, c.even)))
-    rate, new, U, spacing = map(single, (rate, problem.rate.new, problem.entrainment, c.spacing))
-    _, change = jax.linearize(balance, mass, eps, P)
-    finest = multigrid.Coefficients(eps, rate * by_H[0], rate * by_P[0], free)
-    return multigrid.hierarchy(elastic, finest, smoother, jacobian)

@@ -19,12 +19,13 @@ from jax import Array
 from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
-from ertel.model.approach import HERTZ_LOAD, Closure, ClosureLine, NewtonsLaw
+from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.model.case import Case
 from ertel.model.pytrees import traceable
 from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf
+from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.rheology import NEWTONIAN, Rheology
 
@@ -135,7 +136,7 @@ def elastic_kernel(r: Floats) -> Floats:
     share, weight = x**2 * (3 - 2 * x), 6 * x * (1 - x) * w
     b = r[:-1, None] + np.diff(r)[:, None] * share
     mean = disc(r[:, None, None], b) @ weight
-    return 2 / pi**2 * (np.pad(mean, ((0, 0), (0, 1))) - np.pad(mean, ((0, 0), (1, 0))))
+    return CIRCLE.compliance * (np.pad(mean, ((0, 0), (0, 1))) - np.pad(mean, ((0, 0), (1, 0))))
 
 
 def load_weights(r: Floats) -> Floats:
@@ -223,7 +224,7 @@ class RadialImpact(Method):
     def start(self) -> State:
         """The ball apart, moving in with unit speed, no pressure yet."""
         r = self.mesh.r
-        fields = {"P": jnp.zeros_like(r), "H": r**2 / 2 - self.start_approach}
+        fields = {"P": jnp.zeros_like(r), "H": CIRCLE.gap(r, 0.0) - self.start_approach}
         return State(0.0, self.start_approach, 1.0, fields)
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
@@ -248,7 +249,7 @@ class RadialImpact(Method):
         past = jnp.zeros_like(self.mesh.r)
         for weight, level in zip(rates[1:], levels, strict=False):
             past += weight * self.oil.density(jnp.asarray(level.P)) * level.H  # of a stored level too, to the last bit
-        apart = self.mesh.r**2 / 2 - line.value / line.approach_weight
+        apart = CIRCLE.gap(self.mesh.r, 0.0) - line.value / line.approach_weight
         stiffness = self.mesh.kernel + line.load_weight / line.approach_weight * self.mesh.load
         return Equations(self.mesh, self.oil, NEWTONIAN, self.lambda_bar, float(rates[0]), past, apart, stiffness)
 
@@ -260,7 +261,7 @@ class RadialImpact(Method):
         """F (units of the dry maximum load), P_c, P_max, H_c, H_min, X_min, Y_min."""
         P, H = np.asarray(level.P), np.asarray(level.H)
         X_min, H_min = lowest_point(self.coordinates["r"], H)
-        F = self.load(level.P) / HERTZ_LOAD
+        F = self.load(level.P) / CIRCLE.hertz_load
         films = {"H_c": float(H[0]), "H_min": H_min, "X_min": X_min, "Y_min": 0.0}
         return {"F": F, "P_c": float(P[0]), "P_max": float(P.max()), **films}
 

@@ -11,15 +11,16 @@ import jax.numpy as jnp
 from jax import Array
 
 from ertel.model import discretise
-from ertel.model.approach import HERTZ_LOAD, balanced
+from ertel.model.approach import balanced
 from ertel.model.case import Case
 from ertel.model.contact import Contact, Rate
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics import multigrid, newton, richardson, stencils
-from ertel.numerics.grid import Grid, check_nodes
+from ertel.numerics.grid import Grid, check_grid
 from ertel.numerics.symmetry import folded, total, unfolded
-from ertel.solvers import nonlinear
+from ertel.physics.geometry import Geometry
+from ertel.solvers import nonlinear, preconditioner
 from ertel.solvers.nonlinear import Problem
 
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
@@ -32,31 +33,35 @@ OPTIONS = newton.Options(newton_limit=100, newton_least=2, krylov_limit=18, firs
 STEADY = Rate(0.0, 0.0)
 
 
-def steady(case: Case) -> Rolling:
-    """The steady contact with the load and the entrainment of T = 0, on all grids."""
-    return Rolling(tuple(nested(case)))
+def steady(case: Case, precision: str = preconditioner.PRECISION) -> Rolling:
+    """The steady contact with the load and the entrainment of T = 0, on all grids; precision: see `nested`."""
+    return Rolling(tuple(nested(case, precision=precision)))
 
 
-def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSolution]:
+def nested(
+    case: Case, done: Sequence[GridSolution] = (), precision: str = preconditioner.PRECISION
+) -> Iterator[GridSolution]:
     """Solutions from the coarsest grid to the case's own; goes on after those that are done.
+
+    precision: the floating-point type of the preconditioner.
 
     The case's tolerance bounds the residual of Reynolds' equation where its method is "steady".  Raises ValueError
     where there is no load or no entrainment at T = 0, and so no steady film.
     """
-    check_nodes(case.solver.nodes)
+    grids = [discretise.grid_of(case)]
+    check_grid(grids[0])
     check_motion(case)
     tolerance = case.solver.tolerance if case.is_steady else TOLERANCE
-    grids = [discretise.grid_of(case)]
-    while (grids[-1].nodes - 1) // 2 + 1 >= FIRST_GRID:
-        grids.append(grids[-1].coarser())
+    while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
+        grids.append(coarser)
     solutions = list(done)
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = discretise.contact_of(case, grid)
         if solutions:
             guess = first_guess(c, solutions[-1], richardson.expected([s.approach for s in solutions]))
         else:
-            guess = hertz_pressure(grid, case.motion.load(0.0))
-        solutions.append(solve(case, grid, c, *guess, tolerance))
+            guess = dry_guess(discretise.geometry_of(case), grid, case.motion.load(0.0))
+        solutions.append(solve(case, grid, c, *guess, tolerance, precision))
         yield solutions[-1]
 
 
@@ -69,12 +74,11 @@ def check_motion(case: Case) -> None:
         raise ValueError(f"motion.entrainment = {entrainment} at T = 0: must not be zero, a steady film needs a flow")
 
 
-def hertz_pressure(grid: Grid, load: float) -> tuple[Array, float]:
+def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Array, float]:
     """Pressure and approach of the dry contact under a load in units F*, which it carries exactly on this grid."""
-    radius = load ** (1 / 3)
-    square = grid.kept_x[None, :] ** 2 + grid.kept_y[:, None] ** 2
-    P = jnp.sqrt(jnp.maximum(radius**2 - square, 0.0))
-    return P * (load * HERTZ_LOAD / (total(P, grid.even) * grid.spacing**2)), radius**2
+    P = jnp.asarray(geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None]))
+    carried = total(P, grid.even) * grid.spacing**2
+    return P * (load * geometry.hertz_load / carried), geometry.dry_approach(load)
 
 
 def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:
@@ -91,18 +95,21 @@ def _from_coarse(c: Contact, coarse: Array) -> Array:
     return stencils.inside(jnp.maximum(P, 0.0), c.even)
 
 
-def solve(case: Case, grid: Grid, c: Contact, P: Array, approach: float, tolerance: float) -> GridSolution:
+def solve(
+    case: Case, grid: Grid, c: Contact, P: Array, approach: float, tolerance: float, precision: str
+) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach."""
+    geometry = discretise.geometry_of(case)
     problem = Problem(
         c,
-        multigrid.elasticities(grid, nonlinear.PRECONDITIONER_PRECISION),
+        multigrid.elasticities(grid, geometry.compliance, precision),
         STEADY,
         case.motion.entrainment(0.0),
         balanced(case.motion.load(0.0)),
         tolerance,
-        tolerance / HERTZ_LOAD,
+        tolerance / geometry.hertz_load,
         nonlinear.bordered,
-        nonlinear.carried,
+        preconditioner.line_preconditioner,
         OPTIONS,
     )
     s, Delta = nonlinear.solve(problem, P, approach)

@@ -12,7 +12,7 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.model import contact, discretise
-from ertel.model.approach import HERTZ_LOAD, Closure, ClosureLine, NewtonsLaw
+from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.model.case import Case
 from ertel.model.contact import Contact, Rate
 from ertel.model.measure import measure
@@ -20,11 +20,12 @@ from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf, multigrid, newton
 from ertel.numerics.bdf import Weights
-from ertel.numerics.grid import check_nodes
+from ertel.numerics.grid import Even, check_grid
 from ertel.numerics.multigrid import Elasticity
-from ertel.numerics.symmetry import Even, total, unfolded
+from ertel.numerics.symmetry import total, unfolded
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import Close, Preconditioner, Problem
+from ertel.solvers.preconditioner import PRECISION, line_preconditioner, point_preconditioner
 
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
@@ -83,13 +84,14 @@ class Transient2D(Method):
     controlled = ("H",)
 
     def __init__(self, case: Case, closure: Closure | None = None):
-        check_nodes(case.solver.nodes)
         self.case = case
         self.grid = discretise.grid_of(case)
-        self.contact = contact.ball_on_plane(self.grid, case.parameters.lambda_bar, case.lubricant)
+        check_grid(self.grid)
+        self.geometry = discretise.geometry_of(case)
+        self.contact = discretise.smooth_contact(case, self.grid)
         self.closure = closure or NewtonsLaw.of(case.motion)
-        self.preconditioner = nonlinear.carried if case.motion.flows else nonlinear.still
-        self.elastic = multigrid.elasticities(self.grid, nonlinear.PRECONDITIONER_PRECISION)
+        self.preconditioner = line_preconditioner if case.motion.flows else point_preconditioner
+        self.elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
 
     def start(self) -> State:
@@ -144,7 +146,7 @@ class Transient2D(Method):
     def measure(self, level: State) -> dict[str, float]:
         """Load, pressures and films of one level; without entrainment X_min is the radius of the least film."""
         values = measure(self.grid, level.P, level.H)
-        values["F"] = values.pop("load") / HERTZ_LOAD
+        values["F"] = values.pop("load") / self.geometry.hertz_load
         if not self.case.motion.flows:
             values |= {"X_min": float(np.hypot(values["X_min"], values["Y_min"])), "Y_min": 0.0}
         return values

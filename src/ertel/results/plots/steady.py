@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from math import isfinite
 
 import numpy as np
@@ -10,8 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from ertel.model.approach import HERTZ_LOAD
+from ertel.numerics.richardson import Extrapolation, extrapolate
 from ertel.physics import hertz
+from ertel.physics.geometry import HERTZ_LOAD
 from ertel.results.plots import stored
 from ertel.results.plots.drawing import (
     BLUE,
@@ -51,8 +53,8 @@ class Estimate:
 def estimate_of(dataset: xr.Dataset, name: str) -> Estimate:
     """Error estimates on every grid, as `model.state.Rolling.extrapolate`: the error falls with the spacing squared."""
     values = np.asarray(dataset[name].values)
-    steps = np.diff(values, prepend=np.nan) / 3.0
-    return Estimate(values, np.abs(steps), float(values[-1] + steps[-1]))
+    found = [Extrapolation(values[0], np.nan, np.nan), *(extrapolate(*pair) for pair in pairwise(values))]
+    return Estimate(values, np.array([e.error for e in found]), float(found[-1].extrapolated))
 
 
 def _with_error(dataset: xr.Dataset, name: str) -> str:

@@ -6,17 +6,16 @@ import numpy as np
 import xarray as xr
 
 from ertel.inputs.case_files import parse_case
-from ertel.model.case import SOLVERS, Case
+from ertel.inputs.python import Oil, rolling
+from ertel.model.case import Case
 from ertel.model.discretise import grid_of
+from ertel.model.sections import SOLVERS
 from ertel.model.status import Status
 from ertel.numerics.grid import Grid
 from ertel.physics import hertz
-from ertel.physics.lubricant import Barus, Incompressible, Lubricant
-from ertel.physics.motion import STEADY_ROLLING
-from ertel.physics.scales import parameters, rolling_scales
 from ertel.results import variables
 from ertel.results.dataset import assemble, assemble_steady
-from ertel.runs.drive import Frame
+from ertel.runs.stepping import Frame
 
 BALL_FALLS = {
     "contact": {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"},
@@ -39,20 +38,19 @@ def dry_impact(case_data, radial=False, rebound=True) -> xr.Dataset:
         scalars |= {"P_c": A, "P_max": A, "H_c": float(H.min()), "H_min": float(H.min()) / 2, "X_min": A}
         records.append({"T": T, **dict.fromkeys(variables.SCALARS, 0.0), **scalars})
         event = "max-approach" if abs(T - 2.45) < 1e-9 else ""
-        frames.append(Frame(float(T), P, H, event))
+        frames.append(Frame(float(T), {"P": P, "H": H}, event))
     coordinates = {"r": axis} if radial else {"Y": axis, "X": axis}
     return assemble(case, records, frames, coordinates)
 
 
-C1 = rolling_scales(R=0.01, load=38.885237, mean_speed=0.502636, E_prime=2.197802e11)  # M = 200, L = 10
-MOES_ROLLS = Case(
-    parameters=parameters(C1, 0.04, 2.2e-8),
-    lubricant=Lubricant(Barus(parameters(C1, 0.04, 2.2e-8).alpha_bar), Incompressible()),
-    solver=replace(SOLVERS["steady"], nodes=81),
-    kind="rolling",
-    motion=STEADY_ROLLING,
+BARUS = Oil(eta0=0.04, alpha=2.2e-8, viscosity="barus", density="incompressible")
+BALL_ROLLS = rolling(  # M = 200, L = 10
+    radius=0.01, load=38.885237, mean_speed=0.502636, E_prime=2.197802e11, oil=BARUS, nodes=81, name="steel_ball"
 )
-BALL_ROLLS = replace(MOES_ROLLS, scales=C1, name="steel_ball")
+C1 = BALL_ROLLS.contact.scales
+assert C1 is not None
+BARS = BALL_ROLLS.parameters
+MOES_ROLLS = rolling(lambda_bar=BARS.lambda_bar, alpha_bar=BARS.alpha_bar, oil=BARUS, nodes=81)
 X, Y = np.linspace(-4.5, 1.5, 81), np.linspace(-3.0, 3.0, 81)
 NODES = (33, 65, 129)
 H_C, H_MIN = np.array([0.07, 0.09, 0.095]), np.array([-0.01, 0.03, 0.04])
@@ -103,9 +101,14 @@ def steady(case: Case, flow: float = 1.0) -> xr.Dataset:
     return assemble_steady(case, solutions(case, flow))
 
 
+def as_in_time(case: Case) -> Case:
+    """The same contact, as a run in time."""
+    return replace(case, solver=replace(SOLVERS["transient"], nodes=81))
+
+
 def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
     """A film that breathes, as `assemble` gives it."""
-    case = replace(case, solver=replace(SOLVERS["transient"], nodes=81))
+    case = as_in_time(case)
     records, frames = [], []
     for T in np.linspace(0, 4, 41):
         film = 0.1 + 0.02 * float(np.sin(T))
@@ -113,5 +116,5 @@ def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
         known = {"T": T, "F": 1.0, "w": 1.0, "U": flow, "Delta": 0.9, "H_c": film, "H_min": film / 2}
         known |= {"X_min": 0.2, "Y_min": 0.8, "P_c": 1.0, "P_max": 1.0}
         records.append({**dict.fromkeys(variables.SCALARS, 0.0), **known})
-        frames.append(Frame(float(T), P, H, "end" if T == 4 else ""))
+        frames.append(Frame(float(T), {"P": P, "H": H}, "end" if T == 4 else ""))
     return assemble(case, records, frames, {"Y": Y, "X": X})

@@ -4,15 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, dry_impact, in_time, steady
+from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impact, in_time, steady
 
-from ertel.physics.motion import Motion, Oscillation, constant
+from ertel.model.sections import Drive
+from ertel.physics.motion import Oscillation
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness, height
 from ertel.results import plots
 from ertel.results.plots.stored import roughness_height
 
-ROUGH = (Feature(Waviness(0.01, 0.5, phase_x=0.3), 1), Feature(Spot(-0.05, 0.3, X=-1.0), 2))
-SLIDING = Motion(constant(1.0), Oscillation(1.0, 0.3, 2.0), 0.0, slide_to_roll=0.5)
+ROUGH = (Feature(Waviness(0.01, 0.5, phase_x=0.3), 1), Feature(Spot(0.3, -0.05, x=-1.0), 2))
+SLIDING = Drive(entrainment=Oscillation(1.0, 0.3, 2.0), slide_to_roll=0.5)
+AT_REST = Drive(slide_to_roll=-2.0)  # surface 1
 TIME_FIGURES = ("overview", "film", "pressure", "maps", "profiles", "history")
 
 
@@ -106,15 +108,16 @@ def test_heading_states_the_speed_of_the_moment():
 
 
 def test_roughness_is_where_the_case_has_it():
-    case = replace(MOES_ROLLS, roughness=(*ROUGH, Feature(RingWaviness(0.02, 0.4, Y=0.2), 1)), motion=SLIDING)
+    rough = (*ROUGH, Feature(RingWaviness(0.02, 0.4, y=0.2), 1))
+    case = replace(as_in_time(MOES_ROLLS), roughness=rough, drive=SLIDING)
     X, Y = np.linspace(-2, 2, 41)[None, :], np.linspace(-1, 1, 21)[:, None]
     data = in_time(case)
     for T in (0.0, 1.3):
-        np.testing.assert_array_equal(roughness_height(data, T, X, Y), height(case.roughness, case.motion, T, X, Y))
+        np.testing.assert_array_equal(roughness_height(data, T, X, Y), height(case.features, case.motion, T, X, Y))
 
 
 def test_maps_show_hills_and_valleys():
-    data = in_time(replace(BALL_ROLLS, roughness=ROUGH[:1]))
+    data = in_time(replace(as_in_time(BALL_ROLLS), roughness=ROUGH[:1]))
     for axes in panels(plots.maps(data)):
         hill, valley = sorted(roughness_lines(axes), reverse=True)
         assert hill == (pytest.approx(0.005, rel=1e-3), True)  # solid
@@ -124,7 +127,10 @@ def test_maps_show_hills_and_valleys():
 
 
 def test_profiles_show_the_roughness():
-    for figure in (plots.profiles(in_time(replace(MOES_ROLLS, roughness=ROUGH[1:]))), plots.midlines(rough_steady())):
+    for figure in (
+        plots.profiles(in_time(replace(as_in_time(MOES_ROLLS), roughness=ROUGH[1:]))),
+        plots.midlines(rough_steady()),
+    ):
         for axes in panels(figure):
             assert axes.get_ylim()[0] < 0
             assert min(axes.get_yticks()) >= 0
@@ -132,7 +138,7 @@ def test_profiles_show_the_roughness():
 
 
 def rough_steady():
-    return steady(replace(MOES_ROLLS, roughness=ROUGH[:1]))
+    return steady(replace(MOES_ROLLS, roughness=ROUGH[:1], drive=AT_REST))
 
 
 def test_smooth_surfaces_show_none(moes):

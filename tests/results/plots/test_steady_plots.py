@@ -8,10 +8,9 @@ from made_up import BALL_ROLLS as BALL
 from made_up import C1, H_C, H_MIN, in_time, solutions, steady
 from made_up import MOES_ROLLS as MOES
 
-from ertel.model.case import SOLVERS
+from ertel.model.sections import SOLVERS
 from ertel.model.state import Rolling
 from ertel.physics import hertz
-from ertel.physics.motion import STEADY_ROLLING
 from ertel.results import plots
 from ertel.results.dataset import assemble_steady
 from ertel.results.plots import steady as steady_plots
@@ -186,7 +185,7 @@ def test_without_a_solution_there_is_nothing_to_draw():
 
 
 def test_sliding_is_said():
-    sliding = replace(BALL, motion=replace(STEADY_ROLLING, slide_to_roll=0.5))
+    sliding = replace(BALL, contact=replace(BALL.contact, slide_to_roll=0.5))
     assert "slide-to-roll 0.5" in steady_plots.STEADY_FIGURES["film"](steady(sliding)).get_suptitle()
 
 

@@ -1,0 +1,66 @@
+"""Approximate inverses of the Jacobian: a V-cycle in single precision, with one of two smoothers."""
+
+from collections.abc import Callable
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+from jax import Array, tree
+
+from ertel.model import contact
+from ertel.model.contact import Rate
+from ertel.numerics import multigrid, newton, stencils
+from ertel.numerics.line_smoother import line_smoother
+from ertel.numerics.multigrid import Elasticity
+from ertel.numerics.stencils import Pair
+from ertel.solvers.nonlinear import Problem
+
+PRECISION = "float32"
+
+
+def point_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
+    """Nodes smoothed one by one: for U = 0."""
+    return partial(multigrid.precondition, levels(problem, P, H, free, problem.rate.new, multigrid.point_smoother))
+
+
+def line_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
+    """Nodes smoothed along the lines on which the oil is carried: for any U >= 0."""
+    smoother = partial(line_smoother, rate=problem.rate.new, drift=problem.entrainment)
+    return partial(multigrid.precondition, levels(problem, P, H, free, 1.0, smoother))
+
+
+def levels(
+    problem: Problem,
+    P: Array,
+    H: Array,
+    free: Array,
+    rate: Array | float,
+    smoother: Callable[[Elasticity, multigrid.Coefficients], multigrid.Smoother],
+) -> tuple[multigrid.GridLevel, ...]:
+    """The V-cycle's grids for the Jacobian, on the finest grid the exact one.
+
+    rate: of the mass, where the smoother adds none of its own.
+    """
+    c, elastic = problem.contact, problem.elastic
+
+    def laws(P: Array, H: Array) -> tuple[Array, Pair]:
+        return contact.mass(c, P, H), contact.mobility(c, P, H)
+
+    # in double precision: of a thick oil the viscosity is beyond single, its inverse and their derivatives are not
+    one, zero = jnp.ones_like(P), jnp.zeros_like(P)
+    (mass, eps), by_P = jax.jvp(laws, (P, H), (one, zero))
+    _, by_H = jax.jvp(laws, (P, H), (zero, one))
+
+    def balance(mass: Array, eps: Pair, P: Array) -> Array:
+        return contact.balance(mass, eps, P, Rate(new, 0.0), U, spacing, c.even)
+
+    def jacobian(e: Array, Ke: Array) -> Array:
+        dmass, deps = tree.map(lambda p, h: p * e + h * Ke, by_P, by_H)
+        return change(dmass, deps, e)
+
+    single = partial(jnp.asarray, dtype=elastic[0].spectrum.dtype)
+    mass, eps, by_P, by_H, P, free = tree.map(single, (mass, eps, by_P, by_H, P, stencils.inside(free, c.even)))
+    rate, new, U, spacing = map(single, (rate, problem.rate.new, problem.entrainment, c.spacing))
+    _, change = jax.linearize(balance, mass, eps, P)
+    finest = multigrid.Coefficients(eps, rate * by_H[0], rate * by_P[0], free)
+    return multigrid.hierarchy(elastic, finest, smoother, jacobian)

@@ -1,0 +1,50 @@
+"""Quantities with units: what they are in SI, and that any other text is refused."""
+
+from math import inf, isclose
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ertel.inputs.quantities import parse_amount, parse_quantity
+from ertel.physics.units import LENGTH, POSITION, WIDTH, Quantity
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("10 mm", 0.01),
+        ("10mm", 0.01),
+        (" 1e-2 m ", 0.01),
+        ("0.393700787402 inch", 0.01),
+        ("10000 µm", 0.01),
+        ("1 cm", 0.01),
+    ],
+)
+def test_lengths(text, value):
+    found = parse_quantity(text, LENGTH)
+    assert found is not None
+    assert isclose(found, value, rel_tol=1e-11)
+
+
+def test_decimal_input_stays_decimal():
+    """18.6 * 0.001 is 0.018600000000000002 in floats."""
+    assert parse_quantity("18.6 mm", LENGTH) == 0.0186
+
+
+def test_an_amount_is_a_number_or_a_quantity():
+    assert parse_amount(0.5, WIDTH) == 0.5
+    assert parse_amount("50 um", WIDTH) == Quantity(5e-5, "m")
+    assert parse_amount(-1, POSITION) == -1.0
+    for value in (0, -1.0, inf, True, [1]):
+        with pytest.raises(ValueError, match="must be a number above zero, in units a, or a quantity such as"):
+            parse_amount(value, WIDTH)
+
+
+@given(st.text(max_size=12))
+def test_any_text_as_a_length_is_a_length_or_refused(text):
+    try:
+        value = parse_quantity(text, LENGTH)
+    except ValueError:
+        return
+    assert value is not None and 0 < value < inf

@@ -1,0 +1,67 @@
+"""Variables of a Dataset: their units, and the same in SI."""
+
+import numpy as np
+import pytest
+
+from ertel.inputs.case_files import parse_case
+from ertel.results import variables
+from ertel.results.dataset import assemble
+from ertel.runs.stepping import Frame
+
+
+def a_run(contact, oil=None):
+    """Two steps and two maps of a made-up run."""
+    case = parse_case({"contact": contact, "lubricant": oil or {}})
+    x = np.linspace(-1, 1, 5)
+    records = [{"T": T, **{name: float(k) for k, name in enumerate(variables.SCALARS)}} for T in (0.1, 0.2)]
+    frames = [
+        Frame(T, {"P": np.full((5, 5), T), "H": np.full((5, 5), 2 * T)}, event)
+        for T, event in ((0.1, ""), (0.2, "end"))
+    ]
+    return case, assemble(case, records, frames, {"Y": x, "X": x})
+
+
+BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
+OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
+
+
+def test_si_is_the_scales_times_the_dimensionless():
+    case, data = a_run(BALL, OIL)
+    si, scales = variables.to_si(data), case.scales
+    assert scales is not None
+    for name, new, factor, units in [
+        ("H_c", "h_c", scales.film, "m"),
+        ("P_max", "p_max", scales.p_h, "Pa"),
+        ("F", "f", scales.load, "N"),
+        ("V", "v", 0.1, "m/s"),
+        ("time", "t", scales.t0, "s"),
+        ("X", "x", scales.a, "m"),
+        ("H", "h", scales.film, "m"),
+        ("frame", "frame", scales.t0, "s"),
+    ]:
+        np.testing.assert_allclose(si[new].values, data[name].values * factor, rtol=1e-12)
+        assert si[new].attrs["units"] == units
+        assert si[new].attrs["long_name"] == data[name].attrs["long_name"]
+    assert si["h"].dims == ("frame", "y", "x")
+    assert si["newton_iterations"].equals(data["newton_iterations"].rename(time="t").assign_coords(t=si["t"]))
+
+
+def test_dimensionless_runs_have_no_si():
+    _, data = a_run({"M": 100, "L": 10})
+    with pytest.raises(ValueError, match="dimensionless"):
+        variables.to_si(data)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (1.4e9, "Pa", "1.4 GPa"),
+        (6.7e-7, "m", "0.67 µm"),
+        (6.7e-8, "m", "67 nm"),
+        (0.1, "m/s", "0.1 m/s"),
+        (0.0, "m", "0 m"),
+        (98.5, "N", "98.5 N"),
+    ],
+)
+def test_values_for_reading(value, unit, text):
+    assert variables.with_prefix(value, unit) == text

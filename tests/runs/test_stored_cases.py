@@ -1,0 +1,266 @@
+"""A stored run stays the run of its case: what another case would make of it is refused, and what cannot be written."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import pytest
+import xarray as xr
+import zarr
+from cases import physics, stop_after
+
+import ertel
+from ertel.inputs.case_files import ConfigError, load_case, parse_case
+from ertel.physics import registry, units
+from ertel.physics.surfaces import Feature
+from ertel.runs.drive import simulate
+from ertel.runs.store import RunStore, StoreError, compute
+
+pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
+SHORT = {"solver": {"nodes": 33}, "time": {"tolerance": 0.01, "until": 0.4}}
+CASE = {"contact": {"M": 200, "L": 10}, **SHORT}
+
+
+@ertel.viscosity_laws.register("test-power")
+@dataclass(frozen=True)
+class Power:
+    """eta/eta0 = (1 + p/p1)^n."""
+
+    p1: Annotated[float, units.STRESS]
+    n: float
+    reference = "nobody, unpublished"
+
+    def viscosity(self, p: Any) -> Any:
+        return (1.0 + p / self.p1) ** self.n
+
+
+@ertel.shapes.register("test-step")
+@dataclass(frozen=True)
+class Step:
+    """A step of a height at X = 0, smoothed over a width."""
+
+    height: Annotated[units.Amount, units.HEIGHT]
+    width: Annotated[units.Amount, units.WIDTH] = 0.5
+
+    def heights(self, X: Any, Y: Any) -> Any:
+        return self.height * (1.0 + np.tanh(X / self.width)) / 2 + 0.0 * Y
+
+
+@dataclass(frozen=True)
+class Nameless:
+    """A law and a shape that nobody registered."""
+
+    def viscosity(self, p: Any) -> Any:
+        return 1.0 + p
+
+    density = viscosity
+
+    def heights(self, X: Any, Y: Any) -> Any:
+        return 0.0 * X * Y
+
+
+def resumed(case: ertel.Case, directory: Path, steps: int) -> ertel.Result:
+    """A run that was interrupted, and taken up from its directory by someone who knows nothing else."""
+    compute(RunStore.create(directory, case), [stop_after(steps)])
+    compute(RunStore.open(directory))
+    return ertel.open(directory)
+
+
+# -- the same case ----------------------------------------------------------------------------------------------------
+
+
+def test_a_replaced_oil_is_resumed_with_that_oil(tmp_path):
+    """It went on with Roelands' law, and called 0.1727 converged."""
+    case = ertel.impact(M=200, L=10, nodes=33, time_tolerance=0.01)
+    own = replace(case, oil=ertel.Oil(viscosity="barus", density="incompressible"))
+    whole, again = simulate(own), resumed(own, tmp_path / "run", 20)
+    xr.testing.assert_identical(physics(again.dataset), physics(whole.dataset))
+    assert (
+        again.summary["max_approach"]["H_c"] == whole.summary["max_approach"]["H_c"] == pytest.approx(0.1764, abs=5e-5)
+    )
+    assert load_case(tmp_path / "run" / "case.toml") == own
+
+
+def test_a_run_on_the_whole_plane_is_resumed(tmp_path):
+    """fold = false was lost from the resolved case file."""
+    case = parse_case({**CASE, "solver": {"nodes": 17, "fold": False}})
+    again = resumed(case, tmp_path / "run", 3)
+    assert again.case.solver.fold is False
+    xr.testing.assert_identical(physics(again.dataset), physics(simulate(case).dataset))
+
+
+# -- another case -----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    """The directory of a run that was interrupted."""
+    directory = tmp_path_factory.mktemp("stored") / "run"
+    compute(RunStore.create(directory, parse_case(CASE)), [stop_after(2)])
+    return directory
+
+
+@pytest.fixture
+def run(short, tmp_path):
+    """A copy of it."""
+    import shutil
+
+    return Path(shutil.copytree(short, tmp_path / "run"))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ("M = 200.0", "M = 300.0", r"contact\.M 200\.0 → 300\.0"),
+        ('viscosity = "roelands"', 'viscosity = "barus"', r'lubricant\.viscosity "roelands" → "barus"'),
+        ("nodes = 33", "nodes = 65", r"solver\.nodes 33 → 65"),
+        ("fold = true", "fold = false", r"solver\.fold true → false"),
+        ("until = 0.4", 'until = "max-approach"', r'time\.until 0\.4 → "max-approach"'),
+    ],
+)
+def test_an_edited_case_file_is_refused(run, before, after, said):
+    text = (run / "case.toml").read_text()
+    assert text.count(before) == 1
+    (run / "case.toml").write_text(text.replace(before, after))
+    with pytest.raises(StoreError, match=rf"run: case\.toml was changed \({said}\); put it back"):
+        RunStore.open(run)
+    with pytest.raises(StoreError, match=said):
+        ertel.open(run)
+
+
+def test_name_and_reference_may_be_edited(run):
+    text = (run / "case.toml").read_text()
+    (run / "case.toml").write_text('name = "renamed"\n' + text.replace("[lubricant]", '[lubricant]\nreference = "new"'))
+    assert RunStore.open(run).case.name == "renamed"
+
+
+def test_the_checkpoint_of_another_case_is_refused(run, tmp_path):
+    other = parse_case({**CASE, "contact": {"M": 300, "L": 10}})
+    compute(RunStore.create(tmp_path / "other", other), [stop_after(2)])
+    (tmp_path / "other" / "checkpoint.npz").replace(run / "checkpoint.npz")
+    with pytest.raises(StoreError, match=r"run: checkpoint\.npz is not that of case\.toml"):
+        compute(RunStore.open(run))
+
+
+def test_the_data_of_another_case_are_refused(run, tmp_path):
+    RunStore.create(tmp_path / "other", parse_case({**CASE, "contact": {"M": 300, "L": 10}}))
+    (tmp_path / "other" / "case.toml").replace(run / "case.toml")
+    with pytest.raises(StoreError, match=r"contact\.M 200\.0 → 300\.0"):
+        RunStore.open(run)
+
+
+def test_the_run_directory_of_an_older_version_is_refused(run):
+    """Such a run did not record which case it belongs to."""
+    group = zarr.open_group(run / "run.zarr", mode="r+", use_consolidated=False)
+    attributes = dict(group.attrs)
+    del attributes["digest"]
+    group.attrs.clear()
+    group.attrs.update({**attributes, "source": "ertel 0.1.0"})
+    for read in (RunStore.open, ertel.open, lambda path: ertel.run(parse_case(CASE), path)):
+        with pytest.raises(StoreError, match=r"run: was written by an older version \(ertel 0\.1\.0\).* run .* again"):
+            read(run)
+
+
+# -- laws and shapes of one's own -------------------------------------------------------------------------------------
+
+
+def test_a_law_without_a_name_says_what_it_lacks():
+    said = r"Nameless: is no registered viscosity law, .*@ertel\.viscosity_laws\.register\(\"a-name\"\)"
+    with pytest.raises(ValueError, match=said):
+        ertel.Oil(viscosity=Nameless())
+    with pytest.raises(ValueError, match=r"no registered density law, .*@ertel\.density_laws\.register"):
+        ertel.Oil(density=Nameless())
+
+
+def test_a_shape_without_a_name_is_refused_where_it_would_be_stored(tmp_path):
+    case = replace(parse_case(CASE), roughness=(Feature(Nameless()),))
+    for store in (RunStore.create, lambda path, case: ertel.run(case, path)):
+        with pytest.raises(ValueError, match=r"roughness\[1\]\.Nameless: is no registered shape, .*@ertel\.shapes"):
+            store(tmp_path / "run", case)
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(ValueError, match="is no registered shape"):
+        _ = case.digest
+
+
+def test_what_is_no_law_cannot_be_registered():
+    with pytest.raises(TypeError, match="a viscosity law must be a frozen dataclass"):
+        ertel.viscosity_laws.register("test-none")(type("Plain", (), {}))
+    with pytest.raises(ValueError, match='name = "barus": is the viscosity law Barus already'):
+        ertel.viscosity_laws.register("barus")(Power)
+
+
+OWN = """
+[contact]
+M = 200
+L = 10
+[lubricant]
+viscosity = { law = "test-power", p1 = "0.5 GPa", n = 11 }
+[[roughness]]
+shape = "test-step"
+height = 0.01
+[solver]
+nodes = 17
+[time]
+tolerance = 0.01
+until = 0.4
+"""
+
+
+def test_a_users_law_and_shape_are_those_of_case_files(tmp_path):
+    (tmp_path / "own.toml").write_text(OWN)
+    case = load_case(tmp_path / "own.toml")
+    assert case.lubricant.viscosity_law == Power(5e8, 11.0)
+    assert case.features == (Feature(Step(0.01)),)
+    oil = ertel.Oil(viscosity=Power(p1=5e8, n=11.0))
+    roughness, time = [Step(0.01)], {"time_tolerance": 0.01, "until": 0.4}
+    assert ertel.impact(M=200, L=10, oil=oil, roughness=roughness, nodes=17, **time) == case
+    again = resumed(case, tmp_path / "run", 3)
+    xr.testing.assert_identical(physics(again.dataset), physics(simulate(case).dataset))
+    assert again.case == case
+    written = json.loads(again.dataset.attrs["case"])
+    assert written["lubricant"]["viscosity"] == {"law": "test-power", "p1": "500000000.0 Pa", "n": 11.0}
+    assert written["roughness"] == [{"shape": "test-step", "height": 0.01, "width": 0.5, "surface": 1}]
+    assert "nobody, unpublished" in again.dataset.attrs["references"]
+
+
+@pytest.mark.parametrize(
+    ("lubricant", "said"),
+    [
+        ({"viscosity": "test-power"}, r'lubricant\.viscosity = "test-power"'),
+        ({"viscosity": {"law": "test-power", "p1": "1 GPa"}}, r"lubricant\.viscosity\.n: missing"),
+        ({"viscosity": {"law": "test-power", "p1": "1 m", "n": 2}}, r'lubricant\.viscosity\.p1 = "1 m": has the wrong'),
+        ({"viscosity": {"law": "test-power", "p1": "1 GPa", "n": 2, "m": 1}}, r"lubricant\.viscosity\.m = 1: unknown"),
+        ({"viscosity": {"law": "none"}}, r'lubricant\.viscosity\.law = "none"; allowed: .*roelands.*test-power'),
+    ],
+)
+def test_a_users_law_is_checked_as_the_others(lubricant, said):
+    with pytest.raises(ConfigError, match=said):
+        parse_case({"contact": {"M": 200, "L": 10}, "lubricant": lubricant})
+
+
+def test_a_law_that_a_package_announces(monkeypatch):
+    """By an entry point, which is loaded when the law is asked for."""
+
+    class Point:
+        name = "test-announced"
+
+        def load(self):
+            return Announced
+
+    monkeypatch.setattr(registry, "entry_points", lambda group: [Point()] if group == laws.group else [])
+    laws = registry.Registry("viscosity law", "ertel.viscosity_laws")
+    assert list(laws) == ["test-announced"] and "test-announced" in laws
+    assert laws["test-announced"] is Announced
+    assert laws.name_of(Announced(2.0)) == "test-announced"
+
+
+@dataclass(frozen=True)
+class Announced:
+    """A law of another package."""
+
+    n: float
+
+    def viscosity(self, p: Any) -> Any:
+        return 1.0 + self.n * p
