@@ -2,11 +2,21 @@
 
 from dataclasses import dataclass, replace
 from math import ceil
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.numerics.symmetry import WHOLE, Even
+
+class Even(NamedTuple):
+    """Whether fields are even in Y (rows) and in X (columns), and so kept for Y >= 0, X >= 0 only."""
+
+    y: bool = False
+    x: bool = False
+
+
+WHOLE = Even()
+
 
 LARGEST_COARSEST = 17  # nodes per side that the direct solve on the coarsest grid is meant for
 SMALLEST_COARSEST = 5

@@ -4,21 +4,13 @@ A smooth impact needs a quarter of the plane, rolling a half.
 """
 
 from functools import partial
-from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-
-class Even(NamedTuple):
-    """Whether fields are even in Y (rows) and in X (columns), and so kept for Y >= 0, X >= 0 only."""
-
-    y: bool = False
-    x: bool = False
-
-
-WHOLE = Even()
+from ertel.numerics.grid import WHOLE as WHOLE
+from ertel.numerics.grid import Even as Even
 
 
 @partial(jax.jit, static_argnames=("even", "beyond"))  # one tracing for each shape
