@@ -9,8 +9,6 @@ import pytest
 import ertel
 
 MODULES = [name for _, name, _ in pkgutil.walk_packages(ertel.__path__, "ertel.") if "__main__" not in name]
-    found.name for found in pkgutil.walk_packages(ertel.__path__, "ertel.") if "__main__" not in found.name
-)
 FINDER = doctest.DocTestFinder(exclude_empty=True)
 
 
