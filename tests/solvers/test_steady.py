@@ -228,7 +228,7 @@ def test_every_load_and_lubricant_converges(fluid: str, M: float) -> None:
             assert all(s.status.ok for s in rolling((fluid, M, L), 65).solutions), (L,)
 
 
-@pytest.mark.parametrize("key", [("barus", 1000, 10), ("barus", 3000, 20)], ids=str)
+@pytest.mark.parametrize("key", [("roelands", 1000, 10), ("barus", 3000, 20)], ids=str)
 def test_the_preconditioner_loses_nothing_in_single_precision(key) -> None:
     """Beside double: the Krylov iterations.  Of the second case the viscosity is far beyond single precision."""
     single = rolling(key, 129)
