@@ -39,7 +39,7 @@ class Signal(Protocol):
 
 @dataclass(frozen=True)
 class Polyline:
-    """Linear interpolation between points (T, value) with increasing T; constant before the first and after the last."""
+    """Linear interpolation between points (T, value), T increasing; constant before the first and after the last."""
 
     points: tuple[tuple[Amount, float], ...]
 

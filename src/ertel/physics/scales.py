@@ -1,16 +1,16 @@
 """Scales and dimensionless parameters: from physical input to (lambda_bar, alpha_bar) and back to SI.
 
 Impact and rolling have the same equation.  Both give a record `Scales`, and one function computes from it
-lambda_bar = 12 eta0 R^2/(t0 a^2 p_h), eqs. (8) and (12) of the paper.  Only the time scale differs: t0 = delta*/v0 in an
-impact (13), t0 = a/u_m in a rolling contact (9).
+lambda_bar = 12 eta0 R^2/(t0 a^2 p_h), eqs. (8) and (12) of the paper.  Only the time scale differs: t0 = delta*/v0 in
+an impact (13), t0 = a/u_m in a rolling contact (9).
 
 ======================  =========================================================================================
 symbol                  meaning
 ======================  =========================================================================================
 E_prime (E')            reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
 R                       reduced radius, 1/R = 1/R1 + 1/R2
-a, p_h, delta*, F*      Hertz contact radius, pressure, approach and load: in an impact at the maximum of the dry impact,
-                        in rolling under the static load; F = (2/3) E' sqrt(R) delta^{3/2}, a^2 = R delta,
+a, p_h, delta*, F*      Hertz contact radius, pressure, approach and load: at the maximum of the dry impact (impact),
+                        under the static load (rolling); F = (2/3) E' sqrt(R) delta^{3/2}, a^2 = R delta,
                         p_h = E' a/(pi R)
 U, G, W                 Hamrock and Dowson's speed, material and load parameters; U uses the mean speed u_m
 M, L                    Moes' load and lubricant parameters; 2U is the speed parameter of the sum of the speeds
