@@ -98,8 +98,8 @@ def solve(
 ) -> Solution:
     """Solve from the first guess P and the matching H = H(P), both of shape (n, n).
 
-    partner_change maps a change of P to the change of H.  preconditioner(P, H, free) returns an approximate inverse of the
-    Jacobian on the free nodes.  tolerance bounds |r| at every free node.
+    partner_change maps a change of P to the change of H.  preconditioner(P, H, free) returns an approximate inverse of
+    the Jacobian on the free nodes.  tolerance bounds |r| at every free node.
     """
     tiny = jnp.finfo(P.dtype).tiny
     weight = jnp.asarray(border.weight, P.dtype)

@@ -33,12 +33,12 @@ class Pair(NamedTuple):
 def diffusion(eps: Pair, f: Array, even: Even = WHOLE) -> Array:
     """d/dX(eps_x df/dX) + d/dY(eps_y df/dY) on unit spacing, conservative, second order.
 
-    eps is averaged at the faces between nodes; f vanishes beyond the edge.  Of no meaning on the edge nodes.
+    eps is averaged at the faces between nodes; f is zero beyond the edge.  The result has no meaning on the edge nodes.
     """
     c, p = _beyond(eps, even), extended(f, even)
     in_X = 0.5 * (c.x[1:-1, 1:] + c.x[1:-1, :-1]) * (p[1:-1, 1:] - p[1:-1, :-1])
     in_Y = 0.5 * (c.y[1:, 1:-1] + c.y[:-1, 1:-1]) * (p[1:, 1:-1] - p[:-1, 1:-1])
-    # summed in pairs, here and elsewhere: to the last bit the same whichever axis comes first
+    # summed in pairs, here and elsewhere, so that swapping X and Y gives the same result to the last bit
     total: Array = (in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])
     return total
 
