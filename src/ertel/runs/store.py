@@ -71,7 +71,7 @@ class RunStore:
 
     @classmethod
     def open(cls, directory: Path) -> "RunStore":
-        """The store of the run in a directory.  Raises StoreError if there is none, or if it belongs to another case."""
+        """The store of the run in a directory.  Raises StoreError if there is none or it belongs to another case."""
         if not (directory / CASE).exists():
             raise StoreError(f"{directory} is not an ertel run directory (no {CASE})")
         data = directory / DATA
