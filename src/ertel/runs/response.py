@@ -1,6 +1,6 @@
 """The response of an impact to roughness: dH = H_rough - H_smooth at maximum approach, eq. (17).
 
-Rough impacts run beside the smooth one in lockstep, on its grid and its time steps, so that what they differ by is the
+Rough impacts run in lockstep with the smooth one, on its grid and its time steps, so that their difference is the
 roughness and not the discretisation.  Or the response is computed directly, as the derivative of the run with respect
 to the height of the roughness (tangent-linear).
 """
