@@ -54,8 +54,8 @@ def work() -> str:
                 + [f"{s['convolutions'] / s['steps']:.1f}", f"{s['restitution']:.4f}", f"{float(data.H_min.min()):.2g}"]
             )
             print(rows[-1], flush=True)
-    head = ["M", "grid", "steps", "Newton a step", "Krylov a solve, to maximum", "after", "largest"]
-    head += ["convolutions a step", "restitution", "least film"]
+    head = ["M", "grid", "steps", "Newton a step", "Krylov a solve, to maximum", "after", "maximum"]
+    head += ["convolutions a step", "restitution", "minimum film thickness"]
     return "## Work: Krylov iterations per reduction by 100, L = 10, approach to rebound\n\n" + table(head, rows)
 
 

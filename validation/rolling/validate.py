@@ -57,7 +57,7 @@ def reference(nodes: int) -> str:
         "fluid",
         "M",
         "L",
-        "largest deviation of the discrete solution",
+        "maximum deviation of the discrete solution",
         "H_c",
         "extrapolated",
         "reference",

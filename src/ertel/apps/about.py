@@ -1,4 +1,4 @@
-"""What `ertel about` says: versions, devices, the compile cache, and how to cite."""
+"""The content of `ertel about`: versions, devices, the compile cache, and how to cite."""
 
 import os
 import platform

@@ -150,7 +150,7 @@ def plot(
 
 
 def _at(draws: Mapping[str, Callable[..., Any]], at: str | None) -> Iterator[tuple[str, Callable[..., Any], Any]]:
-    """Each figure with its options: `at`, a time or the name of an event, goes to those that show one moment."""
+    """Each figure with its options: figures of a single time get `at`, a time or the name of an event."""
     import inspect
 
     moment = {name: "at" in inspect.signature(draw).parameters for name, draw in draws.items()}

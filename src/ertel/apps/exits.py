@@ -1,4 +1,4 @@
-"""What commands say on stderr, and their exit codes."""
+"""Messages of commands on stderr, and their exit codes."""
 
 import sys
 from collections.abc import Iterator
@@ -11,26 +11,26 @@ FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
 def check_jax() -> None:
-    """Warn where the installed JAX computes wrongly."""
+    """Warn if the installed JAX gives wrong results."""
     from ertel.runs import compiling
 
     compiling.check_jax(lambda message: print(f"ertel: warning: {message}", file=sys.stderr))
 
 
 def leave(code: int, message: str) -> NoReturn:
-    """End with an exit code and a sentence."""
+    """End with an exit code and a message."""
     print(f"ertel: {message}", file=sys.stderr)
     raise typer.Exit(code)
 
 
 def reason_of(error: OSError) -> str:
-    """What the system says, without number and file name."""
+    """The message of the system, without number and file name."""
     return (error.strerror or str(error)).lower()
 
 
 @contextmanager
 def bad_input() -> Iterator[None]:
-    """Errors in here are the fault of the input."""
+    """Report errors in this block as errors of the input."""
     try:
         yield
     except ValueError as error:

@@ -39,7 +39,7 @@ FLAGS = {
 
 
 def with_flags(command: Callable[..., None]) -> Callable[..., None]:
-    """A command with FLAGS before its own options; it gets those that were given as its first argument."""
+    """A command with FLAGS before its own options; its first argument contains the flags that were given."""
 
     def taking_flags(**values: Any) -> None:
         given = {name: values.pop(name) for name in FLAGS}

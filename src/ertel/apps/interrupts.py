@@ -1,4 +1,4 @@
-"""The ear for Ctrl-C."""
+"""Handling of Ctrl-C."""
 
 import signal
 from collections.abc import Callable, Iterator
@@ -8,7 +8,7 @@ from types import FrameType
 
 @contextmanager
 def interruptible() -> Iterator[Callable[[object], bool]]:
-    """An observer that asks for a stop once Ctrl-C was pressed: the step, or grid, under way is finished first.
+    """An observer that stops the run after Ctrl-C; the current step or grid is finished first.
 
     A second Ctrl-C ends at once.
     """

@@ -17,7 +17,7 @@ from ertel.runs.store import CASE, RunStore, StoreError
 
 
 def create(directory: Path, course: Course) -> RunStore:
-    """The store of a new run.  Raises StoreError with advice where the directory cannot be taken."""
+    """The store of a new run.  Raises StoreError with advice if the directory cannot be used."""
     try:
         return RunStore.create(directory, course.case, course)
     except StoreError as error:
@@ -26,7 +26,7 @@ def create(directory: Path, course: Course) -> RunStore:
 
 
 def finish(run: RunStore, coarse: Course | None, as_json: bool, quiet: bool) -> None:
-    """Compute a run from where it stands to its end, report, and exit with a code if it did not come to its end."""
+    """Continue a run to its end and report; exit with a code if it did not reach its end."""
     check_jax()
     compiling.keep_on_disk()
     try:
@@ -38,7 +38,7 @@ def finish(run: RunStore, coarse: Course | None, as_json: bool, quiet: bool) -> 
 
 
 def _computed(run: RunStore, coarse: Course | None, quiet: bool) -> Mapping[str, Any]:
-    """Run under progress bars until the end or Ctrl-C: the summary, with errors if there is a half grid."""
+    """Run under progress bars until the end or Ctrl-C: the summary, with errors if a coarser grid is run too."""
     with interruptible() as stop, bars(not quiet) as shown:
         half = _half_grid_summary(run, coarse, [watch(shown, coarse, "half grid"), stop]) if coarse else None
         summary = store.compute(run, [watch(shown, run.course), stop])
@@ -57,7 +57,7 @@ def _half_grid_summary(run: RunStore, coarse: Course, observers: list[Any]) -> M
 
 
 def summary_so_far(run: RunStore) -> Mapping[str, Any]:
-    """The outcome of a run, or what there is of it.  Raises StoreError with advice where there is nothing."""
+    """The summary of a run, complete or so far.  Raises StoreError with advice if there is none."""
     try:
         return run.summary() or run.summary_so_far()
     except StoreError as error:

@@ -14,7 +14,7 @@ Errors = Mapping[str, tuple[float, float]]  # error estimate and extrapolated va
 
 
 def console() -> Console:
-    """Where tables are printed: stdout, without markup."""
+    """The console for tables: stdout, without markup."""
     return Console(highlight=False, markup=False, soft_wrap=True)
 
 
@@ -59,7 +59,7 @@ def _impact_errors(summary: Mapping[str, Any]) -> Errors:
 
 
 def _print_rolling(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
-    """Values with their errors, then the film formulas at the load and the speed of that moment."""
+    """Values with their errors, then the film formulas at the load and the speed of that time."""
     from ertel.results.summary import films
     from ertel.results.variables import FILMS, MEASURED
 
@@ -80,7 +80,7 @@ def _print_rolling(out: Console, case: "Case", summary: Mapping[str, Any]) -> No
 
 
 def value_table(case: "Case", heading: str, values: Mapping[str, float], errors: Errors) -> Table:
-    """Dimensionless values, with their value in SI, their error and the extrapolated value where these are known."""
+    """Dimensionless values, with their value in SI, error and extrapolated value if these are known."""
     table = Table(heading, "", box=None, pad_edge=False)
     for column in ["value", *(["in SI"] if case.scales else []), *(["error", "extrapolated"] if errors else [])]:
         table.add_column(column, justify="right", no_wrap=True)
@@ -107,7 +107,7 @@ def _value_cells(case: "Case", key: str, value: float, error: tuple[float, float
 def film_table(
     case: "Case", found: "Sequence[Film]", computed: Mapping[str, float], computed_by: str = "computed"
 ) -> Table:
-    """The films by the formulas, and how far they are from a computed film if there is one.
+    """Film thicknesses by the formulas, with their deviation from a computed film thickness if there is one.
 
     A formula that is not made for such a contact is in brackets.
     """
@@ -140,7 +140,7 @@ def _deviation(film: float | None, computed: float) -> str:
 
 
 def print_sources(out: Console, found: "Sequence[Film]") -> None:
-    """Where the formulas come from and what they are made for."""
+    """Sources and ranges of the formulas."""
     sources: dict[str, list[str]] = {}
     for f in found:
         sources.setdefault(f.source, []).append(f"{f.name}: {f.valid}")
@@ -149,7 +149,7 @@ def print_sources(out: Console, found: "Sequence[Film]") -> None:
 
 
 def films_as_data(case: "Case", found: "Sequence[Film]") -> dict[str, Any]:
-    """The parameters of a case and its films by the formulas, ready for JSON."""
+    """The parameters of a case and its film thicknesses by the formulas, as data for JSON."""
     from ertel.results.parameters import parameter_summary
     from ertel.results.variables import in_si
 
@@ -174,7 +174,7 @@ def print_parameters(out: Console, content: Mapping[str, Any]) -> None:
 
 
 def print_names(out: Console, content: Mapping[str, str]) -> None:
-    """Names and what belongs to them, a line each."""
+    """Names and their values, one per line."""
     width = max(map(len, content)) + 2
     for name, text in content.items():
         out.print(f"{name:{width}}{text}")

@@ -1,1 +1,1 @@
-"""What a user writes, and the Case that it stands for."""
+"""Translation of user input (case files, Python arguments) to a Case."""

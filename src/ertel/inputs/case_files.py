@@ -18,9 +18,9 @@ __all__ = ["ConfigError", "apply_overrides", "load_case", "parse_case", "read_to
 
 
 def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
-    """The case in a TOML file, with overrides such as "solver.nodes=129" laid over it.
+    """The case in a TOML file, with overrides such as "solver.nodes=129" applied.
 
-    Raises ConfigError when the file cannot be read or says something that is not allowed.
+    Raises ConfigError if the file cannot be read or contains something that is not allowed.
     """
     path = Path(path)
     data = apply_overrides(read_toml(path), overrides)
@@ -31,7 +31,7 @@ def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
 def parse_case(data: Mapping[str, object]) -> Case:
     """The case in plain data with the sections and keys of a case file.
 
-    Raises ConfigError about the first thing that is wrong.
+    Raises ConfigError at the first error.
 
     Examples
     --------
@@ -64,7 +64,7 @@ def _as_written(text: str, written: Any, read: Mapping[str, Any]) -> str:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """The plain data of a TOML file; ConfigError when it is missing or no TOML."""
+    """The plain data of a TOML file; ConfigError if it is missing or not valid TOML."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -84,7 +84,7 @@ def to_toml(case: Case) -> str:
 
 
 def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[str, Any]:
-    """Lay "section.key=value" items over the data; a value is TOML, or else a string as it stands."""
+    """Apply "section.key=value" items to the data; a value is TOML, otherwise a plain string."""
     merged = {key: dict(value) if isinstance(value, dict) else value for key, value in data.items()}
     for item in overrides:
         target, equals, text = item.partition("=")

@@ -18,7 +18,7 @@ class ConfigError(ValueError):
         super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in message))
 
 
-# what a tribologist may look for that ertel does not do; and what it does instead
+# keys that a tribologist may try and that ertel does not support, with an explanation
 NOT_THERE = {
     "radius_x": "ertel solves circular contacts only; elliptical contacts are not supported",
     "radius_y": "ertel solves circular contacts only; elliptical contacts are not supported",

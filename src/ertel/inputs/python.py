@@ -1,4 +1,4 @@
-"""What a user writes in Python: `impact(...)`, `rolling(...)`, `Oil(...)`.
+"""The Python API for cases: `impact(...)`, `rolling(...)`, `Oil(...)`.
 
 The keywords are the keys of case files.  A quantity is a float in SI or a text with a unit, "10 mm".  An amount (a time
 of the run, a size of the roughness) is a plain number in the units of the case, or a text with a unit.
@@ -38,15 +38,15 @@ def Oil(  # reads as the record that it makes
     Parameters
     ----------
     eta0, alpha : float or str
-        Viscosity at ambient pressure (Pa s) and pressure-viscosity index (1/Pa).
+        Viscosity at ambient pressure (Pa s) and pressure-viscosity coefficient (1/Pa).
     viscosity, density : str or record
         "roelands", "barus", "isoviscous"; "dowson-higginson", "incompressible"; or the record of a registered law.
     p0, z : float or str
-        Roelands' pressure (Pa) and exponent; z follows from eta0 and alpha where it is not given.
+        Roelands' pressure (Pa) and exponent; z follows from eta0 and alpha if it is not given.
     reference : str
-        Where the data come from.
+        Source of the data.
 
-    Raises ValueError, naming the argument, for a value that makes no sense.
+    Raises ValueError, naming the argument, for a value that is not allowed.
 
     Examples
     --------
@@ -116,13 +116,13 @@ def impact(
     radius, radius_1, radius_2 : float or str
         Radius of a ball on a plate, or of two balls of which the first moves (m).
     mass, ball_density, speed, drop_height : float or str
-        Mass (kg) or density (kg/m^3) of the ball; its speed at first touch (m/s) or its height of fall (m).
+        Mass (kg) or density (kg/m^3) of the ball; its speed at first touch (m/s) or its drop height (m).
     mean_speed, slide_to_roll : float or str
         Mean speed of the surfaces along x (m/s) and (u1 - u2)/u_m: a track that moves under the ball.
     E_prime, E1, nu1, E2, nu2 : float or str
         Reduced modulus (Pa), or Young's moduli (Pa) and Poisson's ratios.
     oil : Oil
-        Needed for a physical contact; a dimensionless one has a typical mineral oil.
+        Required for a physical contact; the default of a dimensionless contact is a typical mineral oil.
     method : "2d" or "radial"
         On a square grid, or along the radius (smooth impacts, fast).
     nodes, half_width, inlet, tolerance, fold
@@ -195,9 +195,9 @@ def rolling(
     mean_speed, slide_to_roll, speed_1, speed_2 : float or str
         Mean speed of the surfaces along x (m/s) and (u1 - u2)/u_m, or both speeds.
     mass, ball_density : float or str
-        Of the ball, for its inertia in a run in time.
+        Mass or density of the ball, for its inertia in a transient run.
     method : "steady" or "transient"
-        "transient" for what changes in time: load, speed, roughness that moves.
+        "transient" if anything changes in time: load, speed, moving roughness.
     motion : mapping
         load, entrainment (signals), slide_to_roll, inertia: as [motion] of a case file.
     nodes, half_width, inlet, tolerance, fold, until, step, time_tolerance, interval
@@ -214,7 +214,7 @@ def rolling(
 
 
 def _case(kind: str, given: Mapping[str, Any]) -> Case:
-    """The case of keyword arguments, by the same door as a case file."""
+    """The case of keyword arguments, read in the same way as a case file."""
     wanted = {key: value for key, value in given.items() if value is not None}
     time = {"tolerance" if key == "time_tolerance" else key: wanted[key] for key in TIME_KEYS if key in wanted}
     records, tables = _sorted(given["roughness"])

@@ -1,6 +1,6 @@
-"""Quantities as a user writes them, "10 mm", and what they are in SI.
+"""Quantities as a user writes them, "10 mm", converted to SI.
 
-Units are pint's, imported when a unit other than the SI unit itself is met.
+Units are from pint, which is imported only if a unit differs from the SI unit.
 """
 
 import re

@@ -1,7 +1,7 @@
 """The layout of case files, generated from the records of the model: sections and keys with their types, by pydantic.
 
 A quantity is a string with a unit ("10 mm"), a dimensionless number a plain number.  An amount may be either: a plain
-number in the units of the case, a, a^2/R or t0, or a quantity.  What makes sense is not decided here but in the model.
+number in the units of the case, a, a^2/R or t0, or a quantity.  The rules for valid input are in the model.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -25,7 +25,7 @@ SETTINGS = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=Fa
 
 
 class Section(BaseModel):
-    """A section of a case file; what is left out stays None."""
+    """A section of a case file; keys that are left out are None."""
 
     model_config = SETTINGS
 
@@ -86,7 +86,7 @@ Until = Annotated[float | Quantity | str, BeforeValidator(_event_or_time)]
 
 
 def _tag_of(key: str, records: Registry) -> Callable[[object], str | None]:
-    """What tells the tables of a registry apart: the name under a key."""
+    """The tag that distinguishes the tables of a registry: the name under a key."""
 
     def tag(value: object) -> str | None:
         name = value.get(key) if isinstance(value, dict) else getattr(value, key, None)

@@ -1,1 +1,1 @@
-"""What is asked (`case`), what is known (`state`), and what must hold (`contact`, `approach`)."""
+"""The model: the case (`case`), the state (`state`), and the equations (`contact`, `approach`)."""

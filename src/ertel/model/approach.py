@@ -1,10 +1,10 @@
-"""What fixes the approach Delta: Newton's law for the ball, of which a balanced load is the limit, or a given motion.
+"""The closure for the approach Delta: Newton's law for the ball, a balanced load (its limit), or a prescribed motion.
 
-At a new time level every closure is one line in Delta and the load, the double integral of P:
+At a new time level every closure is one linear equation in Delta and the load (the double integral of P):
 
     approach_weight * Delta + load_weight * load = value
 
-Impact and rolling differ in this line, in the scales and in the entrainment U(T), and in nothing else.
+Impact and rolling differ only in this equation, in the scales and in the entrainment speed U(T).
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ from ertel.physics.motion import Motion, Signal
 
 
 class ClosureLine(NamedTuple):
-    """approach_weight * Delta + load_weight * load = value, load the double integral of P (dimensionless)."""
+    """approach_weight * Delta + load_weight * load = value; load is the double integral of P (dimensionless)."""
 
     approach_weight: float
     load_weight: float
@@ -25,10 +25,10 @@ class ClosureLine(NamedTuple):
 
 
 class Closure(Protocol):
-    """The law for Delta, discretised at one new time level."""
+    """The equation for Delta, discretised at a new time level."""
 
     def line(self, T: float, rates: Weights, approaches: Sequence[float], velocities: Sequence[float]) -> ClosureLine:
-        """The line at time T, from BDF weights (newest first) and the earlier Delta and dDelta/dT."""
+        """The linear equation at time T, from BDF weights (newest first) and the earlier Delta and dDelta/dT."""
         ...
 
     def velocity(self, T: float, rates: Weights, approach: float, approaches: Sequence[float]) -> float:
@@ -41,17 +41,17 @@ def _rate(rates: Weights, new: float, earlier: Sequence[float]) -> float:
 
 
 def balanced(load: float = 1.0) -> ClosureLine:
-    """The film carries the load, given in units of Hertz' F*: steady rolling."""
+    """The film carries a given load, in units of the Hertz load F*: steady rolling."""
     return ClosureLine(0.0, 1.0 / HERTZ_LOAD, load)
 
 
 @dataclass(frozen=True)
 class NewtonsLaw:
-    """inertia * Delta'' + F = w(T), F the double integral of P over 2 pi/3, w the applied load.
+    """Newton's law inertia * Delta'' + F = w(T); F is the double integral of P over 2 pi/3, w is the applied load.
 
-    The free ball of an impact: inertia 4/5, w = 0, that is Delta'' = -15/(8 pi) double integral of P, eq. (4) in units
-    delta*/v0.  Rolling: inertia 0, a balanced load.  With backward differences Delta' = V and V' are both linear in the
-    new values, so V drops out.
+    A free ball (impact) has inertia 4/5 and w = 0: Delta'' = -15/(8 pi) double integral of P, eq. (4) in units
+    delta*/v0.  A rolling contact has inertia 0: a balanced load.  With backward differences Delta' = V and V' are both
+    linear in the new values, so V is eliminated.
     """
 
     inertia: float
@@ -72,7 +72,7 @@ class NewtonsLaw:
 
 @dataclass(frozen=True)
 class PrescribedApproach:
-    """A test rig's motion Delta = motion(T), T in units t0."""
+    """A prescribed motion Delta = motion(T), T in units t0."""
 
     motion: Callable[[float], float]
 

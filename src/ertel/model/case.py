@@ -1,7 +1,7 @@
-"""A case: what is solved.  It checks itself, writes itself, and knows its digest.  All defaults of ertel are here.
+"""A case: the definition of what is solved.  It checks itself, converts itself to plain data, and has a digest.
 
-A `Case` holds what was given, in SI or dimensionless; what the solvers need follows from it: `parameters`, `scales`,
-`lubricant`, `motion`, `features`, `schedule`, all dimensionless but for the scales.
+A `Case` holds the input, in SI or dimensionless.  The solvers use the properties that follow from it: `parameters`,
+`scales`, `lubricant`, `motion`, `features`, `schedule`.  All are dimensionless except the scales.
 """
 
 import hashlib
@@ -58,10 +58,10 @@ class Case:
     """One contact, ready to be simulated.
 
     contact: the operating conditions.  oil, solver, roughness: see their records; amounts are numbers in the units of
-    the case, or quantities in SI.  drive: what moves the contact; None: the usual of an impact or of rolling.
-    time, output: of a run in time, None where the case is steady.  name: takes no part in equality or digest.
+    the case, or quantities in SI.  drive: load and entrainment as functions of time; None: the default of an impact or
+    of rolling.  time, output: for a run in time, None if the case is steady.  name: not part of equality or digest.
 
-    Raises ValueError, naming the field, its value and what is allowed, for what makes no sense.
+    Raises ValueError, naming the field, its value and what is allowed, if the input is not valid.
 
     Examples
     --------
@@ -90,7 +90,7 @@ class Case:
         self._check()
 
     def _complete(self) -> None:
-        """Fill in what was left out, so that the record says all that is solved."""
+        """Fill in defaults, so that the record defines the case completely."""
         if not self.contact.is_physical:
             object.__setattr__(self, "oil", self.oil.completed())
         if self.solver.inlet == self.solver.half_width:
@@ -103,7 +103,7 @@ class Case:
             object.__setattr__(self, "output", self.output or Output())
 
     def _check(self) -> None:
-        """Raise ValueError for what makes no sense."""
+        """Raise ValueError if the case is not valid."""
         rules.check_oil(self.oil, self.scales)
         rules.check_pressure_scale(self.oil, self.scales, self.parameters)
         rules.check_time(self.kind, self.solver, self.time, self.output)
@@ -112,7 +112,7 @@ class Case:
         until = inf if self.is_steady else self.schedule.until
         rules.check_motion(self.kind, self.solver, self.motion, until)
         rules.check_roughness(self.solver, self.motion, self.features)
-        self.lubricant  # noqa: B018  # complains where the data of the oil do not make a law
+        self.lubricant  # noqa: B018  # raises if its data give no law
 
     # -- what follows -------------------------------------------------------------------------------------------------
 
@@ -128,12 +128,12 @@ class Case:
 
     @property
     def starts_apart(self) -> bool:
-        """Whether the bodies are apart at T = 0 and meet, as in an impact; rolling starts from its steady film."""
+        """Whether the bodies are separated at T = 0, as in an impact; rolling starts from its steady film."""
         return self.kind == "impact"
 
     @cached_property
     def scales(self) -> Scales | None:
-        """What one unit of each dimensionless quantity is in SI; None for a dimensionless case."""
+        """The SI value of one unit of each dimensionless quantity; None for a dimensionless case."""
         return self.contact.scales
 
     @cached_property
@@ -189,18 +189,18 @@ class Case:
 
     @property
     def film_scale(self) -> float:
-        """The film to be expected, in a^2/R: that which the impact traps, or that of a rolling contact's formula."""
+        """The expected film thickness in a^2/R: the scale of the trapped film (impact) or a formula (rolling)."""
         p = self.parameters
         return p.trapped_film if self.starts_apart else film_formulas.nijenbanning_venner_moes(p.M, p.L)
 
     def on_half_grid(self) -> "Case":
-        """The same case with twice the spacing: for the discretisation error estimate."""
+        """The same case with twice the grid spacing, for the discretisation error estimate."""
         return replace(self, solver=replace(self.solver, nodes=(self.solver.nodes - 1) // 2 + 1))
 
     # -- as plain data ------------------------------------------------------------------------------------------------
 
     def to_data(self) -> dict[str, Any]:
-        """The case as plain data with the sections and keys of a case file; reads back as the same, to the last bit.
+        """The case as plain data with the sections and keys of a case file; it reads back as exactly the same case.
 
         Raises ValueError for a law or a shape that has no registered name.
         """
@@ -220,16 +220,16 @@ class Case:
         return {name: section for name, section in sections.items() if section not in (None, [], "")}
 
     def _solver_data(self) -> dict[str, Any]:
-        """A centred grid is written as such: of a rolling contact it is not the default."""
+        """The section [solver]; a centred grid is written explicitly, because it is not the default of rolling."""
         centred = self.solver.inlet is None and not self.starts_apart
         return data_of(replace(self.solver, inlet=self.solver.half_width) if centred else self.solver)
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> "Case":
-        """The case from plain data, what is left out filled in.
+        """The case from plain data, with defaults filled in.
 
-        A quantity is a text with its SI unit ("0.01 m") or, where only a quantity is allowed, a number; case files that
-        use other units go through `inputs`.  Raises ValueError about the first thing that is wrong.
+        A quantity is a string with its SI unit ("0.01 m") or, if only a quantity is allowed, a number.  `inputs` reads
+        case files with other units.  Raises ValueError at the first error.
         """
         known = ("schema", "name", *(_SECTIONS.get(f.name, f.name) for f in fields(cls) if f.name != "name"))
         for name in data:
@@ -253,7 +253,7 @@ class Case:
 
     @cached_property
     def digest(self) -> str:
-        """Fingerprint of all that changes a result: 16 hexadecimal digits.  Raises ValueError as `to_data` does."""
+        """Digest of all input that affects a result: 16 hexadecimal digits.  Raises ValueError as `to_data` does."""
         data = self.to_data()
         data.pop("name", None)
         data["lubricant"].pop("reference", None)
@@ -301,7 +301,7 @@ def _solver_of(section: Mapping[str, Any], contact: Conditions, drive: Drive | N
 
 
 def _reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:
-    """Whether the oil comes from either side in the course of a run in time."""
+    """Whether the entrainment speed changes sign during a run in time."""
     if drive.entrainment is None:
         return False
     until = ROLLING_UNTIL if time is None or time.until is None or isinstance(time.until, str) else time.until

@@ -1,7 +1,7 @@
-"""The operating conditions of a contact: which input belongs together, and the scales that follow from it.
+"""The operating conditions of a contact: which input is complete, and the scales that follow from it.
 
 The contact is given in one of three ways: by Moes' M and L, by the paper's lambda_bar and alpha_bar, or by physical
-input in SI, each quantity of it in exactly one of the allowed ways.
+input in SI.  Each physical quantity must be given in exactly one of the allowed ways.
 """
 
 from collections.abc import Mapping, Sequence
@@ -72,7 +72,7 @@ FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and wha
 
 
 class Speeds(NamedTuple):
-    """Mean speed (m/s) of the surfaces along x and slide-to-roll ratio (u1 - u2)/u_m; None where nothing is said."""
+    """Mean speed (m/s) of the surfaces along x and slide-to-roll ratio (u1 - u2)/u_m; None if not given."""
 
     mean: float | None
     slide_to_roll: float | None
@@ -80,7 +80,7 @@ class Speeds(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Conditions:
-    """What meets, as it is given: the section [contact] of a case file.  Quantities in SI.
+    """The two bodies and their operating conditions: the section [contact] of a case file.  Quantities are in SI.
 
     Parameters
     ----------
@@ -90,19 +90,19 @@ class Conditions:
     lambda_bar, alpha_bar : float
         the paper's parameters, eqs. (8), (12); or physical input:
     radius, radius_1, radius_2 : float
-        Radius (m) of a ball on a plane, or those of two balls, of which an impact's first one moves.
+        Radius (m) of a ball on a plane, or the radii of two balls; in an impact the first one moves.
     E_prime, E1, nu1, E2, nu2 : float
         Reduced modulus (Pa), or Young's moduli (Pa) and Poisson's ratios.
     mass, ball_density : float
-        Mass (kg) or density (kg/m^3) of the ball that moves; for rolling: its inertia, none if left out.
+        Mass (kg) or density (kg/m^3) of the moving ball.  Rolling: for its inertia, none if left out.
     speed, drop_height : float
-        Impact: speed at first touch (m/s), or height of the fall from rest (m).
+        Impact: speed at first touch (m/s), or drop height from rest (m).
     load : float
         Rolling: static load (N).
     mean_speed, slide_to_roll, speed_1, speed_2 : float
-        Speeds of the surfaces along x (m/s) and (u1 - u2)/u_m; impact: of a track that moves under the ball.
+        Speeds of the surfaces along x (m/s) and (u1 - u2)/u_m.  Impact: the track moves under the ball.
 
-    Raises ValueError, naming the field, its value and what is allowed, where the input is incomplete or contradictory.
+    Raises ValueError, naming the field, its value and what is allowed, if the input is incomplete or contradictory.
     """
 
     kind: Kind = "impact"
@@ -153,11 +153,11 @@ class Conditions:
 
     @property
     def is_physical(self) -> bool:
-        """Whether the contact is given in SI, so that results can be."""
+        """Whether the contact is given in SI, so that results are available in SI."""
         return self._route() not in (MOES, BARS)
 
     def entry(self, key: str) -> str:
-        """A field as it is said in messages: contact.radius = "0.01 m"."""
+        """A field as it is written in messages: contact.radius = "0.01 m"."""
         value, mark = getattr(self, key), marks(type(self)).get(key)
         return f"contact.{key} = {show(f'{value!r} {mark.unit}' if isinstance(mark, Unit) else value)}"
 
@@ -172,7 +172,7 @@ class Conditions:
         return self._only_one((MOES, BARS, PHYSICAL[self.kind]), PHYSICAL_TEXT[self.kind])
 
     def _only_one(self, alternatives: Sequence[Keys], last: str = "") -> Keys:
-        """The one alternative of which something is given.  last: text that stands for the last one."""
+        """The one alternative that is given, at least in part.  last: text for the last alternative in messages."""
         present = [keys for keys in alternatives if any(key in self.given for key in keys)]
         texts = [" and ".join(keys) for keys in alternatives]
         allowed = "; or ".join([*texts[:-1], last or texts[-1]])
@@ -207,7 +207,7 @@ class Conditions:
 
     @cached_property
     def scales(self) -> Scales | None:
-        """What one unit of each dimensionless quantity is in SI; None for a dimensionless contact."""
+        """The SI value of one unit of each dimensionless quantity; None for a dimensionless contact."""
         if not self.is_physical:
             return None
         R = named("contact", scales.reduced_radius, self.radius or self.radius_1, self.radius_2 or inf)
@@ -219,7 +219,7 @@ class Conditions:
 
     @property
     def ball_mass(self) -> float:
-        """Mass of the ball (kg), zero where none is given."""
+        """Mass of the ball (kg), zero if it is not given."""
         if not any(key in self.given for keys in BALL for key in keys):
             return 0.0
         self._only_one(BALL)
@@ -227,7 +227,7 @@ class Conditions:
 
     @property
     def speeds(self) -> Speeds:
-        """How the surfaces move along x."""
+        """The speeds of the surfaces along x."""
         if self.speed_1 is not None and self.speed_2 is not None:
             mean, difference = (self.speed_1 + self.speed_2) / 2, self.speed_1 - self.speed_2
             return Speeds(mean, difference / mean if mean else None)
@@ -236,7 +236,7 @@ class Conditions:
         return Speeds(self.mean_speed, self.slide_to_roll or 0.0)
 
     def parameters(self, oil: Oil) -> Parameters:
-        """lambda_bar and alpha_bar; alpha_bar is zero where the viscosity does not change with pressure."""
+        """lambda_bar and alpha_bar; alpha_bar is zero if the viscosity does not depend on pressure."""
         if self.scales:
             return named("contact", scales.parameters, self.scales, oil.eta0, 0.0 if oil.is_isoviscous else oil.alpha)
         first, second = route = self._route()

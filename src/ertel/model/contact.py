@@ -1,12 +1,12 @@
-"""The lubricated contact: film thickness and THE residual, one for impact and rolling.
+"""The lubricated contact: film thickness and residual of Reynolds' equation, for impact and rolling.
 
     squeeze + wedge - div(Poiseuille flux) = 0   where P > 0
                                           >= 0   where P = 0
 
     d(rho H)/dT + U d(rho H)/dX - d/dX(eps dP/dX) - d/dY(eps dP/dY),    eps = rho H^3 / (eta lambda_bar)
 
-Impact: U = 0 (eq. 1).  Rolling: U = 1.  The scales and the law for the approach Delta differ as well, nothing else.
-X points the way the oil is carried (U >= 0); the other way is the mirror image (`nonlinear.along_the_flow`).
+Impact has U = 0 (eq. 1) and rolling has U = 1.  Otherwise they differ only in the scales and in the equation for Delta.
+X points in the direction of entrainment (U >= 0); `nonlinear.along_the_flow` reverses the fields if U < 0.
 All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fields have shape (n, n), index [Y, X].
 """
 
@@ -32,9 +32,8 @@ from ertel.physics.rheology import NEWTONIAN, Rheology
 class Contact:
     """Two surfaces and the oil between them.
 
-    gap: the undeformed surfaces' distance less the roughness, shape (n, n).  kernel: from `halfspace.spectrum`.
-    flow: how the oil flows (`rheology`).
-    even: where the fields are even, only one side of the axis is kept (`symmetry`).
+    gap: undeformed gap minus roughness, shape (n, n).  kernel: from `halfspace.spectrum`.  flow: the rheology of the
+    film (`rheology`).  even: the axes about which fields are even and stored on one side (`symmetry`).
     """
 
     gap: Array
@@ -47,7 +46,7 @@ class Contact:
 
 
 class Rate(NamedTuple):
-    """The time derivative of rho H at the new level: `new` * (rho H) + `past`, from backward differences."""
+    """The time derivative of rho H at the new level: `new` * (rho H) + `past`, by backward differences."""
 
     new: Array | float
     past: Array | float
@@ -86,7 +85,7 @@ def mass(contact: Contact, P: Array, H: Array) -> Array:
 
 
 def mobility(contact: Contact, P: Array, H: Array) -> Pair:
-    """eps = rho H^3/(eta lambda_bar), along X and along Y: how readily the oil flows under a pressure gradient."""
+    """The mobility eps = rho H^3/(eta lambda_bar) along X and along Y: flux per unit pressure gradient."""
     oil = contact.lubricant
     return Pair.of(*contact.flow.mobility(oil.density(P), oil.viscosity(P), H, contact.lambda_bar))
 
@@ -106,7 +105,7 @@ def balance(
     spacing: Array | float,
     even: Even = WHOLE,
 ) -> Array:
-    """The residual, mass rho H and mobility eps given: the equation without the laws of the oil."""
+    """The residual for given mass rho H and mobility eps: the equation without the laws of the oil."""
     squeeze = rate.new * mass + rate.past
     wedge = 0.0 if even.x else entrainment * upstream_slope(mass, spacing)  # even in X: nothing is carried along X
     poiseuille = diffusion(eps, P, even) / spacing**2

@@ -1,4 +1,4 @@
-"""From a case to its grid and to the contact on it: the surfaces where they are at a time, and the oil."""
+"""The grid of a case and the contact on it: the surfaces at a given time, and the oil."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,7 +16,7 @@ from ertel.physics.surfaces import Feature
 
 
 def grid_of(case: Case) -> Grid:
-    """The grid that a case asks for, the inlet where the oil comes from at T = 0."""
+    """The grid of a case; the inlet is on the upstream side at T = 0."""
     s = case.solver
     centre = 0.0 if s.inlet is None else s.half_width - s.inlet
     upstream_is_left = case.motion.entrainment(0.0) >= 0
@@ -25,13 +25,13 @@ def grid_of(case: Case) -> Grid:
 
 
 def _symmetry(case: Case, centre_x: float) -> Even:
-    """About which axes a case is symmetric: the flow goes along X."""
+    """The axes about which a case is symmetric; the flow is along X."""
     in_y, in_x = (a and b for a, b in zip(surfaces.even(case.features), geometry_of(case).even, strict=True))
     return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
 
 
 def geometry_of(case: Case) -> Geometry:
-    """The geometry of the case's bodies: a circle, so far."""
+    """The geometry of the case's bodies; so far always a circular contact."""
     return CIRCLE
 
 
@@ -46,12 +46,12 @@ def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
 
 
 def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
-    """The smooth contact with the case's roughness added, where it is at time T."""
+    """The smooth contact with the case's roughness added at its position at time T."""
     if not case.features:
         return smooth
     return replace(smooth, gap=smooth.gap - heights(case.features, case, grid, T))
 
 
 def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Array:
-    """The roughness on the grid at time T, moved with the surfaces of the case."""
+    """The height of the roughness on the grid at time T; it moves with the surfaces."""
     return jnp.asarray(surfaces.height(features, case.motion, T, grid.kept_x[None, :], grid.kept_y[:, None]))

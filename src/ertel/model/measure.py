@@ -1,4 +1,4 @@
-"""What is read off a solution on the plane: films, pressures, the load, and where the film is thinnest."""
+"""Key values of a solution on the plane: film thicknesses, pressures, load, position of the minimum film thickness."""
 
 from functools import partial
 
@@ -12,7 +12,7 @@ from ertel.numerics.symmetry import total
 
 
 def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
-    """Films and pressures: H_c, P_c at (0, 0), H_min the smallest where P > 0, where that is, load = integral of P."""
+    """H_c and P_c at (0, 0), P_max, H_min (the minimum where P > 0) and its position, load = integral of P."""
     row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
     H_c, P_c, P_max, load, H_min, where = (float(v) for v in _measure(P, H, row, column, grid.even))
     i, j = divmod(int(where), grid.shape[1])

@@ -1,4 +1,4 @@
-"""The laws of an oil as something that JAX can trace; the laws themselves do not know JAX."""
+"""Registration of oil laws as JAX pytrees; the laws themselves do not depend on JAX."""
 
 from functools import cache
 from typing import Any
@@ -9,7 +9,7 @@ from ertel.physics.lubricant import Lubricant
 
 
 def traceable(oil: Lubricant) -> Lubricant:
-    """The same oil, with its record and those of its laws known to JAX: their fields are arrays or numbers."""
+    """The same oil, with its records registered as JAX pytrees; their fields are arrays or numbers."""
     records: tuple[Any, ...] = (oil, oil.viscosity_law, oil.density_law)
     for record in records:
         _register(record.__class__)

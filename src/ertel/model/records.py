@@ -1,7 +1,7 @@
-"""Records as plain data and back, checked field by field, and brought to the units of a case.
+"""Conversion of records to plain data and back, checks of their fields, and conversion to the units of a case.
 
-Plain data is what a case file holds: numbers, texts, lists, tables.  A quantity is a text in its SI unit, "0.01 m",
-which reads back as the same float.  What a field is measured in stands in the mark of its annotation (`physics.units`).
+Plain data is the content of a case file: numbers, strings, lists, tables.  A quantity is a string with its SI unit,
+"0.01 m", which reads back as the same float.  The unit of a field is in the mark of its annotation (`physics.units`).
 """
 
 import json
@@ -57,7 +57,7 @@ def _plain(value: Any, mark: object = None) -> Any:
 
 
 def law_data(law: object, laws: Registry) -> Any:
-    """A law by its name where its data are those of the oil, else as a table."""
+    """A law as its name if its data are those of the oil, otherwise as a table."""
     return law if isinstance(law, str) else {"law": laws.name_of(law), **data_of(law)}
 
 
@@ -77,7 +77,7 @@ def feature_data(feature: Feature) -> dict[str, Any]:
 
 
 def record_of(record: Callable[..., T], data: Data, place: str) -> T:
-    """A record from plain data.  place: where it is, for messages.  Raises ValueError about the first thing wrong."""
+    """A record from plain data.  place: its section, for messages.  Raises ValueError at the first error."""
     if not isinstance(data, Mapping):
         raise ValueError(f"{place} = {show(data)}: must be a table")
     known = {item.name: item for item in fields(record)}  # type: ignore[arg-type]
@@ -153,7 +153,7 @@ def feature_of(data: Data, place: str) -> Feature:
 
 
 def checked(record: T, place: str) -> T:
-    """The record again.  Raises ValueError where a field has a value that its mark does not allow."""
+    """The same record.  Raises ValueError if a field has a value that its mark does not allow."""
     kinds = marks(type(record))
     for item in fields(record):  # type: ignore[arg-type]
         value, mark = getattr(record, item.name), kinds.get(item.name)
@@ -180,7 +180,7 @@ def _check(value: Any, mark: Unit | Bounds, place: str) -> None:
 
 
 def named(place: str, function: Callable[..., T], *arguments: Any, text: str = "", **keywords: Any) -> T:
-    """function(...), its complaint about an argument as one about a field of the place."""
+    """The result of function(...); a ValueError about an argument is raised again with the field's place."""
     try:
         return function(*arguments, **keywords)
     except (ValueError, ArithmeticError) as error:
@@ -191,7 +191,7 @@ def named(place: str, function: Callable[..., T], *arguments: Any, text: str = "
 
 
 def show(value: object) -> str:
-    """A value as one would write it in a case file."""
+    """A value as it is written in a case file."""
     if isinstance(value, Quantity):
         return show(str(value))
     if isinstance(value, Mapping):
@@ -209,7 +209,7 @@ def show(value: object) -> str:
 def scaled(record: T, scales: Scales | None, place: str) -> T:
     """The record with every Quantity as a number in the units of the case.
 
-    Raises ValueError where the case is dimensionless (scales is None) and has no such units.
+    Raises ValueError if the case is dimensionless (scales is None).
     """
     if isinstance(record, Polyline):
         points = tuple((_over(T, TIME, scales, f"{place}[{i}]"), v) for i, (T, v) in enumerate(record.points, 1))
@@ -235,5 +235,5 @@ def _over(amount: Any, mark: object, scales: Scales | None, place: str) -> float
 
 
 def scaled_all(records: Sequence[T], scales: Scales | None, place: str) -> tuple[T, ...]:
-    """Each record in the units of the case; place: of the list, whose items are counted from one."""
+    """Each record in the units of the case.  place: name of the list; its items are counted from one."""
     return tuple(scaled(record, scales, f"{place}[{number}]") for number, record in enumerate(records, 1))

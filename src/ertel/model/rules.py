@@ -1,4 +1,4 @@
-"""What makes no sense is refused here, whoever asks: every rule names the field, its value and what is allowed."""
+"""The rules for valid cases.  Every rule raises a ValueError that names the field, its value and what is allowed."""
 
 from collections.abc import Sequence
 from dataclasses import is_dataclass, replace
@@ -20,7 +20,7 @@ TRANSIENT = 'solver.method = "transient"'
 
 
 def check_method(kind: Kind, solver: Solver) -> None:
-    """Each kind of contact has methods of its own; a radial grid has no inlet."""
+    """Each kind of contact has its own methods; a radial grid has no inlet."""
     methods = METHODS[kind]
     if solver.method not in methods:
         allowed = " or ".join(f'"{name}"' for name in methods)
@@ -37,7 +37,7 @@ def check_oil(oil: Oil, scales: Scales | None) -> None:
 
 
 def check_pressure_scale(oil: Oil, scales: Scales | None, parameters: Parameters) -> None:
-    """A law that changes with pressure needs a scale of pressure."""
+    """A pressure-dependent law needs a pressure scale."""
     if scales or parameters.alpha_bar:
         return
     if not oil.is_isoviscous:
@@ -50,7 +50,7 @@ def check_pressure_scale(oil: Oil, scales: Scales | None, parameters: Parameters
 
 
 def check_fields(drive: Drive | None, time: Time | None, output: Output | None, roughness: Sequence[Feature]) -> None:
-    """Every field of the sections has a value that its mark allows."""
+    """Every field of the sections must have a value that its mark allows."""
     if time is not None:
         if isinstance(time.until, str) and time.until not in STOPS:
             names = ", ".join(f'"{event}"' for event in STOPS)
@@ -80,7 +80,7 @@ def _check_points(signal: Polyline, place: str) -> None:
 
 
 def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | None) -> None:
-    """A steady contact has no time; rolling begins with its steady film and has no events."""
+    """A steady contact has no time.  A rolling contact starts from its steady film and has no events."""
     if solver.method == "steady":
         for name, section in {"time": time, "output": output}.items():
             if section is not None:
@@ -99,7 +99,7 @@ def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | N
 
 
 def _said(name: str, section: Time | Output) -> str:
-    """A section by the first of its fields that is not the default: time.until = 5.0."""
+    """The first field of a section that differs from its default, for messages: time.until = 5.0."""
     usual = type(section)()
     for key, value in vars(section).items():
         if value != getattr(usual, key):
@@ -108,7 +108,7 @@ def _said(name: str, section: Time | Output) -> str:
 
 
 def check_drive(kind: Kind, contact: Conditions, drive: Drive | None) -> None:
-    """What [contact] says of the motion is not said again in [motion]."""
+    """[motion] must not repeat what [contact] gives."""
     if drive is None:
         return
     if drive.slide_to_roll is not None and contact.speeds.slide_to_roll is not None:
@@ -146,7 +146,7 @@ def check_grid(solver: Solver) -> None:
 
 
 def check_motion(kind: Kind, solver: Solver, motion: Motion, until: Stop | float) -> None:
-    """What a method cannot do, and what has no solution."""
+    """The method must be able to compute the motion, and a solution must exist."""
     if solver.method == "radial" and any((*motion.load.range(inf), *motion.entrainment.range(inf))):
         raise ValueError('motion: the radial method is for a free ball on a track at rest; use solver.method = "2d"')
     if until == "rebound" and motion.load.range(inf)[1] > 0:
@@ -177,7 +177,7 @@ def _check_rolling(solver: Solver, motion: Motion, until: float) -> None:
 
 
 def check_roughness(solver: Solver, motion: Motion, features: Sequence[Feature]) -> None:
-    """The radial method is for smooth surfaces, a steady film for roughness that does not change in time."""
+    """The radial method needs smooth surfaces; a steady film needs roughness that does not change in time."""
     if solver.method == "radial" and features:
         raise ValueError('roughness: the radial method is for smooth surfaces; use solver.method = "2d"')
     for number, feature in enumerate(features, 1):

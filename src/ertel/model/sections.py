@@ -1,4 +1,4 @@
-"""The sections of a case besides what meets: solver, time, output, motion.  All defaults of ertel are here."""
+"""The sections solver, time, output and motion of a case.  All defaults of ertel are here."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ Stop = Literal["max-approach", "rebound"]
 STOPS: tuple[Stop, ...] = ("max-approach", "rebound")
 METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
 ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length
-CENTRED_HALF_WIDTH = 4.5  # of a grid on which the oil comes from either side
+CENTRED_HALF_WIDTH = 4.5  # half width of a grid for reversing flow
 
 
 @dataclass(frozen=True)
@@ -21,11 +21,11 @@ class Solver:
     """Grid and tolerance; all lengths in units a (impact: a*).
 
     nodes: nodes per side (2^k c + 1) or along the radius (radial: 0 to half_width).  half_width: from the middle of the
-    grid to its edge.  inlet: from the contact's centre to the edge upstream, None: half_width, so a centred grid.
-    fold: where a case is symmetric compute on a half or a quarter of the plane.
-    tolerance: of the discrete equations.  In a time step as a film thickness, in units of the film that is expected
-    (`Case.film_scale`); steady, as the residual of Reynolds' equation itself (0.1 takes less than half the work, and
-    leaves about a tenth of the grid's own error in H_c and H_min or less: enough for a sweep).
+    grid to its edge.  inlet: distance from the contact's centre to the upstream edge; None: half_width (centred grid).
+    fold: compute on a half or a quarter of the plane if the case is symmetric.
+    tolerance: tolerance of the discrete equations.  In a time step it is a film thickness in units of the expected film
+    thickness (`Case.film_scale`).  For a steady contact it is the residual of Reynolds' equation; 0.1 takes less than
+    half the work and leaves at most about a tenth of the grid's own error in H_c and H_min, enough for a sweep.
     """
 
     method: Method = "2d"
@@ -46,11 +46,11 @@ SOLVERS: Mapping[Method, Solver] = {  # the defaults
 
 @dataclass(frozen=True)
 class Time:
-    """When a run begins and ends, and its steps; amounts in t0 or as quantities.
+    """Start, end and steps of a run in time; amounts are in t0 or quantities.
 
-    start_approach: Delta of an impact at T = 0, negative = apart, in units delta*.  until: an event of an impact, or a
-    time.  tolerance: local error allowed in a step, relative (the default leaves about 0.1 % in H_c).  step: a fixed
-    step instead, without error control.
+    start_approach: Delta of an impact at T = 0, in units delta*; negative: surfaces separated.  until: an event of an
+    impact, or a time.  tolerance: allowed relative local error of a step (the default gives about 0.1 % in H_c).
+    step: a fixed step, without error control.
     """
 
     start_approach: Annotated[float | None, Bounds(lt=0)] = None
@@ -72,9 +72,9 @@ class Output:
 
 @dataclass(frozen=True)
 class Drive:
-    """What moves the contact in time, as it is given: the section [motion]; None: the usual for an impact or rolling.
+    """Load and entrainment as functions of time: the section [motion].  None: the default of an impact or of rolling.
 
-    load: w(T) in F* or in the static load.  entrainment: U(T) in a/t0 or u_m.  slide_to_roll, inertia: of a
+    load: w(T) in F* or in the static load.  entrainment: U(T) in a/t0 or u_m.  slide_to_roll, inertia: only for a
     dimensionless case.
     """
 

@@ -1,4 +1,4 @@
-"""A time level, what a method of solution must be able to do, and the steady solutions on all grids."""
+"""The state at one time, the interface of a solution method, and the steady solutions on all grids."""
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ NO_WORK = Work()
 class State:
     """The contact at one time: T in t0, approach in delta*, velocity dDelta/dT, fields of shape (n, n) or (n,) by name.
 
-    status, work: how the solve for this state ended, and what it took.
+    status, work: outcome and work of the solve for this state.
     """
 
     T: float
@@ -62,7 +62,7 @@ def combined(weights: bdf.Weights, values: Sequence[Array]) -> Array:
 
 
 def interpolated(levels: Sequence[State], T: float) -> State:
-    """The state at a time between or after the levels, by the polynomial through them; bounded fields stay bounded."""
+    """The state at a time between or after the levels, by polynomial interpolation; bounded fields stay bounded."""
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     fields = {name: combined(weights, [level.fields[name] for level in levels]) for name in levels[0].fields}
     approach, velocity = (
@@ -80,7 +80,7 @@ Stepping = Generator[Any, Any, State]  # yields the problems of a step, is sent 
 
 
 def solved(course: Generator[Any, Any, Outcome], solve: Callable[[Any], Any]) -> Outcome:
-    """What a generator of problems returns when each is solved as it comes."""
+    """The return value of a generator of problems, with each problem solved when it is yielded."""
     try:
         problem = next(course)
         while True:
@@ -93,8 +93,8 @@ def solved(course: Generator[Any, Any, Outcome], solve: Callable[[Any], Any]) ->
 class Method(Protocol):
     """A way to step a contact forward in time.
 
-    coordinates: axes of the fields in order, by name, in units a*.  controlled: the fields whose error in time rules
-    the step, besides the approach and its velocity.
+    coordinates: axes of the fields in order, by name, in units a*.  controlled: the fields whose time error controls
+    the step, in addition to the approach and its velocity.
     """
 
     coordinates: Mapping[str, Any]
@@ -125,15 +125,15 @@ class Method(Protocol):
         ...
 
     def error(self, new: State, predicted: Mapping[str, Array]) -> float:
-        """How far the controlled fields of the new level are from their prediction, relative: the largest."""
+        """Maximum relative difference between the controlled fields of the new level and their prediction."""
         ...
 
 
 @dataclass(frozen=True)
 class GridSolution:
-    """The steady contact on one grid: fields of its shape, approach in a^2/R, how it ended, and the work it took.
+    """The steady contact on one grid: fields of its shape, approach in a^2/R, status and work.
 
-    history: the largest residual before the first and after each Newton iteration.  convolutions: on this grid.
+    history: maximum residual before the first and after each Newton iteration.  convolutions: work on this grid.
     """
 
     grid: Grid

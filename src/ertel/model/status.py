@@ -1,4 +1,4 @@
-"""How an attempt ended, with a sentence of advice: failure is a value, not an exception."""
+"""Status of a solve, a step or a run, with advice.  A failure is a value, not an exception."""
 
 from enum import Enum
 

@@ -1,1 +1,1 @@
-"""Mathematics without a word of lubrication: grids, Fourier sums, multigrid, Newton, Krylov, time differences."""
+"""Numerical methods that know nothing of lubrication: grids, FFT, multigrid, Newton, Krylov, backward differences."""

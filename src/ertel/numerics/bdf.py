@@ -1,6 +1,6 @@
-"""Second-order backward differences on variable steps: weights, prediction, error estimate, step control.
+"""Second-order backward differences with variable steps: weights, prediction, error estimate, step control.
 
-Everything follows from one idea: a polynomial through the last time levels.  Times are given newest first.
+Everything follows from a polynomial through the last time levels.  Times are given newest first.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ Weights = NDArray[np.float64]
 
 
 def interpolation_weights(t: float, times: Sequence[float]) -> Weights:
-    """Weights w with y(t) = sum_k w[k] y(times[k]): Lagrange interpolation, or extrapolation outside."""
+    """Weights w with y(t) = sum_k w[k] y(times[k]): Lagrange interpolation (extrapolation outside the times)."""
     w = np.ones(len(times))
     for k, tk in enumerate(times):
         for m, tm in enumerate(times):
@@ -34,11 +34,11 @@ def derivative_weights(times: Sequence[float]) -> Weights:
 
 
 def error_factor(times: Sequence[float]) -> float:
-    """Local error of BDF2 as a share of (solution - prediction).
+    """Local error of BDF2 as a fraction of (solution - prediction).
 
-    times are the new time and the three before it; the prediction is the parabola through those three.  With h1, h0, hm
-    the last three steps the prediction misses y by (y'''/6) h1 (h1+h0)(h1+h0+hm), and BDF2 by
-    (y'''/6) h1^2 (h1+h0)^2/(2 h1+h0), to the other side.
+    times are the new time and the three before it; the prediction is the parabola through those three.  Let h1, h0, hm
+    be the last three steps.  The prediction's error is (y'''/6) h1 (h1+h0)(h1+h0+hm).  The error of BDF2 is
+    (y'''/6) h1^2 (h1+h0)^2/(2 h1+h0), with the opposite sign.
     """
     t, t0, t1, t2 = times
     bdf2 = (t - t0) ** 2 * (t - t1) ** 2 / ((t - t0) + (t - t1))
@@ -47,15 +47,15 @@ def error_factor(times: Sequence[float]) -> float:
 
 @dataclass(frozen=True)
 class StepControl:
-    """The next step from the last one's error, in units of the tolerance (error = 1 is just accepted)."""
+    """Control of the time step from the error of the last step, in units of the tolerance (the target is 1)."""
 
     safety: float = 0.8
     largest_growth: float = 1.5
     largest_cut: float = 0.25
-    rejection: float = 2.0  # a step is repeated only when its error is above this
+    rejection: float = 2.0  # a step is repeated only if its error is above this
 
     def next_step(self, step: float, error: float) -> float:
-        """Step that brings a third-order local error to the tolerance, within the growth that BDF2 stands."""
+        """Step at which a third-order local error meets the tolerance; its growth is limited so that BDF2 is stable."""
         factor: float = self.safety * max(error, 1e-12) ** (-1.0 / 3.0)
         return step * min(max(factor, self.largest_cut), self.largest_growth)
 

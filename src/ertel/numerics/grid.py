@@ -1,4 +1,4 @@
-"""A uniform node-centred grid on a rectangle, and its coarser companions."""
+"""A uniform node-centred grid on a rectangle, and its coarser grids."""
 
 from dataclasses import dataclass, replace
 from math import ceil
@@ -7,15 +7,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-LARGEST_COARSEST = 17  # nodes per side that the direct solve on the coarsest grid is meant for
+LARGEST_COARSEST = 17  # maximum nodes per side of the coarsest grid, which is solved directly
 SMALLEST_COARSEST = 5
-LARGEST_RECTANGLE = 4 * LARGEST_COARSEST**2  # nodes that a dense matrix may still solve on the coarsest grid
-COARSE_ENOUGH = 9  # a grid coarser than this costs more to compile than it helps
-FEW = 170  # nodes kept on a grid, that are solved at once with a dense matrix: one grid less to compile
+LARGEST_RECTANGLE = 4 * LARGEST_COARSEST**2  # maximum nodes of a rectangular coarsest grid, solved by a dense matrix
+COARSE_ENOUGH = 9  # nodes per side; a coarser grid costs more compile time than it saves
+FEW = 170  # a grid with at most this many stored nodes is solved by a dense matrix: one grid less to compile
 
 
 class Even(NamedTuple):
-    """Whether fields are even in Y (rows) and in X (columns), and so kept for Y >= 0, X >= 0 only."""
+    """Whether fields are even in Y (rows) and in X (columns).  Even fields are stored for Y >= 0 or X >= 0 only."""
 
     y: bool = False
     x: bool = False
@@ -26,10 +26,10 @@ WHOLE = Even()
 
 @dataclass(frozen=True)
 class Grid:
-    """nodes_x times nodes_y centres of square cells around (centre_x, centre_y), spacing apart.
+    """A grid of nodes_x times nodes_y nodes around (centre_x, centre_y), each in a square cell of side `spacing`.
 
-    Arrays on it have shape (nodes_y, nodes_x), but where fields are even only the side from the axis on is kept (see
-    `symmetry`): then `shape` is smaller.  x and y are those of the whole plane.
+    Arrays on it have shape (nodes_y, nodes_x).  If fields are even, only one side of the axis is stored (see
+    `symmetry`), and `shape` is smaller.  x and y always cover the whole plane.
     """
 
     nodes_x: int
@@ -50,17 +50,17 @@ class Grid:
 
     @property
     def nodes(self) -> int:
-        """Along X; of a square grid also along Y."""
+        """Number of nodes along X; on a square grid also along Y."""
         return self.nodes_x
 
     @property
     def size(self) -> int:
-        """All nodes of the whole plane."""
+        """Number of nodes of the whole plane."""
         return self.nodes_x * self.nodes_y
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Of arrays on the grid: what is kept of (nodes_y, nodes_x)."""
+        """Shape of arrays on the grid: the stored part of (nodes_y, nodes_x)."""
         half_y, half_x = (self.nodes_y + 1) // 2, (self.nodes_x + 1) // 2
         return half_y if self.even.y else self.nodes_y, half_x if self.even.x else self.nodes_x
 
@@ -90,7 +90,7 @@ class Grid:
         return replace(self, nodes_x=nodes_x, nodes_y=nodes_y, spacing=2.0 * self.spacing)
 
     def hierarchy(self) -> tuple["Grid", ...]:
-        """This grid and its coarser ones, down to the last that is not trivial and has the axes of symmetry, if any."""
+        """This grid and its coarser grids, down to the coarsest useful one that has nodes on the axes of symmetry."""
         grids = [self]
         factor = 4 if any(self.even) else 2
         while (last := grids[-1]).shape[0] * last.shape[1] > FEW:
@@ -103,19 +103,19 @@ class Grid:
 
 
 def _axis(nodes: int, spacing: float, centre: float) -> NDArray[np.float64]:
-    # counted from the middle, so that a symmetric grid is symmetric to the last bit
+    # coordinates are counted from the middle, so that a symmetric grid is symmetric to the last bit
     offsets = np.arange(nodes, dtype=np.float64) - (nodes - 1) / 2
     return np.asarray(centre + offsets * spacing, dtype=np.float64)
 
 
 def is_allowed(nodes: int) -> bool:
-    """Whether a grid with so many nodes in a direction can be coarsened down to a trivial one."""
+    """Whether multigrid can coarsen a grid with this number of nodes in one direction."""
     odd = nodes >= SMALLEST_COARSEST and nodes % 2 == 1
     return odd and Grid(nodes, nodes, 1.0).hierarchy()[-1].nodes <= LARGEST_COARSEST
 
 
 def allowed_nodes(at_least: float) -> int:
-    """The smallest number of nodes a side, not below `at_least`, that multigrid can coarsen (see `check_nodes`)."""
+    """The smallest allowed number of nodes per side that is not below `at_least` (see `check_nodes`)."""
     nodes = max(ceil(at_least), SMALLEST_COARSEST)
     while not is_allowed(nodes):
         nodes += 1
@@ -123,7 +123,7 @@ def allowed_nodes(at_least: float) -> int:
 
 
 def check_nodes(nodes: int) -> None:
-    """Raise ValueError unless a grid with so many nodes in a direction can be coarsened down to a trivial one."""
+    """Raise ValueError unless multigrid can coarsen a grid with this number of nodes in one direction."""
     if not is_allowed(nodes):
         below, above = _neighbours(nodes)
         raise ValueError(
@@ -133,7 +133,7 @@ def check_nodes(nodes: int) -> None:
 
 
 def check_grid(grid: Grid) -> None:
-    """Raise ValueError unless multigrid can coarsen the grid: each direction by itself, and both equally often."""
+    """Raise ValueError unless multigrid can coarsen the grid in both directions, and equally often."""
     check_nodes(grid.nodes_x)
     check_nodes(grid.nodes_y)
     coarsest = grid.hierarchy()[-1]
@@ -145,7 +145,7 @@ def check_grid(grid: Grid) -> None:
 
 
 def _neighbours(nodes: int) -> tuple[int, int]:
-    """The nearest allowed counts at or below and above `nodes`."""
+    """The nearest allowed numbers of nodes: one not above `nodes` and one above."""
     allowed = sorted({c * 2**k + 1 for c in range(SMALLEST_COARSEST - 1, LARGEST_COARSEST) for k in range(12)})
     below = [n for n in allowed if n <= nodes] or allowed[:1]
     above = [n for n in allowed if n > nodes] or allowed[-1:]

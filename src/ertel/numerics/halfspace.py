@@ -1,8 +1,9 @@
-"""Elastic deformation of a half space: pressure in, normal displacement out.  The only room with Fourier transforms.
+"""Elastic deformation of a half space: the normal displacement from the pressure.  The only module with FFTs.
 
-The pressure is constant on the cell around each node and vanishes on the edge nodes of the grid.  Love's closed form
-gives the displacement of one cell, a convolution by FFT sums over all.  Because the edge carries nothing, a circular
-length of 2 (nodes - 1) in each direction is enough to keep the periodic images apart, and that length stays a fast one.
+The pressure is constant on the cell around each node and zero on the edge nodes of the grid.  Love's closed form gives
+the displacement that one cell causes; a convolution by FFT sums over all cells.  Because the pressure is zero on the
+edge, a period of 2 (nodes - 1) in each direction is enough to separate the periodic images, and FFTs of that length are
+fast.
 """
 
 from functools import lru_cache, partial
@@ -19,11 +20,11 @@ jax.config.update("jax_enable_x64", True)  # differences of large numbers need d
 
 
 def love_coefficients(rows: int, columns: int, spacing: float) -> NDArray[np.float64]:
-    """The integral of 1/distance over a cell, seen from a node i, j cells away: shape (rows, columns); [0, 0] its own.
+    """Integral of 1/distance over a cell, for a node [i, j] cells away from it: shape (rows, columns).
 
-    Love AEH, Phil Trans R Soc A 1929;228:377.
+    Source: Love AEH, Phil Trans R Soc A 1929;228:377.
     """
-    # differences of large numbers far from the cell: extended precision keeps them exact to double
+    # far from the cell these are differences of large numbers: extended precision keeps them exact to double
     corner = np.arange(max(rows, columns) + 1, dtype=np.longdouble) - 0.5
     x, y = corner[None, : columns + 1], corner[: rows + 1, None]
     antiderivative = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
@@ -38,16 +39,15 @@ def _unit_spectrum(rows: int, columns: int) -> NDArray[np.float64]:
 
 
 def _distances(nodes: int) -> NDArray[np.int64]:
-    """From the first node to each of a period, either way round."""
+    """Distance from the first node to each node of a period, the shorter way round."""
     period = 2 * (nodes - 1)
     return np.minimum(np.arange(period), period - np.arange(period))
 
 
 def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Array:
-    """What `displacement` needs to know of a grid: real, of shape (2 (n_y - 1), n_x), or (n_y, n_x) where fields
-    are even in Y.
+    """Kernel of `displacement` on a grid: real, shape (2 (n_y - 1), n_x), or (n_y, n_x) if fields are even in Y.
 
-    compliance: the displacement is so much times the double integral of P/distance.
+    compliance: the displacement is this factor times the double integral of P/distance.
     """
     whole = _unit_spectrum(grid.nodes_y, grid.nodes_x) * (compliance * grid.spacing)
     return jnp.asarray(whole[: grid.nodes_y] if grid.even.y else whole, dtype=dtype)
@@ -57,7 +57,7 @@ def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Arr
 def displacement(kernel: Array, P: Array, even: Even = WHOLE) -> Array:
     """Normal displacement under the pressure P, both on the same nodes; P = 0 on the edge.
 
-    Only rows that hold data are transformed along X, and only rows that are wanted are transformed back.  kernel: from
+    Only rows with data are transformed along X, and only rows of the result are transformed back.  kernel: from
     `spectrum`.
     """
     period_x = 2 * (kernel.shape[1] - 1)
@@ -75,9 +75,9 @@ def displacement(kernel: Array, P: Array, even: Even = WHOLE) -> Array:
 
 
 def _cosines(half: Array, period: int) -> Array:
-    """Fourier transform along the last axis of even sequences, given from their axis on; frequencies 0 to period/2."""
+    """Fourier transform along the last axis of even sequences, stored for one side; frequencies 0 to period/2."""
     last, nodes = period // 2, half.shape[1]
-    # every place in a period twice, but for both ends
+    # each entry occurs twice in a period, except the first and the last
     twice = np.where(np.isin(np.arange(nodes), (0, last)), 1.0, 2.0).astype(half.real.dtype)
     once = half * twice
     if jnp.iscomplexobj(once):

@@ -1,4 +1,4 @@
-"""Linear systems by search directions that a preconditioner gives."""
+"""Solution of linear systems by generalised conjugate residuals with a preconditioner."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,20 +7,21 @@ import jax
 import jax.numpy as jnp
 from jax import Array, tree
 
-_Search = tuple[Any, Any, Any, Any, Array]  # x, r, z and apply(z) of the iterations so far, their number
+_Search = tuple[Any, Any, Any, Any, Array]  # x, r; z and apply(z) of the iterations so far; their number
 
 
 def gcr(
     apply: Callable[[Any], Any], direction: Callable[[Array, Any], Any], b: Any, reduction: Array | float, limit: int
 ) -> tuple[Any, Array]:
-    """Solve apply(x) = b until |r| <= reduction |b|, at most `limit` iterations; returns x and their number.
+    """Solve apply(x) = b until |r| <= reduction |b|, in at most `limit` iterations; return x and the iteration count.
 
-    b is an array or a tuple of arrays.  direction(k, r) gives the k-th direction of search from the residual: the
-    preconditioner's answer.
-    Generalised conjugate residuals (Eisenstat, Elman, Schultz, SIAM J Numer Anal 1983;20:345): the same iterates as
-    flexible GMRES, with the residual at hand, so that the preconditioner may be of lower precision.
+    b is an array or a tuple of arrays.  direction(k, r) returns the k-th search direction from the residual r; it
+    applies the preconditioner.
+
+    The method is generalised conjugate residuals (Eisenstat, Elman, Schultz, SIAM J Numer Anal 1983;20:345).  It has
+    the same iterates as flexible GMRES and keeps the residual, so the preconditioner may have lower precision.
     """
-    # z and apply(z) of the iterations so far, the latter orthonormal; only the first k are ever touched
+    # z and apply(z) of the iterations so far, the latter orthonormal; only the first k are used
     zs = ws = tree.map(lambda part: jnp.zeros((limit, *part.shape), part.dtype), b)
     goal = reduction * _norm(b)
 

@@ -1,11 +1,12 @@
-"""Smoothing along X lines: what multigrid needs where its operator has a derivative along X,
+"""Line smoother along X, for multigrid operators with a derivative along X:
 
     e  ->  - div(eps grad e) + (rate + drift d/dX)(stretch * (K e) + local * e),     drift >= 0,
 
-first-order upwind.  A change at a node is then felt at every node downstream, so the nodes of an X line are solved
-together, all lines at once.  Each node keeps the kind of change that suits it: alone (Jacobi) or spread over its
-neighbours (distributive).  Of the couplings along a line the nearest are kept, with the deformation's K00, K10, K20 or
+first-order upwind.  A change at a node affects every node downstream, so all nodes of an X line are solved together,
+and all lines at once.  Each node has the kind of change that suits it: at the node alone (Jacobi) or spread over its
+neighbours (distributive).  Only the nearest couplings along a line are kept, with the deformation's K00, K10, K20 or
 those of a spread change.
+
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
 
@@ -23,21 +24,21 @@ from ertel.numerics.multigrid import Coefficients, Elasticity
 from ertel.numerics.stencils import face_sum
 from ertel.numerics.tridiagonal import Factors
 
-JACOBI_DAMPING = 0.4  # both smaller than point by point: the second-order wedge and a spike want it
+JACOBI_DAMPING = 0.4  # both are smaller than in the point smoother, for the second-order wedge and pressure spikes
 DISTRIBUTIVE_DAMPING = 0.3
 
 
 @register_dataclass
 @dataclass(frozen=True)
 class LineSmoother:
-    """The factors of a tridiagonal matrix for each line; by_jacobi, (n, n): where its solution is not spread."""
+    """The factors of a tridiagonal matrix for each line; by_jacobi, (n, n): 1 where the change is not spread."""
 
     factors: Factors
     by_jacobi: Array
     rate: Array
     drift_over_spacing: Array
     even: Even = field(default=WHOLE, metadata={"static": True})
-    sweeps: int = field(default=2, metadata={"static": True})  # one, damped as it is, leaves too much
+    sweeps: int = field(default=2, metadata={"static": True})  # one damped sweep is not enough
 
     def balance(self, mass: Array) -> Array:
         rise = jnp.pad(mass[:, 1:] - mass[:, :-1], ((0, 0), (1, 0)))
@@ -50,14 +51,14 @@ class LineSmoother:
 
 
 class _Pattern(NamedTuple):
-    """What a change at a node brings about on its own line at a distance of 0, 1 and 2 nodes."""
+    """The effect of a change at a node on its own line, at a distance of 0, 1 and 2 nodes."""
 
     deformation: tuple[Array, Array, Array]
     change: tuple[float, float, float]
 
 
 def line_smoother(elastic: Elasticity, c: Coefficients, rate: Array | float, drift: Array | float) -> LineSmoother:
-    """The smoother for an operator with a derivative along X: rate and drift as in the operator above."""
+    """The smoother for an operator with a derivative along X; rate and drift as in the module's docstring."""
     flow = (jnp.asarray(rate, c.free.dtype), jnp.asarray(drift, c.free.dtype) / elastic.spacing)
     # the derivative multiplies short waves by 1/spacing, long ones by one
     by_jacobi = multigrid.diffusion_rules(elastic, c, flow[0] + flow[1], rate + drift).astype(c.free.dtype)
@@ -68,13 +69,13 @@ def line_smoother(elastic: Elasticity, c: Coefficients, rate: Array | float, dri
 def _bands(
     elastic: Elasticity, c: Coefficients, by_jacobi: Array, rate: Array, drift_over_spacing: Array
 ) -> tuple[Array, Array, Array]:
-    """The operator's three bands on the lines, for a change of each node's kind."""
+    """The operator's three bands on each line; each node has its own kind of change."""
     K, own, along = elastic.near, *_diffusion(elastic, c)
     alone = _Pattern((K[0, 0], K[0, 1], K[0, 2]), (1.0, 0.0, 0.0))
     spread = _Pattern((_spread(K, 0), _spread(K, 1), _spread(K, 2)), (1.0, -0.25, 0.0))
 
     def coupling(k: int, diffusion_alone: Array, diffusion_spread: Array) -> Array:
-        """Row i, column i - k: the change sits k nodes upstream."""
+        """The entry in row i, column i - k: the change is k nodes upstream."""
         kind = _shifted(by_jacobi, k)
         return kind * (diffusion_alone + _carried(c, alone, k, rate, drift_over_spacing)) + (1.0 - kind) * (
             diffusion_spread + _carried(c, spread, k, rate, drift_over_spacing)
@@ -86,7 +87,7 @@ def _bands(
 
 
 def _diffusion(elastic: Elasticity, c: Coefficients) -> tuple[Array, Array]:
-    """The own coefficient of - div(eps grad e), and that of the face upstream."""
+    """The diagonal coefficient of - div(eps grad e), and the coefficient of the upstream face."""
     own, upstream = face_sum(c.eps, elastic.even), 0.5 * (c.eps.x + _upstream(c.eps.x))
     return own / elastic.spacing**2, upstream / elastic.spacing**2
 
@@ -105,12 +106,13 @@ def _carried(c: Coefficients, pattern: _Pattern, k: int, rate: Array, drift_over
     def slope(k: int) -> Array:
         return drift_over_spacing * (mass(k) - _upstream(mass(k - 1)))
 
-    # what lies outside the three bands goes to the nearest: a uniform change must have no slope, or it grows downstream
+    # couplings outside the three bands are added to the nearest band: a uniform change must have no slope, otherwise
+    # it grows downstream
     return rate * mass(k) + slope(k) + (slope(2) if k == 1 else 0.0)
 
 
 def _upstream(f: Array) -> Array:
-    """At each node the value of the node before it on its line."""
+    """At each node, the value at the previous node of its line."""
     return _shifted(f, 1)
 
 
@@ -119,5 +121,5 @@ def _downstream(f: Array) -> Array:
 
 
 def _shifted(f: Array, k: int) -> Array:
-    """k nodes further down the lines; zero comes in at their ends."""
+    """The field shifted by k nodes along the lines; zeros enter at the ends."""
     return jax.lax.pad(f, jnp.zeros((), f.dtype), ((0, 0, 0), (k, -k, 0)))

@@ -1,13 +1,14 @@
-"""A multigrid V-cycle for the linear operators that lubrication leads to, used as a preconditioner.
+"""A multigrid V-cycle for the linear operators of lubrication, used as a preconditioner.
 
 On every grid the operator is
 
     e  ->  - div(eps grad e) + stretch * (K e) + local * e        (zero where a node is not free)
 
-with eps (along X and along Y, `stencils.Pair`) from almost nothing (inside a contact, where the elastic deformation K e
-rules) to very large (outside, where diffusion rules).  Each node is smoothed by what is stiff there: Jacobi where
-diffusion is, and where the deformation is, distributive Jacobi: a change is spread as (1; -1/4 to the four neighbours),
-whose deformation is short-ranged.
+eps has values along X and along Y (`stencils.Pair`).  It is almost zero inside a contact, where the elastic deformation
+K e dominates, and very large outside, where diffusion dominates.  The smoother is chosen node by node: Jacobi where
+diffusion dominates, distributive Jacobi where the deformation dominates.  Distributive Jacobi spreads a change as
+(1; -1/4 to the four neighbours); the deformation of such a change is short-ranged.
+
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
 
@@ -28,7 +29,7 @@ from ertel.numerics.symmetry import extended
 
 JACOBI_DAMPING = 0.8
 DISTRIBUTIVE_DAMPING = 0.7
-SPREAD_DIFFUSION = 2.0  # 1.25 is the diagonal, but the shortest wave meets 4 and would grow where eps is large
+SPREAD_DIFFUSION = 2.0  # 1.25 is the diagonal, but the shortest wave has 4 and would grow where eps is large
 SHORT_WAVES, LONG_WAVES = 0.3, 0.03  # Jacobi where diffusion exceeds these shares of the deformation's stiffness
 
 
@@ -37,7 +38,7 @@ SHORT_WAVES, LONG_WAVES = 0.3, 0.03  # Jacobi where diffusion exceeds these shar
 class Elasticity:
     """The deformation operator on one grid: its spectrum, spacing, and coefficients of the nearest nodes, [Y, X].
 
-    even: where fields are kept on one side of an axis (`symmetry`).
+    even: the axes about which fields are even and stored on one side (`symmetry`).
     """
 
     spectrum: Array
@@ -50,7 +51,7 @@ class Elasticity:
 
 
 class Coefficients(NamedTuple):
-    """The operator's coefficients on one grid, each of its shape; free is 1 where e may differ from zero."""
+    """The operator's coefficients on one grid, each of the grid's shape; free is 1 where e may be non-zero."""
 
     eps: Pair
     stretch: Array
@@ -59,15 +60,15 @@ class Coefficients(NamedTuple):
 
 
 class Smoother(Protocol):
-    """How one grid is relaxed, and what becomes of the mass stretch * (K e) + local * e in its operator."""
+    """The relaxation of one grid, and the term that the mass stretch * (K e) + local * e adds to the operator."""
 
     @property
     def sweeps(self) -> int:
-        """How many before, and how many after, the correction from the coarser grid."""
+        """Number of sweeps before, and also after, the correction from the coarser grid."""
         ...
 
     def balance(self, mass: Array) -> Array:
-        """The mass as it enters the operator: by itself, or also its rate of change along X (`line_smoother`)."""
+        """The mass term of the operator: the mass itself, or also its derivative along X (`line_smoother`)."""
         ...
 
     def change(self, r: Array) -> Array:
@@ -78,7 +79,7 @@ class Smoother(Protocol):
 @register_dataclass
 @dataclass(frozen=True)
 class PointSmoother:
-    """Node by node: the inverse diagonals of the two kinds of change (zero where not in use)."""
+    """Smoother for single nodes: the inverse diagonals of the two kinds of change (zero where not in use)."""
 
     jacobi: Array
     distributive: Array
@@ -98,9 +99,9 @@ Operator = Callable[[Array, Array], Array]  # a linear map of e and its deformat
 @register_dataclass
 @dataclass(frozen=True)
 class GridLevel:
-    """One grid of the hierarchy: the operator, and coefficients near it for the smoother.
+    """One grid of the hierarchy: the operator, and approximate coefficients for the smoother.
 
-    inverse: of the operator, dense; of the coarsest grid alone.
+    inverse: the dense inverse of the operator; on the coarsest grid only.
     """
 
     elasticity: Elasticity
@@ -137,9 +138,9 @@ def hierarchy(
     smoother: Callable[[Elasticity, Coefficients], Smoother] = point_smoother,
     operator: Operator | None = None,
 ) -> tuple[GridLevel, ...]:
-    """The grids, finest first: eps by full weighting, everything else by injection.
+    """The levels, finest first: eps is restricted by full weighting, everything else by injection.
 
-    operator: on the finest grid, where it is not just the one above (the exact Jacobian, say).
+    operator: the operator on the finest grid if it differs from the module's (for example the exact Jacobian).
     """
     coefficients = finest
     levels = []
@@ -155,8 +156,8 @@ def hierarchy(
 def diffusion_rules(
     elastic: Elasticity, c: Coefficients, short: Array | float = 1.0, long: Array | float = 1.0
 ) -> Array:
-    """Where Jacobi smooths: diffusion outweighs the deformation, times stretch and short (long) for such waves."""
-    # Jacobi amplifies long waves by their deformation, which is of order one on every grid, over the diffusion
+    """Where Jacobi smooths: diffusion exceeds stretch times the deformation of short (long) waves times its share."""
+    # Jacobi amplifies long waves by the ratio of their deformation (of order one on every grid) to the diffusion
     stiffness = SHORT_WAVES * elastic.near[0, 0] * short + LONG_WAVES * long
     return face_sum(c.eps, elastic.even) / elastic.spacing**2 > stiffness * c.stretch
 
@@ -166,7 +167,7 @@ def _operate(elastic: Elasticity, c: Coefficients, smoother: Smoother, e: Array,
 
 
 def apply(level: GridLevel, e: Array, Ke: Array | None = None) -> Array:
-    """The operator; K e is summed if not given."""
+    """The operator applied to e; K e is computed if it is not given."""
     deformation = level.elasticity.displacement(e) if Ke is None else Ke
     return level.coefficients.free * level.operator(e, deformation)
 
@@ -174,8 +175,8 @@ def apply(level: GridLevel, e: Array, Ke: Array | None = None) -> Array:
 def v_cycle(levels: Sequence[GridLevel], r: Array) -> Array:
     """An approximate solution e of `apply(levels[0], e) = r`; both vanish where a node is not free.
 
-    No deformation is summed on the grid itself: that of a sweep's change is summed on the coarser grid and corrected
-    for near nodes, that of a correction from the coarser grid is interpolated.
+    No deformation is computed on the grid itself.  The deformation of a sweep's change is computed on the coarser grid
+    and corrected for near nodes.  The deformation of a correction from the coarser grid is interpolated.
     """
     level, coarser, even = levels[0], levels[1:], levels[0].elasticity.even
     if level.inverse is not None:
@@ -191,7 +192,7 @@ def v_cycle(levels: Sequence[GridLevel], r: Array) -> Array:
 def nearly_deformed(level: GridLevel, coarser: GridLevel, e: Array) -> Array:
     """K e by multilevel integration: the smooth part on the coarser grid, the rest from the nearest nodes.
 
-    What a coarser grid cannot represent changes sign from node to node, so that its deformation is short-ranged.
+    The part that a coarser grid cannot represent changes sign from node to node; its deformation is short-ranged.
     Source: Brandt A, Lubrecht AA. Multilevel matrix multiplication. J Comput Phys 1990;90:348.
     """
     smooth_part = restrict(e, level.elasticity.even)
@@ -200,7 +201,7 @@ def nearly_deformed(level: GridLevel, coarser: GridLevel, e: Array) -> Array:
 
 
 def deformed_nearby(level: GridLevel, e: Array) -> Array:
-    """The part of K e that comes from the node itself and the eight around it."""
+    """The part of K e that is caused by the node itself and the eight nodes around it."""
     p, K = extended(e, level.elasticity.even), level.elasticity.near
     beside = (p[1:-1, :-2] + p[1:-1, 2:]) + (p[:-2, 1:-1] + p[2:, 1:-1])
     diagonally = (p[:-2, :-2] + p[2:, 2:]) + (p[:-2, 2:] + p[2:, :-2])
@@ -208,20 +209,21 @@ def deformed_nearby(level: GridLevel, e: Array) -> Array:
 
 
 def precondition(levels: Sequence[GridLevel], r: Array) -> Array:
-    """A V-cycle in the precision of the levels, for a residual r of any size and precision."""
-    size = jnp.linalg.norm(r)  # keeps a small residual away from the end of the float range
+    """A V-cycle in the precision of the levels, for a residual r of any magnitude and precision."""
+    size = jnp.linalg.norm(r)  # scaling prevents underflow of a small residual
     return v_cycle(levels, (r / size).astype(levels[0].coefficients.free.dtype)).astype(r.dtype) * size
 
 
 def v_cycle_convolutions(grid: Grid) -> float:
-    """The work of a V-cycle: its convolutions, each counted by the nodes of its grid over those of the finest."""
+    """The work of a V-cycle in convolutions; each counts as the nodes of its grid over those of the finest grid."""
     return sum(2.0 * g.size / grid.size for g in grid.hierarchy()[1:])
 
 
 def relax(level: GridLevel, r: Array) -> Array:
     """The change of e by all sweeps, given the residual r.
 
-    A later sweep sees only what the nearest nodes deform: enough, as changes are spread, or made where diffusion rules.
+    A later sweep includes only the deformation by the nearest nodes.  This is enough, because changes are either spread
+    or made where diffusion dominates.
     """
     e = smooth(level, r)
     for _ in range(level.smoother.sweeps - 1):
@@ -239,7 +241,7 @@ def _inverse(level: GridLevel) -> Array:
     free = level.coefficients.free
     unit_vectors = jnp.eye(free.size, dtype=free.dtype).reshape(free.size, *free.shape)
     matrix = jax.vmap(lambda e: apply(level, e).ravel())(unit_vectors).T * free.ravel() + jnp.diag(1.0 - free.ravel())
-    # in double precision: its rows differ by many orders, and elimination compares them
+    # in double precision, because the rows differ by many orders of magnitude
     return jnp.linalg.inv(matrix.astype("float64")).astype(free.dtype)
 
 
@@ -251,7 +253,7 @@ def spread(d: Array, even: Even = WHOLE) -> Array:
 
 @partial(jax.jit, static_argnames=("even", "beyond"))  # one tracing for each shape
 def restrict(fine: Array, even: Even = WHOLE, beyond: str = "constant") -> Array:
-    """Full weighting to every second node; beyond the edge the field is zero ("constant") or goes on ("edge")."""
+    """Full weighting to every second node; beyond the edge the field is zero ("constant") or constant ("edge")."""
     p = extended(fine, even, beyond)
     in_y = 0.25 * (p[:-2:2] + 2.0 * p[1:-1:2] + p[2::2])
     return 0.25 * (in_y[:, :-2:2] + 2.0 * in_y[:, 1:-1:2] + in_y[:, 2::2])
@@ -265,7 +267,7 @@ def prolong(coarse: Array) -> Array:
 
 
 def prolong_smooth(coarse: Array) -> Array:
-    """Cubic interpolation to twice as many cells, linear next to the edge: second derivatives are kept."""
+    """Cubic interpolation to twice as many cells, linear next to the edge; it preserves second derivatives."""
     return _interpolate(_interpolate(coarse).T).T
 
 
@@ -275,6 +277,6 @@ def _interpolate(coarse: Array) -> Array:
 
 
 def interleave(nodes: Array, between: Array) -> Array:
-    """Rows in turn: those of the nodes, and between them the others, one fewer."""
+    """Interleaved rows: those of `nodes`, with the rows of `between` (one fewer) between them."""
     pairs = jnp.stack([nodes[:-1], between], axis=1)
     return jnp.concatenate([pairs.reshape(-1, nodes.shape[1]), nodes[-1:]])

@@ -1,12 +1,12 @@
-"""Newton-Krylov for a field P >= 0 whose partner H depends on it linearly, with an active set.
+"""Newton-Krylov iteration with an active set, for a field P >= 0 and a field H that is affine in P.
 
     r(P, H) = 0 where P > 0,   r(P, H) >= 0 where P = 0,   H = H(P) affine
 
-The Jacobian is exact (automatic differentiation of r); the affine part is given as its own linear map, because it is
-the expensive one (in elastohydrodynamics a convolution): each Newton iteration needs it once, each Krylov iteration
-once more besides what the preconditioner does.
+The Jacobian is exact (automatic differentiation of r).  The affine part is given as a separate linear map, because it
+is expensive (a convolution): each Newton iteration and each Krylov iteration needs it once, not counting the
+preconditioner.
 
-H may depend on one more unknown, a number with a linear equation of its own (a load to be carried): see `Border`.
+H may depend on one more unknown, a number with a linear equation of its own (such as a given load): see `Border`.
 """
 
 from collections.abc import Callable
@@ -24,13 +24,14 @@ Map = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class Options:
-    """Limits of the iteration; `largest_change` bounds the change of P, and that of s, in one Newton iteration.
+    """Limits of the iteration; `largest_change` bounds the change of P, and of s, in one Newton iteration.
 
-    The Krylov iteration reduces by first_reduction in the first one, at most by krylov_reduction later: see `_forcing`.
+    first_reduction: reduction of the linear residual in the first Newton iteration.  krylov_reduction: the strongest
+    reduction in later ones, see `_forcing`.
     """
 
-    newton_least: int = 1  # not 0: the errors of predictions within the tolerance would pile up from solve to solve
-    newton_limit: int = 40  # few are needed, but a free boundary may have many nodes to advance, one at a time
+    newton_least: int = 1  # not 0: errors of predictions within the tolerance would accumulate from step to step
+    newton_limit: int = 40  # few are needed, but a free boundary may advance over many nodes, one per iteration
     krylov_limit: int = 16
     krylov_reduction: float = 1e-2
     first_reduction: float = 1e-2
@@ -40,8 +41,8 @@ class Options:
 class Border(NamedTuple):
     """One more unknown: a number s, by which H changes uniformly, and its linear equation misfit(P, s) = 0.
 
-    s: the first guess.  tolerance: of the misfit.  weight: of the misfit beside the field's residual in the norm that
-    the Krylov iteration reduces.
+    s: the first guess.  tolerance: bound of the misfit.  weight: weight of the misfit, relative to the field's
+    residual, in the norm that the Krylov iteration reduces.
     """
 
     s: Array | float
@@ -55,9 +56,10 @@ NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
 
 
 class Solution(NamedTuple):
-    """P and H, both (n, n); the largest residual in units of the tolerance; whether it met it; the work done.
+    """P and H, both (n, n); the maximum residual in units of the tolerance; whether it converged; the work.
 
-    history: that residual before the first and after each Newton iteration, shape (newton_limit + 1,), then NaN.
+    history: the maximum residual before the first and after each Newton iteration, shape (newton_limit + 1,), padded
+    with NaN.
     """
 
     P: Array
@@ -94,10 +96,10 @@ def solve(
     options: Options = Options(),
     border: Border = NO_BORDER,
 ) -> Solution:
-    """Solve from the first guess P with its partner H = H(P), both of shape (n, n).
+    """Solve from the first guess P and the matching H = H(P), both of shape (n, n).
 
-    partner_change maps a change of P to that of H.  preconditioner(P, H, free) returns an approximate inverse of the
-    Jacobian on the free nodes.  tolerance bounds |r| at every free node.
+    partner_change maps a change of P to the change of H.  preconditioner(P, H, free) returns an approximate inverse of
+    the Jacobian on the free nodes.  tolerance bounds |r| at every free node.
     """
     tiny = jnp.finfo(P.dtype).tiny
     weight = jnp.asarray(border.weight, P.dtype)
@@ -125,13 +127,13 @@ def solve(
         column = free * change_of_r(jnp.zeros_like(it.P), jnp.full_like(it.H, border.dH_ds))
 
         def direction(k: Array, r: _Pair) -> _Pair:
-            """Of the search: a change of s and the field's answer to it first, then changes of the field alone."""
+            """Search direction k: first a change of s with the field's response, then changes of the field alone."""
             if border is NO_BORDER:
                 return inverse(r[0]), r[1]
             return inverse(jnp.where(k == 0, -column, r[0])), jnp.where(k == 0, 1.0, 0.0)
 
         (dP, ds), krylov = gcr(jacobian, direction, (-free * r, -weight * misfit), it.forcing, options.krylov_limit)
-        # all nodes by the same share: where the few of a spike alone are held back, their neighbours lose their balance
+        # scale all nodes by the same factor: limiting only the few nodes of a spike unbalances their neighbours
         largest = jnp.maximum(jnp.max(jnp.abs(dP)), jnp.abs(ds))
         share = jnp.minimum(1.0, options.largest_change / jnp.maximum(largest, tiny))
         P_new, s_new = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
@@ -150,14 +152,14 @@ def solve(
     return Solution(last.P, last.H, last.s, last.size, last.size <= 1.0, last.newton, last.krylov, last.history)
 
 
-LOOSEST = 0.1  # reduction by the Krylov iteration while Newton's gains little
+LOOSEST = 0.1  # weakest reduction by the Krylov iteration, while Newton's iteration converges slowly
 
 
 def _forcing(options: Options, gain: Array, size: Array) -> Array:
-    """By how much the next linear residual is to be reduced: not beyond what Newton's iteration can make use of.
+    """Reduction of the next linear residual, limited to what is useful for Newton's iteration and for the tolerance.
 
-    gain: the last factor on the largest residual; when Newton's iteration converges, the next is about its square.
-    Source: Eisenstat SC, Walker HF. SIAM J Sci Comput 1996;17:16 (choice 2), and not far beyond the tolerance.
+    gain: the last reduction factor of the maximum residual.  When Newton's iteration converges, the next factor is
+    about its square.  Source: Eisenstat SC, Walker HF. SIAM J Sci Comput 1996;17:16 (choice 2).
     """
     useful = jnp.clip(gain**2, options.krylov_reduction, LOOSEST)
     return jnp.maximum(useful, jnp.minimum(0.3 / size, 0.3))
@@ -165,4 +167,4 @@ def _forcing(options: Options, gain: Array, size: Array) -> Array:
 
 def _free(P: Array, r: Array) -> Array:
     """1 where the equation holds, 0 where P is held at zero."""
-    return jnp.where((P > 0.0) | ~(r >= 0.0), 1.0, 0.0)  # free too where r is not a number, so that it shows
+    return jnp.where((P > 0.0) | ~(r >= 0.0), 1.0, 0.0)  # free also where r is NaN, so that the NaN is not hidden

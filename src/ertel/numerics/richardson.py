@@ -1,4 +1,4 @@
-"""Richardson's extrapolation: what two grids tell of the error, for a method of second order."""
+"""Richardson extrapolation: the error estimate from two grids, for a second-order method."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -13,12 +13,12 @@ class Extrapolation(NamedTuple):
 
 
 def extrapolate(coarse: float, fine: float) -> Extrapolation:
-    """From the values on a grid and on that of half its spacing: the error falls with the square of the spacing."""
+    """Extrapolation from a grid and the grid with half its spacing; the error is proportional to spacing squared."""
     step = (fine - coarse) / 3
     return Extrapolation(fine, abs(step), fine + step)
 
 
 def expected(values: Sequence[float]) -> float:
-    """The value on the next grid from those on the coarser ones (coarsest first): its change falls fourfold."""
+    """The expected value on the next finer grid, from the values so far (coarsest first): the change falls fourfold."""
     *earlier, last = values[-2:]
     return last + sum(last - e for e in earlier) / 4

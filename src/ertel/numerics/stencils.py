@@ -1,6 +1,6 @@
-"""Differences on a node-centred grid of square cells: diffusion, the slope upstream, the edge.
+"""Finite differences on a node-centred grid of square cells: diffusion, upstream slope, edge values.
 
-Arrays have the shape of the grid, index [Y, X].  `even` says on which axes only one side is kept (`symmetry`).
+Arrays have the shape of the grid, index [Y, X].  `even` says about which axes only one side is stored (`symmetry`).
 """
 
 from functools import partial
@@ -14,7 +14,7 @@ from ertel.numerics.symmetry import extended
 
 
 class Pair(NamedTuple):
-    """A coefficient along X and along Y; `other` is None where both are one array, so that nothing is done twice."""
+    """A coefficient along X and along Y; `other` is None if both are the same array, to save work."""
 
     x: Array
     other: Array | None = None
@@ -33,12 +33,12 @@ class Pair(NamedTuple):
 def diffusion(eps: Pair, f: Array, even: Even = WHOLE) -> Array:
     """d/dX(eps_x df/dX) + d/dY(eps_y df/dY) on unit spacing, conservative, second order.
 
-    eps is averaged at the faces between nodes; f vanishes beyond the edge.  Of no meaning on the edge nodes.
+    eps is averaged at the faces between nodes; f is zero beyond the edge.  The result has no meaning on the edge nodes.
     """
     c, p = _beyond(eps, even), extended(f, even)
     in_X = 0.5 * (c.x[1:-1, 1:] + c.x[1:-1, :-1]) * (p[1:-1, 1:] - p[1:-1, :-1])
     in_Y = 0.5 * (c.y[1:, 1:-1] + c.y[:-1, 1:-1]) * (p[1:, 1:-1] - p[:-1, 1:-1])
-    # summed in pairs, here and elsewhere: to the last bit the same whichever axis comes first
+    # summed in pairs, here and elsewhere, so that swapping X and Y gives the same result to the last bit
     total: Array = (in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])
     return total
 
@@ -52,7 +52,7 @@ def face_sum(eps: Pair, even: Even = WHOLE) -> Array:
 
 
 def _beyond(eps: Pair, even: Even) -> Pair:
-    """With one more node on every side."""
+    """The coefficient with one more node on every side."""
     found: Pair = tree.map(partial(extended, even=even, beyond="edge"), eps)
     return found
 
@@ -65,6 +65,6 @@ def upstream_slope(f: Array, spacing: Array | float) -> Array:
 
 
 def inside(values: Array, even: Even = WHOLE) -> Array:
-    """The values with the edge set to zero; an axis of symmetry is no edge."""
+    """The values with the edge set to zero; an axis of symmetry is not an edge."""
     low_y, low_x = (0 if mirror else 1 for mirror in even)
     return jnp.pad(values[low_y:-1, low_x:-1], ((low_y, 1), (low_x, 1)))

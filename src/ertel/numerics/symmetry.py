@@ -1,6 +1,6 @@
-"""Fields that are even about Y = 0 or X = 0, stored on one side of the axis, which is their first row or column.
+"""Fields that are even about Y = 0 or X = 0.  Only one side is stored; the axis is the first row or column.
 
-A smooth impact needs a quarter of the plane, rolling a half.
+A smooth impact needs a quarter of the plane, rolling needs a half.
 """
 
 from functools import partial
@@ -14,7 +14,7 @@ from ertel.numerics.grid import Even
 
 @partial(jax.jit, static_argnames=("even", "beyond"))  # one tracing for each shape
 def extended(field: Array, even: Even, beyond: str = "constant") -> Array:
-    """The field with one more node on every side: beyond an axis its mirror image, elsewhere zero or "edge"."""
+    """The field with one more node on every side: the mirror image across an axis, elsewhere zero or "edge"."""
     p = jnp.pad(field, 1, mode=beyond)
     if even.y:
         p = p.at[0].set(p[2])
@@ -29,7 +29,7 @@ def unfolded(field: Array, even: Even) -> Array:
 
 
 def folded(field: Array, even: Even) -> Array:
-    """The part that is kept of a field on the whole plane."""
+    """The stored part of a field on the whole plane."""
     rows, columns = field.shape
     return field[rows // 2 if even.y else 0 :, columns // 2 if even.x else 0 :]
 

@@ -1,8 +1,9 @@
-"""Many tridiagonal systems at once, factorised once and solved often, by cyclic reduction.
+"""Cyclic reduction for many tridiagonal systems at once, factorised once and solved often.
 
-Every second unknown is eliminated, then every second of those left: the grids of multigrid, on which the coarse problem
-is exact.  No unknown waits for its neighbour, as it does in elimination along the line.  Rows are not exchanged: for
-matrices whose diagonal is not small beside the rest of its row.
+Every second unknown is eliminated, then every second of the rest, and so on, as on the grids of multigrid; here the
+coarse problem is exact.  The unknowns of one level are independent, unlike those in elimination along the line.  Rows
+are not exchanged, so the diagonal must not be small compared with the rest of its row.
+
 Source: Hockney RW. A fast direct solution of Poisson's equation using Fourier analysis. J ACM 1965;12:95.
 """
 
@@ -15,18 +16,18 @@ from jax import Array
 
 from ertel.numerics.multigrid import interleave
 
-SHORT = 33  # nodes on a line that elimination solves as fast
+SHORT = 33  # nodes per line; elimination is as fast for lines up to this length
 
 
 class Rows(NamedTuple):
-    """Rows of matrices with a diagonal of one, both parts of shape (lines, n): what multiplies the nodes beside."""
+    """Rows of matrices with unit diagonal: the coefficients of the two neighbours, each of shape (lines, n)."""
 
     lower: Array
     upper: Array
 
 
 class Halving(NamedTuple):
-    """The rows of the odd and the even nodes; by what the even ones are multiplied once the odd are eliminated."""
+    """The rows of the odd and the even nodes, and the scale factors of the even rows after the odd are eliminated."""
 
     odd: Rows
     even: Rows
@@ -34,7 +35,7 @@ class Halving(NamedTuple):
 
 
 class Factors(NamedTuple):
-    """By what the rows were multiplied, the halvings, longest lines first, and the rows that are left."""
+    """The scale factors of the rows, the halvings (longest lines first), and the remaining rows."""
 
     scale: Array
     halvings: tuple[Halving, ...]
@@ -42,9 +43,9 @@ class Factors(NamedTuple):
 
 
 def factorise(lower: Array, diagonal: Array, upper: Array) -> Factors:
-    """Of the matrices with these bands, (lines, n): what multiplies unknowns i - 1, i and i + 1 in row i.
+    """Factors of the matrices with these bands, (lines, n): coefficients of unknowns i - 1, i and i + 1 in row i.
 
-    Halves the lines as long as their number of nodes is odd and above SHORT.
+    Lines are halved while their number of nodes is odd and above SHORT.
     """
     rows, halvings = Rows(lower / diagonal, upper / diagonal), []
     while (n := rows.lower.shape[1]) > SHORT and n % 2:
@@ -69,7 +70,7 @@ def _solve(halvings: Sequence[Halving], rest: Rows, b: Array) -> Array:
 
 
 def _halve(rows: Rows) -> tuple[Halving, Rows]:
-    """The halving, and the rows of the even nodes without the odd ones."""
+    """The halving, and the rows of the even nodes after elimination of the odd nodes."""
     odd, even = (Rows(*(part[:, first::2] for part in rows)) for first in (1, 0))
     diagonal = 1.0 - even.lower * _before(odd.upper) - even.upper * _after(odd.lower)
     lower, upper = -even.lower * _before(odd.lower), -even.upper * _after(odd.upper)
@@ -77,7 +78,7 @@ def _halve(rows: Rows) -> tuple[Halving, Rows]:
 
 
 def _before(odd: Array) -> Array:
-    """At each even node the value of the odd one before it; zero before the first."""
+    """At each even node, the value at the odd node before it; zero at the first."""
     return jnp.pad(odd, ((0, 0), (1, 0)))
 
 

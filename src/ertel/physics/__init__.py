@@ -1,1 +1,1 @@
-"""Pointwise laws and closed forms, without a grid: scales, Hertz, the oil, the motion, surfaces, film formulas."""
+"""Pointwise laws and closed-form solutions without a grid: scales, Hertz, oil, motion, surfaces, film formulas."""

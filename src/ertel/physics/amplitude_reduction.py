@@ -1,4 +1,7 @@
-"""Amplitude reduction of waviness: what a contact leaves of a wave A_i cos(2 pi x/Lx) cos(2 pi y/Ly), A_d/A_i."""
+"""Amplitude reduction A_d/A_i of the waviness A_i cos(2 pi x/Lx) cos(2 pi y/Ly) in a contact.
+
+A_i is the initial amplitude and A_d the deformed amplitude.
+"""
 
 from math import exp
 
@@ -9,12 +12,14 @@ LINE_NABLA = 0.6076  # nabla1/nabla2 of the same wavelength, contact half width 
 
 
 def ratio_left(nabla2: ArrayLike, ratio: float = 1.0) -> NDArray[np.float64]:
-    """A_d/A_i = 1/(1 + 0.15 n + 0.015 n^2), n = f(r) nabla2, eq. (15): waviness cos(2 pi x/Lx) cos(2 pi y/Ly).
+    """A_d/A_i = 1/(1 + 0.15 n + 0.015 n^2) with n = f(r) nabla2, eq. (15), for cos(2 pi x/Lx) cos(2 pi y/Ly).
 
-    nabla2: eq. (16) with the shorter of both wavelengths, see `Parameters.nabla2`, of any shape.  ratio: r = Lx/Ly, x
-    along the rolling; f = exp(1 - 1/r) above one, otherwise 1: isotropic and transverse waves (r = 0) have the same
-    curve, longitudinal ones (infinite r) f = e.  f by Venner CH, Lubrecht AA. Proc IMechE J 2005;219:303-312 (the
-    paper's [20]), as it is cited since, not seen in that text.
+    nabla2 is eq. (16) with the shorter of the two wavelengths (see `Parameters.nabla2`); it may have any shape.
+    ratio is r = Lx/Ly with x in the rolling direction.  f = exp(1 - 1/r) for r > 1 and f = 1 otherwise.  Isotropic and
+    transverse waves (r = 0) therefore have the same curve, and longitudinal waves (infinite r) have f = e.
+
+    Source of f: Venner CH, Lubrecht AA. Proc IMechE J 2005;219:303-312 (the paper's reference [20]).  f is taken from
+    later citations; the original text was not checked.
     """
     if not ratio >= 0:
         raise ValueError(f"ratio = {ratio}: must not be negative")
@@ -25,10 +30,12 @@ def ratio_left(nabla2: ArrayLike, ratio: float = 1.0) -> NDArray[np.float64]:
 def in_line_contact(nabla2: ArrayLike) -> NDArray[np.float64]:
     """A_d/A_i = 1/(1 + 0.125 nabla1 + 0.04 nabla1^2): transverse waviness in a line contact under pure rolling.
 
-    Venner CH, Couhier F, Lubrecht AA, Greenwood JA. Proc Leeds-Lyon 1996 (1997:103-112) for nabla1 = (wavelength/b)
-    M^{3/4}/L^{1/2} with the line contact's M and L; the coefficients as they are cited since, not seen in that text.
-    There alpha_bar lambda_bar = (3 pi^2/8)/sqrt(2 pi) L/M^{3/2}, so nabla1 = 0.608 nabla2 = 1.215 (wavelength/b)/
-    sqrt(alpha_bar lambda_bar).
+    Source: Venner CH, Couhier F, Lubrecht AA, Greenwood JA. Proc Leeds-Lyon 1996 (1997:103-112).  There nabla1 =
+    (wavelength/b) M^{3/4}/L^{1/2} with the line contact's M and L.  The coefficients are taken from later citations;
+    the original text was not checked.
+
+    A line contact has alpha_bar lambda_bar = (3 pi^2/8)/sqrt(2 pi) L/M^{3/2}.  Therefore nabla1 = 0.608 nabla2 =
+    1.215 (wavelength/b)/sqrt(alpha_bar lambda_bar).
     """
     n = LINE_NABLA * np.asarray(nabla2, dtype=float)
     return np.asarray(1.0 / (1.0 + 0.125 * n + 0.04 * n**2))

@@ -1,7 +1,7 @@
-"""The geometry of two bodies that touch: their undeformed gap, and the constants of Hertz' dry contact in its scales.
+"""The geometry of two touching bodies: their undeformed gap and the dimensionless constants of the dry Hertz contact.
 
-A geometry is a record with the fields and methods of `Geometry`; all of the model asks it and nothing else for them.
-Everything is dimensionless: lengths along the surface in a, displacement and approach in a^2/R, pressure in p_h.
+A geometry is a record with the fields and methods of `Geometry`.  It is the model's only source of them.  Everything
+is dimensionless: lengths along the surface in a, displacement and approach in a^2/R, pressure in p_h.
 """
 
 from dataclasses import dataclass
@@ -11,15 +11,15 @@ from typing import Any, Protocol
 Array = Any  # a NumPy or JAX array
 
 HERTZ_LOAD = 2.0 * pi / 3.0  # double integral of sqrt(1 - r^2): the dry load that carries Delta = 1
-COMPLIANCE = 2.0 / pi**2  # of eq. (3): the displacement is so much times the double integral of P/distance
+COMPLIANCE = 2.0 / pi**2  # factor in eq. (3): the displacement is this times the double integral of P/distance
 FREE_BALL_INERTIA = 4.0 / 5.0  # m delta*/(F* t0^2) in the scales of an impact: m v0^2/2 = (2/5) F* delta*
 
 
 class Geometry(Protocol):
     """Two bodies near their point of contact.
 
-    hertz_load: double integral of the dry pressure of Delta = 1.  compliance: the displacement is so much times the
-    double integral of P/distance.  even: whether the gap is even in Y, and in X.
+    hertz_load: double integral of the dry pressure at Delta = 1.  compliance: the displacement is this factor times the
+    double integral of P/distance.  even: two values, whether the gap is even in Y and whether it is even in X.
     """
 
     @property
@@ -32,21 +32,21 @@ class Geometry(Protocol):
     def even(self) -> tuple[bool, bool]: ...
 
     def gap(self, X: Array, Y: Array) -> Array:
-        """The distance of the undeformed surfaces where they just touch; X and Y broadcast."""
+        """The gap between the undeformed surfaces when they just touch; X and Y broadcast."""
         ...
 
     def dry_pressure(self, load: float, X: Array, Y: Array) -> Array:
-        """Hertz' pressure under a load in units of F*."""
+        """Hertz pressure under a load given in units of F*."""
         ...
 
     def dry_approach(self, load: float) -> float:
-        """Hertz' approach under a load in units of F*."""
+        """Hertz approach under a load given in units of F*."""
         ...
 
 
 @dataclass(frozen=True)
 class Circle:
-    """A ball on a plane, or any two bodies of one reduced radius in all directions."""
+    """A ball on a plane, or two bodies with the same reduced radius in all directions."""
 
     hertz_load: float = HERTZ_LOAD
     compliance: float = COMPLIANCE

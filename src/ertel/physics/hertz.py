@@ -1,16 +1,16 @@
-"""Without oil: the static Hertzian contact and the impact of an elastic ball, exact and by the paper's asymptotes.
+"""The dry contact: static Hertz contact and impact of an elastic ball, exact and by the paper's asymptotes.
 
 Everything is dimensionless: lengths along the surface in a, pressure in p_h, normal displacement and approach in
-delta* = a^2/R, time T in t0 = delta*/v0, loads in F* (see `scales`); a, p_h, delta*, F* belong to the dry impact at its
-maximum.  All functions take numbers or arrays of any shape and give the same shape.
+delta* = a^2/R, time T in t0 = delta*/v0, loads in F* (see `scales`).  a, p_h, delta*, F* belong to the dry impact at
+maximum approach.  All functions take numbers or arrays of any shape and return the same shape.
 
-At a moment of the dry impact the contact is Hertzian with radius A = a(t)/a* and approach Delta = A^2, and the ball's
+At any time in the dry impact the contact is Hertzian with radius A = a(t)/a* and approach Delta = A^2.  The ball's
 energy gives (dDelta/dT)^2 = 1 - Delta^{5/2}.  With x = Delta^{5/2} the time from first touch is an incomplete beta
-function, T = (2/5) B(x; 2/5, 1/2), which SciPy also inverts: the exact motion needs no integration in time.  SciPy is
-imported where it is needed: the scales of an impact answer at once without it.
+function, T = (2/5) B(x; 2/5, 1/2).  SciPy also inverts it, so the exact motion needs no integration in time.  SciPy is
+imported inside the functions that need it, because the scales of an impact do not need it and its import is slow.
 
-The paper's asymptotes measure time from the maximum and call three different things t*: here `t_star` is half the
-contact time in (18)-(21) and half the base of the parabola in (14), (22)-(24).
+The paper's asymptotes measure time from maximum approach.  The paper uses t* for three different times.  Here `t_star`
+is half the contact time in (18)-(21) and half the base of the parabola in (14), (22)-(24).
 """
 
 from math import gamma, pi, sqrt
@@ -22,9 +22,9 @@ from ertel.physics.scales import require_positive
 
 Values = NDArray[np.float64]
 
-CONTACT_TIME = 0.8 * gamma(0.4) * gamma(0.5) / gamma(0.9)  # 2.943275: the dry impact from first touch to parting, in t0
-HALF_CONTACT_TIME = CONTACT_TIME / 2  # from first touch to the maximum
-HALF_BASE = 1.35  # half the base of the parabola (22) that fits the impact best; the paper's t* = 2.7 is all of it
+CONTACT_TIME = 0.8 * gamma(0.4) * gamma(0.5) / gamma(0.9)  # 2.943275 t0: dry impact from first touch to separation
+HALF_CONTACT_TIME = CONTACT_TIME / 2  # from first touch to maximum approach
+HALF_BASE = 1.35  # half the base of the parabola (22) that fits the impact best; the paper's t* = 2.7 is the full base
 
 
 def pressure(r: ArrayLike, A: float = 1.0) -> Values:
@@ -36,8 +36,8 @@ def pressure(r: ArrayLike, A: float = 1.0) -> Values:
 def displacement(r: ArrayLike, A: float = 1.0) -> Values:
     """Elastic displacement of the surfaces under the Hertzian pressure: the double integral of eq. (3) for `pressure`.
 
-    Inside the contact A^2 - r^2/2; outside (A^2/pi) [(2 - s^2) asin(1/s) + sqrt(s^2 - 1)] with s = r/A (Johnson,
-    Contact Mechanics, 1985, section 3.4).
+    It is A^2 - r^2/2 inside the contact and (A^2/pi) [(2 - s^2) asin(1/s) + sqrt(s^2 - 1)] outside, with s = r/A
+    (Johnson, Contact Mechanics, 1985, section 3.4).
     """
     require_positive("A", A)
     s = np.abs(np.asarray(r, dtype=float)) / A
@@ -47,21 +47,21 @@ def displacement(r: ArrayLike, A: float = 1.0) -> Values:
 
 
 def gap(r: ArrayLike, A: float = 1.0) -> Values:
-    """Dry gap H = -A^2 + r^2/2 + displacement: zero in the contact, open outside."""
+    """Dry gap H = -A^2 + r^2/2 + displacement: zero inside the contact, positive outside."""
     require_positive("A", A)
     s = np.maximum(np.abs(np.asarray(r, dtype=float)) / A, 1.0)
     return np.asarray(A**2 / pi * ((s**2 - 2) * np.arccos(1 / s) + np.sqrt(s**2 - 1)))
 
 
 def load(approach: ArrayLike) -> Values:
-    """Load F = Delta^{3/2} in units of the maximum load F*, zero while the bodies are apart (Delta < 0)."""
+    """Load F = Delta^{3/2} in units of the maximum load F*; zero while the bodies are separated (Delta < 0)."""
     return _root(approach) ** 3
 
 
 def time_at(approach: ArrayLike) -> Values:
-    """Time T from first touch at which the approaching ball is at Delta <= 1 (nan above, which it never reaches).
+    """Time T from first touch at which the approaching ball reaches Delta <= 1; nan for Delta > 1, never reached.
 
-    T = int_0^Delta dy/sqrt(1 - y^{5/2}); before the touch, Delta < 0, the ball flies freely and T = Delta.
+    T = int_0^Delta dy/sqrt(1 - y^{5/2}).  Before first touch (Delta < 0) the ball moves freely and T = Delta.
     """
     from scipy.special import betainc
 
@@ -71,7 +71,7 @@ def time_at(approach: ArrayLike) -> Values:
 
 
 def approach(T: ArrayLike) -> Values:
-    """Exact approach Delta(T) of the dry impact, T from first touch; free flight, |dDelta/dT| = 1, before and after."""
+    """Exact approach Delta(T) of the dry impact, T from first touch; |dDelta/dT| = 1 before and after contact."""
     from scipy.special import betaincinv
 
     T = np.asarray(T, dtype=float)
@@ -81,25 +81,25 @@ def approach(T: ArrayLike) -> Values:
 
 
 def velocity(T: ArrayLike) -> Values:
-    """Exact dDelta/dT of the dry impact, T from first touch: 1 before it, 0 at the maximum, -1 after parting."""
+    """Exact dDelta/dT of the dry impact, T from first touch: 1 before, 0 at maximum approach, -1 after separation."""
     from scipy.special import betaincinv
 
     early = 1 - np.asarray(T, dtype=float) / HALF_CONTACT_TIME
-    # 1 - Delta^{5/2} by the mirrored beta function: 1 - approach(T)**2.5 would cancel near the maximum
+    # 1 - Delta^{5/2} by the mirrored beta function: 1 - approach(T)**2.5 loses digits near maximum approach
     energy = betaincinv(0.5, 0.4, np.minimum(np.abs(early), 1.0))
     return np.asarray(np.sign(early) * np.sqrt(energy))
 
 
 def contact_radius(T: ArrayLike) -> Values:
-    """Exact contact radius A(T) = sqrt(Delta) of the dry impact, T from first touch; zero while apart."""
+    """Exact contact radius A(T) = sqrt(Delta) of the dry impact, T from first touch; zero while separated."""
     return _root(approach(T))
 
 
 def front_speed(A: ArrayLike) -> Values:
-    """Exact speed dA/dT = sqrt(1 - A^5)/(2 A) of the contact's edge when it passes A (units a*/t0).
+    """Exact speed dA/dT = sqrt(1 - A^5)/(2 A) of the contact edge when it passes A (units a*/t0).
 
-    Infinite at first touch, like 1/(2A); (sqrt(5)/2) sqrt(1 - A) near the maximum; nan outside 0 <= A <= 1, where the
-    edge never is.
+    It goes to infinity as 1/(2A) at first touch and tends to (sqrt(5)/2) sqrt(1 - A) near maximum approach.  It is nan
+    outside 0 <= A <= 1, which the edge never reaches.
     """
     A = np.asarray(A, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -107,7 +107,7 @@ def front_speed(A: ArrayLike) -> Values:
 
 
 def johnson_approach(T: ArrayLike, t_star: float = HALF_CONTACT_TIME) -> Values:
-    """Johnson's approximation Delta = cos(pi T/(2 t_star)), eq. (19), T from the maximum; zero beyond |T| = t_star.
+    """Johnson's approximation Delta = cos(pi T/(2 t_star)), eq. (19), T from maximum approach; zero for |T| > t_star.
 
     Eq. (18) is the same with T counted from first touch: sin(pi T/(2 t_star)).
     """
@@ -115,25 +115,25 @@ def johnson_approach(T: ArrayLike, t_star: float = HALF_CONTACT_TIME) -> Values:
 
 
 def johnson_radius(T: ArrayLike, t_star: float = HALF_CONTACT_TIME) -> Values:
-    """Contact radius A = sqrt(cos(pi T/(2 t_star))), eq. (20), T from the maximum; zero beyond |T| = t_star."""
+    """Contact radius A = sqrt(cos(pi T/(2 t_star))), eq. (20), T from maximum approach; zero for |T| > t_star."""
     return _root(johnson_approach(T, t_star))
 
 
 def taylor_radius(T: ArrayLike, t_star: float = HALF_CONTACT_TIME) -> Values:
-    """Taylor expansion A = sqrt(1 - pi^2 T^2/(8 t_star^2)) of eq. (20), eq. (21), T from the maximum.
+    """Taylor expansion A = sqrt(1 - pi^2 T^2/(8 t_star^2)) of eq. (20), eq. (21), T from maximum approach.
 
-    A parabola (22) whose half base is only (sqrt(8)/pi) t_star = 0.900 t_star.
+    This is a parabola (22) with the half base (sqrt(8)/pi) t_star = 0.900 t_star.
     """
     return parabola_radius(T, sqrt(8) / pi * t_star)
 
 
 def parabola_radius(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
-    """Contact radius A = sqrt(1 - T^2/t_star^2), eqs. (14) and (22), T from the maximum; zero beyond |T| = t_star."""
+    """Contact radius A = sqrt(1 - T^2/t_star^2), eqs. (14), (22), T from maximum approach; zero for |T| > t_star."""
     return _root(1 - _share(T, t_star) ** 2)
 
 
 def parabola_front_speed(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
-    """Speed dA/dT of the edge by eq. (23), T from the maximum; nan beyond |T| = t_star.
+    """Speed dA/dT of the contact edge by eq. (23), T from maximum approach; nan for |T| > t_star.
 
     The paper gives it in units v* = a*/t*: v/v* = t_star dA/dT = -(T/t_star)/sqrt(1 - T^2/t_star^2).
     """
@@ -143,7 +143,7 @@ def parabola_front_speed(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
 
 
 def parabola_front_speed_at(A: ArrayLike, t_star: float = HALF_BASE) -> Values:
-    """Speed dA/dT of the advancing edge by eq. (23) when it passes A, sqrt(1 - A^2)/(A t_star); cf. `front_speed`."""
+    """Speed dA/dT = sqrt(1 - A^2)/(A t_star) of the advancing edge at A, by eq. (23); compare `front_speed`."""
     require_positive("t_star", t_star)
     A = np.asarray(A, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -151,7 +151,7 @@ def parabola_front_speed_at(A: ArrayLike, t_star: float = HALF_BASE) -> Values:
 
 
 def linear_front_speed(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
-    """Speed dA/dT of the edge near the maximum, eq. (24): v/v* = t_star dA/dT = -T/t_star, T from the maximum."""
+    """Speed dA/dT of the edge near maximum approach, eq. (24): v/v* = t_star dA/dT = -T/t_star, T from the maximum."""
     return -_share(T, t_star) / t_star
 
 

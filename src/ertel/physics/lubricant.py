@@ -1,8 +1,8 @@
-"""The oil: how viscosity and density change with pressure.
+"""The oil: viscosity and density as functions of pressure.
 
 Every law is a small frozen record in SI.  `viscosity(p)` gives eta/eta0 and `density(p)` gives rho/rho0 at the pressure
-p in Pa.  They work on floats, NumPy arrays and JAX arrays alike.  A user's own law needs no derivative, the solver
-differentiates it; it needs a name (`ertel.viscosity_laws.register`), so that a case can be written down:
+p in Pa.  They accept floats, NumPy arrays and JAX arrays.  A user's own law needs no derivative, because the solver
+differentiates it.  It needs a registered name (`ertel.viscosity_laws.register`), so that a case can be stored:
 
     @ertel.viscosity_laws.register("power")
     @dataclass(frozen=True)
@@ -25,7 +25,7 @@ from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, STRESS, VISCOSITY
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
 
-ALPHA = 2.2e-8  # 1/Pa, pressure-viscosity index of a typical mineral oil
+ALPHA = 2.2e-8  # 1/Pa, pressure-viscosity coefficient of a typical mineral oil
 ETA0 = 0.04  # Pa s, viscosity at ambient pressure
 P0_ROELANDS = 1.96e8  # Pa, Roelands' pressure constant
 DENSITY_PRESSURE = 5.9e8  # Pa, Dowson and Higginson's constant
@@ -79,7 +79,7 @@ class Barus:
 @VISCOSITY_LAWS.register("roelands")
 @dataclass(frozen=True)
 class Roelands:
-    """eta/eta0 = exp{(alpha p0/z)[(1 + p/p0)^z - 1]}, so that d ln(eta)/dp = alpha at p = 0; z: Roelands' exponent."""
+    """eta/eta0 = exp{(alpha p0/z)[(1 + p/p0)^z - 1]} with Roelands' exponent z; d ln(eta)/dp = alpha at p = 0."""
 
     alpha: Annotated[float, COMPLIANCE]
     z: Annotated[float, ABOVE_ZERO]
@@ -91,12 +91,12 @@ class Roelands:
 
     def viscosity(self, p: Array) -> Array:
         xp = _of_arrays(p)
-        power = xp.exp(self.z * xp.log(1.0 + p / self.p0))  # so written, its derivative needs no second power
+        power = xp.exp(self.z * xp.log(1.0 + p / self.p0))  # the derivative of this form needs no second power
         return xp.exp(self.alpha * self.p0 / self.z * (power - 1.0))
 
     @classmethod
     def of(cls, oil: "Oil") -> "Roelands":
-        """z from the data of the oil where it is not given."""
+        """The law of an oil; z follows from eta0 and alpha if it is not given."""
         alpha = _needed(oil, "alpha")
         return cls(alpha, oil.z or roelands_exponent(alpha, _needed(oil, "eta0"), oil.p0), oil.p0)
 
@@ -135,36 +135,37 @@ class DowsonHigginson:
 
 @dataclass(frozen=True)
 class Lubricant:
-    """A viscosity law and a density law as the contact sees them: of P = p/p_h, p_h in the laws' unit of pressure."""
+    """A viscosity law and a density law as functions of P = p/p_h, with p_h in the laws' unit of pressure."""
 
     viscosity_law: Viscosity
     density_law: Density
     p_h: float = 1.0
 
     def viscosity(self, P: Array) -> Array:
-        """eta/eta0 at P = p/p_h, of P's shape."""
+        """eta/eta0 at P = p/p_h; same shape as P."""
         return self.viscosity_law.viscosity(self.p_h * P)
 
     def density(self, P: Array) -> Array:
-        """rho/rho0 at P = p/p_h, of P's shape."""
+        """rho/rho0 at P = p/p_h; same shape as P."""
         return self.density_law.density(self.p_h * P)
 
 
 @dataclass(frozen=True)
 class Oil:
-    """An oil in SI: its laws, and the data that they need.
+    """An oil in SI: its viscosity and density laws and their data.
 
     Parameters
     ----------
     viscosity, density : str or record
-        A registered law by its name, if it follows from the data below, or a record of the law.
+        The name of a registered law, if the law follows from the data below, or a record of the law.
     eta0, alpha : float
-        Viscosity (Pa s) at ambient pressure and its pressure index d ln(eta)/dp there (1/Pa).  A physical contact needs
-        them; a dimensionless one takes those of a typical mineral oil, 0.04 Pa s and 22 1/GPa.
+        Viscosity at ambient pressure (Pa s) and pressure-viscosity coefficient d ln(eta)/dp at ambient pressure (1/Pa).
+        A physical contact needs them.  A dimensionless contact uses those of a typical mineral oil if they are not
+        given: 0.04 Pa s and 22 1/GPa.
     p0, z : float
-        Roelands' pressure (Pa) and exponent; z follows from eta0 and alpha where it is not given.
+        Roelands' pressure (Pa) and exponent; z follows from eta0 and alpha if it is not given.
     reference : str
-        Where the data come from.
+        Source of the data.
 
     Raises ValueError for a law that is not registered.
     """
@@ -183,12 +184,12 @@ class Oil:
 
     @property
     def is_isoviscous(self) -> bool:
-        """Whether the viscosity does not change with pressure, so that alpha has no meaning."""
+        """Whether the viscosity is independent of pressure, so that alpha has no meaning."""
         return self.viscosity == "isoviscous" or isinstance(self.viscosity, Isoviscous)
 
     @property
     def viscosity_law(self) -> Viscosity:
-        """The record of the viscosity law.  Raises ValueError where the oil lacks data for it."""
+        """The record of the viscosity law.  Raises ValueError if the oil lacks data for it."""
         law = self.viscosity
         return VISCOSITY_LAWS[law].of(self) if isinstance(law, str) else law  # type: ignore[attr-defined]
 
@@ -199,18 +200,18 @@ class Oil:
         return DENSITY_LAWS[law].of(self) if isinstance(law, str) else law  # type: ignore[attr-defined]
 
     def completed(self) -> "Oil":
-        """The oil with the data of a typical mineral oil where it has none."""
+        """The oil with missing data filled in from a typical mineral oil."""
         return replace(self, eta0=self.eta0 or ETA0, alpha=self.alpha or ALPHA)
 
     def under(self, p_h: float) -> Lubricant:
-        """The oil in a contact whose unit of pressure is p_h (Pa)."""
+        """The laws of the oil in a contact with the pressure scale p_h (Pa)."""
         return Lubricant(self.viscosity_law, self.density_law, p_h)
 
 
 def roelands_exponent(alpha: float, eta0: float, p0: float = P0_ROELANDS) -> float:
     """Roelands' z = alpha p0/(ln eta0 + 9.67), alpha in 1/Pa, eta0 in Pa s, p0 in Pa.
 
-    Raises ValueError where eta0 is below exp(-9.67) Pa s, for which the law has no meaning.
+    Raises ValueError if eta0 is not above exp(-9.67) Pa s; the law has no meaning there.
     """
     log_ratio = log(eta0) + 9.67
     if log_ratio <= 0:

@@ -1,11 +1,11 @@
-"""What drives a contact: the applied load w(T), the entrainment U(T), the sliding, and the inertia of the ball.
+"""The motion of a contact: applied load w(T), entrainment speed U(T), slide-to-roll ratio, and inertia of the ball.
 
-Impact and rolling differ here, in the scales, and nowhere else:
+Impact and rolling differ only in the motion and in the scales:
 
-    impact     w = 0, U = 0, inertia 4/5: a free ball in its own scales
-    rolling    w = 1, U = 1, inertia 0: the film balances the load at every moment
+    impact     w = 0, U = 0, inertia 4/5: a free ball in the scales of its dry impact
+    rolling    w = 1, U = 1, inertia 0: the film force balances the load at all times
 
-and everything between: a ball thrown on a rolling track, a loaded ball that bounces, a start, a stop, a reversal.
+Mixed cases are possible: impact on a moving track, a loaded ball that bounces, start-up, stop, reversal.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ Surface = Literal[1, 2]
 
 
 class Signal(Protocol):
-    """A quantity that varies in time; T in t0."""
+    """A quantity that may vary with time T (in t0)."""
 
     def __call__(self, T: float) -> float:
         """The value at T."""
@@ -39,7 +39,7 @@ class Signal(Protocol):
 
 @dataclass(frozen=True)
 class Polyline:
-    """Straight lines between points (T, value), times rising; constant before the first and after the last."""
+    """Linear interpolation between points (T, value), T increasing; constant before the first and after the last."""
 
     points: tuple[tuple[Amount, float], ...]
 
@@ -106,7 +106,7 @@ def constant(value: float) -> Signal:
 
 @dataclass(frozen=True)
 class Motion:
-    """What is done to the two bodies.
+    """Load, entrainment, inertia and sliding of the two bodies.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ class Motion:
     entrainment : Signal
         Mean speed of the surfaces U(T), in units a/t0 (rolling: u_m).
     inertia : float
-        m (a^2/R)/(F* t0^2) of w - F = inertia * Delta'', not below zero; 0: the load is balanced at every moment.
+        m (a^2/R)/(F* t0^2) in w - F = inertia * Delta''; not negative.  With 0 the load is balanced at all times.
     slide_to_roll : float
         (u1 - u2)/u_m, constant in time.
     """
@@ -127,11 +127,11 @@ class Motion:
 
     @property
     def flows(self) -> bool:
-        """Whether there is entrainment at any time."""
+        """Whether the entrainment speed is non-zero at any time."""
         return any(self.entrainment.range(inf))
 
     def travel(self, surface: Surface, T: float) -> float:
-        """How far a surface has moved along X since T = 0, in units a."""
+        """Distance that a surface has moved along X since T = 0, in units a."""
         share = 1.0 + (0.5 if surface == 1 else -0.5) * self.slide_to_roll
         return share * self.entrainment.integral(T)
 

@@ -1,11 +1,11 @@
-"""Laws and shapes by name: what a case file may call, and what a stored case is read back by.
+"""Registries of laws and shapes by name.  Case files and stored cases refer to laws and shapes by these names.
 
     @VISCOSITY_LAWS.register("power")
     @dataclass(frozen=True)
     class Power: ...
 
-Other packages announce theirs as entry points, of the groups "ertel.viscosity_laws", "ertel.density_laws" and
-"ertel.shapes": the name of an entry point is that of the law, what it loads is the record.
+Other packages add laws and shapes through entry points in the groups "ertel.viscosity_laws", "ertel.density_laws" and
+"ertel.shapes".  The name of the entry point is the name of the law; the entry point loads the record.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -17,7 +17,7 @@ Record = TypeVar("Record", bound=type)
 
 
 class Registry(Mapping[str, type]):
-    """Frozen dataclasses by name.  noun: what they are, for messages.  group: of the entry points."""
+    """Frozen dataclasses by name.  noun: their kind, for messages.  group: the group of entry points."""
 
     def __init__(self, noun: str, group: str):
         self.noun, self.group = noun, group
@@ -26,7 +26,7 @@ class Registry(Mapping[str, type]):
     def register(self, name: str) -> Callable[[Record], Record]:
         """A decorator that gives a frozen dataclass its name.
 
-        Raises TypeError for anything else, ValueError where the name is taken by another record.
+        Raises TypeError if it is not a frozen dataclass, ValueError if another record has the name.
         """
 
         def decorate(record: Record) -> Record:
@@ -42,7 +42,7 @@ class Registry(Mapping[str, type]):
         return decorate
 
     def name_of(self, record: object) -> str:
-        """The name under which the type of a record is registered.  Raises ValueError where it has none."""
+        """The name under which the type of a record is registered.  Raises ValueError if it is not registered."""
         for name, known in self.items():
             if type(record) is known:
                 return name

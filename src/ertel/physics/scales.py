@@ -1,21 +1,22 @@
-"""Physical input, the two numbers (lambda_bar, alpha_bar) behind it, and the scales that lead back to SI.
+"""Scales and dimensionless parameters: from physical input to (lambda_bar, alpha_bar) and back to SI.
 
-Impact and rolling are one equation: both come to the same record `Scales` and from there, by one function, to
-lambda_bar = 12 eta0 R^2/(t0 a^2 p_h), eqs. (8) and (12) of the paper.  Only the unit of time differs: t0 = delta*/v0 of
-the impact (13), t0 = a/u_m of the rolling contact (9).
+Impact and rolling have the same equation.  Both give a record `Scales`, and one function computes from it
+lambda_bar = 12 eta0 R^2/(t0 a^2 p_h), eqs. (8) and (12) of the paper.  Only the time scale differs: t0 = delta*/v0 in
+an impact (13), t0 = a/u_m in a rolling contact (9).
 
 ======================  =========================================================================================
 symbol                  meaning
 ======================  =========================================================================================
 E_prime (E')            reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
 R                       reduced radius, 1/R = 1/R1 + 1/R2
-a, p_h, delta*, F*      Hertz contact radius, pressure, approach, load: of the dry impact at its maximum (impact) or of
-                        the static load (rolling); F = (2/3) E' sqrt(R) delta^{3/2}, a^2 = R delta, p_h = E' a/(pi R)
-U, G, W                 Hamrock and Dowson's speed, material and load parameters; U is of the mean speed u_m
-M, L                    Moes' load and lubricant parameters; 2U is the parameter of the sum speed
+a, p_h, delta*, F*      Hertz contact radius, pressure, approach and load: at the maximum of the dry impact (impact),
+                        under the static load (rolling); F = (2/3) E' sqrt(R) delta^{3/2}, a^2 = R delta,
+                        p_h = E' a/(pi R)
+U, G, W                 Hamrock and Dowson's speed, material and load parameters; U uses the mean speed u_m
+M, L                    Moes' load and lubricant parameters; 2U is the speed parameter of the sum of the speeds
 ======================  =========================================================================================
 
-All functions take and give SI units.
+All functions take and return SI units.
 """
 
 from dataclasses import astuple, dataclass, fields
@@ -45,14 +46,14 @@ def _fourth_root(value: float) -> float:
 
 @dataclass(frozen=True)
 class Parameters:
-    """The two numbers of a smooth contact, whether of an impact or of rolling.
+    """The two dimensionless parameters of a smooth contact, for impact and rolling.
 
     Parameters
     ----------
     lambda_bar : float
-        Speed and viscosity, 12 eta0 R^2/(t0 a^2 p_h), eqs. (8), (12).  Above zero.
+        Speed parameter 12 eta0 R^2/(t0 a^2 p_h), eqs. (8), (12).  Above zero.
     alpha_bar : float
-        Pressure-viscosity index times Hertz pressure, alpha p_h.  Zero means isoviscous.
+        Pressure-viscosity coefficient times Hertz pressure, alpha p_h.  Zero means isoviscous.
 
     Examples
     --------
@@ -70,14 +71,14 @@ class Parameters:
 
     @classmethod
     def from_moes(cls, M: float, L: float) -> "Parameters":
-        """Parameters of Moes' load parameter M > 0 and lubricant parameter L >= 0."""
+        """Parameters from Moes' load parameter M > 0 and lubricant parameter L >= 0."""
         require_positive("M", M)
         require_not_negative("L", L)
         return cls(lambda_bar=cbrt(128 * pi**3 / (3 * M)) / M, alpha_bar=L / pi * cbrt(1.5 * M))
 
     @property
     def M(self) -> float:
-        """Moes' load parameter (128 pi^3/(3 lambda_bar^3))^{1/4}; the cube, missing in the paper's list, is right."""
+        """Moes' load parameter (128 pi^3/(3 lambda_bar^3))^{1/4}; the paper's list of symbols omits the last cube."""
         return sqrt(sqrt(128 * pi**3 / (3 * self.lambda_bar)) / self.lambda_bar)
 
     @property
@@ -92,17 +93,17 @@ class Parameters:
 
     @property
     def trapped_film(self) -> float:
-        """Scale of the film that an impact traps, in units a^2/R.
+        """Scale of the film thickness that an impact traps, in units a^2/R.
 
-        sqrt(L/M) = sqrt(alpha_bar lambda_bar)/2, where a rigid ball stops in a Barus oil, but not less than the
-        0.3135 sqrt(lambda_bar) that elasticity alone keeps open when alpha_bar is near zero.
+        It is sqrt(L/M) = sqrt(alpha_bar lambda_bar)/2, the film thickness at which a rigid ball stops in a Barus oil,
+        but at least 0.3135 sqrt(lambda_bar), the film thickness that elastic deformation alone traps for alpha_bar = 0.
         """
         return max(0.5 * sqrt(self.alpha_bar * self.lambda_bar), ISOVISCOUS_FILM * sqrt(self.lambda_bar))
 
     def nabla2(self, wavelength: float) -> float:
         """Operating parameter of amplitude reduction, eq. (16): wavelength sqrt(M/L), wavelength in units a.
 
-        Infinite when alpha_bar = 0, to which the theory does not reach.
+        It is infinite for alpha_bar = 0; the theory does not cover that case.
         """
         require_positive("wavelength", wavelength)
         return wavelength * 2 / sqrt(self.alpha_bar * self.lambda_bar) if self.alpha_bar > 0 else inf
@@ -110,7 +111,7 @@ class Parameters:
 
 @dataclass(frozen=True)
 class Scales:
-    """What one unit of each dimensionless quantity is in SI.
+    """The SI value of one unit of each dimensionless quantity.
 
     Parameters
     ----------
@@ -134,22 +135,22 @@ class Scales:
 
     @property
     def film(self) -> float:
-        """Unit of H, Delta and roughness (m): a^2/R = delta*, the Hertzian approach."""
+        """Unit of H, Delta and roughness (m): a^2/R = delta*, the Hertz approach."""
         return self.a**2 / self.R
 
     @property
     def load(self) -> float:
-        """Hertzian load (N), F* = (2 pi/3) a^2 p_h: the unit of the load F."""
+        """Unit of the load F (N): the Hertz load F* = (2 pi/3) a^2 p_h."""
         return HERTZ_LOAD * self.a**2 * self.p_h
 
     @property
     def speed(self) -> float:
-        """Unit of dDelta/dT and dH/dT (m/s): film/t0, in an impact v0."""
+        """Unit of dDelta/dT and dH/dT (m/s): film/t0; v0 in an impact."""
         return self.film / self.t0
 
     @property
     def front_speed(self) -> float:
-        """Unit of speeds along the surface (m/s): a/t0, in rolling u_m, in an impact the scale of the contact front."""
+        """Unit of speeds along the surface (m/s): a/t0; u_m in rolling, the scale of the front speed in an impact."""
         return self.a / self.t0
 
     @property
@@ -163,9 +164,9 @@ def _hertz_scales(R: float, E_prime: float, a: float, t0: float) -> Scales:
 
 
 def impact_scales(R: float, mass: float, speed: float, E_prime: float) -> Scales:
-    """Scales of a ball's impact: the Hertzian contact at the maximum of the dry impact, t0 = delta*/v0, eq. (13).
+    """Scales of a ball's impact: the Hertz contact at the maximum of the dry impact, t0 = delta*/v0, eq. (13).
 
-    The ball's kinetic energy is then all elastic, m v0^2/2 = (4/15) E' sqrt(R) delta*^{5/2}.
+    At the maximum all kinetic energy is stored elastically, m v0^2/2 = (4/15) E' sqrt(R) delta*^{5/2}.
 
     Parameters
     ----------
@@ -189,7 +190,7 @@ def impact_scales(R: float, mass: float, speed: float, E_prime: float) -> Scales
 
 
 def rolling_scales(R: float, load: float, mean_speed: float, E_prime: float) -> Scales:
-    """Scales of a rolling contact: the Hertzian contact of the static load, t0 = a/u_m, eq. (9).
+    """Scales of a rolling contact: the Hertz contact under the static load, t0 = a/u_m, eq. (9).
 
     Parameters
     ----------
@@ -209,10 +210,10 @@ def rolling_scales(R: float, load: float, mean_speed: float, E_prime: float) -> 
 
 
 def scales_of(parameters: Parameters, R: float, E_prime: float, eta0: float, alpha: float) -> Scales:
-    """Scales at which given dimensionless parameters occur: the inverse of `parameters`; needs alpha_bar > 0.
+    """Scales of a contact with given dimensionless parameters: the inverse of `parameters`; needs alpha_bar > 0.
 
-    R in m, E_prime in Pa, eta0 in Pa s, alpha in 1/Pa.  The impact has v0 = scales.speed and m = scales.ball_mass, the
-    rolling contact u_m = scales.front_speed and F = scales.load.
+    R in m, E_prime in Pa, eta0 in Pa s, alpha in 1/Pa.  The corresponding impact has v0 = scales.speed and
+    m = scales.ball_mass; the corresponding rolling contact has u_m = scales.front_speed and F = scales.load.
     """
     for name, value in {"R": R, "E_prime": E_prime, "eta0": eta0, "alpha": alpha}.items():
         require_positive(name, value)
@@ -225,7 +226,7 @@ def scales_of(parameters: Parameters, R: float, E_prime: float, eta0: float, alp
 def parameters(scales: Scales, eta0: float, alpha: float) -> Parameters:
     """lambda_bar and alpha_bar of an impact or a rolling contact, eq. (8) = eq. (12).
 
-    eta0 is the viscosity at ambient pressure (Pa s), alpha the pressure-viscosity index (1/Pa, zero if isoviscous).
+    eta0 is the viscosity at ambient pressure (Pa s), alpha the pressure-viscosity coefficient (1/Pa; 0: isoviscous).
     """
     require_positive("eta0", eta0)
     require_not_negative("alpha", alpha)
@@ -242,7 +243,7 @@ class HamrockDowson(NamedTuple):
 
 
 def hamrock_dowson(scales: Scales, eta0: float, alpha: float) -> HamrockDowson:
-    """U, G, W of a contact with the given scales; in an impact F* and a/t0 stand for the load and the speed u_m."""
+    """U, G, W of a contact with the given scales; an impact uses F* as the load and a/t0 as the speed u_m."""
     require_positive("eta0", eta0)
     require_not_negative("alpha", alpha)
     return HamrockDowson(
@@ -262,7 +263,7 @@ def parameters_from_ugw(U: float, G: float, W: float) -> Parameters:
 
 
 def reduced_modulus(E1: float, nu1: float, E2: float, nu2: float) -> float:
-    """Reduced modulus E' (Pa), 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, of Young's moduli (Pa) and Poisson's ratios."""
+    """Reduced modulus E' (Pa), 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, from Young's moduli (Pa), Poisson's ratios."""
     for name, E in {"E1": E1, "E2": E2}.items():
         require_positive(name, E)
     for name, nu in {"nu1": nu1, "nu2": nu2}.items():
@@ -272,7 +273,7 @@ def reduced_modulus(E1: float, nu1: float, E2: float, nu2: float) -> float:
 
 
 def reduced_radius(R1: float, R2: float = inf) -> float:
-    """Reduced radius R (m), 1/R = 1/R1 + 1/R2, of two balls, or of one on a plane (R2 infinite)."""
+    """Reduced radius R (m), 1/R = 1/R1 + 1/R2, of two balls, or of a ball on a plane (R2 infinite)."""
     require_positive("R1", R1)
     if not R2 > 0:
         raise ValueError(f"R2 = {R2}: must be above zero (infinite for a plane)")
@@ -280,14 +281,14 @@ def reduced_radius(R1: float, R2: float = inf) -> float:
 
 
 def sphere_mass(radius: float, density: float) -> float:
-    """Mass (kg) of a full ball of the given radius (m) and density (kg/m^3)."""
+    """Mass (kg) of a solid ball of the given radius (m) and density (kg/m^3)."""
     require_positive("radius", radius)
     require_positive("density", density)
     return 4 * pi / 3 * density * radius**3
 
 
 def drop_speed(height: float, g: float = 9.80665) -> float:
-    """Speed v0 (m/s) of a ball dropped from a height (m) without air, sqrt(2 g h)."""
+    """Speed v0 = sqrt(2 g h) (m/s) of a ball dropped from a height (m), without air drag."""
     require_positive("height", height)
     require_positive("g", g)
     return sqrt(2 * g * height)

@@ -1,8 +1,8 @@
-"""Surface features: waviness, rings, a bump or a cavity, each moving with its own surface.
+"""Surface features: waviness, rings, a bump or a cavity.  Each moves with its own surface.
 
-Heights are in units a^2/R, positive = metal towards the film (the gap is X^2/2 + Y^2/2 - roughness, eq. 3); lengths in
-units a.  A shape is a function of position on its surface; a `Feature` is a shape on surface 1 or 2.  In a `Case` sizes
-may also be quantities in SI; the heights are asked of shapes in the units of the case.
+Heights are in units a^2/R and lengths in units a.  A positive height is material that protrudes into the film: the gap
+is X^2/2 + Y^2/2 - roughness, eq. (3).  A shape is a function of position on its surface; a `Feature` is a shape on
+surface 1 or 2.  In a `Case` sizes may also be quantities in SI; they are converted before `heights` is called.
 
 A user's own shape is a frozen dataclass with a method `heights(X, Y)` and a name (`ertel.shapes.register`).
 """
@@ -22,10 +22,10 @@ Array = Any  # NumPy arrays that broadcast
 
 
 class Shape(Protocol):
-    """A height over the position on a surface.
+    """A height as a function of position on a surface.
 
-    It may have a property `even`, whether it is even in Y and in X: then half or a quarter of the plane is computed;
-    and a property `size`, the width of its finest detail (a): then ertel warns where the grid does not resolve it.
+    It may have two more properties.  `even` says whether it is even in Y and in X; if so, only a half or a quarter of
+    the plane is computed.  `size` is the width of its finest detail (a); ertel warns if the grid does not resolve it.
     """
 
     def heights(self, X: Array, Y: Array) -> Array: ...
@@ -36,9 +36,9 @@ class Shape(Protocol):
 class Waviness:
     """amplitude cos(2 pi X/wavelength_x + phase_x) cos(2 pi Y/wavelength_y + phase_y).
 
-    An infinite wavelength leaves its factor out: transverse ridges have wavelength_y = inf, longitudinal ones
-    wavelength_x = inf.  The wave reaches up to X = front on its surface and grows to full height over the `ramp` behind
-    it, so that it can enter a contact that was smooth; an infinite front covers all.
+    An infinite wavelength removes its factor: transverse ridges have wavelength_y = inf, longitudinal ridges have
+    wavelength_x = inf.  The wave extends up to X = front on its surface and reaches full height over the distance
+    `ramp` behind the front, so that it can enter a smooth contact.  With an infinite front it covers the whole surface.
     """
 
     amplitude: Annotated[Amount, HEIGHT]
@@ -71,11 +71,11 @@ class Waviness:
 
     @property
     def is_ridges_along_x(self) -> bool:
-        """Whether it does not change along X, so that it looks the same while its surface moves."""
+        """Whether the height is constant along X, so that motion along X does not change it."""
         return self.wavelength_x == inf and self.front == inf
 
     def _presence(self, X: Array) -> Array:
-        """1 well behind the front, 0 before it, a half cosine between."""
+        """1 well behind the front, 0 ahead of it, a half cosine in between."""
         if self.front == inf:
             return 1.0
         behind = np.clip((plain(self.front) - X) / max(plain(self.ramp or 0.0), 1e-12), 0.0, 1.0)
@@ -85,7 +85,7 @@ class Waviness:
 @SHAPES.register("rings")
 @dataclass(frozen=True)
 class RingWaviness:
-    """amplitude cos(2 pi r/wavelength + phase), r the distance from (x, y)."""
+    """amplitude cos(2 pi r/wavelength + phase), where r is the distance from (x, y)."""
 
     amplitude: Annotated[Amount, HEIGHT]
     wavelength: Annotated[Amount, WIDTH]
@@ -144,25 +144,25 @@ class Spot:
 
 @dataclass(frozen=True)
 class Feature:
-    """A shape on surface 1 or 2, with which it moves; at T = 0 the surface's coordinates are those of the contact."""
+    """A shape on surface 1 or 2.  It moves with that surface, whose coordinates are the contact's at T = 0."""
 
     shape: Shape
     surface: Surface = 1
 
 
 def _is_cosine(phase: float) -> bool:
-    """Whether cos(k x + phase) is even, to rounding."""
+    """Whether cos(k x + phase) is even, to round-off."""
     return abs(sin(phase)) < 1e-15
 
 
 def even(features: Sequence[Feature]) -> tuple[bool, bool]:
-    """Whether all features are even in Y, and in X (as long as they do not move)."""
+    """Whether all features are even in Y and whether all are even in X (while they do not move)."""
     each = [getattr(feature.shape, "even", (False, False)) for feature in features]
     return all(y for y, _ in each), all(x for _, x in each)
 
 
 def height(features: Sequence[Feature], motion: Motion, T: float, X: Array, Y: Array) -> Array:
-    """All features together at time T, over the contact's own coordinates X, Y (arrays that broadcast)."""
+    """Sum of all features at time T at the contact's coordinates X, Y (arrays that broadcast)."""
     total = np.zeros(np.broadcast_shapes(np.shape(X), np.shape(Y)))
     for feature in features:
         total = total + feature.shape.heights(X - motion.travel(feature.surface, T), Y)

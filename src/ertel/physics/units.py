@@ -1,9 +1,9 @@
-"""What a field of a record is measured in: marks that stand in its annotation, and numbers that carry a unit.
+"""Units of the fields of records: marks in annotations, and numbers with a unit.
 
     radius: Annotated[float, LENGTH]          # a quantity: the record holds metres
     wavelength: Annotated[Amount, WIDTH]      # an amount: a number in the units of the case, or a Quantity in SI
 
-One mark serves the reader of case files, the writer, the check of the value and the way to the units of the case.
+Reading and writing of case files, checks of values and conversion to the units of the case all use the same mark.
 """
 
 from collections.abc import Mapping
@@ -15,10 +15,10 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 @dataclass(frozen=True)
 class Unit:
-    """SI unit of a field, and an example of how to write it.
+    """SI unit of a field, with an example of how to write it.
 
-    signed: whether it may be zero or negative.  scale: for an amount, the attribute of `Scales` that is one unit of the
-    case, and `own`, the name of that unit.
+    signed: whether the value may be zero or negative.  An amount also has `scale`, the attribute of `Scales` that is
+    one unit of the case, and `own`, the name of that unit.
     """
 
     unit: str
@@ -28,7 +28,7 @@ class Unit:
     own: str = ""
 
     def allows(self, value: float) -> bool:
-        """Whether a value makes sense: finite, and above zero unless signed."""
+        """Whether a value is allowed: finite, and above zero unless signed."""
         return isfinite(value) and (self.signed or value > 0)
 
 
@@ -51,7 +51,7 @@ HEIGHT = Unit("m", "20 nm", signed=True, scale="film", own="a^2/R")
 
 @dataclass(frozen=True)
 class Bounds:
-    """What a plain number may be; the words of a message follow from it.  whole: an integer."""
+    """Bounds of a plain number; messages are derived from them.  whole: the number must be an integer."""
 
     gt: float | None = None
     ge: float | None = None
@@ -60,7 +60,7 @@ class Bounds:
     whole: bool = False
 
     def complaint(self, value: float) -> str:
-        """What a value must be, or "" where it is."""
+        """What the value must be, or "" if it is allowed."""
         if not isfinite(value):
             return "must be a finite number"
         if self.whole and not isinstance(value, int):
@@ -94,7 +94,7 @@ Mark = Unit | Bounds
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number in an SI unit, not yet in the units of a case."""
+    """A number in an SI unit, not yet converted to the units of a case."""
 
     value: float
     unit: str
@@ -107,14 +107,14 @@ Amount = float | Quantity
 
 
 def plain(amount: Amount) -> float:
-    """An amount that is known to be in the units of the case.  Raises TypeError for a Quantity."""
+    """The number of an amount that is already in the units of the case.  Raises TypeError for a Quantity."""
     if isinstance(amount, Quantity):
         raise TypeError(f"{amount}: is in SI; bring it to the units of the case first")
     return amount
 
 
 def marks(record: Any) -> Mapping[str, Mark]:
-    """The mark of each field of a record (a class) that has one, by the name of the field."""
+    """The marks of the fields of a record (a class), by name of the field; fields without a mark are left out."""
     return _marks(record)
 
 

@@ -1,1 +1,1 @@
-"""What a run says: variables, Dataset, provenance, summary, diagnostics, Result, fronts, waves, pictures."""
+"""Results of a run: variables, Dataset, provenance, summary, diagnostics, Result, fronts, waves, pictures."""

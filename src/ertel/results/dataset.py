@@ -16,7 +16,7 @@ EVERY_FIELD = tuple(FIELDS)
 
 
 class Frame(Protocol):
-    """The fields at one time, as a run hands them over."""
+    """The fields of a run at one time."""
 
     @property
     def T(self) -> float: ...
@@ -63,7 +63,7 @@ def assemble(
     Parameters
     ----------
     case : Case
-        What was run: its provenance goes into the attributes.
+        The case of the run; its provenance is stored in the attributes.
     records : sequence of mappings
         The scalars of every accepted step, by variable name and "T", dimensionless.
     frames : sequence of Frame
@@ -94,7 +94,7 @@ def assemble_steady(
     attributes: Mapping[str, object] | None = None,
     fields: Sequence[str] = EVERY_FIELD,
 ) -> xr.Dataset:
-    """The steady contact as a Dataset: fields on the finest grid so far, scalars and residuals over `grid`.
+    """The steady contact as a Dataset: fields on the finest grid, scalars and residuals over `grid`.
 
     grid: nodes a side, coarsest first.  convolutions: in units of one on that grid.  attributes, fields: as in
     `assemble`.

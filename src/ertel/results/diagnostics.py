@@ -1,4 +1,4 @@
-"""How far a run may be trusted: warnings where grid, domain, inlet or initial gap fall short, each with its remedy."""
+"""Warnings if grid, domain, inlet or initial gap are not sufficient, each with a remedy."""
 
 from collections.abc import Sequence
 from math import ceil, inf
@@ -23,13 +23,13 @@ CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 
 def impact_warnings(case: Case, data: xr.Dataset) -> list[str]:
-    """Sentences about what grid, domain or initial gap of an impact do not resolve; none if all is well."""
+    """Warnings about grid, domain or initial gap of an impact; an empty list if there are none."""
     said = [_film_warning(case, data), _front_warning(case, data), _gap_warning(case), _domain_warning(data)]
     return _spoken([*said, _roughness_warning(case)])
 
 
 def rolling_warnings(case: Case, data: xr.Dataset) -> list[str]:
-    """Sentences about what grid and inlet of rolling in time do not resolve; none if all is well."""
+    """Warnings about grid and inlet of a transient rolling contact; an empty list if there are none."""
     said = [_film_warning(case, data), _centre_warning(case)]
     if data.sizes["frame"]:
         said += [_inlet_warning(case, data["P"].isel(frame=-1), float(data["frame"][-1]))]
@@ -41,7 +41,7 @@ def _spoken(said: Sequence[str]) -> list[str]:
 
 
 def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
-    """Sentences about what grid and domain of a steady contact do not resolve; none if all is well."""
+    """Warnings about grid and domain of a steady contact; an empty list if there are none."""
     finest = solutions[-1]
     said = [_overlap_warning(case, finest), _error_warning(case, solutions), _spike_warning(solutions)]
     P = xr.DataArray(np.asarray(finest.whole(finest.P)), {"Y": finest.grid.y, "X": finest.grid.x}, ("Y", "X"))
@@ -119,7 +119,7 @@ def _centre_warning(case: Case) -> str:
 
 
 def _use(nodes: float) -> str:
-    """The advice to take at least so many nodes, rounded up to a count that is allowed."""
+    """The advice to use at least this number of nodes, rounded up to an allowed number."""
     return f"use solver.nodes >= {allowed_nodes(nodes)}"
 
 

@@ -1,4 +1,4 @@
-"""The front of an impact, and the film that it leaves behind."""
+"""The contact front of an impact, and the film that it leaves behind."""
 
 from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple
@@ -16,7 +16,7 @@ FrontDefinition = Literal["film", "slope", "half-hertz"]
 
 SMALLEST_FRONT = 0.1  # a*: before, there is a bell of pressure and no contact yet
 LOADED_FRONT = 0.02  # of the maximum pressure: where there is less, the film is only a gap
-FRONT_WINDOW = 0.06  # t0 to both sides, over which a parabola gives the front's speed
+FRONT_WINDOW = 0.06  # t0 to both sides: window of the parabola that gives the speed of the front
 SPEED_EXPONENT = 0.67  # of the film in the speed: Hamrock and Dowson's, and the paper's
 
 
@@ -125,14 +125,14 @@ _FALLS: Mapping[str, Callable[[Values, Values, float], float]] = {"slope": _stee
 
 
 def _vertex(x: Values, y: Values) -> float:
-    """Where the parabola through three points is extreme."""
+    """Position of the extremum of the parabola through three points."""
     (a, b), (c, d) = np.diff(x), np.diff(y)
     curvature, slope = (d / b - c / a) / (a + b), c / a
     return float(x[0] + a / 2 - slope / (2 * curvature)) if curvature else float(x[1])
 
 
 def _parabola(T: Values, values: Values, t: float) -> tuple[float, float]:
-    """Value and rate at t of the parabola fitted to the neighbours of t in time, to five of them at least."""
+    """Value and rate at t of a parabola fitted to at least five neighbours of t in time."""
     near = np.argsort(np.abs(T - t))[: max(5, int(np.count_nonzero(np.abs(T - t) <= FRONT_WINDOW)))]
     _, rate, value = np.polyfit(T[near] - t, values[near], min(2, len(near) - 1))
     return float(value), float(rate)
@@ -154,7 +154,7 @@ def fit_half_base(T: ArrayLike, A: ArrayLike, smallest: float = 0.5) -> float:
 
 
 class Trace(NamedTuple):
-    """What the front left behind at X (a*): film H at maximum approach (a*^2/R), speed of the front when it passed."""
+    """Film thickness H at X (a*) at maximum approach (a*^2/R), and the speed of the front when it passed X."""
 
     X: Values
     H: Values
@@ -191,9 +191,9 @@ def film_from_speed(
     A: ArrayLike = 1.0,
     formula: Callable[[float, float], float] = film_formulas.nijenbanning_venner_moes,
 ) -> Values:
-    """Film thickness (a*^2/R) of a steady formula for rolling where the front ran at `speed`; nothing is fitted.
+    """Film thickness (a*^2/R) of a steady formula for rolling where the front passed at `speed`; nothing is fitted.
 
-    The front entrains oil as rolling at u_m = da/dt does: lambda_bar -> lambda_bar v.  With A, the radius of the
+    The front entrains oil as rolling at u_m = da/dt: lambda_bar -> lambda_bar v.  With A, the radius of the
     contact at that time, Hertz' radius and pressure are those of that time too: lambda_bar v/A^4, alpha_bar A, and the
     film scales back with A^2.
 

@@ -1,4 +1,4 @@
-"""A summary for reading: its few key numbers, as text and as a table in a notebook.  Imports neither JAX nor xarray."""
+"""The key numbers of a summary, as text and as a table in a notebook.  Imports neither JAX nor xarray."""
 
 from collections.abc import Iterator, Mapping
 from html import escape
@@ -11,7 +11,7 @@ HEAD = ("quantity", "symbol", "value", "in SI", "error")
 
 
 class Number(NamedTuple):
-    """A key number as text; si and error are empty where they are not known."""
+    """A key number as text; si and error are empty if they are not known."""
 
     label: str
     symbol: str
@@ -21,7 +21,7 @@ class Number(NamedTuple):
 
 
 class Summary(dict[str, Any]):
-    """A summary: a plain dict of the whole outcome that shows only its key numbers."""
+    """A summary: a plain dict with all results; its text shows only the key numbers."""
 
     def __repr__(self) -> str:
         return "\n".join([f"Summary: {self['status']}", *lines(self)])
@@ -68,7 +68,7 @@ def _error(summary: Mapping[str, Any], name: str) -> float | None:
 
 
 def moment(summary: Mapping[str, Any]) -> str:
-    """When the key numbers hold."""
+    """The time or the grid to which the key numbers belong."""
     if summary["kind"] == "impact":
         return "at maximum approach" if summary["max_approach"] else "maximum approach was not reached"
     if summary["H_c"] is None:

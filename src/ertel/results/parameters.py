@@ -1,6 +1,6 @@
-"""What is known of a case before it is run: its parameters, dimensionless and Hamrock and Dowson's, and its scales.
+"""Parameters and scales of a case, known before it is run.
 
-This module imports neither JAX nor xarray, so that `ertel params` answers at once.
+This module imports neither JAX nor xarray, so that `ertel params` is fast.
 """
 
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""Where a run comes from: the case, the versions and the machine, as attributes of its Dataset."""
+"""Provenance of a run: the case, the versions and the machine, as attributes of its Dataset."""
 
 import json
 import platform
@@ -30,7 +30,7 @@ def provenance(case: Case) -> dict[str, object]:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what a result may depend on."""
+    """Versions of the software on which a result may depend."""
     packages = ("jax", "jaxlib", "numpy", "scipy", "xarray", "zarr")
     ours = {"ertel": installed_version(), "python": platform.python_version()}
     return ours | {name: version(name) for name in packages}

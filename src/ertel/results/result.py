@@ -1,4 +1,4 @@
-"""What a run gave: a record that shows itself in a shell and in a notebook, in SI, and in pictures."""
+"""The result of a run, with text and notebook output, values in SI, and pictures."""
 
 from base64 import b64encode
 from collections.abc import Iterable
@@ -27,8 +27,8 @@ DOTS_PER_INCH = 80  # of the picture in a notebook
 class Plot:
     """The pictures of a run, each a matplotlib Figure.
 
-    `at` chooses the moment of a run in time: a time in t0 or an event, "max-approach" or "end"; see
-    `ertel.results.plots`.  Raises ValueError for a picture or a moment that the run has not.
+    `at` selects the time in a transient run: a time in t0 or an event, "max-approach" or "end"; see
+    `ertel.results.plots`.  Raises ValueError for a picture or a time that the run does not have.
     """
 
     dataset: xr.Dataset
@@ -83,12 +83,12 @@ class Plot:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Result:
-    """What a run gave.
+    """The result of a run.
 
     Parameters
     ----------
     case : Case
-        What was run.
+        The case of the run.
     dataset : xarray.Dataset
         Scalars and fields, dimensionless; `si` is the same in SI.
     summary : mapping
@@ -120,7 +120,7 @@ class Result:
 
     @property
     def warnings(self) -> list[str]:
-        """What the grid, the domain or the inlet do not resolve, and what to do about it."""
+        """Warnings about the grid, the domain or the inlet, with advice."""
         return list(self.summary["warnings"])
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""The outcome of a run as plain data: values, restitution, error estimates, work, warnings, film formulas."""
+"""The summary of a run as plain data: values, restitution, error estimates, work, warnings, film formulas."""
 
 from collections.abc import Mapping, Sequence
 from math import cbrt
@@ -43,7 +43,7 @@ def impact_summary(
     Parameters
     ----------
     case : Case
-        What was run.
+        The case of the run.
     data : xarray.Dataset
         The run so far, see `dataset.assemble`.
     max_approach : mapping or None
@@ -95,7 +95,7 @@ def steady_summary(
     Parameters
     ----------
     case : Case
-        What was run.
+        The case of the run.
     solutions : sequence of GridSolution
         The solutions on all grids, coarsest first.
     work : mapping

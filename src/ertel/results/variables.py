@@ -1,4 +1,4 @@
-"""The one table of names, symbols and units of what a run gives, and the way back to SI.
+"""The table of names, symbols and units of results, and the conversion to SI.
 
 Everything is dimensionless; where the case is physical each variable also carries `si_factor`, `si_units` and
 `si_name`, so that a stored run turns into SI without ertel: value * si_factor.  This module imports no xarray.

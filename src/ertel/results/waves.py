@@ -56,7 +56,7 @@ def _wave(spline: CubicSpline, turns: Values, start: float, end: float) -> Wave:
 
 
 def last_wave(X: ArrayLike, dH: ArrayLike, edge: float = 1.0) -> Wave:
-    """The last complete wave inside the contact, whose amplitude is the paper's A_d; arguments as of `waves`.
+    """The last complete wave inside the contact; its amplitude is the paper's A_d.  Arguments as in `waves`.
 
     Raises ValueError where no complete wave lies inside.
     """
@@ -87,9 +87,9 @@ def local_nabla2(parameters: Parameters, wavelength: float, speed: ArrayLike, A:
 
 
 def ridge_amplitude(X: ArrayLike, Y: ArrayLike, dH: ArrayLike, wavelength: float, r: ArrayLike) -> Values:
-    """Amplitude that is left of ridges cos(2 pi X/wavelength) where a front runs along them.
+    """Remaining amplitude of ridges cos(2 pi X/wavelength) where the front moves along them.
 
-    A front that runs outwards meets a crest lengthwise along X = 0 and a trough along X = wavelength/2.  The amplitude
+    An outward moving front follows a crest along X = 0 and a trough along X = wavelength/2.  The amplitude
     is half the difference of dH between the two at the same distance from the centre, which the front passes at the
     same moment.
 

@@ -1,1 +1,1 @@
-"""From a case to its course, one or many."""
+"""Runs of one case or of many."""

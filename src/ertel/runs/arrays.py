@@ -25,12 +25,12 @@ WRITTEN = "store_written"  # in a checkpoint: how much of the arrays belongs to 
 
 
 class Data(Protocol):
-    """The arrays of a run.  flush_interval: seconds between flushes, which is what a killed run loses at most."""
+    """The arrays of a run.  flush_interval: seconds between flushes; a killed run loses at most this much."""
 
     flush_interval: float
 
     def create(self, path: Path) -> None:
-        """Write the arrays of a run that has not begun."""
+        """Write the arrays of a run that has not started."""
         ...
 
     def take(self, item: Item) -> None:
@@ -38,15 +38,15 @@ class Data(Protocol):
         ...
 
     def flush(self, path: Path) -> dict[str, Any]:
-        """Write what is kept; what a checkpoint must know of it."""
+        """Write the kept items; return what the checkpoint must store about them."""
         ...
 
     def after_checkpoint(self, path: Path, item: Any) -> None:
-        """What follows once a checkpoint is safe."""
+        """Actions after a checkpoint has been written."""
         ...
 
     def restore(self, path: Path, checkpoint: Mapping[str, Any], item: Any) -> None:
-        """Bring the arrays to where a checkpoint stands; an empty one and no item: the start."""
+        """Reset the arrays to the state of a checkpoint; an empty checkpoint and no item mean the start."""
         ...
 
 
@@ -56,7 +56,7 @@ def data_of(course: Course) -> Data:
 
 
 def attributes_of(course: Course) -> dict[str, Any]:
-    """What a run says of itself before it has ended."""
+    """The attributes of a run that has not ended."""
     return {**provenance(course.case), "status": Status.RUNNING.value}
 
 
@@ -93,7 +93,7 @@ class AppendedData:
         self._written[dimension] += len(arrays[dimension]) if arrays else 0
 
     def after_checkpoint(self, path: Path, item: Any) -> None:
-        """Nothing: the arrays were written before it."""
+        """Do nothing: the arrays were written before the checkpoint."""
 
     def restore(self, path: Path, checkpoint: Mapping[str, Any], item: Any) -> None:
         written: Sequence[int] = checkpoint[WRITTEN].tolist() if checkpoint else [0] * len(NAMES)
@@ -126,13 +126,13 @@ class ReplacedData:
         commit(path)
 
     def take(self, item: Item) -> None:
-        """Nothing: the checkpoint has all solutions."""
+        """Return nothing: the checkpoint has all solutions."""
 
     def flush(self, path: Path) -> dict[str, Any]:
         return {}
 
     def after_checkpoint(self, path: Path, item: Any) -> None:
-        """Make the data anew; the old ones stand in for them between the two renames."""
+        """Write the data again; the old data remain readable between the two renames."""
         old, draft = old_of(path), path.with_name(f"{path.name}.partial")
         shutil.rmtree(draft, ignore_errors=True)
         self._write(draft, item)
@@ -152,7 +152,7 @@ def attributes_in(path: Path) -> dict[str, Any]:
 
 
 def old_of(path: Path) -> Path:
-    """Where the data are for a moment while they are replaced."""
+    """The temporary path of the data while they are replaced."""
     return path.with_name(f"{path.name}.old")
 
 
@@ -179,7 +179,7 @@ def _create_arrays(path: Path, course: Course) -> None:
 
 
 def open_arrays(path: Path) -> zarr.Group:
-    """The arrays, to be changed."""
+    """The arrays, opened for writing."""
     return zarr.open_group(path, mode="r+", use_consolidated=False)
 
 
@@ -190,7 +190,7 @@ def _array(group: zarr.Group, name: str) -> "zarr.Array[Any]":
 
 
 def commit(path: Path) -> None:
-    """Show readers the arrays as they are now."""
+    """Make the present state of the arrays visible to readers."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Consolidated metadata is currently not part")
         zarr.consolidate_metadata(path)

@@ -53,7 +53,7 @@ def simulate_batch(
 
 
 def _run(case: Case, on_step: Callable[[Step], object]) -> Generator[StepProblem, StepSolution, Result]:
-    """The loop of `drive.drive` over a run in memory, its problems solved by who runs it."""
+    """The loop of `drive.drive` over a run in memory; the caller solves its problems."""
     course = course_of(case)
     gathering, step = Gathering(course), course.begin()
     while step.status is Status.RUNNING:
@@ -96,7 +96,7 @@ def run_together(runs: Sequence[Run], solve: SolveTogether) -> list[Any]:
 
 
 def lanes_for(asking: int, lanes: int) -> int:
-    """The size of the next batch, given the last one's: rarely another, because every size is compiled."""
+    """The size of the next batch, given the last size; it changes rarely, because every size needs a compilation."""
     while asking * SHRINKAGE <= lanes:
         lanes = -(-lanes // SHRINKAGE)
     return lanes
@@ -122,7 +122,7 @@ def check_alike(cases: Sequence[Case]) -> None:
 
 
 def _shape(case: Case) -> dict[str, object]:
-    """All that the compiled step depends on, by the field that decides it."""
+    """Everything on which the compiled step depends, by field."""
     grid, oil = discretise.grid_of(case), traceable(case.lubricant)
     return {
         "solver.method": case.solver.method,
@@ -146,7 +146,7 @@ def _structure(law: object) -> tuple[str, object, tuple[tuple[int, ...], ...]]:
 
 
 def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolution]:
-    """What `transient.solve_step` gives for problems of one shape, by one call on so many lanes."""
+    """The results of `transient.solve_step` for problems of one shape, by one call with this number of lanes."""
     filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
     own = tree.map(_stacked, *(_own(problem) for problem in filled))
     fields, rest = _solve_lanes(problems[0], own)
@@ -158,7 +158,7 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
 
 
 def _own(problem: StepProblem) -> Any:
-    """The problem without what is the same for all, and large."""
+    """The problem without the large parts that all cases share."""
     return replace(problem, elastic=(), contact=replace(problem.contact, kernel=(), spacing=()))  # type: ignore[arg-type]
 
 
@@ -173,7 +173,7 @@ def _stack(fields: Sequence[Array]) -> Array:
 
 @jax.jit
 def _solve_lanes(one: StepProblem, own: Any) -> tuple[dict[str, list[Array]], StepSolution]:
-    """The fields of each lane apart; all other results with the lanes along their first axis."""
+    """The fields of each lane separately; all other results with the lanes along their first axis."""
 
     def solve(own: Any) -> StepSolution:
         contact = replace(own.contact, kernel=one.contact.kernel, spacing=one.contact.spacing)

@@ -1,4 +1,4 @@
-"""JAX's compilations: counted, kept on disk for the next process, and checked for versions that compute wrongly."""
+"""JAX compilations: counts, cache on disk, and a check for versions that give wrong results."""
 
 import hashlib
 import os
@@ -26,7 +26,7 @@ _told = False
 
 
 def wrong_version(version: str) -> str:
-    """What to know of a jaxlib version that computes wrongly; empty for the others.
+    """A warning for a jaxlib version that gives wrong results; empty for other versions.
 
     jaxlib 0.10.2 and 0.11.0 miscompile a product of a matrix with many rows that is summed up, on the CPU and in
     double precision.  `tests/runs/test_compiling.py` shows it.
@@ -38,7 +38,7 @@ def wrong_version(version: str) -> str:
 
 
 def check_jax(tell: Callable[[str], object] | None = None) -> None:
-    """Tell, once in a process, that the installed JAX computes wrongly, if it does.
+    """Warn, once per process, if the installed JAX gives wrong results.
 
     tell: what is called with the sentence; `warnings.warn` by default.
     """
@@ -104,7 +104,7 @@ def _jax_directory() -> str | None:
 
 
 def _processor() -> str:
-    """The machine's architecture and a digest of its processor's model and instructions."""
+    """The machine's architecture and a digest of the processor's model and instruction set."""
     kind = [platform.processor()]
     with suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as file:  # Linux
         first = takewhile(str.strip, file)  # one block per core, with an empty line after it
@@ -114,7 +114,7 @@ def _processor() -> str:
 
 @cache
 def _replace_unreadable() -> None:
-    """Have JAX delete an entry of its cache that it cannot read, such as one cut short, and compile it anew.
+    """Make JAX delete an unreadable entry of its cache (such as a truncated file) and compile it again.
 
     JAX itself warns, compiles, and leaves the entry as it is: so in every process from then on.  It has no public hook
     for this; a version without the function that is wrapped here goes on as it is.

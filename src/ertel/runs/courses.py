@@ -1,4 +1,4 @@
-"""The two courses that a run can take, behind one interface: time steps, or the grids of a steady contact.
+"""The two kinds of run with one interface: time steps, or the grids of a steady contact.
 
 `course_of` chooses; nobody else asks which it is.
 """
@@ -34,7 +34,7 @@ Arrays = Mapping[str, NDArray[Any]]
 
 
 class Item(Protocol):
-    """What a course is made of: an accepted time step, or the solution on a grid.
+    """One item of a course: an accepted time step, or the solution on a grid.
 
     record: scalars by name.  frames: the maps that fell due.  status: how the run stands after it.
     """
@@ -48,7 +48,7 @@ class Item(Protocol):
 
 
 class Course(Protocol):
-    """How a case is run, item by item."""
+    """The course of a run: its items one after the other."""
 
     case: Case
     coordinates: Mapping[str, Any]
@@ -58,7 +58,7 @@ class Course(Protocol):
         ...
 
     def following(self, item: Any) -> Generator[Any, Any, Any]:
-        """The next item: yields problems, is sent their solutions."""
+        """The next item: yields problems and receives their solutions."""
         ...
 
     def solve(self, problem: Any) -> Any:
@@ -66,19 +66,19 @@ class Course(Protocol):
         ...
 
     def fraction(self, item: Any) -> float:
-        """How much of the run lies behind an item, 0 to 1, roughly."""
+        """The approximate fraction of the run that is done, 0 to 1."""
         ...
 
     def news(self, item: Any) -> str:
-        """An item in a line."""
+        """An item as one line of text."""
         ...
 
     def to_arrays(self, item: Any) -> dict[str, NDArray[Any]]:
-        """All that is needed to go on after an item, as named arrays, exact to the last bit."""
+        """Everything that is needed to continue after an item, as named arrays, exact to the last bit."""
         ...
 
     def from_arrays(self, arrays: Arrays) -> Any:
-        """The item again from `to_arrays`."""
+        """The item from the arrays of `to_arrays`."""
         ...
 
     def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: Any) -> xr.Dataset:
@@ -91,11 +91,11 @@ class Course(Protocol):
 
     @property
     def half_grid(self) -> "Course | None":
-        """The course with twice the spacing, for an error estimate; None where the run has one of its own."""
+        """The course with twice the spacing, for an error estimate; None if the run has its own estimate."""
         ...
 
     def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-        """The summary with the errors that the summary of the half grid tells."""
+        """The summary with the errors estimated from the summary of the coarser grid."""
         ...
 
 
@@ -107,7 +107,7 @@ def course_of(case: Case) -> Course:
 
 
 def method_of(case: Case) -> Method:
-    """The way to make a time step that a case asks for."""
+    """The time stepping method of a case."""
     return RadialImpact(case) if case.solver.method == "radial" else Transient2D(case)
 
 
@@ -118,7 +118,7 @@ REACHED = "max_approach_"
 
 
 class TransientCourse(ABC):
-    """A run in time; what is said of it at its end differs between impact and rolling."""
+    """A run in time; the summary differs between impact and rolling."""
 
     def __init__(self, case: Case, method: Method, limits: StepLimits | None = None):
         self.case, self.method, self.limits = case, method, limits or StepLimits()
@@ -221,7 +221,7 @@ FIELDS = ("P", "H", "history")
 
 @dataclass(frozen=True)
 class GridStep:
-    """The steady contact on one grid more: all solutions so far, coarsest first."""
+    """The steady contact after one more grid: all solutions so far, coarsest first."""
 
     solutions: tuple[GridSolution, ...]
     status: Status

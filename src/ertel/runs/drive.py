@@ -1,4 +1,4 @@
-"""The one loop over a run, with observers; and a run in memory.
+"""The loop over a run, with observers, and a run in memory.
 
     drive(course_of(case), [observer, ...])
 
@@ -60,7 +60,7 @@ class Gathering:
         self.frames.extend(item.frames)
 
     def result(self, last: Any) -> Result:
-        """What the run gave, from its last item."""
+        """The result of the run, from its last item."""
         data = self.course.dataset(self.records, self.frames, last)
         work = {"compilations": compiling.count() - self._compiled, "wall_s": clock.monotonic() - self._started}
         summary = self.course.summary(data, last, last.status, work)
@@ -95,6 +95,6 @@ def simulate(case: Case, progress: bool = False, observers: Sequence[Observer] =
 
 
 def warn_of(result: Result) -> None:
-    """Give the warnings of a run as Python warnings."""
+    """Issue the warnings of a run as Python warnings."""
     for sentence in result.warnings:
         warnings.warn(sentence, stacklevel=3)

@@ -8,7 +8,7 @@ from ertel.runs.courses import Course
 
 
 def bars(shown: bool) -> Any:
-    """Bars on stderr (a `rich.progress.Progress`); none where stderr is no terminal or they are not wanted."""
+    """Bars on stderr (a `rich.progress.Progress`); none if stderr is not a terminal or they are not wanted."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -31,7 +31,7 @@ def watch(progress: Any, course: Course, label: str = "") -> Callable[[Any], Non
 
 @contextmanager
 def progress_bar(course: Course, shown: bool) -> Iterator[list[Callable[[Any], None]]]:
-    """The observers that show a run, none where that is not wanted."""
+    """The observers that show a run; none if progress is not wanted."""
     if not shown:
         yield []
         return

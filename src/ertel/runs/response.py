@@ -1,6 +1,6 @@
 """The response of an impact to roughness: dH = H_rough - H_smooth at maximum approach, eq. (17).
 
-Rough impacts run beside the smooth one in lockstep, on its grid and its time steps, so that what they differ by is the
+Rough impacts run in lockstep with the smooth one, on its grid and its time steps, so that their difference is the
 roughness and not the discretisation.  Or the response is computed directly, as the derivative of the run with respect
 to the height of the roughness (tangent-linear).
 """
@@ -32,7 +32,7 @@ HEIGHT = {"long_name": "height of the roughness", "symbol": "R", "units": "1"}
 
 
 class Companion(Protocol):
-    """A run beside the smooth one."""
+    """A run that makes the same steps as the smooth run."""
 
     def follow(self, smooth: Sequence[State]) -> Status:
         """Make the step that the smooth run has made; its levels are given newest first."""
@@ -79,13 +79,13 @@ class TangentRun:
 
 
 class Lockstep:
-    """An observer of the smooth run: every companion makes the step that it has made."""
+    """An observer of the smooth run: every companion repeats its step."""
 
     def __init__(self, companions: Sequence[Companion]):
         self.companions, self.status = companions, Status.CONVERGED
 
     def __call__(self, step: Step) -> bool:
-        """Whether a companion has failed, so that the run is to stop."""
+        """Whether a companion has failed, so that the run must stop."""
         if step.record:
             ends = [companion.follow(step.state.levels) for companion in self.companions]
             self.status = next((status for status in ends if not status.ok), self.status)
@@ -93,7 +93,7 @@ class Lockstep:
 
 
 def respond(case: Case, roughnesses: Sequence[Sequence[Feature]], observers: Sequence[Observer] = ()) -> xr.Dataset:
-    """The smooth impact up to maximum approach, and what each roughness of finite height changes there.
+    """The smooth impact up to maximum approach, and the change due to each roughness of finite height.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def respond(case: Case, roughnesses: Sequence[Sequence[Feature]], observers: Seq
 def respond_linearly(
     case: Case, roughnesses: Sequence[Sequence[Feature]], observers: Sequence[Observer] = ()
 ) -> xr.Dataset:
-    """As `respond`, but the tangent-linear response: exact as the height of the roughness goes to zero."""
+    """The tangent-linear response: the limit of `respond` as the height of the roughness goes to zero."""
     smooth = _smooth(case, roughnesses)
     method = Transient2D(smooth)
     companions = [TangentRun(method, features) for features in roughnesses]
@@ -143,7 +143,7 @@ def _in_lockstep(
     roughnesses: Sequence[Sequence[Feature]],
     observers: Sequence[Observer],
 ) -> xr.Dataset:
-    """The smooth run with its companions, and what they say at maximum approach."""
+    """The smooth run with its companions, and their fields at maximum approach."""
     course = ImpactCourse(smooth, method)
     gathering, lockstep = Gathering(course), Lockstep(companions)
     last = drive(course, [gathering, lockstep, *observers])
@@ -160,7 +160,7 @@ def _heights(method: Transient2D, roughnesses: Sequence[Sequence[Feature]]) -> n
 def _assemble(
     method: Transient2D, gathering: Gathering, last: Step, companions: Sequence[Companion], status: Status
 ) -> xr.Dataset:
-    """Everything at the moment of maximum approach, between the last levels."""
+    """All fields at maximum approach, interpolated between the last levels."""
     levels = last.state.levels
     T = turning_time(levels) if status.ok else levels[0].T
     peak = interpolated(levels, T)

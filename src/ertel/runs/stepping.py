@@ -1,4 +1,4 @@
-"""Time steps of controlled error: attempts until one is accepted, events, and the maps that fall due.
+"""Time steps with error control: attempts until one is accepted, events, and maps at given times.
 
 Nothing here loops over a run (`drive`), and nothing solves: `next_step` is a generator that yields the problems of its
 attempts and is sent their solutions, so that one run and a batch of runs share it.
@@ -21,7 +21,7 @@ UNLOADED = 1e-8  # F below which the ball has left
 
 @dataclass(frozen=True)
 class StepLimits:
-    """How long a step may be, in t0, and how the next one follows from the last one's error.
+    """Limits of the step, in t0, and the choice of the next step from the last error.
 
     first: of an impact, as a share of the initial gap.  cut: after a step that did not converge.
     """
@@ -76,7 +76,7 @@ class Counts:
 
 @dataclass(frozen=True)
 class RunState:
-    """All that a run needs to go on: the last time levels (newest first), the next step, what has happened so far."""
+    """Everything that a run needs to continue: the last time levels (newest first), the next step, the past events."""
 
     levels: tuple[State, ...]
     next_step: float
@@ -87,7 +87,7 @@ class RunState:
 
 @dataclass(frozen=True)
 class Step:
-    """One accepted time step: the state after it, its scalars, the maps that fell due, and how the run stands."""
+    """One accepted time step: the state after it, its scalars, its maps, and the progress of the run."""
 
     state: RunState
     record: Mapping[str, float]
@@ -107,7 +107,7 @@ def begin(case: Case, method: Method, limits: StepLimits) -> Step:
 
 
 def next_step(case: Case, method: Method, state: RunState, limits: StepLimits) -> Generator[Any, Any, Step]:
-    """The next accepted step, with as many attempts as it takes: yields their problems, is sent the solutions.
+    """The next accepted step after one or more attempts: yields their problems and receives the solutions.
 
     Where the step would become too small it returns the last state again, with that status and without a record.
     """
@@ -131,7 +131,7 @@ def next_step(case: Case, method: Method, state: RunState, limits: StepLimits) -
 
 
 def _landing(case: Case, T: float, step: float) -> float:
-    """The step, cut where it would run past an end given as a time."""
+    """The step, shortened if it would pass an end given as a time."""
     if isinstance(case.schedule.until, str):
         return step
     left = case.schedule.until - T
@@ -202,7 +202,7 @@ def _ended(case: Case, level: State, F: float, reached: Mapping[str, float] | No
 
 
 def turning_time(levels: Sequence[State]) -> float:
-    """When V = 0 between the last two levels, by bisection of its parabola."""
+    """The time at which V = 0 between the last two levels, by bisection of its parabola."""
     times = [level.T for level in levels]
     V = np.array([level.velocity for level in levels])
     late, early = times[0], times[1]
@@ -213,7 +213,7 @@ def turning_time(levels: Sequence[State]) -> float:
 
 
 def _due_frames(case: Case, method: Method, levels: Sequence[State], number: int) -> tuple[list[Frame], int]:
-    """The maps due since the step before, at multiples of the interval."""
+    """The maps since the previous step, at multiples of the interval."""
     frames = []
     while number * case.schedule.interval <= levels[0].T:
         frames.append(_frame(method, interpolated(levels, number * case.schedule.interval), ""))

@@ -1,4 +1,4 @@
-"""The directory of a run, safe against being cut off at any moment.
+"""The directory of a run, safe against interruption at any time.
 
 ======================  =========================================================================================
 case.toml               the resolved case: `ertel run` of it is the same run again
@@ -46,11 +46,11 @@ CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "su
 
 
 class StoreError(ValueError):
-    """A run directory cannot be made, or is none: the message names it and says what is wrong."""
+    """A run directory cannot be made or is not valid; the message names it and says what is wrong."""
 
 
 class RunStore:
-    """The directory of one run.  Make one with `create`, or take up one with `open`; it is an observer of its run."""
+    """The directory of one run.  `create` makes one and `open` opens one; it is an observer of its run."""
 
     def __init__(self, directory: Path, case: Case, course: Course | None = None):
         self.directory, self.case = directory, case
@@ -71,7 +71,7 @@ class RunStore:
 
     @classmethod
     def open(cls, directory: Path) -> "RunStore":
-        """The store of the run in a directory.  Raises StoreError where there is none, or not one of its case."""
+        """The store of the run in a directory.  Raises StoreError if there is none or it belongs to another case."""
         if not (directory / CASE).exists():
             raise StoreError(f"{directory} is not an ertel run directory (no {CASE})")
         data = directory / DATA
@@ -100,7 +100,7 @@ class RunStore:
     # -- writing ------------------------------------------------------------------------------------------------------
 
     def _make(self) -> None:
-        """Make the directory; nothing is left behind where that fails."""
+        """Make the directory; nothing is left behind if that fails."""
         text = to_toml(self.case)
         draft = self.directory.parent / f".{self.directory.name}-{uuid4().hex[:8]}"
         try:
@@ -117,7 +117,7 @@ class RunStore:
             shutil.rmtree(draft, ignore_errors=True)
 
     def __call__(self, item: Item) -> None:
-        """Take one more item; now and then the items taken so far are written."""
+        """Add one item; the items are written at intervals."""
         self._writer.take(item)
         self._item = item
         if time.monotonic() - self._flushed > self._writer.flush_interval:
@@ -144,7 +144,7 @@ class RunStore:
         draft.replace(path)
 
     def finish(self, summary: Mapping[str, Any]) -> None:
-        """Write what is left, and the outcome of the run."""
+        """Write the remaining items and the summary of the run."""
         self.flush()
         plain = {key: value for key, value in summary.items() if isinstance(value, str | int | float)}
         open_arrays(self._data).attrs.update(plain)
@@ -156,7 +156,7 @@ class RunStore:
     # -- reading ------------------------------------------------------------------------------------------------------
 
     def resume(self) -> Any:
-        """The item to go on from, None for the start; what was written after it is cut off, and there is no outcome."""
+        """The item from which to continue, None for the start; later data and the summary are deleted."""
         checkpoint = self._read_checkpoint()
         item = self._item_of(checkpoint)
         self._seconds_before = float(checkpoint.get("store_seconds", 0.0))
@@ -184,7 +184,7 @@ class RunStore:
         return checkpoint
 
     def _check_digest(self) -> None:
-        """Raise StoreError where the data are not those of the case."""
+        """Raise StoreError if the data belong to another case."""
         attributes = attributes_in(self._data)
         if "digest" not in attributes:
             raise StoreError(
@@ -196,7 +196,7 @@ class RunStore:
             raise StoreError(f"{self.directory}: {CASE} was changed ({changes}); put it back, or run it as a new case")
 
     def dataset(self) -> xr.Dataset:
-        """The run as far as it is written."""
+        """The run as far as it has been written."""
         path = self._data if self._data.exists() else old_of(self._data)
         data: xr.Dataset = xr.open_zarr(path)
         return data.load()
@@ -239,7 +239,7 @@ def _changes(before: Any, now: Any, place: str = "") -> str:
 
 
 def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, Any]:
-    """Run a stored case, from where it stands to its end, and give its summary, all of it written down."""
+    """Continue a stored case to its end, write all results, and return the summary."""
     compiled = compiling.count()
     with _alone(store.directory):
         last = drive(store.course, [store, *observers], store.resume())
@@ -251,7 +251,7 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
 
 
 def run(case: Case, directory: str | Path, progress: bool = False, observers: Sequence[Observer] = ()) -> Result:
-    """Run a case and store it; a run that was interrupted goes on where it stood, one that is done is read.
+    """Run a case and store it; an interrupted run is continued, and a complete run is read.
 
     Parameters
     ----------
@@ -285,7 +285,7 @@ def open_run(directory: str | Path) -> Result:
 
 @contextmanager
 def _alone(directory: Path) -> Iterator[None]:
-    """Hold a run against other processes, as far as the system can."""
+    """Lock a run against other processes, as far as the system allows."""
     with (directory / CASE).open() as file:
         if fcntl:
             try:

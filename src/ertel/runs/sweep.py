@@ -1,4 +1,4 @@
-"""Independent runs side by side on any Executor.  Results come in order and are kept on disk; a failure is a value.
+"""Independent runs in parallel on any Executor.  Results are in order and stored on disk; a failure is a value.
 
     tasks = [Task(f"M{M}", run, (M,)) for M in (200, 500, 1000)]
     with processes(2) as executor:

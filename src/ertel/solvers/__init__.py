@@ -1,1 +1,1 @@
-"""How a time level, or the steady state, is found."""
+"""Solvers for a time step and for the steady state."""

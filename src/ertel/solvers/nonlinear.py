@@ -1,8 +1,8 @@
-"""One solve on the 2-D grid: P and Delta at a new time level, or of the steady state, of an impact or of rolling.
+"""One solve on the 2-D grid: P and Delta at a new time level or in the steady state, for impact and rolling.
 
-The equation is always `contact.residual`, the closure always one line (`approach.ClosureLine`).  There are two ways to
-close the system: Delta is eliminated where it has a weight of its own in the closure's line (inertia); a balanced load
-has none, and Newton's iteration carries Delta as one more unknown (bordered).
+The equation is always `contact.residual`, and the closure is always one linear equation (`approach.ClosureLine`).  The
+system is closed in one of two ways.  With inertia, Delta has a weight in the closure and is eliminated.  With a
+balanced load it has none, and Newton's iteration solves for Delta as one more unknown (bordered).
 """
 
 from collections.abc import Callable
@@ -23,13 +23,13 @@ from ertel.numerics.grid import Grid
 from ertel.numerics.multigrid import Elasticity
 
 Number = Array | float
-LOAD_WEIGHT = 200.0  # of the load's misfit beside the residual: large, so that every direction of search keeps the load
+LOAD_WEIGHT = 200.0  # weight of the load misfit relative to the residual: every search keeps the load
 
 
 @register_dataclass
 @dataclass(frozen=True)
 class Problem:
-    """What holds at the new level, what may be left over, and how it is solved.
+    """The equations at the new level, their tolerances, and the algorithms that solve them.
 
     contact, rate, entrainment, line: the surfaces, the squeeze rate, the entrainment U, the closure's line.
     tolerance: of Reynolds' equation at each node, (n, n) or a number.  load_tolerance: of a line with Delta unknown.
@@ -53,7 +53,7 @@ Close = Callable[[Problem, Array, Number], "Closed"]  # from the first guess of 
 
 
 class Closed(NamedTuple):
-    """The system in a form that Newton's iteration takes: first H, how H follows a change of P, the border if any.
+    """The system in the form for Newton's iteration: the first H, the change of H with P, and the border, if any.
 
     approach: Delta from the solution.
     """
@@ -82,7 +82,7 @@ def solve(problem: Problem, P: Array, approach: Number) -> tuple[newton.Solution
 
 
 def _along_its_flow(problem: Problem) -> Problem:
-    """The problem with X the way the oil is carried."""
+    """The problem with X in the direction of entrainment."""
     turned = partial(along_the_flow, problem.entrainment)
     return replace(
         problem,
@@ -94,7 +94,7 @@ def _along_its_flow(problem: Problem) -> Problem:
 
 
 def along_the_flow(entrainment: Number, field: Any) -> Any:
-    """A field with X the way the oil is carried (and, by the same reversal, back again); a number stays as it is."""
+    """A field with X in the direction of entrainment; the same reversal undoes it.  A number is not changed."""
     return jnp.where(entrainment >= 0, field, field[..., ::-1]) if jnp.ndim(field) > 1 else field
 
 
@@ -110,7 +110,7 @@ def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int) -> 
 
 
 def eliminated(problem: Problem, P: Array, approach: Number) -> Closed:
-    """Delta from the load: the line where Delta has a weight."""
+    """Delta eliminated, for a closure in which Delta has a weight."""
     c, line = problem.contact, problem.line
 
     def of(P: Array) -> Array:
@@ -124,7 +124,7 @@ def eliminated(problem: Problem, P: Array, approach: Number) -> Closed:
 
 
 def bordered(problem: Problem, P: Array, approach: Number) -> Closed:
-    """Delta as one more unknown, with the line as its equation."""
+    """Delta as one more unknown, with the closure as its equation."""
     c, line = problem.contact, problem.line
 
     def misfit(P: Array, approach: Array) -> Array:

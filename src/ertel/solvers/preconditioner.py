@@ -19,12 +19,12 @@ PRECISION = "float32"
 
 
 def point_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
-    """Nodes smoothed one by one: for U = 0."""
+    """V-cycle with the point smoother, for U = 0."""
     return partial(multigrid.precondition, levels(problem, P, H, free, problem.rate.new, multigrid.point_smoother))
 
 
 def line_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
-    """Nodes smoothed along the lines on which the oil is carried: for any U >= 0."""
+    """V-cycle with the line smoother along the direction of entrainment, for any U >= 0."""
     smoother = partial(line_smoother, rate=problem.rate.new, drift=problem.entrainment)
     return partial(multigrid.precondition, levels(problem, P, H, free, 1.0, smoother))
 

@@ -1,4 +1,4 @@
-"""Axisymmetric impact of a smooth ball: the fast twin and independent check of the 2-D method.
+"""Axisymmetric impact of a smooth ball: faster than the 2-D method, and an independent check of it.
 
 Finite volumes on a radial grid, a dense elastic kernel and Newton's method with the full Jacobian.  The two methods
 share the physics (lubricant, closure, backward differences) and nothing else.  r is the radius in units a*, the other
@@ -33,7 +33,7 @@ jax.config.update("jax_enable_x64", True)
 
 Floats = NDArray[np.float64]
 
-EDGE = 1.0  # largest radius of the dry contact: the grid is finest here, where the film is thinnest
+EDGE = 1.0  # maximum radius of the dry contact: the grid is finest here, where the film is thinnest
 WIDENING_INSIDE = 1.5  # the spacing at distance d from the edge is 1 + widening * d times that at the edge
 WIDENING_OUTSIDE = 8.0
 NEWTON_LIMIT = 15
@@ -58,8 +58,8 @@ class Mesh(NamedTuple):
 class Equations(NamedTuple):
     """What holds at a new time level.
 
-    d(rho H)/dT = rate * rho H + past.  H = apart + stiffness @ P, the closure's Delta eliminated: stiffness is the
-    elastic kernel and the rise of the ball under its load.
+    d(rho H)/dT = rate * rho H + past.  H = apart + stiffness @ P with Delta eliminated by the closure.  The matrix
+    stiffness contains the elastic kernel and the change of Delta with the load.
     """
 
     mesh: Mesh
@@ -127,9 +127,9 @@ def disc(r: Floats, b: Floats) -> Floats:
 def elastic_kernel(r: Floats) -> Floats:
     """Matrix (n, n) of the deformation (2/pi^2) double integral of P/distance, for P linear between the nodes r.
 
-    Such a pressure is a heap of discs, so its deformation is - integral of dP/db disc(r, b) db, and each interval
-    counts by the mean of disc(r, .) over it.  Gauss points crowd towards the ends, where (b - r) log|b - r| starts
-    or stops.
+    Such a pressure is a sum of uniformly loaded discs, so its deformation is - integral of dP/db disc(r, b) db.  Each
+    interval contributes the mean of disc(r, .) over it.  Gauss points are denser near the ends because of the
+    singularity (b - r) log|b - r|.
     """
     x, w = np.polynomial.legendre.leggauss(12)
     x, w = (x + 1) / 2, w / 2
@@ -149,7 +149,7 @@ def load_weights(r: Floats) -> Floats:
 def outflow(eq: Equations, P: Array, H: Array) -> Array:
     """Oil that flows outwards through each face, per radian and time: - r eps dP/dr, eps the mean of its two nodes.
 
-    The surfaces never overlap in a solution, but they may on the way to it; oil then does not flow.
+    The surfaces do not overlap in a solution, but they may during the iteration; the flow is then zero.
     """
     eps, _ = eq.flow.mobility(eq.oil.density(P), eq.oil.viscosity(P), H, eq.lambda_bar)
     return -eq.mesh.face * (eps[1:] + eps[:-1]) / 2 * jnp.diff(P) / jnp.diff(eq.mesh.r)
@@ -163,9 +163,9 @@ def residual(eq: Equations, P: Array, H: Array) -> Array:
 
 
 def free(P: Array, r: Array) -> Array:
-    """Where the equation holds; elsewhere P is held at zero: on the outer node, and where the film parts.
+    """1 where the equation holds.  Elsewhere P is held at zero: on the outer node and where the film cavitates.
 
-    A residual that is not a number holds nothing: it stays in sight.
+    A node with a NaN residual is free, so that the NaN is not hidden.
     """
     return ((P > 0.0) | ~(r >= 0.0)).at[-1].set(False)
 
@@ -206,8 +206,9 @@ def solve(eq: Equations, P: Array, tolerance: float) -> Solution:
 class RadialImpact(Method):
     """The method "radial".
 
-    The first touch, the trapped film and the thin edge need no other grid than the default; choose half_width = 4 (the
-    load carried outside falls with its square) and nodes = 401 (H_c within 0.1 % of its limit at M = 1000, L = 10).
+    The default distribution of nodes suits the first touch, the trapped film and the thin edge.  Recommended values are
+    half_width = 4 (the load outside falls with its square) and nodes = 401 (H_c within 0.1 % of its limit at M = 1000,
+    L = 10).
     """
 
     controlled = ("H",)
@@ -222,7 +223,7 @@ class RadialImpact(Method):
         self.coordinates = {"r": np.asarray(self.mesh.r)}
 
     def start(self) -> State:
-        """The ball apart, moving in with unit speed, no pressure yet."""
+        """The separated ball approaching with unit speed, without pressure."""
         r = self.mesh.r
         fields = {"P": jnp.zeros_like(r), "H": CIRCLE.gap(r, 0.0) - self.start_approach}
         return State(0.0, self.start_approach, 1.0, fields)
@@ -283,8 +284,8 @@ class RadialImpact(Method):
 def predicted_pressure(levels: Sequence[State], T: float) -> Array:
     """P extrapolated in time, not below zero.
 
-    From three levels on the way in; from two on the way out, where the pressure breaks down behind a receding edge and
-    a parabola overshoots.
+    Three levels are used during approach.  Two are used during rebound, where the pressure collapses behind the
+    receding edge and a parabola overshoots.
     """
     used = levels[:3] if levels[0].velocity > 0 else levels[:2]
     weights = bdf.interpolation_weights(T, [level.T for level in used])
@@ -292,7 +293,7 @@ def predicted_pressure(levels: Sequence[State], T: float) -> Array:
 
 
 def lowest_point(r: Floats, H: Floats) -> tuple[float, float]:
-    """Radius and value of the smallest H: the vertex of the parabola through the lowest node and its neighbours."""
+    """Radius and value of the minimum of H: the vertex of the parabola through the lowest node and its neighbours."""
     i = int(np.argmin(H))
     if i in (0, len(r) - 1):
         return float(r[i]), float(H[i])

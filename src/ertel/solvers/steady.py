@@ -1,7 +1,7 @@
 """Steady rolling on the 2-D grid: `contact`'s residual without squeeze, with a given load, coarse grid first.
 
-The unknowns are P and the approach Delta; Newton's iteration carries both.  A solution on a coarse grid is the first
-guess on the next finer one (nested iteration), and tells the error of the film at no cost.
+The unknowns are P and the approach Delta; Newton's iteration solves for both.  A solution on a coarse grid is the first
+guess on the next finer grid (nested iteration), and gives an error estimate of the film thickness at no extra cost.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,8 +24,8 @@ from ertel.solvers import nonlinear, preconditioner
 from ertel.solvers.nonlinear import Problem
 
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
-LEAST_FILM = 0.5  # share of the coarse grid's smallest film that a first guess keeps
-TOLERANCE = 1e-8  # of the film that a transient run starts from
+LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
+TOLERANCE = 1e-8  # tolerance of the steady film from which a transient run starts
 AS_EXACT_AS_THE_GRID = 0.1  # the tolerance that leaves about a tenth of the discretisation error (measured, H_c, H_min)
 # least: where the tolerance is so loose that the first guess may meet it, one iteration leaves too much
 # Krylov: 3 to 6 are needed, a sharp spike on a fine grid wants all; each keeps its two fields; Newton: likewise, 5 to 7
@@ -75,14 +75,14 @@ def check_motion(case: Case) -> None:
 
 
 def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Array, float]:
-    """Pressure and approach of the dry contact under a load in units F*, which it carries exactly on this grid."""
+    """Pressure and approach of the dry contact under a load in units F*; the pressure is scaled to carry it exactly."""
     P = jnp.asarray(geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None]))
     carried = total(P, grid.even) * grid.spacing**2
     return P * (load * geometry.hertz_load / carried), geometry.dry_approach(load)
 
 
 def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:
-    """Pressure from twice the spacing; the approach, and the bodies moved apart where they would overlap."""
+    """Pressure from the coarser grid, and the approach, reduced if the surfaces would overlap."""
     H_min = coarse.measure()["H_min"]
     least, thinnest = LEAST_FILM * max(H_min, 0.0), H_min + coarse.approach - approach
     return _from_coarse(c, coarse.P), approach - max(least - thinnest, 0.0)
@@ -90,7 +90,7 @@ def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Arra
 
 @jax.jit
 def _from_coarse(c: Contact, coarse: Array) -> Array:
-    # linear interpolation leaves steps in the slope, of which the free-flowing inlet makes a large residual
+    # linear interpolation has steps in the slope, which cause a large residual in the inlet
     P = folded(multigrid.prolong_smooth(unfolded(coarse, c.even)), c.even)
     return stencils.inside(jnp.maximum(P, 0.0), c.even)
 

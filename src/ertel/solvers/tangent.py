@@ -1,4 +1,4 @@
-"""The tangent-linear step: how a time step on the 2-D grid answers a small change of the surfaces.
+"""The tangent-linear step: the response of a time step on the 2-D grid to a small change of the surfaces.
 
 The step solves r(P, H(P, Delta), past) = 0 on the free nodes.  Its derivative is one linear system with the Jacobian of
 the solved step, the exact one (automatic differentiation of `contact.residual`), and the same preconditioner.
@@ -51,7 +51,7 @@ class TangentProblem:
 
 
 def start(shape: Array) -> State:
-    """The change at T = 0: the surfaces as they differ, the ball where it was."""
+    """The change at T = 0: only the surfaces change, not the position of the ball."""
     return State(0.0, 0.0, 0.0, {"P": jnp.zeros_like(shape), "H": -shape})
 
 

@@ -1,4 +1,4 @@
-"""The 2-D grid in time: one BDF step of `contact`'s residual, for an impact, for rolling, and for both at once."""
+"""Time steps on the 2-D grid: one BDF step of `contact`'s residual, for impact, rolling, and both combined."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -95,7 +95,7 @@ class Transient2D(Method):
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
 
     def start(self) -> State:
-        """The bodies apart, moving in with unit speed, no pressure yet; or the steady film with the motion at T = 0."""
+        """The separated bodies approaching with unit speed, without pressure; or the steady film at T = 0."""
         if not self.case.starts_apart:
             rolling = steady.steady(self.case)
             s = rolling.finest
@@ -144,7 +144,7 @@ class Transient2D(Method):
         return solve_step(problem)
 
     def measure(self, level: State) -> dict[str, float]:
-        """Load, pressures and films of one level; without entrainment X_min is the radius of the least film."""
+        """Load, pressures, film thicknesses; without entrainment X_min is the radius of H_min."""
         values = measure(self.grid, level.P, level.H)
         values["F"] = values.pop("load") / self.geometry.hertz_load
         if not self.case.motion.flows:
@@ -181,8 +181,8 @@ def solve_step(p: StepProblem) -> StepSolution:
     mass = contact.mass(p.contact, P_old[:2], H_old[:2])
     rate = Rate(p.rates[0], jnp.tensordot(p.rates[1:], mass, axes=1))
     P = jnp.tensordot(p.predict, P_old, axes=1)
-    # Newton comes down to a small pressure in few iterations and up from none in many (the viscosity is exponential),
-    # and a free boundary retreats in one and advances a node at a time: so predict no steep fall
+    # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
+    # A free boundary retreats in one iteration but advances one node per iteration.  So the prediction limits the fall.
     P = jnp.maximum(P, STEEPEST_FALL * P_old[0])
     # a residual r adds r/rates[0] to the film in this step
     allowed = p.tolerance * p.rates[0] * (p.film_scale + jnp.abs(H_old[0]))

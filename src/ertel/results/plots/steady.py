@@ -99,7 +99,7 @@ def _flow(dataset: xr.Dataset) -> float:
 
 
 def draw_midline(axes: Axes, dataset: xr.Dataset, along: str) -> None:
-    """Film and pressure through the centre along "x" (with the flow) or "y" (across it), beside Hertz' pressure."""
+    """Film and pressure through the centre along "x" (with the flow) or "y" (across it), with Hertz' pressure."""
     section = dataset[["H", "P"]].sel({"Y" if along == "x" else "X": 0.0}, method="nearest")
     x = np.asarray(section[along.upper()].values)
     H, P = section["H"].values, section["P"].values
