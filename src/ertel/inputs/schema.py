@@ -4,7 +4,7 @@ A quantity is a string with a unit ("10 mm"), a dimensionless number a plain num
 number in the units of the case, a, a^2/R or t0, or a quantity.  What makes sense is not decided here but in the model.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import MISSING, fields
 from functools import cache, partial
 from typing import Annotated, Any, Literal, get_args, get_type_hints
@@ -190,8 +190,3 @@ def _bare(kind: Any) -> Any:
 def keys_of(model: type[BaseModel]) -> list[str]:
     """The keys of a section, as they are written."""
     return [field.alias or key for key, field in model.model_fields.items()]
-
-
-def describe_shapes() -> Mapping[str, type[BaseModel]]:
-    """The section of each registered shape, by its name."""
-    return {name: section_of(record) for name, record in SHAPES.items()}
