@@ -18,7 +18,7 @@ HERE = Path(__file__).parent
 
 def impact(M: float, nodes: int, L: float = 10.0, **sections: dict[str, Any]) -> Any:
     """The case of an impact on nodes x nodes, Roelands and Dowson-Higginson; sections as in a case file."""
-    from ertel.inputs.case_files import parse_case
+    from ertel import parse_case
 
     solver = {"nodes": nodes, **sections.pop("solver", {})}
     return parse_case({"contact": {"kind": "impact", "M": M, "L": L}, "solver": solver, **sections})
@@ -26,7 +26,7 @@ def impact(M: float, nodes: int, L: float = 10.0, **sections: dict[str, Any]) ->
 
 def rolling(M: float, nodes: int, L: float = 10.0, tolerance: float = 1e-6) -> Any:
     """The case of a dimensionless steady rolling contact, the same oil."""
-    from ertel.inputs.case_files import parse_case
+    from ertel import parse_case
 
     solver = {"method": "steady", "nodes": nodes, "tolerance": tolerance}
     return parse_case({"contact": {"kind": "rolling", "M": M, "L": L}, "solver": solver})
@@ -55,12 +55,12 @@ def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
 
     from ertel.model import contact
     from ertel.numerics import multigrid
-    from ertel.runs.drive import transient
+    from ertel.runs.courses import course_of
+    from ertel.runs.drive import drive
 
     coarse = impact(method.case.parameters.M, 65, method.case.parameters.L, time={"until": until})
-    *_, last = transient(coarse)
     levels = []
-    for level in last.state.levels:
+    for level in drive(course_of(coarse)).state.levels:
         P = jnp.asarray(level.P)
         while P.shape[0] < method.grid.shape[0]:
             P = multigrid.prolong(P)

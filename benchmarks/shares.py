@@ -90,8 +90,10 @@ def measure_impact(nodes: int) -> dict[str, float]:
 
     from ertel.model.approach import balanced
     from ertel.model.contact import Rate
-    from ertel.runs import drive
-    from ertel.runs.drive import Course
+    from ertel.model.state import solved
+    from ertel.model.status import Status
+    from ertel.runs.courses import TransientCourse
+    from ertel.runs.stepping import RunState, Step
     from ertel.solvers import nonlinear, preconditioner, transient
 
     keep_compiled()
@@ -106,10 +108,15 @@ def measure_impact(nodes: int) -> dict[str, float]:
     method = transient.Transient2D(case)
     method.solve = solve
     levels, _, found = march(method, impact_levels(method), STEP, SETTLE, TIMED)
-    course = drive.transient(case, Course(tuple(levels), STEP), method)
-    next(course)  # compiles what is measured of a step
-    on_device.clear()
-    steps = [timed(lambda: next(course)) for _ in range(TIMED)]
+    course = TransientCourse(case, method)
+    item = Step(RunState(tuple(levels), STEP), {}, (), Status.RUNNING)
+    steps = []
+    for number in range(1 + TIMED):
+        wall, item = timed(lambda item=item: solved(course.following(item), course.solve))
+        if number == 0:  # it compiles what is measured of a step
+            on_device.clear()
+        else:
+            steps.append((wall, item))
     walls = [wall for wall, _ in steps]
     convolutions = [step.record["convolutions"] for _, step in steps]
     whole = min(w / n for w, n in zip(walls, convolutions, strict=True)) * statistics.mean(convolutions)
@@ -123,22 +130,23 @@ def measure_impact(nodes: int) -> dict[str, float]:
         "seconds": whole,
         **_times(parts, newton, krylov),
         "python": min(w - d for w, d in zip(walls, on_device, strict=True)),
-        "flush": _flush_seconds(case, method, [step for _, step in steps]),
+        "flush": _flush_seconds(course, [step for _, step in steps]),
     }
 
 
-def _flush_seconds(case: Any, method: Any, steps: list[Any]) -> float:
+def _flush_seconds(course: Any, steps: list[Any]) -> float:
     from dataclasses import replace
 
-    from ertel.runs.drive import _frame
-    from ertel.runs.store import TransientStore
+    from ertel.runs.stepping import Frame
+    from ertel.runs.store import RunStore
 
     with tempfile.TemporaryDirectory() as directory:
-        store = TransientStore.create(Path(directory) / "run", case, method)
-        frame = _frame(method, steps[-1].state.levels[0], "")
+        store = RunStore.create(Path(directory) / "run", course.case, course)
+        last = steps[-1].state.levels[0]
+        frame = Frame(last.T, {name: course.method.whole(field) for name, field in last.fields.items()}, "")
         for step in steps:
-            store.append(replace(step, frames=()))
-        store.append(replace(steps[-1], frames=(frame,)))
+            store(replace(step, frames=()))
+        store(replace(steps[-1], frames=(frame,)))
         return timed(store.flush)[0]
 
 
@@ -195,8 +203,8 @@ def _run_seconds(case: Any) -> float:
     from ertel.runs import store
 
     def run(directory: Path) -> float:
-        kept = store.SteadyStore.create(directory, case)
-        return timed(lambda: store.run(kept, lambda item: True))[0]
+        kept = store.RunStore.create(directory, case)
+        return timed(lambda: store.compute(kept))[0]
 
     with tempfile.TemporaryDirectory() as directory:
         return [run(Path(directory) / name) for name in ("first", "second")][-1]

@@ -4,33 +4,30 @@ python examples/own_lubricant.py
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
-
-from jax.tree_util import register_dataclass
+from typing import Annotated, Any
 
 import ertel
-from ertel.physics.lubricant import Lubricant
 
 
-@register_dataclass
+@ertel.viscosity_laws.register("power")
 @dataclass(frozen=True)
 class Power:
-    """eta/eta0 = (1 + p_h P/p1)^n: a law that grows more slowly than Barus'; p_ratio = p_h/p1."""
+    """eta/eta0 = (1 + p/p1)^n: a law that grows more slowly than Barus'; p1 in Pa."""
 
-    p_ratio: float
+    p1: Annotated[float, ertel.units.STRESS]  # so that a case file may say "0.3 GPa"
     n: float
-    reference: ClassVar[str] = "an example"
 
-    def viscosity(self, P: Any) -> Any:
-        """eta/eta0 at P = p/p_h, of P's shape."""
-        return (1.0 + self.p_ratio * P) ** self.n
+    def viscosity(self, p: Any) -> Any:
+        """eta/eta0 at the pressure p (Pa), of p's shape."""
+        return (1.0 + p / self.p1) ** self.n
 
 
 def central_films(nodes: int = 129) -> tuple[float, float]:
     """H_c at maximum approach with Roelands' law and with the power law of the same alpha."""
-    case = ertel.parse_case({"contact": {"kind": "impact", "M": 200, "L": 10}, "solver": {"nodes": nodes}})
-    power = Power(p_ratio=2.0, n=case.parameters.alpha_bar / 2.0)  # n p_h/p1 = alpha_bar
-    own = replace(case, lubricant=Lubricant(power, case.lubricant.density_law))
+    alpha = 2.2e-8  # 1/Pa
+    case = ertel.impact(M=200, L=10, nodes=nodes, oil=ertel.Oil(alpha=alpha))
+    p1 = case.parameters.alpha_bar / alpha / 2  # Pa: half of Hertz' maximum pressure p_h* = alpha_bar/alpha
+    own = replace(case, oil=ertel.Oil(alpha=alpha, viscosity=Power(p1, n=alpha * p1)))
     first, second = (ertel.simulate(c).summary["max_approach"]["H_c"] for c in (case, own))
     return first, second
 

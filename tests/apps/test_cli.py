@@ -13,9 +13,10 @@ from cases import ertel_, names
 from matplotlib.figure import Figure
 
 import ertel
-from ertel.apps import about
-from ertel.results.plots import transient
-from ertel.runs import compiling, drive, store
+from ertel.apps import about, running
+from ertel.results import plots
+from ertel.runs import compiling, store
+from ertel.runs.store import RunStore
 
 MOES = """
 [contact]
@@ -89,7 +90,7 @@ def quick_figures(monkeypatch):
         figure.suptitle(repr(at))
         return figure
 
-    monkeypatch.setattr(transient, "figures_of", lambda data: {"film": film, "history": lambda data: Figure()})
+    monkeypatch.setattr(plots, "figures_of", lambda data: {"film": film, "history": lambda data: Figure()})
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------
@@ -136,7 +137,7 @@ def test_run_stores_and_tells(small, runs):
     printed = runs[1]["small"]
     assert "M = 200, L = 10" in printed
     assert f"{summary['max_approach']['H_c']:.5g}" in printed
-    assert "Warning: the front" in printed  # 33 nodes do not resolve it
+    assert "Warning: the film is not resolved at the front" in printed  # 33 nodes do not resolve it
     assert f"ertel plot {runs[0] / 'small'}" in printed
 
 
@@ -171,7 +172,7 @@ def test_second_run_gets_its_own_directory(here):
 
 def test_set_overrides(here):
     ertel_("run", "small.toml", "--out", "a", "-q", "--set", "time.until=0.1", "--set", "contact.M=300")
-    case = store.RunStore.open(here / "a").case
+    case = RunStore.open(here / "a").case
     assert (round(case.parameters.M, 9), case.time.until) == (300, 0.1)
 
 
@@ -194,7 +195,7 @@ def test_error_estimate(small):
 def test_run_that_gives_up(here, small, monkeypatch):
     """What it stores is tested with the store."""
     summary = json.loads((small / "summary.json").read_text())
-    monkeypatch.setattr(store, "run", lambda *_: {**summary, "status": "the time step became too small"})
+    monkeypatch.setattr(store, "compute", lambda *_: {**summary, "status": "the time step became too small"})
     result = ertel_("run", "small.toml", "--out", "b", code=1)
     assert "failed: the time step became too small; refine the grid" in result.stderr
     assert "Results so far are in b" in result.stderr
@@ -204,7 +205,7 @@ def test_full_disk(here, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(store.RunStore, "_write_checkpoint", full)
+    monkeypatch.setattr(RunStore, "_write_checkpoint", full)
     result = ertel_("run", "small.toml", code=1)
     assert "cannot write to runs/small: no space left on device; to continue: ertel resume runs/small" in result.stderr
 
@@ -213,31 +214,32 @@ def test_full_disk(here, monkeypatch):
 
 
 def test_interrupt_and_resume(here, runs, monkeypatch):
-    original = store.TransientStore.append
+    original = RunStore.__call__
 
-    def append(self, step):
+    def take(self, step):
         original(self, step)
         if step.state.counts.steps == 5:
             signal.raise_signal(signal.SIGINT)
 
     with monkeypatch.context() as patch:
-        patch.setattr(store.TransientStore, "append", append)
+        patch.setattr(RunStore, "__call__", take)
         result = ertel_("run", "small.toml", "--out", "cut", code=130)
     assert "interrupted; to continue: ertel resume cut" in result.stderr
     assert json.loads(ertel_("show", "cut", "--json").stdout)["steps"] == 5
     ertel_("resume", "cut", "-q")
-    whole, resumed = (store.RunStore.open(path).dataset() for path in (runs[0] / "small", here / "cut"))
+    whole, resumed = (RunStore.open(path).dataset() for path in (runs[0] / "small", here / "cut"))
     assert whole.drop_attrs(deep=False).identical(resumed.drop_attrs(deep=False))
 
 
 def test_interrupt_of_the_half_grid(here, monkeypatch):
-    def interrupted(case, on_step):
+    original = running.drive
+
+    def interrupted(course, observers):
         signal.raise_signal(signal.SIGINT)
-        for step in ertel.transient(case):
-            on_step(step)
+        return original(course, observers)
 
     with monkeypatch.context() as patch:
-        patch.setattr(drive, "simulate", interrupted)
+        patch.setattr(running, "drive", interrupted)
         result = ertel_("run", "small.toml", "--error", "--set", "solver.nodes=65", code=130)
     assert "to continue: ertel resume runs/small" in result.stderr
     assert "; to start it: ertel resume runs/small" in ertel_("show", "runs/small", code=2).stderr
@@ -325,7 +327,7 @@ def test_plot_at(ball, quick_figures, monkeypatch, at, title):
 
 
 def test_plot_at_refused(ball, monkeypatch):
-    monkeypatch.setattr(transient, "figures_of", lambda data: {"history": lambda data: Figure()})
+    monkeypatch.setattr(plots, "figures_of", lambda data: {"history": lambda data: Figure()})
     assert "--at 1.5: the figures of this run" in ertel_("plot", "a", "--at", "1.5", code=2).stderr
 
 
@@ -395,9 +397,9 @@ def test_params_refused(flags, said):
         (["run", "small.toml", "--out", "taken"], "; choose another --out"),
         (["run", "small.toml", "--out", "small.toml"], "small.toml: exists already"),
         (["run", "small.toml", "--out", "small.toml/sub"], "small.toml/sub: cannot write there"),
-        (["resume", "nowhere"], "nowhere: is no run of ertel, case.toml is missing"),
-        (["show", "taken"], "taken: is no run of ertel"),
-        (["plot", "taken"], "taken: is no run of ertel"),
+        (["resume", "nowhere"], "nowhere is not an ertel run directory (no case.toml)"),
+        (["show", "taken"], "taken is not an ertel run directory (no case.toml)"),
+        (["plot", "taken"], "taken is not an ertel run directory (no case.toml)"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
@@ -427,7 +429,7 @@ def test_unwritable_output(here):
 
 def test_plot_of_a_run_without_maps(here):
     ertel_("run", "ball.toml", "--out", "a", "-q", "--set", "output.interval=50", "--set", "time.until=0.01")
-    run = store.RunStore.open(here / "a")
+    run = RunStore.open(here / "a")
     assert run.dataset().sizes["frame"] == 1  # the end
     ertel_("plot", "a")
 

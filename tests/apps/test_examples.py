@@ -7,7 +7,7 @@ from types import ModuleType
 import pytest
 
 from ertel.inputs.case_files import load_case
-from ertel.model.case import METHODS
+from ertel.model.sections import METHODS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -20,12 +20,61 @@ def script(name: str) -> ModuleType:
     return module
 
 
+PARAMETERS = {  # lambda_bar, alpha_bar, p_h (Pa), t0 (s), eta/eta0 and rho/rho0 at P = 1, by version 0.1.0
+    "high_load": (5.095413628518018e-05, 78.50196846852225, None, None, 2.481638766543573e17, 1.2917587993144406),
+    "impact_on_rolling_track": (
+        0.011373248407643331,
+        28.340946648501816,
+        1417047332.4250908,
+        3.721453992530102e-05,
+        123477183.93857707,
+        1.2400521827466733,
+    ),
+    "micro_cavity": (
+        0.04307756992870869,
+        8.426659177867915,
+        383029962.6303598,
+        0.0015193486322024135,
+        530.9004507882471,
+        1.1338398531349183,
+    ),
+    "moes_impact": (0.0010977735881340456, 36.437386026011524, None, None, 5897136418.340506, 1.2506953978165285),
+    "reversal": (0.023650815000767617, 8.45636820521867, None, None, 969.5047625126899, 1.1341255739894593),
+    "rolling": (
+        0.009331887653324267,
+        21.311408992717126,
+        968700408.7598695,
+        0.00027693684997973864,
+        2621431.729728128,
+        1.211303042667705,
+    ),
+    "steel_ball_impact": (
+        0.011373248407643331,
+        28.340946648501816,
+        1417047332.4250908,
+        3.721453992530102e-05,
+        123477183.93857707,
+        1.2400521827466733,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_case_files_mean_what_they_always_did(name: str) -> None:
+    case = load_case(EXAMPLES / f"{name}.toml")
+    oil, scales = case.lubricant, case.scales
+    found = [case.parameters.lambda_bar, case.parameters.alpha_bar, scales and scales.p_h, scales and scales.t0]
+    found += [float(oil.viscosity(1.0)), float(oil.density(1.0))]
+    assert found == [value and pytest.approx(value, rel=1e-13) for value in PARAMETERS[name]]
+
+
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
 def test_case_files_load(path: Path) -> None:
     case = load_case(path)
     assert case.solver.method in METHODS[case.kind]
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning:own_lubricant")
 def test_own_lubricant() -> None:
     """Less stiff than Roelands' at high pressure, the oil flees for longer: the trapped film is thinner."""
     roelands, power = script("own_lubricant").central_films(nodes=65)

@@ -24,6 +24,7 @@ from ertel.physics.lubricant import (
     Incompressible,
     Isoviscous,
     Lubricant,
+    Oil,
     Roelands,
     Viscosity,
     roelands_exponent,
@@ -182,3 +183,85 @@ def test_a_users_own_law_takes_its_place():
     flow = jax.jit(lambda oil, p: oil.density(p) / oil.viscosity(p))
     assert_allclose(flow(oil, P), DowsonHigginson(2.0).density(P) / (1 + 3 * P) ** 4, rtol=1e-13)
     assert jax.grad(lambda p: oil.viscosity(p))(0.0) == pytest.approx(12.0)
+
+
+# -- in SI ------------------------------------------------------------------------------------------------------------
+
+PASCAL = st.floats(0.0, 2e9)
+
+
+@given(PASCAL, st.floats(1e8, 2e9))
+def test_a_contact_sees_the_laws_in_its_own_unit_of_pressure(p, p_h):
+    oil = Oil(eta0=ETA0, alpha=ALPHA)
+    seen = oil.under(p_h)
+    assert seen.viscosity(p / p_h) == pytest.approx(oil.viscosity_law.viscosity(p), rel=1e-12)
+    assert seen.density(p / p_h) == pytest.approx(oil.density_law.density(p), rel=1e-12)
+
+
+@given(st.floats(1e-8, 3e-8), st.floats(0.005, 1.0), PASCAL)
+def test_roelands_in_si_is_the_formula_of_the_book(alpha, eta0, p):
+    """eta = eta0 exp{(ln eta0 + 9.67)[(1 + p/p0)^z - 1]}."""
+    law = Roelands.of(Oil(eta0=eta0, alpha=alpha))
+    book = exp((log(eta0) + 9.67) * ((1 + p / 1.96e8) ** law.z - 1))
+    assert law.viscosity(p) == pytest.approx(book, rel=1e-10)
+
+
+@given(PASCAL)
+def test_the_density_of_a_mineral_oil(p):
+    """Dowson and Higginson's rho/rho0 = 1 + 0.6 p/(1 + 1.7 p), p in GPa, of which (p1 + 1.34 p)/(p1 + p) is a form."""
+    assert DowsonHigginson().density(p) == pytest.approx(1 + 0.6e-9 * p / (1 + 1.7e-9 * p), abs=0.011)
+
+
+def test_constants_of_a_typical_mineral_oil():
+    assert Oil().completed() == Oil(eta0=0.04, alpha=2.2e-8)
+    assert Oil(eta0=0.1, alpha=1e-8).completed() == Oil(eta0=0.1, alpha=1e-8)
+    assert (Roelands(ALPHA, 0.6).p0, DowsonHigginson().p1) == (1.96e8, 5.9e8)
+
+
+def test_the_exponent_of_roelands_follows_from_the_data():
+    oil = Oil(eta0=0.04, alpha=2.2e-8)
+    assert oil.viscosity_law == Roelands(2.2e-8, roelands_exponent(2.2e-8, 0.04), P0_ROELANDS)
+    other = Oil(eta0=0.04, alpha=2.2e-8, p0=2e8)
+    assert other.viscosity_law == Roelands(2.2e-8, roelands_exponent(2.2e-8, 0.04, 2e8), 2e8)
+    assert Oil(eta0=0.04, alpha=2.2e-8, z=0.6).viscosity_law == Roelands(2.2e-8, 0.6, P0_ROELANDS)
+
+
+def test_a_law_by_its_name_or_as_a_record():
+    oil = Oil("barus", "incompressible", alpha=2e-8)
+    assert (oil.viscosity_law, oil.density_law) == (Barus(2e-8), Incompressible())
+    own = Oil(Barus(3e-8), DowsonHigginson(6e8), alpha=2e-8)
+    assert (own.viscosity_law, own.density_law) == (Barus(3e-8), DowsonHigginson(6e8))
+
+
+def test_an_isoviscous_oil_needs_no_data():
+    for viscosity in ("isoviscous", Isoviscous()):
+        oil = Oil(viscosity)
+        assert oil.is_isoviscous
+        assert oil.viscosity_law == Isoviscous()
+    assert not Oil("barus").is_isoviscous
+
+
+@pytest.mark.parametrize(
+    ("oil", "missing"), [(Oil("barus"), "alpha"), (Oil(eta0=0.04), "alpha"), (Oil(alpha=2e-8), "eta0")], ids=str
+)
+def test_data_that_a_law_needs_are_asked_for(oil, missing):
+    with pytest.raises(ValueError, match=rf"^{missing}: missing; this viscosity law needs it"):
+        oil.viscosity_law  # noqa: B018
+
+
+def test_an_unknown_law_is_refused():
+    with pytest.raises(ValueError, match=r"^viscosity = \"tar\": allowed: 'isoviscous', 'barus' or 'roelands'"):
+        Oil("tar")
+    with pytest.raises(ValueError, match=r"^density = \"lead\": allowed: 'incompressible' or 'dowson-higginson'"):
+        Oil(density="lead")
+
+
+def test_a_law_that_is_not_registered_is_refused():
+    with pytest.raises(ValueError, match=r"^PowerLaw: is no registered viscosity law.*ertel\.viscosity_laws\.register"):
+        Oil(PowerLaw(1.0, 2.0))
+    with pytest.raises(ValueError, match=r"^Barus: is no registered density law.*ertel\.density_laws\.register"):
+        Oil(density=Barus(1.0))
+
+
+def test_the_source_of_the_data_takes_no_part_in_equality():
+    assert Oil(eta0=0.04, reference="one") == Oil(eta0=0.04, reference="another")

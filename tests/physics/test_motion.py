@@ -8,7 +8,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, Signal, constant
+from ertel.physics.motion import (
+    FREE_BALL,
+    STEADY_ROLLING,
+    Motion,
+    Oscillation,
+    Polyline,
+    Signal,
+    constant,
+    reversed_sign,
+)
+from ertel.physics.units import Quantity
 
 numbers = st.floats(-3.0, 3.0)
 points = st.tuples(st.floats(-2.0, 5.0), numbers)
@@ -64,3 +74,25 @@ def test_the_surfaces_travel_at_their_own_speeds(slide_to_roll: float, T: float)
 def test_impact_and_rolling_are_two_motions() -> None:
     assert Motion(constant(0.0), constant(0.0), 0.8) == FREE_BALL
     assert Motion(constant(1.0), constant(1.0), 0.0) == STEADY_ROLLING
+
+
+@given(signals, st.floats(-1.0, 6.0))
+def test_the_reverse_of_a_signal_is_its_negative(signal: Signal, T: float) -> None:
+    back = reversed_sign(signal)
+    assert back(T) == pytest.approx(-signal(T), abs=1e-12)
+    assert back.integral(T) == pytest.approx(-signal.integral(T), abs=1e-12)
+    assert back.range(6.0) == pytest.approx([-value for value in reversed(signal.range(6.0))], abs=1e-12)
+    assert type(back) is type(signal)
+
+
+def test_what_is_no_signal_of_ertel_cannot_be_reversed() -> None:
+    with pytest.raises(ValueError, match="its sign cannot be changed"):
+        reversed_sign(lambda T: T)  # type: ignore[arg-type]
+
+
+def test_seconds_are_not_the_time_of_a_case() -> None:
+    """A signal may be given in seconds; its values are asked for when it has come to units t0."""
+    swing, line = Oscillation(1.0, 0.1, Quantity(0.002, "s")), Polyline(((Quantity(0.0, "s"), 1.0), (1.0, 2.0)))
+    for signal in (swing, line):
+        with pytest.raises(TypeError, match="is in SI"):
+            signal(0.5)

@@ -1,6 +1,6 @@
 """Surface features: their shapes, and that each moves with its own surface."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING
-from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness, height
+from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness, even, height
+from ertel.physics.units import Quantity
 
 X = np.linspace(-2.0, 2.0, 41)[None, :]
 Y = np.linspace(-1.0, 1.0, 21)[:, None]
@@ -67,3 +68,85 @@ def test_features_add_up_and_stand_still_without_entrainment() -> None:
 def test_no_features_no_height() -> None:
     assert not height([], FREE_BALL, 0.0, X, Y).any()
     assert height([], FREE_BALL, 0.0, X, Y).shape == (21, 41)
+
+
+# -- what a shape says of itself --------------------------------------------------------------------------------------
+
+
+def test_a_spot_is_as_high_as_it_is_said_or_as_deep() -> None:
+    bump, cavity = Spot(0.3, height=0.02), Spot(0.3, depth=0.02)
+    assert (bump.heights(0.0, 0.0), cavity.heights(0.0, 0.0)) == (0.02, -0.02)
+    np.testing.assert_array_equal(cavity.heights(X, Y), Spot(0.3, height=-0.02).heights(X, Y))
+
+
+def test_a_spot_has_either_a_height_or_a_depth() -> None:
+    with pytest.raises(ValueError, match=r"^height: missing; allowed: height .* or depth"):
+        Spot(0.3)
+    with pytest.raises(ValueError, match=r"^height: is given together with depth"):
+        Spot(0.3, 0.1, 0.1)
+
+
+def test_a_wave_has_a_length_and_a_ramp_a_front() -> None:
+    with pytest.raises(ValueError, match=r"^wavelength_x: missing; needed: wavelength_x or wavelength_y"):
+        Waviness(0.1)
+    with pytest.raises(ValueError, match=r"^ramp = 1.0: needs front"):
+        Waviness(0.1, 0.5, ramp=1.0)
+
+
+@pytest.mark.parametrize(
+    ("shape", "size"),
+    [
+        (Waviness(0.1, 0.5), 0.5),
+        (Waviness(0.1, 0.5, 0.25), 0.25),
+        (Waviness(0.1, wavelength_y=0.7), 0.7),
+        (RingWaviness(0.1, 0.4), 0.4),
+        (Spot(0.3, 0.1), 0.6),
+    ],
+)
+def test_the_size_is_that_of_the_finest_detail(shape, size) -> None:
+    assert shape.size == size
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Waviness(0.1, 0.5, 0.7),
+        Waviness(0.1, 0.5, 0.7, phase_x=0.3),
+        Waviness(0.1, 0.5, 0.7, phase_y=0.3),
+        Waviness(0.1, 0.5, 0.7, phase_x=np.pi, phase_y=-np.pi),
+        Waviness(0.1, 0.5, front=0.5),
+        RingWaviness(0.1, 0.5, phase=0.3),
+        RingWaviness(0.1, 0.5, x=0.2),
+        Spot(0.3, 0.1, y=0.2),
+        Spot(0.3, 0.1),
+    ],
+    ids=str,
+)
+def test_a_shape_that_says_that_it_is_even_is(shape) -> None:
+    heights = np.broadcast_to(shape.heights(X, Y), (21, 41))
+    in_y, in_x = np.allclose(heights, heights[::-1]), np.allclose(heights, heights[:, ::-1])
+    assert shape.even == (in_y, in_x)
+
+
+def test_features_are_even_where_all_are() -> None:
+    middle, aside = Feature(Spot(0.3, 0.1)), Feature(Spot(0.3, 0.1, x=0.5))
+    assert even([]) == (True, True)
+    assert even([middle, aside]) == (True, False)
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """A shape of a user's own, which says nothing of itself."""
+
+    def heights(self, X, Y):
+        return 0.1 * X
+
+
+def test_a_shape_of_ones_own_needs_no_more_than_heights() -> None:
+    assert even([Feature(Ramp())]) == (False, False)
+    np.testing.assert_allclose(height([Feature(Ramp())], STEADY_ROLLING, 0.5, X, Y)[0], 0.1 * (X[0] - 0.5))
+
+
+def test_sizes_in_si_are_not_heights_of_a_case() -> None:
+    with pytest.raises(TypeError, match=r"^1e-08 m: is in SI"):
+        Spot(0.3, Quantity(1e-8, "m")).heights(X, Y)

@@ -7,15 +7,19 @@ from typing import Any, ClassVar
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import impact
-from jax.tree_util import register_dataclass
+from cases import impact, rolled
 
 from ertel.model.case import Case
+from ertel.model.sections import SOLVERS, Drive
 from ertel.model.status import Status
-from ertel.physics.motion import constant
+from ertel.physics.lubricant import Oil
+from ertel.physics.registry import DENSITY_LAWS
+from ertel.physics.scales import Parameters
+from ertel.results.result import Result
 from ertel.runs import compiling
 from ertel.runs.batch import lanes_for, run_together, simulate_batch
-from ertel.runs.drive import Result, Step, simulate
+from ertel.runs.drive import simulate
+from ertel.runs.stepping import Step
 from ertel.runs.sweep import Failure
 
 TIGHT = {"tolerance": 1e-8}
@@ -65,12 +69,12 @@ def test_a_case_that_raises_or_gives_up_does_not_stop_the_others() -> None:
     assert isinstance(good, Result) and good.status.ok
 
 
-@register_dataclass
+@DENSITY_LAWS.register("table")
 @dataclass(frozen=True)
 class Table:
-    """A density law with an array: its shape is part of the step."""
+    """A density law with a table: its length is part of the step."""
 
-    values: Any
+    values: tuple[float, ...]
     reference: ClassVar[str] = "none"
 
     def density(self, P: Any) -> Any:
@@ -78,7 +82,7 @@ class Table:
 
 
 def with_density(case: Case, values: int) -> Case:
-    return replace(case, lubricant=replace(case.lubricant, density_law=Table(np.ones(values))))
+    return replace(case, oil=replace(case.oil, density=Table((1.0,) * values)))
 
 
 @pytest.mark.parametrize(
@@ -98,8 +102,8 @@ def test_cases_that_cannot_share_a_step_are_refused(name: str, first: Case, othe
 
 
 def test_with_and_without_inertia_are_two_steps() -> None:
-    case = impact(20, 5, 33)
-    other = replace(case, motion=replace(case.motion, inertia=0.0, load=constant(1.0)))
+    case = rolled(Parameters.from_moes(20, 5), Oil(), replace(SOLVERS["transient"], nodes=33))
+    other = replace(case, drive=Drive(inertia=0.5))
     with pytest.raises(ValueError, match=r"motion\.inertia"):
         simulate_batch([case, other])
 

@@ -3,22 +3,27 @@
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from functools import cache
+from typing import Annotated, Any, ClassVar
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
 import xarray as xr
-from cases import impact
-from jax.tree_util import register_dataclass
+from cases import impact, steps_of
 
 from ertel.model.approach import PrescribedApproach
 from ertel.model.case import Case
 from ertel.model.state import Method, State, Stepping
 from ertel.model.status import Status
-from ertel.physics.lubricant import Incompressible, Lubricant
+from ertel.physics.lubricant import Oil
+from ertel.physics.registry import VISCOSITY_LAWS
+from ertel.physics.units import COMPLIANCE
 from ertel.results import diagnostics, summary
-from ertel.runs.drive import Course, progress_fraction, simulate, transient
+from ertel.results.result import Result
+from ertel.runs.courses import TransientCourse, course_of
+from ertel.runs.drive import Gathering, drive, simulate
+from ertel.runs.stepping import Step
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
 
@@ -27,9 +32,35 @@ def short(**time: object) -> Case:
     return impact(200, 10, 33, time={"until": 1.2, **time})
 
 
+def simulated(case: Case, method: Method) -> Result:
+    """A run in memory with a method that is not the case's own."""
+    course = TransientCourse(case, method)
+    gathering = Gathering(course)
+    return gathering.result(drive(course, [gathering]))
+
+
+@cache
+def through_the_maximum() -> Result:
+    return simulate(impact(200, 10, 33, output={"interval": 0.25}, time={"until": 2.75}))
+
+
+@cache
+def to_the_maximum() -> Result:
+    return simulate(impact(200, 10, 33))
+
+
+@cache
+def whole_course() -> tuple[TransientCourse, list[Step]]:
+    """A short run, step by step."""
+    case = short()
+    course = TransientCourse(case, Transient2D(case))
+    seen: list[Step] = []
+    drive(course, [seen.append])
+    return course, seen
+
+
 def test_maps_lie_at_exact_times_and_events_are_kept() -> None:
-    case = impact(200, 10, 33, output={"interval": 0.25}, time={"until": 2.75})
-    data = simulate(case).dataset
+    data = through_the_maximum().dataset
     times, events = data.frame.values, data.event.values
     np.testing.assert_allclose(times[events == 0], 0.25 * np.arange(1, 12), rtol=1e-12)
     assert np.sum(events == 1) == 1 and np.sum(events == 2) == 1
@@ -37,7 +68,7 @@ def test_maps_lie_at_exact_times_and_events_are_kept() -> None:
 
 
 def test_values_at_maximum_approach_come_from_the_turning_point() -> None:
-    result = simulate(impact(200, 10, 33, time={"until": 2.75}))
+    result = through_the_maximum()
     peak, data = result.summary["max_approach"], result.dataset
     assert peak["Delta"] >= float(data.Delta.max()) - 1e-9
     i = int(data.Delta.values.argmax())
@@ -47,11 +78,10 @@ def test_values_at_maximum_approach_come_from_the_turning_point() -> None:
 
 
 def test_a_resumed_run_equals_an_uninterrupted_one_bit_for_bit() -> None:
-    case = short()
-    whole = list(transient(case))
+    course, whole = whole_course()
     middle = len(whole) // 2
-    stored = {key: np.array(value) for key, value in whole[middle].state.to_arrays().items()}
-    rest = list(transient(case, Course.from_arrays(stored)))
+    stored = {key: np.array(value) for key, value in course.to_arrays(whole[middle]).items()}
+    rest = steps_of(course.case, course.method, course.from_arrays(stored))
     assert len(rest) == len(whole) - middle - 1
     for a, b in zip(whole[middle + 1 :], rest, strict=True):
         assert a.record == b.record
@@ -63,8 +93,9 @@ def test_a_resumed_run_equals_an_uninterrupted_one_bit_for_bit() -> None:
 
 @pytest.mark.parametrize("history", [1, 2, 3])
 def test_a_state_survives_storage(history: int) -> None:
-    state = list(transient(short()))[history - 1].state
-    again = Course.from_arrays(state.to_arrays())
+    course, whole = whole_course()
+    state = whole[history - 1].state
+    again = course.from_arrays(course.to_arrays(whole[history - 1])).state
     assert again.counts == state.counts and again.next_step == state.next_step
     assert len(again.levels) == len(state.levels)
     assert np.array_equal(again.levels[0].P, state.levels[0].P)
@@ -87,7 +118,7 @@ class Unwilling(Method):
 def test_a_step_that_fails_is_repeated_smaller() -> None:
     case = short(until=0.2, step=0.05)
     method = Unwilling(Transient2D(case), 0.02)
-    data = simulate(case, method=method).dataset
+    data = simulated(case, method).dataset
     assert float(data.time[-1]) == pytest.approx(0.2)
     assert float(data.dT.max()) <= 0.02
     assert float(data.rejected.sum()) > 0
@@ -106,7 +137,7 @@ def test_a_run_that_must_give_up_keeps_what_it_has() -> None:
 
     tired = Unwilling(method, 1.0)
     tired.attempt = tire  # type: ignore[method-assign]
-    result = simulate(case, method=tired)
+    result = simulated(case, tired)
     assert result.status is Status.STEP_TOO_SMALL
     assert result.status.advice
     assert result.summary["status"] == "the time step became too small"
@@ -127,21 +158,23 @@ def test_first_contact_is_resolved_automatically() -> None:
     assert dT[-3:].max() > 1.5 * dT[contact : contact + 10].min()
 
 
-@register_dataclass
+@VISCOSITY_LAWS.register("linear")
 @dataclass(frozen=True)
 class Linear:
-    """A user's own law: eta/eta0 = 1 + beta P."""
+    """A user's own law: eta/eta0 = 1 + beta p."""
 
-    beta: float
+    beta: Annotated[float, COMPLIANCE]
     reference: ClassVar[str] = "the user"
 
-    def viscosity(self, P: object) -> object:
-        return 1.0 + self.beta * jnp.asarray(P)
+    def viscosity(self, p: Any) -> Any:
+        return 1.0 + self.beta * jnp.asarray(p)
 
 
 def test_a_users_own_viscosity_law_needs_no_derivative() -> None:
     case = short(until=1.0)
-    case = replace(case, lubricant=Lubricant(Linear(5.0), Incompressible()))
+    p_h = case.lubricant.p_h
+    case = replace(case, oil=Oil(Linear(5.0 / p_h), "incompressible"))
+    assert float(case.lubricant.viscosity(1.0)) == pytest.approx(6.0)
     result = simulate(case)
     assert result.status is Status.CONVERGED
     assert result.summary["newton_iterations"] < 1.5 * result.summary["steps"]
@@ -156,7 +189,7 @@ def test_a_rig_may_prescribe_the_approach(method: type[Transient2D] | type[Radia
         return -1.0 + 1.5 * np.sin(np.pi / 2 * min(T / 1.5, 1.0))
 
     case = impact(200, 10, 65, time={"until": 2.5, "tolerance": 1e-3})
-    data = simulate(case, method=method(case, PrescribedApproach(motion))).dataset
+    data = simulated(case, method(case, PrescribedApproach(motion))).dataset
     np.testing.assert_allclose(data.Delta.values, [motion(T) for T in data.time.values], atol=1e-12)
     H_c = float(data.H_c[-1])
     assert H_c > 0.1
@@ -164,7 +197,7 @@ def test_a_rig_may_prescribe_the_approach(method: type[Transient2D] | type[Radia
 
 
 def test_the_summary_has_the_promised_keys() -> None:
-    summary = simulate(impact(200, 10, 33)).summary
+    summary = to_the_maximum().summary
     assert list(summary["max_approach"]) == ["T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min"]
     promised = "kind lambda_bar alpha_bar M L max_approach restitution steps newton_iterations krylov_iterations"
     assert set(f"{promised} convolutions compilations wall_s status".split()) <= set(summary)
@@ -173,8 +206,9 @@ def test_the_summary_has_the_promised_keys() -> None:
 
 def test_progress_goes_from_nothing_to_all() -> None:
     for until in ("max-approach", "rebound", 2.0):
-        case = impact(200, 10, 33, time={"until": until})
-        shares = [progress_fraction(case, step.record) for step in transient(case)]
+        course = course_of(impact(200, 10, 33, time={"until": until}))
+        shares: list[float] = []
+        drive(course, [lambda step, course=course, shares=shares: shares.append(course.fraction(step))])
         assert 0 <= shares[0] < 0.05
         assert shares[-1] > 0.75
         assert all(a <= b for a, b in itertools.pairwise(shares))

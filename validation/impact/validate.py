@@ -14,11 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ertel.inputs.case_files import parse_case
-from ertel.model.case import Case
+from ertel import Case, Result, parse_case, simulate
 from ertel.results.fronts import at_max_approach
 from ertel.runs import compiling
-from ertel.runs.drive import Result, simulate
 
 HERE = Path(__file__).parent
 REFERENCE = Path(os.environ.get("ERTEL_REFERENCE", HERE.parents[2] / "shared" / "reference")) / "impact.json"

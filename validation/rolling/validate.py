@@ -18,11 +18,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ertel.inputs.case_files import load_case, parse_case
-from ertel.model.case import Case
+from ertel import Case, load_case, parse_case, simulate
 from ertel.physics import film_formulas
 from ertel.runs import compiling
-from ertel.runs.drive import simulate
 from ertel.solvers import steady
 
 HERE = Path(__file__).parent
@@ -120,7 +118,7 @@ def cavity(nodes: int) -> str:
     """Film along the middle while a cavity passes, beside what was measured and computed by Mourier et al. (2006)."""
     c = load_case(HERE / "micro_cavity.toml", [f"solver.nodes={nodes}"])
     steady = simulate(_undisturbed(c)).summary
-    data = simulate(c, _report).dataset.sel(Y=0.0, method="nearest")
+    data = simulate(c, observers=[_report]).dataset.sel(Y=0.0, method="nearest")
     T, x = data["frame"].values, data["X"].values * c.scales.a * 1e6
     films = data["H"].values * c.scales.film * 1e9
     rows, figure = [], Figure(figsize=(6.5, 11), layout="constrained", dpi=150)
@@ -146,7 +144,7 @@ def cavity(nodes: int) -> str:
 
 def _undisturbed(c: Case) -> Case:
     steady = replace(c.solver, method="steady", tolerance=1e-8)
-    return replace(c, solver=steady, roughness=())
+    return replace(c, solver=steady, roughness=(), time=None, output=None)
 
 
 def _curve(name: str) -> Values:
@@ -165,8 +163,8 @@ def _nearest(x: Values, films: Values, published: Values) -> int:
 
 
 def _cavity_at(c: Case, T: float) -> float:
-    feature = c.roughness[0]
-    return feature.shape.X + c.motion.travel(feature.surface, T)
+    feature = c.features[0]
+    return feature.shape.x + c.motion.travel(feature.surface, T)
 
 
 def _row(number: int, x: Values, film: Values, centre: float, measured: Values, published: Values) -> list[str]:

@@ -229,7 +229,10 @@ def _case(kind: str, given: Mapping[str, Any]) -> Case:
         "output": {f.name: wanted[f.name] for f in fields(Output) if f.name in wanted} or None,
     }
     case = parse_case({name: section for name, section in sections.items() if section is not None})
-    return replace(case, roughness=(*case.roughness, *records)) if records else case
+    try:
+        return replace(case, roughness=(*case.roughness, *records)) if records else case
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
 
 
 TIME_KEYS = (*(f.name for f in fields(Time) if f.name != "tolerance"), "time_tolerance")

@@ -7,7 +7,7 @@ number in the units of the case, a, a^2/R or t0, or a quantity.  What makes sens
 from collections.abc import Callable, Iterator
 from dataclasses import MISSING, fields
 from functools import cache, partial
-from typing import Annotated, Any, Literal, get_type_hints
+from typing import Annotated, Any, Literal, get_origin, get_type_hints
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, create_model, model_validator
 from pydantic_core import PydanticCustomError
@@ -61,7 +61,7 @@ def _type(hint: Any, mark: object) -> Any:
     if isinstance(mark, Bounds):
         limits = {name: getattr(mark, name) for name in ("gt", "ge", "lt", "le")}
         return Annotated[int if mark.whole else float, Field(**limits)]
-    return hint
+    return Annotated[hint, Field(strict=False)] if get_origin(hint) is tuple else hint
 
 
 # -- what is more than a number ---------------------------------------------------------------------------------------

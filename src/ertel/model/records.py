@@ -101,6 +101,8 @@ def _read(value: Any, mark: object, place: str) -> Any:
         except ValueError:
             pass
         raise ValueError(f"{place} = {show(value)}: must be a number and the unit {mark.unit}")
+    if isinstance(value, list):  # of a law with a table
+        return tuple(_read(item, None, place) for item in value)
     whole = isinstance(mark, Bounds) and mark.whole
     if mark is not None and not whole and isinstance(value, int) and not isinstance(value, bool):
         return float(value)

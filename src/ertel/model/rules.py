@@ -2,16 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import is_dataclass, replace
-from math import inf
+from math import inf, isfinite
 
 from ertel.model.conditions import Conditions, Kind
 from ertel.model.records import checked, show
 from ertel.model.sections import METHODS, STOPS, Drive, Output, Solver, Stop, Time
 from ertel.numerics import grid
 from ertel.physics.lubricant import DowsonHigginson, Oil
-from ertel.physics.motion import Motion, Oscillation
+from ertel.physics.motion import Motion, Oscillation, Polyline
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
+from ertel.physics.units import Quantity
 
 FEWEST_NODES = 17
 SMALLEST_RADIUS = 1.2  # of a radial grid: the contact grows to radius 1 and needs an inlet
@@ -63,11 +64,19 @@ def check_fields(drive: Drive | None, time: Time | None, output: Output | None, 
             signal = getattr(drive, name)
             if isinstance(signal, Oscillation):
                 checked(signal, f"motion.{name}")
+            if isinstance(signal, Polyline):
+                _check_points(signal, f"motion.{name}")
     for number, feature in enumerate(roughness, 1):
         if not (is_dataclass(feature.shape) and hasattr(feature.shape, "heights")):
             kind = type(feature.shape).__name__
             raise ValueError(f"roughness[{number}].shape = {kind}: must be a dataclass with a method heights(X, Y)")
         checked(feature.shape, f"roughness[{number}]")
+
+
+def _check_points(signal: Polyline, place: str) -> None:
+    numbers = [number for T, value in signal.points for number in (T.value if isinstance(T, Quantity) else T, value)]
+    if not all(isfinite(number) for number in numbers):
+        raise ValueError(f"{place} = {show(signal)}: must be finite numbers")
 
 
 def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | None) -> None:

@@ -9,7 +9,6 @@ Other packages announce theirs as entry points, of the groups "ertel.viscosity_l
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import is_dataclass
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
 from typing import TypeVar
@@ -31,7 +30,8 @@ class Registry(Mapping[str, type]):
         """
 
         def decorate(record: Record) -> Record:
-            if not (is_dataclass(record) and vars(record)["__dataclass_params__"].frozen):
+            made = vars(record).get("__dataclass_params__") if isinstance(record, type) else None
+            if made is None or not made.frozen:
                 raise TypeError(f"{record!r}: a {self.noun} must be a frozen dataclass")
             known = self._records.get(name)
             if known is not None and known.__qualname__ != record.__qualname__:

@@ -4,7 +4,6 @@ import json
 import platform
 from datetime import UTC, datetime
 from importlib.metadata import version
-from typing import Any
 
 from ertel.model.case import Case
 from ertel.results.parameters import parameters_of, scales_of
@@ -22,7 +21,7 @@ def provenance(case: Case) -> dict[str, object]:
         "date_created": datetime.now(UTC).isoformat(timespec="seconds"),
         "platform": f"{platform.system()} {platform.machine()}, {platform.processor() or 'unknown processor'}",
         "versions": json.dumps(versions()),
-        "case": json.dumps(_data_of(case)),
+        **_written(case),
         "kind": case.kind,
         "method": case.solver.method,
         **parameters_of(case),
@@ -37,9 +36,9 @@ def versions() -> dict[str, str]:
     return ours | {name: version(name) for name in packages}
 
 
-def _data_of(case: Case) -> dict[str, Any]:
-    """The case as it is written; of one that cannot be, in memory only, the reason."""
+def _written(case: Case) -> dict[str, str]:
+    """The case as it is written and its digest; for one that cannot be written the reason."""
     try:
-        return case.to_data()
+        return {"case": json.dumps(case.to_data()), "digest": case.digest}
     except ValueError as error:
-        return {"not_written": str(error)}
+        return {"case_not_written": str(error)}

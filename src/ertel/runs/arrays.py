@@ -57,8 +57,7 @@ def data_of(course: Course) -> Data:
 
 def attributes_of(course: Course) -> dict[str, Any]:
     """What a run says of itself before it has ended."""
-    case = course.case
-    return {**provenance(case), "digest": case.digest, "status": Status.RUNNING.value}
+    return {**provenance(course.case), "status": Status.RUNNING.value}
 
 
 class AppendedData:

@@ -24,6 +24,7 @@ from jax import Array, tree
 
 from ertel.model import discretise
 from ertel.model.case import Case
+from ertel.model.pytrees import traceable
 from ertel.model.status import Status
 from ertel.results.result import Result
 from ertel.runs.courses import METHODS, course_of
@@ -122,7 +123,7 @@ def check_alike(cases: Sequence[Case]) -> None:
 
 def _shape(case: Case) -> dict[str, object]:
     """All that the compiled step depends on, by the field that decides it."""
-    grid, oil = discretise.grid_of(case), case.lubricant
+    grid, oil = discretise.grid_of(case), traceable(case.lubricant)
     return {
         "solver.method": case.solver.method,
         "solver.nodes": grid.nodes,

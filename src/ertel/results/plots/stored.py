@@ -11,6 +11,13 @@ from ertel.model.case import Case
 from ertel.physics import surfaces
 
 
+def _case_of(dataset: xr.Dataset) -> Case:
+    """The case of a run.  Raises ValueError where it could not be written down."""
+    if "case" not in dataset.attrs:
+        raise ValueError(f"dataset: does not hold its case; {dataset.attrs.get('case_not_written', 'no reason given')}")
+    return _case(dataset.attrs["case"])
+
+
 @lru_cache(maxsize=4)
 def _case(written: str) -> Case:
     return Case.from_data(json.loads(written))
@@ -18,17 +25,17 @@ def _case(written: str) -> Case:
 
 def slide_to_roll(dataset: xr.Dataset) -> float:
     """(u1 - u2)/u_m."""
-    return _case(dataset.attrs["case"]).motion.slide_to_roll
+    return _case_of(dataset).motion.slide_to_roll
 
 
 def start_approach(dataset: xr.Dataset) -> float:
     """Delta of an impact at T = 0."""
-    return _case(dataset.attrs["case"]).schedule.start_approach
+    return _case_of(dataset).schedule.start_approach
 
 
 def tolerance(dataset: xr.Dataset) -> float:
     """The tolerance of the discrete equations."""
-    return _case(dataset.attrs["case"]).solver.tolerance
+    return _case_of(dataset).solver.tolerance
 
 
 def roughness_height(dataset: xr.Dataset, T: float, X: ArrayLike, Y: ArrayLike) -> NDArray[np.float64]:
@@ -46,6 +53,6 @@ def roughness_height(dataset: xr.Dataset, T: float, X: ArrayLike, Y: ArrayLike) 
     array of the broadcast shape
         Height in a*^2/R, positive where metal stands towards the film; zero where all surfaces are smooth.
     """
-    case = _case(dataset.attrs["case"])
+    case = _case_of(dataset)
     heights = surfaces.height(case.features, case.motion, T, np.asarray(X), np.asarray(Y))
     return np.asarray(heights, dtype=np.float64)

@@ -1,9 +1,11 @@
 """Case files of rolling contacts, of motion and of roughness: what they may say, mean, and what is refused."""
 
 import tomllib
+from dataclasses import dataclass
 from math import inf, isclose, pi
-from typing import Any
+from typing import Annotated, Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,7 +14,9 @@ from ertel.inputs.case_files import ConfigError, apply_overrides, parse_case, to
 from ertel.model.case import Case
 from ertel.model.sections import ROLLING_UNTIL, SOLVERS, Time
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
+from ertel.physics.registry import DENSITY_LAWS
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
+from ertel.physics.units import STRESS
 
 MOES = {"kind": "rolling", "M": 200, "L": 10}
 C1 = {  # the dimensional case of reference/rolling.json
@@ -270,6 +274,25 @@ def test_resolved_case_reads_back_as_the_same(data):
 def test_a_steady_case_reads_back_as_the_same(contact, solver):
     found = case(contact, solver=solver)
     assert {"time", "output"}.isdisjoint(found.to_data())
+    assert parse_case(tomllib.loads(to_toml(found))) == found
+
+
+@DENSITY_LAWS.register("test-table")
+@dataclass(frozen=True)
+class Table:
+    """A law of one's own, with numbers at equal steps of pressure."""
+
+    step: Annotated[float, STRESS]
+    values: tuple[float, ...]
+
+    def density(self, p):
+        return np.interp(p / self.step, np.arange(len(self.values)), self.values)
+
+
+def test_a_law_may_have_a_table():
+    law = {"law": "test-table", "step": "0.1 GPa", "values": [1.0, 1.03, 1.05]}
+    found = case(C1, lubricant=OIL | {"density": law})
+    assert found.oil.density == Table(1e8, (1.0, 1.03, 1.05))
     assert parse_case(tomllib.loads(to_toml(found))) == found
 
 

@@ -1,0 +1,191 @@
+"""What a tribologist types in Python: the same keys, the same case and the same messages as in a case file."""
+
+import inspect
+from dataclasses import fields
+
+import pytest
+
+import ertel
+from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.inputs.messages import NOT_THERE
+from ertel.model.conditions import FOREIGN, Conditions
+from ertel.model.sections import Output, Solver, Time
+from ertel.physics.lubricant import Roelands
+from ertel.physics.units import Quantity
+
+STEEL = {"E1": "210 GPa", "nu1": 0.3, "E2": "210 GPa", "nu2": 0.3}
+CONTACT = {"radius": "10 mm", "ball_density": "7850 kg/m^3", "speed": "0.1 m/s", **STEEL}
+IN_SI = {"radius": 0.01, "ball_density": 7850, "speed": 0.1, "E1": 210e9, "nu1": 0.3, "E2": 210e9, "nu2": 0.3}
+OIL = ertel.Oil(eta0=0.0186, alpha=20e-9)
+ROLLING = {"radius": 0.01, "load": 40.0, "mean_speed": 0.5, "E_prime": 2.2e11}
+
+
+def names(record):
+    return {item.name for item in fields(record)}
+
+
+# -- keys -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("function", "kind"), [(ertel.impact, "impact"), (ertel.rolling, "rolling")])
+def test_keywords_are_the_keys_of_case_files(function, kind):
+    """No more and no fewer; the tolerance in time has a name of its own beside the solver's."""
+    time = names(Time) - {"tolerance"} | {"time_tolerance"}
+    expected = names(Conditions) - {"kind"} - set(FOREIGN[kind]) | names(Solver) | time | names(Output)
+    if kind == "rolling":
+        expected -= {"start_approach"}  # of an impact
+    parameters = inspect.signature(function).parameters
+    assert set(parameters) == expected | {"oil", "motion", "roughness", "name"}
+    assert all(p.kind is inspect.Parameter.KEYWORD_ONLY for p in parameters.values())
+
+
+@pytest.mark.parametrize("function", [ertel.impact, ertel.rolling, ertel.Oil])
+def test_every_keyword_is_explained(function):
+    documented = inspect.getdoc(function) or ""
+    assert all(name in documented for name in inspect.signature(function).parameters)
+
+
+def test_keywords_of_an_oil_are_the_keys_of_lubricant():
+    assert set(inspect.signature(ertel.Oil).parameters) == names(type(OIL))
+
+
+# -- the same case ----------------------------------------------------------------------------------------------------
+
+
+def test_si_and_texts_with_units_are_the_same_case():
+    si = ertel.impact(**IN_SI, oil=OIL)
+    assert ertel.impact(**CONTACT, oil=ertel.Oil(eta0="18.6 mPa*s", alpha="20 / GPa")) == si
+    lubricant = {"eta0": "18.6 mPa*s", "alpha": "20 / GPa"}
+    assert parse_case({"contact": CONTACT, "lubricant": lubricant}) == si
+    assert si.scales is not None and si.scales.p_h == pytest.approx(1.42e9, rel=5e-3)
+
+
+def test_every_section_arrives():
+    rough = ertel.Spot(radius=ertel.quantity("50 um"), depth=ertel.quantity("1 um"), x=-2.0)
+    case = ertel.rolling(
+        **ROLLING,
+        oil=OIL,
+        method="transient",
+        nodes=65,
+        tolerance=1e-4,
+        fold=False,
+        motion={"load": [[0, 1], [1, 2]], "entrainment": {"mean": 1, "amplitude": 0.2, "period": "5 ms"}},
+        roughness=[rough],
+        until="2 ms",
+        step=0.01,
+        interval=0.5,
+        name="test",
+    )
+    table = {"shape": "spot", "radius": "50 um", "depth": "1 um", "x": -2.0}
+    written = {
+        "name": "test",
+        "contact": {
+            "kind": "rolling",
+            "radius": "10 mm",
+            "load": "40 N",
+            "mean_speed": "0.5 m/s",
+            "E_prime": "220 GPa",
+        },
+        "lubricant": {"eta0": "18.6 mPa*s", "alpha": "20 / GPa"},
+        "solver": {"method": "transient", "nodes": 65, "tolerance": 1e-4, "fold": False},
+        "motion": {"load": [[0, 1], [1, 2]], "entrainment": {"mean": 1, "amplitude": 0.2, "period": "5 ms"}},
+        "roughness": [table],
+        "time": {"until": "2 ms", "step": 0.01},
+        "output": {"interval": 0.5},
+    }
+    assert case == parse_case(written)
+    assert case.name == "test"
+    assert case.time is not None and case.time.until == Quantity(2e-3, "s")
+    assert ertel.rolling(**ROLLING, oil=OIL, method="transient", roughness=[table]).roughness == case.roughness
+
+
+def test_time_tolerance_is_that_of_time():
+    case = ertel.impact(M=200, L=10, tolerance=1e-2, time_tolerance=1e-3)
+    assert (case.solver.tolerance, case.schedule.tolerance) == (1e-2, 1e-3)
+
+
+def test_laws_scale_themselves():
+    p_h = ertel.impact(**IN_SI, oil=OIL).scales.p_h
+    given = ertel.Oil(eta0=0.0186, alpha=20e-9, viscosity=Roelands(20e-9, 0.6, 1.96e8))
+    case = ertel.impact(**IN_SI, oil=given)
+    assert case.lubricant.viscosity(0.5) == pytest.approx(Roelands(20e-9, 0.6).viscosity(0.5 * p_h), rel=1e-14)
+
+
+def test_quantities_for_records():
+    assert ertel.quantity("20 nm") == Quantity(2e-8, "m")
+    assert ertel.quantity("5 ms") == Quantity(5e-3, "s")
+    with pytest.raises(ValueError, match="text = '5 kg': must be a length or a time"):
+        ertel.quantity("5 kg")
+
+
+# -- what is refused: field, value, what is allowed -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("function", "given", "said"),
+    [
+        (ertel.impact, {"M": 200}, "contact.L: missing; contact.M = 200"),
+        (ertel.impact, {"M": 200, "L": 10, "nodes": 100}, "solver.nodes = 100: must be"),
+        (ertel.impact, {"M": 200, "L": 10, "method": "steady"}, 'solver.method = "steady": must be "2d" or "radial"'),
+        (ertel.impact, {**IN_SI, "radius": -0.01, "oil": OIL}, 'contact.radius = "-0.01 m": must be'),
+        (ertel.impact, {**IN_SI, "radius": "10 kg", "oil": OIL}, 'contact.radius = "10 kg": has the wrong dimension'),
+        (ertel.impact, {**IN_SI, "mass": 0.03, "oil": OIL}, "contact.ball_density = "),
+        (ertel.impact, IN_SI, "lubricant.eta0: missing, a physical contact needs it"),
+        (
+            ertel.impact,
+            {"M": 200, "L": 10, "until": "never"},
+            'time.until = "never": must be "max-approach", "rebound"',
+        ),
+        (ertel.impact, {"M": 200, "L": 10, "time_tolerance": 2}, "time.tolerance = 2: must be less than 1"),
+        (ertel.impact, {"M": 200, "L": 10, "roughness": [{"shape": "hill"}]}, 'roughness[1].shape = "hill"; allowed: '),
+        (ertel.impact, {"M": 200, "L": 10, "method": "radial", "roughness": [ertel.Spot(0.1, 0.1)]}, "roughness: "),
+        (ertel.impact, {"M": 200, "L": 10, "method": "radial", "motion": {"load": 1}}, "motion: the radial method"),
+        (ertel.rolling, {"M": 200, "L": 10, "motion": {"load": [[0, 1], [1, 2]]}}, "motion.load: varies in time"),
+        (ertel.rolling, {"M": 200, "L": 10, "motion": {"lod": 1}}, "motion.lod = 1: unknown key; did you mean load?"),
+        (ertel.rolling, {**ROLLING, "slide_to_roll": float("nan"), "oil": OIL}, "contact.slide_to_roll = NaN"),
+    ],
+    ids=str,
+)
+def test_refused(function, given, said):
+    with pytest.raises(ConfigError) as caught:
+        function(**given)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"eta0": "18.6 mPa"}, "oil.eta0 = '18.6 mPa': has the wrong dimension"),
+        ({"alpha": -1e-8}, "oil.alpha = -1e-08: must be a quantity above zero"),
+        ({"viscosity": "baras"}, "viscosity = \"baras\": allowed: 'isoviscous', 'barus' or 'roelands'"),
+    ],
+)
+def test_refused_oil(given, said):
+    with pytest.raises(ValueError) as caught:
+        ertel.Oil(**{"eta0": 0.0186, "alpha": 20e-9, **given})
+    assert said.partition(": allowed")[0] in str(caught.value)
+    assert "allowed" in str(caught.value) or "must be" in str(caught.value) or "write for example" in str(caught.value)
+
+
+@pytest.mark.parametrize("key", ["radius_x", "radius_y", "ellipticity"])
+def test_elliptical_contacts_are_said_not_to_be_supported(key):
+    """It suggested radius_2, which makes two spheres: half the film."""
+    with pytest.raises(ConfigError) as caught:
+        parse_case({"contact": {"kind": "rolling", "radius": "10 mm", key: "20 mm"}})
+    said = f'contact.{key} = "20 mm": unknown key; ertel solves circular contacts only; elliptical contacts are not'
+    assert str(caught.value).startswith(said)
+    assert "did you mean" not in str(caught.value)
+
+
+@pytest.mark.parametrize("key", NOT_THERE)
+def test_what_ertel_does_not_do_is_said(key):
+    for section in ("contact", "lubricant"):
+        with pytest.raises(ConfigError) as caught:
+            parse_case(
+                {
+                    "contact": {"M": 200, "L": 10},
+                    section: {"M": 200, "L": 10, key: 1} if section == "contact" else {key: 1},
+                }
+            )
+        assert NOT_THERE[key] in str(caught.value)

@@ -1,0 +1,127 @@
+"""Laws and shapes by name, own ones and those that other packages announce."""
+
+from dataclasses import dataclass, fields
+from importlib.metadata import EntryPoint
+
+import pytest
+
+from ertel.physics import registry
+from ertel.physics.lubricant import Barus
+from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
+from ertel.physics.units import marks
+
+
+@dataclass(frozen=True)
+class Plate:
+    """A record for these tests, and what a package announces."""
+
+
+@dataclass
+class Soft:
+    """Not frozen."""
+
+
+class Heir(Plate):
+    """Made without the decorator."""
+
+
+class Bare:
+    """No dataclass."""
+
+
+@pytest.fixture
+def plates() -> Registry:
+    found = Registry("plate", "ertel.plates")
+    found.register("flat")(Plate)
+    return found
+
+
+def test_a_registry_is_a_mapping_from_names_to_records(plates: Registry) -> None:
+    assert dict(plates) == {"flat": Plate}
+    assert plates["flat"] is Plate
+    assert plates.name_of(Plate()) == "flat"
+    assert "round" not in plates
+    with pytest.raises(KeyError):
+        plates["round"]
+
+
+def test_a_name_is_given_once_but_a_module_may_be_run_again(plates: Registry) -> None:
+    assert plates.register("flat")(Plate) is Plate
+
+    @dataclass(frozen=True)
+    class Other:
+        pass
+
+    with pytest.raises(ValueError, match=r'^name = "flat": is the plate Plate already; choose another'):
+        plates.register("flat")(Other)
+    assert plates["flat"] is Plate
+
+
+@pytest.mark.parametrize("record", [Soft, Bare, Heir, Plate(), 3.0])
+def test_a_record_is_a_frozen_dataclass(plates: Registry, record: type) -> None:
+    with pytest.raises(TypeError, match="a plate must be a frozen dataclass"):
+        plates.register("other")(record)
+
+
+def test_a_record_without_a_name_says_how_to_give_it_one(plates: Registry) -> None:
+    with pytest.raises(ValueError) as caught:
+        plates.name_of(Barus(1.0))
+    said = "Barus: is no registered plate, so it cannot be written down; put @ertel.plates.register("
+    assert str(caught.value).startswith(said)
+
+
+class TestAnnounced:
+    """What other packages announce as entry points."""
+
+    @pytest.fixture
+    def loaded(self, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+        names: list[str] = []
+
+        class Announced(EntryPoint):
+            def load(self):  # type: ignore[no-untyped-def]
+                names.append(self.name)
+                return Plate
+
+        point = Announced(name="announced", value="somewhere:Plate", group="ertel.plates")
+        monkeypatch.setattr(registry, "entry_points", lambda group: [point] if group == "ertel.plates" else [])
+        return names
+
+    def test_it_is_known_before_it_is_imported(self, loaded: list[str]) -> None:
+        plates = Registry("plate", "ertel.plates")
+        assert list(plates) == ["announced"]
+        assert len(plates) == 1
+        assert loaded == []
+
+    def test_it_is_imported_once(self, loaded: list[str]) -> None:
+        plates = Registry("plate", "ertel.plates")
+        assert plates["announced"] is Plate
+        assert plates["announced"] is Plate
+        assert loaded == ["announced"]
+        assert plates.name_of(Plate()) == "announced"
+
+    def test_it_stands_beside_those_registered_here(self, loaded: list[str]) -> None:
+        plates = Registry("plate", "ertel.plates")
+        plates.register("flat")(Plate)
+        assert list(plates) == ["flat", "announced"]
+        assert len(plates) == 2
+
+    def test_other_groups_are_left_alone(self, loaded: list[str]) -> None:
+        assert len(Registry("plate", "ertel.others")) == 0
+
+
+def test_what_ertel_brings() -> None:
+    assert {"isoviscous", "barus", "roelands"} <= set(VISCOSITY_LAWS)
+    assert {"incompressible", "dowson-higginson"} <= set(DENSITY_LAWS)
+    assert {"waviness", "rings", "spot"} <= set(SHAPES)
+
+
+@pytest.mark.parametrize(
+    ("laws", "name"),
+    [
+        *((VISCOSITY_LAWS, name) for name in ("isoviscous", "barus", "roelands")),
+        *((DENSITY_LAWS, name) for name in ("incompressible", "dowson-higginson")),
+        *((SHAPES, name) for name in ("waviness", "rings", "spot")),
+    ],
+)
+def test_every_field_of_a_shipped_record_has_a_mark(laws: Registry, name: str) -> None:
+    assert {f.name for f in fields(laws[name])} == set(marks(laws[name]))

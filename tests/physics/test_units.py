@@ -1,0 +1,106 @@
+"""Marks of fields, and numbers that carry a unit."""
+
+from dataclasses import dataclass
+from math import inf, nan
+from typing import Annotated
+
+import pytest
+
+from ertel.physics import units
+from ertel.physics.scales import Scales
+from ertel.physics.units import (
+    ABOVE_ZERO,
+    DURATION,
+    FINITE,
+    HEIGHT,
+    LENGTH,
+    NOT_NEGATIVE,
+    POSITION,
+    SHARE,
+    TIME,
+    VELOCITY,
+    WIDTH,
+    Amount,
+    Bounds,
+    Quantity,
+    Unit,
+    marks,
+    plain,
+)
+
+ALL_UNITS = {name: value for name, value in vars(units).items() if isinstance(value, Unit)}
+
+
+@dataclass(frozen=True)
+class Groove:
+    """A record for these tests."""
+
+    depth: Annotated[Amount, HEIGHT]
+    length: Annotated[float | None, LENGTH]
+    turns: Annotated[int, Bounds(gt=0, le=10, whole=True)]
+    note: str = ""
+
+
+def test_marks_stand_in_the_annotations() -> None:
+    assert marks(Groove) == {"depth": HEIGHT, "length": LENGTH, "turns": Bounds(gt=0, le=10, whole=True)}
+
+
+@pytest.mark.parametrize("mark", [LENGTH, WIDTH, DURATION])
+def test_a_size_is_above_zero(mark: Unit) -> None:
+    assert mark.allows(1e-12)
+    assert not any(mark.allows(value) for value in (0.0, -1.0, inf, -inf, nan))
+
+
+@pytest.mark.parametrize("mark", [VELOCITY, TIME, POSITION, HEIGHT])
+def test_a_place_or_a_velocity_may_be_negative(mark: Unit) -> None:
+    assert all(mark.allows(value) for value in (-1.0, 0.0, 1.0))
+    assert not any(mark.allows(value) for value in (inf, -inf, nan))
+
+
+@pytest.mark.parametrize("mark", [mark for mark in ALL_UNITS.values() if mark.scale], ids=lambda mark: mark.unit)
+def test_the_scale_of_an_amount_is_one_of_the_case(mark: Unit) -> None:
+    scales = Scales(R=0.01, E_prime=2e11, a=2e-4, p_h=1e9, t0=4e-5)
+    expected = {"t0": 4e-5, "a": 2e-4, "a^2/R": 4e-6}[mark.own]
+    assert getattr(scales, mark.scale) == pytest.approx(expected, rel=1e-14)
+
+
+@pytest.mark.parametrize("name", ALL_UNITS)
+def test_the_example_of_a_unit_reads_as_such_a_quantity(name: str) -> None:
+    pint = pytest.importorskip("pint")
+    mark = ALL_UNITS[name]
+    number, _, unit = mark.example.partition(" ")
+    quantity = float(number) * pint.UnitRegistry()(f"1{unit}" if unit.startswith("/") else unit)
+    assert mark.allows(quantity.to(mark.unit).magnitude)
+
+
+@pytest.mark.parametrize(
+    ("bounds", "value", "complaint"),
+    [
+        (FINITE, -1e300, ""),
+        (FINITE, nan, "must be a finite number"),
+        (ABOVE_ZERO, inf, "must be a finite number"),
+        (ABOVE_ZERO, 0.0, "must be greater than 0"),
+        (ABOVE_ZERO, 1e-300, ""),
+        (NOT_NEGATIVE, 0.0, ""),
+        (NOT_NEGATIVE, -1.0, "must be greater than or equal to 0"),
+        (SHARE, 1.0, "must be less than 1"),
+        (SHARE, 0.999, ""),
+        (Bounds(gt=-1, le=0.5), 0.5, ""),
+        (Bounds(gt=-1, le=0.5), 0.51, "must be less than or equal to 0.5"),
+        (Bounds(whole=True), 1.0, "must be an integer"),
+        (Bounds(whole=True), 1, ""),
+    ],
+)
+def test_bounds_say_what_is_wrong(bounds: Bounds, value: float, complaint: str) -> None:
+    assert bounds.complaint(value) == complaint
+
+
+def test_a_quantity_shows_its_number_to_the_last_bit() -> None:
+    assert str(Quantity(0.1 + 0.2, "m")) == "0.30000000000000004 m"
+    assert float(str(Quantity(1 / 3, "s")).split()[0]) == 1 / 3
+
+
+def test_a_quantity_is_no_plain_number() -> None:
+    assert plain(0.5) == 0.5
+    with pytest.raises(TypeError, match=r"^0.5 m: is in SI"):
+        plain(Quantity(0.5, "m"))

@@ -1,0 +1,50 @@
+"""The Python blocks of README and docs run, page by page in one process, and their links lead somewhere.
+
+A block that is only to be read has `<!-- not run -->` on the line before it.
+"""
+
+import re
+from pathlib import Path
+
+import matplotlib
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = sorted({ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "examples").glob("*.md")})
+BLOCK = re.compile(r"(?P<skip><!-- not run -->[ \t]*\n+)?```python\n(?P<code>.*?)\n```", re.DOTALL)
+LINK = re.compile(r"\]\((?!https?:)([^)#\s]+)")
+
+
+def blocks(page: Path) -> list[tuple[int, str]]:
+    """The blocks to be run, each with its line."""
+    text = page.read_text(encoding="utf-8")
+    found = [match for match in BLOCK.finditer(text) if not match["skip"]]
+    return [(text.count("\n", 0, match.start("code")), match["code"]) for match in found]
+
+
+def named(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning:ertel", "ignore::UserWarning:__main__")
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page)], ids=named)
+def test_python_of_the_documents_runs(page, tmp_path, monkeypatch):
+    """In an empty directory that has the examples, on the names that the blocks before have left."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    matplotlib.use("agg")
+    names = {"__name__": "__main__"}
+    for line, code in blocks(page):
+        exec(compile("\n" * line + code, str(page), "exec"), names)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES], ids=named)
+def test_links_of_the_documents_lead_somewhere(page):
+    missing = [link for link in LINK.findall(page.read_text(encoding="utf-8")) if not (page.parent / link).exists()]
+    assert missing == []
+
+
+def test_blocks_are_found(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("a\n```python\nx = 1\n```\n<!-- not run -->\n```python\nx = 2\n```\n```sh\ny\n```\n")
+    assert blocks(page) == [(2, "x = 1")]
