@@ -18,7 +18,7 @@ from ertel.model.state import Method, State
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature
-from ertel.runs.courses import TransientCourse
+from ertel.runs.courses import ImpactCourse, RollingCourse
 from ertel.runs.drive import drive
 from ertel.runs.stepping import Step
 
@@ -65,10 +65,15 @@ def march(method: Method, step: float, steps: int) -> list[State]:
     return levels
 
 
+def course_with(case: Case, method: Method) -> ImpactCourse | RollingCourse:
+    """A run in time by a method that may not be the case's own."""
+    return (ImpactCourse if case.starts_apart else RollingCourse)(case, method)
+
+
 def steps_of(case: Case, method: Method, start: Step | None = None) -> list[Step]:
     """All accepted time steps of a run."""
     seen: list[Step] = []
-    drive(TransientCourse(case, method), [seen.append], start)
+    drive(course_with(case, method), [seen.append], start)
     return seen
 
 

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import xarray as xr
-from cases import impact, steps_of
+from cases import course_with, impact, steps_of
 
 from ertel.model.approach import PrescribedApproach
 from ertel.model.case import Case
@@ -34,7 +34,7 @@ def short(**time: object) -> Case:
 
 def simulated(case: Case, method: Method) -> Result:
     """A run in memory with a method that is not the case's own."""
-    course = TransientCourse(case, method)
+    course = course_with(case, method)
     gathering = Gathering(course)
     return gathering.result(drive(course, [gathering]))
 
@@ -53,7 +53,7 @@ def to_the_maximum() -> Result:
 def whole_course() -> tuple[TransientCourse, list[Step]]:
     """A short run, step by step."""
     case = short()
-    course = TransientCourse(case, Transient2D(case))
+    course = course_with(case, Transient2D(case))
     seen: list[Step] = []
     drive(course, [seen.append])
     return course, seen
@@ -241,10 +241,10 @@ def test_error_estimate_is_exact_for_a_second_order_error() -> None:
         values = {"H_c": 0.07 + 3 * h**2, "H_min": 0.01 - h**2, "Delta": 0.96 + h**2}
         return {"max_approach": values}
 
-    estimate = summary.error_estimate(at(0.01), at(0.02))
-    assert estimate is not None
+    case = short()
+    estimate = summary.impact_with_error(case, at(0.01), at(0.02))["error_estimate"]
     assert estimate["H_c"]["extrapolated"] == pytest.approx(0.07, rel=1e-12)
     assert estimate["H_c"]["error"] == pytest.approx(3e-4, rel=1e-9)
     assert estimate["H_min"]["extrapolated"] == pytest.approx(0.01, rel=1e-12)
     assert estimate["Delta_max"]["value"] == 0.96 + 1e-4
-    assert summary.error_estimate(at(0.01), {"max_approach": None}) is None
+    assert summary.impact_with_error(case, at(0.01), {"max_approach": None})["error_estimate"] is None
