@@ -19,7 +19,7 @@ from ertel.inputs.case_files import load_case, parse_case
 from ertel.model.status import Status
 from ertel.runs import arrays, store
 from ertel.runs.arrays import AppendedData
-from ertel.runs.courses import TransientCourse, method_of
+from ertel.runs.courses import ImpactCourse, method_of
 from ertel.runs.drive import simulate
 from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, StoreError, compute
@@ -162,7 +162,7 @@ def deaths():
         (arrays, "commit"),
         (AppendedData, "_extend"),
         (RunStore, "_write_checkpoint"),
-        (TransientCourse, "to_arrays"),
+        (ImpactCourse, "to_arrays"),
     ]
     return [(place, name, when, count) for place, name in places for when in ("before", "after") for count in (2, 5)]
 
@@ -220,7 +220,7 @@ def test_killed_process(tmp_path, case, uninterrupted):
 
 
 def test_a_run_that_gives_up_keeps_what_it_has(tmp_path, case, uninterrupted):
-    course = TransientCourse(case, method_of(case), StepLimits(first=0.03, smallest=0.02))
+    course = ImpactCourse(case, method_of(case), StepLimits(first=0.03, smallest=0.02))
     run = RunStore.create(tmp_path / "run", case, course)
     summary = compute(run)
     assert summary["status"] == Status.STEP_TOO_SMALL.value
