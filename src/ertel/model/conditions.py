@@ -78,7 +78,7 @@ class Speeds(NamedTuple):
     slide_to_roll: float | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Conditions:
     """What meets, as it is given: the section [contact] of a case file.  Quantities in SI.
 
@@ -138,6 +138,11 @@ class Conditions:
         for alternatives in NEEDED[self.kind]:
             self._complete(self._only_one(alternatives))
         self._check_speeds()
+
+    def __repr__(self) -> str:
+        """Only what is given."""
+        given = ", ".join(f"{name}={getattr(self, name)!r}" for name in ("kind", *self.given))
+        return f"Conditions({given})"
 
     # -- which keys ---------------------------------------------------------------------------------------------------
 
