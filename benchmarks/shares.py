@@ -92,7 +92,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     from ertel.model.contact import Rate
     from ertel.model.state import solved
     from ertel.model.status import Status
-    from ertel.runs.courses import TransientCourse
+    from ertel.runs.courses import ImpactCourse
     from ertel.runs.stepping import RunState, Step
     from ertel.solvers import nonlinear, preconditioner, transient
 
@@ -108,7 +108,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     method = transient.Transient2D(case)
     method.solve = solve
     levels, _, found = march(method, impact_levels(method), STEP, SETTLE, TIMED)
-    course = TransientCourse(case, method)
+    course = ImpactCourse(case, method)
     item = Step(RunState(tuple(levels), STEP), {}, (), Status.RUNNING)
     steps = []
     for number in range(1 + TIMED):

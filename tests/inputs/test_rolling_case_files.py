@@ -370,7 +370,10 @@ SPOT = {"shape": "spot", "height": 0.1, "radius": 0.3}
         ({"motion": {"load": True}}, ["motion.load = true", "[T, value]"]),
         ({"motion": {"load": float("nan")}}, ["motion.load = NaN", "finite"]),
         ({"motion": {"load": {"mean": 1}}}, ["motion.load.amplitude: missing"]),
-        ({"motion": {"load": {"mean": 1, "amplitude": 1, "periode": 1}}}, ["motion.load.period: missing"]),
+        (
+            {"motion": {"load": {"mean": 1, "amplitude": 1, "periode": 1}}},
+            ["motion.load.periode = 1", "did you mean period?"],
+        ),
         (
             {"motion": {"load": {"mean": 1, "amplitude": 1, "period": 1, "fase": 1}}},
             ["motion.load.fase = 1", "did you mean phase?"],

@@ -20,7 +20,7 @@ def said(case, half_width=2.0):
         {"H_min": ("time", np.array([0.1])), "X_min": ("time", np.array([0.0])), "P": (("frame",), np.zeros(0))},
         {"time": np.array([0.1]), "X": np.linspace(-half_width, half_width, nodes)},
     )
-    return " ".join(diagnostics.warnings(case, data))
+    return " ".join(diagnostics.impact_warnings(case, data))
 
 
 def test_the_small_example_of_the_readme_does_not_hide_that_its_minimum_film_is_uncertain():

@@ -39,7 +39,7 @@ def rolling_in_time(case):
 
 
 def test_repr_of_a_physical_impact():
-    estimate = {"H_c": {"error": 0.0007}, "H_min": {"error": 0.002}}
+    estimate = {"H_c": {"error": 0.0007, "extrapolated": 0.0693}, "H_min": {"error": 0.002, "extrapolated": 0.018}}
     result = impact({**BALL_FALLS, "name": "ball"}, error_estimate=estimate, restitution=0.93)
     text = repr(result)
     film = result.case.scales.film * 1e9

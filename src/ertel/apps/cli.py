@@ -215,7 +215,7 @@ def film(
         if case_file and given:
             raise ValueError(f"{case_file} and {flag_of(next(iter(given)))} are given together; give only one of them")
         case = load_case(case_file) if case_file else case_of_flags({"kind": "rolling", **given})
-        if case.kind != "rolling":
+        if case.starts_apart:
             raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
         found = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if as_json:

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
+from ertel.results.kinds import KINDS, Errors
+
 if TYPE_CHECKING:
     from ertel.model.case import Case
     from ertel.physics.film_formulas import Film
-
-Errors = Mapping[str, tuple[float, float]]  # error estimate and extrapolated value by name
 
 
 def console() -> Console:
@@ -24,11 +24,9 @@ def console() -> Console:
 def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
     """The outcome of a run."""
     parameters = f"M = {summary['M']:.5g}, L = {summary['L']:.4g}"
-    out.print(f"{case.name or case.kind}: {parameters} ({_grid(case)}): {summary['status']}", style="bold")
-    if case.kind == "rolling":
-        _print_rolling(out, case, summary)
-    else:
-        _print_impact(out, case, summary)
+    grid = f"{case.solver.method}, {KINDS[case.kind].domain(case.solver)}"
+    out.print(f"{case.name or case.kind}: {parameters} ({grid}): {summary['status']}", style="bold")
+    _print_values(out, case, summary)
     steps = f"{summary['steps']} steps, " if "steps" in summary else ""
     work = "{newton_iterations} Newton and {krylov_iterations} Krylov iterations, {wall_s:.1f} s"
     out.print(steps + work.format_map(summary))
@@ -36,47 +34,31 @@ def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
         out.print(f"Warning: {warning}", style="yellow")
 
 
-def _grid(case: "Case") -> str:
-    s = case.solver
-    if case.kind == "impact":
-        return f"{s.method}, {s.nodes} nodes to {s.half_width:g} a*"
-    inlet = s.inlet or s.half_width
-    return f"{s.method}, {s.nodes} nodes, {inlet:g} a upstream to {2 * s.half_width - inlet:g} a downstream"
-
-
-def _print_impact(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
-    if summary["max_approach"]:
-        out.print(value_table(case, "at maximum approach", summary["max_approach"], _impact_errors(summary)))
-    else:
-        out.print("Maximum approach was not reached.")
+def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
+    """Values with their errors, restitution, then the film formulas at the load and the speed of that moment."""
+    kind = KINDS[case.kind]
+    values, errors = kind.values(summary), kind.errors(summary)
+    if not values:
+        out.print(f"{kind.moment(summary).capitalize()}.")
+        return
+    out.print(value_table(case, kind.heading(summary), values, errors))
     if summary.get("restitution") is not None:
         out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
+    _print_formulas(out, case, values, errors)
 
 
-def _impact_errors(summary: Mapping[str, Any]) -> Errors:
-    estimate = summary.get("error_estimate") or {}
-    return {"Delta" if key == "Delta_max" else key: (e["error"], e["extrapolated"]) for key, e in estimate.items()}
-
-
-def _print_rolling(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
-    """Values with their errors, then the film formulas at the load and the speed of that time."""
+def _print_formulas(out: Console, case: "Case", values: Mapping[str, float], errors: Errors) -> None:
+    """The film formulas next to the computed films, where the formulas have a meaning."""
     from ertel.results.summary import films
-    from ertel.results.variables import FILMS, MEASURED
+    from ertel.results.variables import FILMS
 
-    if summary["H_c"] is None:
-        out.print("No step was taken.")
-        return
-    steady, T = summary["method"] == "steady", summary.get("T", 0.0)
-    heading = f"on {summary['nodes']} x {summary['nodes']} nodes" if steady else "at the last time"
-    values = {key: summary[key] for key in (MEASURED if steady else ("T", *MEASURED))}
-    known = [name for name in FILMS if summary[f"{name}_error"] is not None]
-    errors = {name: (summary[f"{name}_error"], summary[f"{name}_extrapolated"]) for name in known}
-    out.print(value_table(case, heading, values, errors))
+    T = values.get("T", 0.0)
     found = films(case, case.motion.load(T), case.motion.entrainment(T))
-    computed = {name: summary[f"{name}_extrapolated"] if name in known else summary[name] for name in FILMS}
-    if found:
-        out.print()
-        out.print(film_table(case, found, computed, "computed, extrapolated" if known else "computed"))
+    if not found:
+        return
+    computed = {name: errors[name][1] if name in errors else values[name] for name in FILMS}
+    out.print()
+    out.print(film_table(case, found, computed, "computed, extrapolated" if errors else "computed"))
 
 
 def value_table(case: "Case", heading: str, values: Mapping[str, float], errors: Errors) -> Table:

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
-from ertel.inputs.schema import POINTS, SIGNAL_TEXT, keys_of, model_at
+from ertel.inputs import schema
 from ertel.model.records import show
 from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
 
@@ -44,8 +44,9 @@ def message(error: ValidationError) -> str:
     place = [part for part in first["loc"] if not _is_tag(part)]
     field = f"{field_name(place)} = {show(first['input'])}"
     match first["type"]:
-        case "extra_forbidden":
-            return f"{field}: unknown key; " + _known_keys(str(place[-1]), model_at(first["loc"][:-1]))
+        case schema.UNKNOWN_KEY:
+            key, value, known = (first["ctx"][name] for name in ("key", "value", "known"))
+            return f"{field_name([*place, key])} = {show(value)}: unknown key; {_known_keys(key, known)}"
         case "value_error":
             return f"{field}: {first['ctx']['error']}"
         case "literal_error":
@@ -56,10 +57,10 @@ def message(error: ValidationError) -> str:
             laws = VISCOSITY_LAWS if place[-1] == "viscosity" else DENSITY_LAWS
             return _unknown_name(place, "law", first["input"], laws)
         case "union_tag_not_found" | "too_short":
-            return f"{field}: must be {SIGNAL_TEXT}"
+            return f"{field}: must be {schema.SIGNAL_TEXT}"
         case "tuple_type" if place == ["roughness"]:
             return f"{field}: must be an array of tables, [[roughness]]"
-        case "missing" | "too_long" | "tuple_type" if POINTS in first["loc"]:
+        case "missing" | "too_long" | "tuple_type" if schema.POINTS in first["loc"]:
             return f"{field}: must be [T, value]"
         case "missing":
             return f"{field_name(place)}: missing"
@@ -83,10 +84,9 @@ def field_name(place: Sequence[str | int]) -> str:
     return "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
 
 
-def _known_keys(name: str, model: type[BaseModel]) -> str:
+def _known_keys(name: str, known: Sequence[str]) -> str:
     if name in NOT_THERE:
         return NOT_THERE[name]
-    known = keys_of(model)
     close = get_close_matches(name, known, n=1)
     return (f"did you mean {close[0]}? " if close else "") + f"allowed: {_list(known)}"
 

@@ -4,12 +4,13 @@ A quantity is a string with a unit ("10 mm"), a dimensionless number a plain num
 number in the units of the case, a, a^2/R or t0, or a quantity.  The rules for valid input are in the model.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import MISSING, fields
 from functools import cache, partial
-from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, get_origin, get_type_hints
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, create_model
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, create_model, model_validator
+from pydantic_core import PydanticCustomError
 
 from ertel.inputs.quantities import parse_amount, parse_quantity
 from ertel.model.conditions import Conditions
@@ -20,14 +21,25 @@ from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS, Registr
 from ertel.physics.units import DURATION, TIME, Bounds, Quantity, Unit, marks
 
 NUMBER, POINTS, TABLE, NAME = "<number>", "<points>", "<table>", "<name>"  # tags, no part of a field's name
+UNKNOWN_KEY = "unknown_key"  # the type of an error; its context: key, value and known keys
 SIGNAL_TEXT = "a number, an array of [T, value], or a table { mean, amplitude, period, phase }"
-SETTINGS = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True)
+SETTINGS = ConfigDict(strict=True, frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True)
 
 
 class Section(BaseModel):
     """A section of a case file; keys that are left out are None."""
 
     model_config = SETTINGS
+
+    @model_validator(mode="before")
+    @classmethod
+    def _knows_its_keys(cls, data: object) -> object:
+        """Unlike pydantic's own check, this one tells which keys there are."""
+        known = keys_of(cls)
+        for key, value in data.items() if isinstance(data, dict) else ():
+            if key not in known:
+                raise PydanticCustomError(UNKNOWN_KEY, "unknown key", {"key": str(key), "value": value, "known": known})
+        return data
 
 
 def section_of(record: Any, name: str = "", **special: Any) -> type[Section]:
@@ -157,41 +169,6 @@ def plain(value: object) -> Any:
     return [plain(item) for item in value] if isinstance(value, tuple | list) else value
 
 
-def model_at(place: tuple[str | int, ...]) -> type[BaseModel]:
-    """The section at a place in a case file, as pydantic names places."""
-    model: Any = case_file()
-    for part in place:
-        model = _inside(model, part)
-    return model  # type: ignore[no-any-return]
-
-
-def _inside(kind: Any, part: str | int) -> Any:
-    """What is at a key of a section, an item of an array, or under a tag."""
-    if isinstance(part, int):
-        return _bare(next(arg for arg in get_args(kind) if arg is not Ellipsis))
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
-        known = {field.alias or key: field for key, field in kind.model_fields.items()}
-        return _bare(known[part].annotation)
-    for option in get_args(kind):
-        tags = [mark.tag for mark in getattr(option, "__metadata__", ()) if isinstance(mark, Tag)]
-        if part in tags or (not tags and part in (TABLE,)):
-            return _bare(option)
-    return kind
-
-
-def _bare(kind: Any) -> Any:
-    """A type without its marks and without None."""
-    while hasattr(kind, "__metadata__"):
-        kind = kind.__origin__
-    options = [option for option in get_args(kind) if option is not type(None)]
-    return _bare(options[0]) if type(None) in get_args(kind) and len(options) == 1 else kind
-
-
 def keys_of(model: type[BaseModel]) -> list[str]:
     """The keys of a section, as they are written."""
     return [field.alias or key for key, field in model.model_fields.items()]
-
-
-def describe_shapes() -> Mapping[str, type[BaseModel]]:
-    """The section of each registered shape, by its name."""
-    return {name: section_of(record) for name, record in SHAPES.items()}

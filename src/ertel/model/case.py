@@ -275,10 +275,6 @@ def _time_of(section: Mapping[str, Any]) -> Time:
     return replace(time, until=event) if event else time
 
 
-def _output_of(section: Mapping[str, Any]) -> Output:
-    return record_of(Output, section, "output")
-
-
 def _drive_of(section: Mapping[str, Any]) -> Drive:
     read = {k: signal_of(v, f"motion.{k}") if k in ("load", "entrainment") else v for k, v in section.items()}
     return record_of(Drive, read, "motion")

@@ -101,55 +101,74 @@ def solve(
     partner_change maps a change of P to the change of H.  preconditioner(P, H, free) returns an approximate inverse of
     the Jacobian on the free nodes.  tolerance bounds |r| at every free node.
     """
-    tiny = jnp.finfo(P.dtype).tiny
-    weight = jnp.asarray(border.weight, P.dtype)
+    system = _System(residual, partner_change, preconditioner, tolerance, options, border)
+    zero = jnp.zeros((), jnp.int32)
+    s = jnp.asarray(border.s, P.dtype)
+    start = system.size(P, H, s)
+    history = jnp.full(options.newton_limit + 1, jnp.nan).at[0].set(start)
+    forcing = jnp.full_like(start, options.first_reduction)
+    first = _Iterate(P, H, s, start, zero, zero, history, forcing)
+    last = jax.lax.while_loop(system.is_unsolved, system.improve, first)
+    return Solution(last.P, last.H, last.s, last.size, last.size <= 1.0, last.newton, last.krylov, last.history)
 
-    def size(P: Array, H: Array, s: Array) -> Array:
-        r = residual(P, H)
-        misfit = jnp.abs(border.misfit(P, s)) / border.tolerance
-        return jnp.maximum(jnp.max(jnp.abs(_free(P, r) * r) / tolerance), misfit)
 
-    def go_on(it: _Iterate) -> Array:
+@dataclass(frozen=True)
+class _System:
+    """The equations with the ways to solve them, see `solve`; a change is one of P and one of s."""
+
+    residual: Callable[[Array, Array], Array]
+    partner_change: Map
+    preconditioner: Callable[[Array, Array, Array], Map]
+    tolerance: Array | float
+    options: Options
+    border: Border
+
+    def size(self, P: Array, H: Array, s: Array) -> Array:
+        """The largest residual in units of the tolerance."""
+        r = self.residual(P, H)
+        misfit = jnp.abs(self.border.misfit(P, s)) / self.border.tolerance
+        return jnp.maximum(jnp.max(jnp.abs(_free(P, r) * r) / self.tolerance), misfit)
+
+    def is_unsolved(self, it: _Iterate) -> Array:
+        options = self.options
         return ((it.size > 1.0) & (it.newton < options.newton_limit)) | (it.newton < options.newton_least)
 
-    def improve(it: _Iterate) -> _Iterate:
-        r, change_of_r = jax.linearize(residual, it.P, it.H)
-        free = _free(it.P, r)
-        misfit, change_of_misfit = jax.linearize(border.misfit, it.P, it.s)
+    def improve(self, it: _Iterate) -> _Iterate:
+        """One Newton iteration."""
+        (dP, ds), krylov = self.newton_change(it)
+        # all nodes by the same share: where the few of a spike alone are held back, their neighbours lose their balance
+        largest = jnp.maximum(jnp.max(jnp.abs(dP)), jnp.abs(ds))
+        share = jnp.minimum(1.0, self.options.largest_change / jnp.maximum(largest, jnp.finfo(dP.dtype).tiny))
+        P, s = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
+        H = it.H + self.change_of_H((P - it.P, s - it.s))
+        reached, count = self.size(P, H, s), it.newton + 1
+        history = it.history.at[count].set(reached)
+        forcing = _forcing(self.options, reached / it.size, reached)
+        return _Iterate(P, H, s, reached, count, it.krylov + krylov, history, forcing)
 
-        def change_of_H(d: _Pair) -> Array:
-            return partner_change(d[0]) + border.dH_ds * d[1]
+    def change_of_H(self, d: _Pair) -> Array:
+        return self.partner_change(d[0]) + self.border.dH_ds * d[1]
+
+    def newton_change(self, it: _Iterate) -> tuple[_Pair, Array]:
+        """The change that solves the linear equations nearly, and the Krylov iterations that it took."""
+        weight = jnp.asarray(self.border.weight, it.P.dtype)
+        r, change_of_r = jax.linearize(self.residual, it.P, it.H)
+        free = _free(it.P, r)
+        misfit, change_of_misfit = jax.linearize(self.border.misfit, it.P, it.s)
 
         def jacobian(d: _Pair) -> _Pair:
-            return free * change_of_r(d[0], change_of_H(d)), weight * change_of_misfit(*d)
+            return free * change_of_r(d[0], self.change_of_H(d)), weight * change_of_misfit(*d)
 
-        inverse = preconditioner(it.P, it.H, free)
-        column = free * change_of_r(jnp.zeros_like(it.P), jnp.full_like(it.H, border.dH_ds))
+        inverse = self.preconditioner(it.P, it.H, free)
+        column = free * change_of_r(jnp.zeros_like(it.P), jnp.full_like(it.H, self.border.dH_ds))
 
         def direction(k: Array, r: _Pair) -> _Pair:
             """Search direction k: first a change of s with the field's response, then changes of the field alone."""
-            if border is NO_BORDER:
+            if self.border is NO_BORDER:
                 return inverse(r[0]), r[1]
             return inverse(jnp.where(k == 0, -column, r[0])), jnp.where(k == 0, 1.0, 0.0)
 
-        (dP, ds), krylov = gcr(jacobian, direction, (-free * r, -weight * misfit), it.forcing, options.krylov_limit)
-        # scale all nodes by the same factor: limiting only the few nodes of a spike unbalances their neighbours
-        largest = jnp.maximum(jnp.max(jnp.abs(dP)), jnp.abs(ds))
-        share = jnp.minimum(1.0, options.largest_change / jnp.maximum(largest, tiny))
-        P_new, s_new = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
-        H_new = it.H + change_of_H((P_new - it.P, s_new - it.s))
-        reached, count = size(P_new, H_new, s_new), it.newton + 1
-        history = it.history.at[count].set(reached)
-        forcing = _forcing(options, reached / it.size, reached)
-        return _Iterate(P_new, H_new, s_new, reached, count, it.krylov + krylov, history, forcing)
-
-    zero = jnp.zeros((), jnp.int32)
-    s = jnp.asarray(border.s, P.dtype)
-    start = size(P, H, s)
-    history = jnp.full(options.newton_limit + 1, jnp.nan).at[0].set(start)
-    forcing = jnp.full_like(start, options.first_reduction)
-    last = jax.lax.while_loop(go_on, improve, _Iterate(P, H, s, start, zero, zero, history, forcing))
-    return Solution(last.P, last.H, last.s, last.size, last.size <= 1.0, last.newton, last.krylov, last.history)
+        return gcr(jacobian, direction, (-free * r, -weight * misfit), it.forcing, self.options.krylov_limit)
 
 
 LOOSEST = 0.1  # weakest reduction by the Krylov iteration, while Newton's iteration converges slowly

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from typing import Any, NamedTuple
 
+from ertel.results.kinds import KINDS, Errors, Kind
 from ertel.results.variables import VARIABLES, with_prefix
 
 KEY = ("H_c", "H_min", "P_max")
@@ -35,51 +36,33 @@ def key_numbers(summary: Mapping[str, Any]) -> list[Number]:
 
     summary : as `results.summary` and `summary.json` have it.
     """
-    impact = summary["kind"] == "impact"
-    values = summary["max_approach"] if impact else summary
-    if not values or values["H_c"] is None:
+    kind = KINDS[summary["kind"]]
+    values, si, errors = kind.values(summary), kind.values_in_si(summary), kind.errors(summary)
+    if not values:
         return []
-    si = summary.get("si", {})
-    si = (si.get("max_approach") or {}) if impact else si
-    numbers = [_number(name, values[name], si, _error(summary, name), impact) for name in KEY]
+    numbers = [_number(name, values[name], kind, si, errors) for name in KEY]
     if summary.get("restitution") is not None:
         numbers.append(Number("coefficient of restitution", "e", f"{summary['restitution']:.4f}"))
     return numbers
 
 
-def _number(name: str, value: float, si: Mapping[str, float], error: float | None, impact: bool) -> Number:
+def _number(name: str, value: float, kind: Kind, si: Mapping[str, float], errors: Errors) -> Number:
     variable = VARIABLES[name]
-    unit = variable.unit if impact else variable.unit.replace("*", "")  # of rolling no scale is a star's
     in_si = si.get(f"{variable.si_name}_{variable.si_units}")
+    error, _ = errors.get(name, (None, None))
     return Number(
         variable.long_name,
         name,
-        f"{value:.4g} {unit}",
+        f"{value:.4g} {kind.unit(variable.unit)}",
         "" if in_si is None else with_prefix(in_si, variable.si_units),
         f"{error / abs(value):.1%}" if error is not None and value else "",
     )
 
 
-def _error(summary: Mapping[str, Any], name: str) -> float | None:
-    """The estimated discretisation error of a film thickness, dimensionless, where there is an estimate."""
-    estimate = (summary.get("error_estimate") or {}).get(name, {})
-    error: float | None = estimate.get("error", summary.get(f"{name}_error"))
-    return error
-
-
-def moment(summary: Mapping[str, Any]) -> str:
-    """The time or the grid to which the key numbers belong."""
-    if summary["kind"] == "impact":
-        return "at maximum approach" if summary["max_approach"] else "maximum approach was not reached"
-    if summary["H_c"] is None:
-        return "no step was taken"
-    return f"at T = {summary['T']:.4g}" if "T" in summary else f"on {summary['nodes']} x {summary['nodes']} nodes"
-
-
 def lines(summary: Mapping[str, Any]) -> Iterator[str]:
     """A summary in a few lines of text, indented."""
     yield f"  {summary['kind']} ({summary['method']}), M = {summary['M']:.4g}, L = {summary['L']:.4g}"
-    yield f"  {moment(summary)}"
+    yield f"  {KINDS[summary['kind']].moment(summary)}"
     numbers = key_numbers(summary)
     wide = max((len(number.label) + len(number.symbol) for number in numbers), default=0)
     for n in numbers:
@@ -95,7 +78,8 @@ def html_table(summary: Mapping[str, Any], heading: str = "") -> str:
     numbers = key_numbers(summary)
     used = [column for column, texts in enumerate(zip(*numbers, strict=True)) if any(texts)]
     conditions = f"{summary['kind']} ({summary['method']}), M = {summary['M']:.4g}, L = {summary['L']:.4g}"
-    parts = [f"{heading}{escape(conditions)}: {escape(summary['status'])}; {escape(moment(summary))}"]
+    moment = KINDS[summary["kind"]].moment(summary)
+    parts = [f"{heading}{escape(conditions)}: {escape(summary['status'])}; {escape(moment)}"]
     if numbers:
         rows = [_html_row("td", [number[column] for column in used]) for number in numbers]
         parts.append(f"<table>{_html_row('th', [HEAD[column] for column in used])}{''.join(rows)}</table>")

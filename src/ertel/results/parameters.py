@@ -5,8 +5,8 @@ This module imports neither JAX nor xarray, so that `ertel params` is fast.
 
 from typing import TYPE_CHECKING, Any
 
-from ertel.physics import hertz
 from ertel.physics.scales import HamrockDowson, hamrock_dowson
+from ertel.results.kinds import KINDS
 
 if TYPE_CHECKING:  # the case brings JAX with it
     from ertel.model.case import Case
@@ -25,18 +25,11 @@ def parameter_summary(case: "Case") -> dict[str, Any]:
     holds the scales, named with their units.  For an impact also stokes, St = m v0/(6 pi eta0 R^2); trapped_film, the
     scale of the film in a*^2/R; and in `si` contact_time_s, the contact time of the dry impact.
     """
-    p, s = case.parameters, case.scales
-    impact = case.kind == "impact"
-    content: dict[str, Any] = {**parameters_of(case)}
-    if impact:
-        content |= {"stokes": p.stokes, "trapped_film": p.trapped_film}
+    p, s, kind = case.parameters, case.scales, KINDS[case.kind]
+    content: dict[str, Any] = {**parameters_of(case), **kind.parameters(p)}
     if s is None:
         return content
-    more = {}
-    if impact:
-        more = {"contact_time_s": hertz.CONTACT_TIME * s.t0, "mass_kg": s.ball_mass}
-        more["trapped_film_m"] = p.trapped_film * s.film
-    return {**content, **ugw_of(case)._asdict(), "si": {**scales_of(case), **more}}
+    return {**content, **ugw_of(case)._asdict(), "si": {**scales_of(case), **kind.si(p, s)}}
 
 
 def ugw_of(case: "Case") -> HamrockDowson:
@@ -54,5 +47,4 @@ def scales_of(case: "Case") -> dict[str, float]:
     if s is None:
         return {}
     named = {"R_m": s.R, "E_prime_Pa": s.E_prime, "a_m": s.a, "p_h_Pa": s.p_h, "delta_m": s.film}
-    speed = {"v0_m_per_s": s.speed} if case.kind == "impact" else {"u_m_m_per_s": s.front_speed}
-    return named | {"F_N": s.load, "t0_s": s.t0} | speed
+    return named | {"F_N": s.load, "t0_s": s.t0} | KINDS[case.kind].speed(s)

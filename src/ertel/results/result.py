@@ -13,6 +13,7 @@ import xarray as xr
 from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.results.key_numbers import Summary, html_table, lines
+from ertel.results.kinds import is_steady
 from ertel.results.variables import to_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
@@ -72,7 +73,7 @@ class Plot:
         return figure
 
     def _names(self) -> tuple[str, ...]:
-        return STEADY if "grid" in self.dataset.dims else IN_TIME
+        return STEADY if is_steady(self.dataset) else IN_TIME
 
     def __dir__(self) -> Iterable[str]:
         return [*self._names(), "dataset"]

@@ -181,10 +181,10 @@ def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]
     Returns
     -------
     list of Film
-        Empty without load or without speed, where the formulas have no meaning.
+        Empty for an impact, and without load or without speed, where the formulas have no meaning.
     """
     speed = abs(entrainment)
-    if load <= 0 or speed == 0:
+    if case.starts_apart or load <= 0 or speed == 0:
         return []
     p = case.parameters
     at = Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25)

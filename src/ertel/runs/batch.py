@@ -27,15 +27,15 @@ from ertel.model.case import Case
 from ertel.model.pytrees import traceable
 from ertel.model.status import Status
 from ertel.results.result import Result
-from ertel.runs.courses import course_of
+from ertel.runs.courses import METHODS, course_of
 from ertel.runs.drive import Gathering
 from ertel.runs.stepping import Step
 from ertel.runs.sweep import Failure
-from ertel.solvers.transient import StepProblem, StepSolution, solve_step
+from ertel.solvers.transient import StepProblem, StepSolution, Transient2D, solve_step
 
 Run = Generator[Any, Any, Any]  # yields problems, is sent their solutions, returns its outcome
 SolveTogether = Callable[[Sequence[Any], int], Sequence[Any]]  # from problems and the number of lanes to solutions
-METHODS = ("2d", "transient")
+ON_THE_PLANE = tuple(name for name, method in METHODS.items() if method is Transient2D)  # one compiled step for all
 SHRINKAGE = 4  # a batch becomes smaller, which costs a compilation, when this factor fewer cases still run
 
 
@@ -110,8 +110,8 @@ def check_alike(cases: Sequence[Case]) -> None:
     if not cases:
         raise ValueError("cases = []: must be one or more")
     for case in cases:
-        if case.solver.method not in METHODS:
-            raise ValueError(f'solver.method = "{case.solver.method}": must be one of {METHODS} in a batch')
+        if case.solver.method not in ON_THE_PLANE:
+            raise ValueError(f'solver.method = "{case.solver.method}": must be one of {ON_THE_PLANE} in a batch')
     first, *others = (_shape(case) for case in cases)
     for number, other in enumerate(others, start=1):
         for name, value in other.items():

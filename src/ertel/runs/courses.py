@@ -4,7 +4,7 @@
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -106,9 +106,12 @@ def course_of(case: Case) -> Course:
     return (ImpactCourse if case.starts_apart else RollingCourse)(case, method_of(case))
 
 
+METHODS: Mapping[str, Callable[[Case], Method]] = {"2d": Transient2D, "transient": Transient2D, "radial": RadialImpact}
+
+
 def method_of(case: Case) -> Method:
     """The time stepping method of a case."""
-    return RadialImpact(case) if case.solver.method == "radial" else Transient2D(case)
+    return METHODS[case.solver.method](case)
 
 
 # -- in time ----------------------------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.physics import surfaces
 from ertel.physics.surfaces import Feature
-from ertel.runs.courses import ImpactCourse
+from ertel.runs.courses import METHODS, ImpactCourse
 from ertel.runs.drive import Gathering, Observer, drive
 from ertel.runs.stepping import Frame, Step, turning_time
 from ertel.solvers import tangent
@@ -129,7 +129,7 @@ def respond_linearly(
 
 def _smooth(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> Case:
     """The smooth impact up to maximum approach, on a part of the plane that all responses share."""
-    if case.solver.method != "2d":
+    if not case.starts_apart or METHODS[case.solver.method] is not Transient2D:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "2d" for a response to roughness')
     fold = case.solver.fold and all(surfaces.even(features) == (True, True) for features in roughnesses)
     solver, time = replace(case.solver, fold=fold), replace(case.time or Time(), until="max-approach")

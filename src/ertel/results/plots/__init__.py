@@ -13,6 +13,7 @@ moment that the run has not.
 import xarray as xr
 from matplotlib.figure import Figure
 
+from ertel.results.kinds import is_steady
 from ertel.results.plots import steady, transient
 from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, At, Figures
 
@@ -36,18 +37,14 @@ __all__ = [
 
 def figures_of(dataset: xr.Dataset) -> Figures:
     """The figures that show all of a run, by name: functions of the Dataset and of `at`."""
-    return steady.STEADY_FIGURES if _is_steady(dataset) else transient.FIGURES
-
-
-def _is_steady(dataset: xr.Dataset) -> bool:
-    return "grid" in dataset.dims
+    return steady.STEADY_FIGURES if is_steady(dataset) else transient.FIGURES
 
 
 def _draw(name: str, dataset: xr.Dataset, at: At) -> Figure:
-    more = steady.MORE_STEADY_FIGURES if _is_steady(dataset) else transient.MORE_FIGURES
+    more = steady.MORE_STEADY_FIGURES if is_steady(dataset) else transient.MORE_FIGURES
     known = {**figures_of(dataset), **more}
     if name not in known:
-        run = "a steady contact" if _is_steady(dataset) else "a run in time"
+        run = "a steady contact" if is_steady(dataset) else "a run in time"
         raise ValueError(f"{name}: {run} has no such figure; it has {', '.join(known)}")
     return known[name](dataset, at)
 

@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from ertel.results.kinds import KINDS
 from ertel.results.plots import stored
 from ertel.results.variables import PREFIXES, exponent, with_prefix
 
@@ -30,7 +31,10 @@ At = float | str | None  # a time in t0, an event, or None: maximum approach, or
 BLUE, ORANGE, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC2F8E", "#777777"
 FILM_COLOURS, PRESSURE_COLOURS = "YlGnBu_r", "YlOrRd"
 ORDERED_COLOURS = LinearSegmentedColormap.from_list("ordered", colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
-UNITS = {"a*": "$a^*$", "a*^2/R": "$a^{*2}/R$", "p_h*": "$p_h^*$", "t0": "$t_0$", "F*": "$F^*$", "a*/t0": "$a^*/t_0$"}
+UNITS = {
+    "a*": "$a^*$", "a*^2/R": "$a^{*2}/R$", "p_h*": "$p_h^*$", "F*": "$F^*$", "a*/t0": "$a^*/t_0$", "t0": "$t_0$",
+    "a": "$a$", "a^2/R": "$a^2/R$", "p_h": "$p_h$", "F": "$F$", "u_m": "$u_m$",
+}  # fmt: skip
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so far from its centre
 LOADED = 0.02  # of the maximum pressure: where there is less, the film carries nothing to speak of
 
@@ -66,11 +70,8 @@ def scale(dataset: xr.Dataset, name: str, maximum: float) -> Scale:
     """The scale of a variable: SI with the prefix that fits `maximum` (dimensionless), or the dimensionless units."""
     attributes = dataset[name].attrs
     if "si_factor" not in attributes:
-        unit = attributes.get("in_units_of", "")
-        unit = UNITS.get(unit, unit)
-        if dataset.attrs["kind"] == "rolling":
-            unit = unit.replace("^*", "").replace("^{*2}", "^2")
-        return Scale(1.0, _mathtext(attributes["symbol"]), unit, attributes["long_name"])
+        unit = KINDS[dataset.attrs["kind"]].unit(attributes.get("in_units_of", ""))
+        return Scale(1.0, _mathtext(attributes["symbol"]), UNITS.get(unit, unit), attributes["long_name"])
     power = exponent(abs(maximum) * attributes["si_factor"])
     unit = PREFIXES[power] + attributes["si_units"]
     factor = attributes["si_factor"] / 10**power
@@ -106,18 +107,14 @@ def axis_label(dataset: xr.Dataset, axis: str) -> str:
 
 def title(dataset: xr.Dataset) -> list[str]:
     """The name of a run, then its conditions."""
-    a = dataset.attrs
+    a, kind = dataset.attrs, KINDS[dataset.attrs["kind"]]
     name = str(a["title"]).partition(", M = ")[0].replace("_", " ")  # the conditions say M and L of a case without name
     conditions = [f"{name[:1].upper()}{name[1:]}", f"$M$ = {a['M']:.4g}", f"$L$ = {a['L']:.3g}"]
-    if a["kind"] == "rolling" and (sliding := stored.slide_to_roll(dataset)):
+    if kind.names_sliding and (sliding := stored.slide_to_roll(dataset)):
         conditions.append(f"slide-to-roll {sliding:.3g}")
     if not is_physical(dataset):
         return conditions
-    if a["kind"] == "rolling":
-        speed, load = with_prefix(a["u_m_m_per_s"], "m/s"), with_prefix(a["F_N"], "N")
-        driven = [f"$u_m$ = {speed}", f"$F$ = {load}", f"$p_h$ = {with_prefix(a['p_h_Pa'], 'Pa')}"]
-    else:
-        driven = [f"$v_0$ = {with_prefix(a['v0_m_per_s'], 'm/s')}", f"$p_h^*$ = {with_prefix(a['p_h_Pa'], 'Pa')}"]
+    driven = [f"{symbol} = {with_prefix(a[name], unit)}" for symbol, name, unit in kind.conditions]
     return [conditions[0], f"$R$ = {with_prefix(a['R_m'], 'm')}", *driven, *conditions[1:]]
 
 

@@ -104,5 +104,4 @@ def _shown(dataset: xr.Dataset, name: str, value: float) -> str:
     attributes = dataset[name].attrs
     if "si_factor" in attributes:
         return with_prefix(value * attributes["si_factor"], attributes["si_units"])
-    rolls = name == "U" and dataset.attrs["kind"] == "rolling"
-    return f"{value:.3g} {'$u_m$' if rolls else scale(dataset, name, 1.0).unit}"  # a/t0 of a rolling contact is u_m
+    return f"{value:.3g} {scale(dataset, name, 1.0).unit}"

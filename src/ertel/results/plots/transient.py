@@ -1,5 +1,6 @@
 """Pictures of a run in time, impact or rolling: Dataset to matplotlib Figure."""
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Protocol
 
@@ -10,6 +11,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from ertel.results.kinds import IMPACT, KINDS, ROLLING, Kind
 from ertel.results.plots.drawing import (
     GREY,
     LOADED,
@@ -48,6 +50,9 @@ class MomentPanel(Protocol):
 
     def __call__(self, axes: Axes, dataset: xr.Dataset, p: Profiles) -> None: ...
 
+
+MOTION: Mapping[Kind, MomentPanel] = {IMPACT: draw_motion, ROLLING: draw_drive}
+PLACE: Mapping[Kind, MomentPanel] = {IMPACT: draw_front, ROLLING: draw_minimum_film}
 
 # -- panels -----------------------------------------------------------------------------------------------------------
 
@@ -133,14 +138,13 @@ def profiles(dataset: xr.Dataset, at: At = None) -> Figure:
 
 def history(dataset: xr.Dataset, at: At = None) -> Figure:
     """Motion of the bodies, film thickness, pressure and the place of the minimum film thickness through time."""
-    rolling = dataset.attrs["kind"] == "rolling"
-    motion, place = (draw_drive, draw_minimum_film) if rolling else (draw_motion, draw_front)
-    return _of_run(dataset, [[motion, draw_film_history], [place, draw_pressure_history]], at)
+    kind = KINDS[dataset.attrs["kind"]]
+    return _of_run(dataset, [[MOTION[kind], draw_film_history], [PLACE[kind], draw_pressure_history]], at)
 
 
 def overview(dataset: xr.Dataset, at: At = None) -> Figure:
     """The run on one page: maps, profiles and histories."""
-    motion = draw_drive if dataset.attrs["kind"] == "rolling" else draw_motion
+    motion = MOTION[KINDS[dataset.attrs["kind"]]]
     above: list[MomentPanel] = [draw_film_map, draw_film_profiles, draw_film_history]
     return _of_run(dataset, [above, [draw_pressure_map, draw_pressure_profiles, motion]], at)
 
