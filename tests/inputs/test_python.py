@@ -144,7 +144,7 @@ def test_quantities_for_records():
         (ertel.rolling, {"M": 200, "L": 10, "motion": {"lod": 1}}, "motion.lod = 1: unknown key; did you mean load?"),
         (ertel.rolling, {**ROLLING, "slide_to_roll": float("nan"), "oil": OIL}, "contact.slide_to_roll = NaN"),
     ],
-    ids=str,
+    ids=lambda value: getattr(value, "__name__", str(value)),
 )
 def test_refused(function, given, said):
     with pytest.raises(ConfigError) as caught:
