@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import ertel
 
 
-@ertel.viscosity_laws.register("power")
+@ertel.viscosity_laws.register("power-law")
 @dataclass(frozen=True)
 class Power:
     """eta/eta0 = (1 + p/p1)^n: a law that grows more slowly than Barus'; p1 in Pa."""

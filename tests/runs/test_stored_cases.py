@@ -23,7 +23,7 @@ SHORT = {"solver": {"nodes": 33}, "time": {"tolerance": 0.01, "until": 0.4}}
 CASE = {"contact": {"M": 200, "L": 10}, **SHORT}
 
 
-@ertel.viscosity_laws.register("test-power")
+@ertel.viscosity_laws.register("stored-power")
 @dataclass(frozen=True)
 class Power:
     """eta/eta0 = (1 + p/p1)^n."""
@@ -36,7 +36,7 @@ class Power:
         return (1.0 + p / self.p1) ** self.n
 
 
-@ertel.shapes.register("test-step")
+@ertel.shapes.register("stored-step")
 @dataclass(frozen=True)
 class Step:
     """A step of a height at X = 0, smoothed over a width."""
@@ -196,9 +196,9 @@ OWN = """
 M = 200
 L = 10
 [lubricant]
-viscosity = { law = "test-power", p1 = "0.5 GPa", n = 11 }
+viscosity = { law = "stored-power", p1 = "0.5 GPa", n = 11 }
 [[roughness]]
-shape = "test-step"
+shape = "stored-step"
 height = 0.01
 [solver]
 nodes = 17
@@ -220,19 +220,25 @@ def test_a_users_law_and_shape_are_those_of_case_files(tmp_path):
     xr.testing.assert_identical(physics(again.dataset), physics(simulate(case).dataset))
     assert again.case == case
     written = json.loads(again.dataset.attrs["case"])
-    assert written["lubricant"]["viscosity"] == {"law": "test-power", "p1": "500000000.0 Pa", "n": 11.0}
-    assert written["roughness"] == [{"shape": "test-step", "height": 0.01, "width": 0.5, "surface": 1}]
+    assert written["lubricant"]["viscosity"] == {"law": "stored-power", "p1": "500000000.0 Pa", "n": 11.0}
+    assert written["roughness"] == [{"shape": "stored-step", "height": 0.01, "width": 0.5, "surface": 1}]
     assert "nobody, unpublished" in again.dataset.attrs["references"]
 
 
 @pytest.mark.parametrize(
     ("lubricant", "said"),
     [
-        ({"viscosity": "test-power"}, r'lubricant\.viscosity = "test-power"'),
-        ({"viscosity": {"law": "test-power", "p1": "1 GPa"}}, r"lubricant\.viscosity\.n: missing"),
-        ({"viscosity": {"law": "test-power", "p1": "1 m", "n": 2}}, r'lubricant\.viscosity\.p1 = "1 m": has the wrong'),
-        ({"viscosity": {"law": "test-power", "p1": "1 GPa", "n": 2, "m": 1}}, r"lubricant\.viscosity\.m = 1: unknown"),
-        ({"viscosity": {"law": "none"}}, r'lubricant\.viscosity\.law = "none"; allowed: .*roelands.*test-power'),
+        ({"viscosity": "stored-power"}, r'lubricant\.viscosity = "stored-power"'),
+        ({"viscosity": {"law": "stored-power", "p1": "1 GPa"}}, r"lubricant\.viscosity\.n: missing"),
+        (
+            {"viscosity": {"law": "stored-power", "p1": "1 m", "n": 2}},
+            r'lubricant\.viscosity\.p1 = "1 m": has the wrong',
+        ),
+        (
+            {"viscosity": {"law": "stored-power", "p1": "1 GPa", "n": 2, "m": 1}},
+            r"lubricant\.viscosity\.m = 1: unknown",
+        ),
+        ({"viscosity": {"law": "none"}}, r'lubricant\.viscosity\.law = "none"; allowed: .*roelands.*stored-power'),
     ],
 )
 def test_a_users_law_is_checked_as_the_others(lubricant, said):

@@ -140,11 +140,11 @@ def _law(laws: Registry) -> Any:
 
 def case_file() -> type[Section]:
     """The layout of a whole case file, with the laws and shapes that are registered now."""
-    return _case_file(*(tuple(registry) for registry in (VISCOSITY_LAWS, DENSITY_LAWS, SHAPES)))
+    return _case_file(*(tuple(registry.items()) for registry in (VISCOSITY_LAWS, DENSITY_LAWS, SHAPES)))
 
 
 @cache
-def _case_file(*registered: tuple[str, ...]) -> type[Section]:
+def _case_file(*registered: tuple[tuple[str, type], ...]) -> type[Section]:
     feature: Any = _union(list(_tables("shape", SHAPES)), _tag_of("shape", SHAPES))
     oil = section_of(Oil, "Lubricant", viscosity=_law(VISCOSITY_LAWS), density=_law(DENSITY_LAWS))
     sections: dict[str, Any] = {

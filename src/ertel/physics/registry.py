@@ -34,7 +34,7 @@ class Registry(Mapping[str, type]):
             if made is None or not made.frozen:
                 raise TypeError(f"{record!r}: a {self.noun} must be a frozen dataclass")
             known = self._records.get(name)
-            if known is not None and known.__qualname__ != record.__qualname__:
+            if known is not None and _home(known) != _home(record):  # a cell of a notebook may run again
                 raise ValueError(f'name = "{name}": is the {self.noun} {known.__qualname__} already; choose another')
             self._records[name] = record
             return record
@@ -66,6 +66,10 @@ class Registry(Mapping[str, type]):
 
     def __len__(self) -> int:
         return len({**self._records, **self._announced})
+
+
+def _home(record: type) -> tuple[str, str]:
+    return record.__module__, record.__qualname__
 
 
 VISCOSITY_LAWS = Registry("viscosity law", "ertel.viscosity_laws")
