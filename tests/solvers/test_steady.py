@@ -58,7 +58,10 @@ CONVERGED = {  # H_c, its uncertainty
     ("roelands", 200, 10): (0.08226, 4e-6),
     ("roelands", 1000, 10): (0.024643, 6e-6),
 }
-every_case = pytest.mark.parametrize("key", GRIDS, ids=str)
+BARUS_CASES = [key for key in GRIDS if key[0] == "barus"]
+# with the second oil on the finest grid there is twice as much to compile: slow, and below on 129 nodes a side
+SHARED = [pytest.param(key, marks=pytest.mark.slow) if key in BARUS_CASES else key for key in GRIDS]
+every_case = pytest.mark.parametrize("key", SHARED, ids=str)
 
 
 def case_of(key: tuple[str, float, float], nodes: int, drive: Drive | None = None, **solver: Any) -> Case:
@@ -86,10 +89,21 @@ def test_the_discrete_solution_is_the_references(key) -> None:
         assert [found[nodes][name] for name in NAMES] == pytest.approx(values, rel=1e-4), nodes
 
 
+@pytest.mark.parametrize("key", BARUS_CASES, ids=str)
+def test_the_discrete_solution_of_a_barus_oil_is_the_references(key) -> None:
+    """To four digits on the grids up to 129 nodes a side, with bounded work."""
+    for s in rolling(key, 129).solutions:
+        assert s.status.ok and s.residual <= 1e-8
+        assert s.newton <= 10 and s.krylov <= 8 * s.newton, s.grid.nodes
+        if s.grid.nodes in GRIDS[key]:
+            found = s.measure()
+            assert [found[name] for name in NAMES] == pytest.approx(GRIDS[key][s.grid.nodes], rel=1e-4)
+
+
 @pytest.mark.xfail(strict=True, reason="H_min is 0.0238028 from any start: 1.02e-4 off; who is right is not settled")
 def test_the_one_grid_that_misses_the_reference() -> None:
     """The reference's row of barus (100, 0) on 65 nodes, at the same four digits."""
-    found = {s.grid.nodes: s.measure() for s in rolling(("barus", 100, 0)).solutions}
+    found = {s.grid.nodes: s.measure() for s in rolling(("barus", 100, 0), 129).solutions}
     values = (0.94484499, 0.0342022, 0.02380523, 0.982435)
     assert [found[65][name] for name in NAMES] == pytest.approx(values, rel=1e-4)
 
@@ -228,7 +242,10 @@ def test_every_load_and_lubricant_converges(fluid: str, M: float) -> None:
             assert all(s.status.ok for s in rolling((fluid, M, L), 65).solutions), (L,)
 
 
-@pytest.mark.parametrize("key", [("roelands", 1000, 10), ("barus", 3000, 20)], ids=str)
+SHARP = [pytest.param(("roelands", 1000, 10), marks=pytest.mark.slow), ("barus", 3000, 20)]
+
+
+@pytest.mark.parametrize("key", SHARP, ids=str)
 def test_the_preconditioner_loses_nothing_in_single_precision(key) -> None:
     """Beside double: the Krylov iterations.  Of the second case the viscosity is far beyond single precision."""
     single = rolling(key, 129)
