@@ -144,7 +144,7 @@ def test_reversing_the_flow_mirrors_the_solution() -> None:
 
 
 def test_symmetry_across_the_flow() -> None:
-    s = rolling(("barus", 200, 10), 65, fold=False).finest
+    s = rolling(("barus", 200, 10), 129, fold=False).finest
     np.testing.assert_allclose(np.asarray(s.P)[::-1], np.asarray(s.P), atol=1e-7)
     np.testing.assert_allclose(np.asarray(s.H)[::-1], np.asarray(s.H), atol=1e-8)
 
@@ -176,8 +176,8 @@ def test_mass_is_conserved_along_the_flow() -> None:
     The wedge is the derivative of the flux 3/2 (rho H)_i - 1/2 (rho H)_{i-1} from cell face to cell face.
     """
     key = ("roelands", 200, 10)
-    s = rolling(key, 65, fold=False).finest
-    c = discretise.contact_of(case_of(key, 65), s.grid)
+    s = rolling(key, 129, fold=False).finest
+    c = discretise.contact_of(case_of(key, 129), s.grid)
     h, P = s.grid.spacing, np.asarray(s.P)
     mass = np.asarray(c.lubricant.density(s.P) * s.H)
     eps = np.asarray(contact.mobility(c, s.P, s.H).x)
