@@ -149,7 +149,7 @@ def test_each_level_solves_reynolds_equation() -> None:
     past = rates[1] * before.H + rates[2] * earlier.H
     H = contact.film_thickness(c, now.P, now.approach)
     assert largest(H, now.H) < 1e-12
-    r = np.asarray(contact.residual(c, now.P, H, Rate(rates[0], past), 1.0)) / rates[0]
+    r = np.asarray(contact.residual(c, now.P, H, Rate(rates[0], past))) / rates[0]
     P = np.asarray(now.P)
     assert np.abs(r[P > 0]).max() < 3 * TIGHT
     assert r.min() > -3 * TIGHT

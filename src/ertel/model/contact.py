@@ -1,26 +1,26 @@
 """The lubricated contact: film thickness and residual of Reynolds' equation, for impact and rolling.
 
-    squeeze + wedge - div(Poiseuille flux) = 0   where P > 0
-                                          >= 0   where P = 0
+    D(rho H)/DT - div(Poiseuille flux) = 0   where P > 0
+                                      >= 0   where P = 0
 
-    d(rho H)/dT + U d(rho H)/dX - d/dX(eps dP/dX) - d/dY(eps dP/dY),    eps = rho H^3 / (eta lambda_bar)
+    D(rho H)/DT - d/dX(eps dP/dX) - d/dY(eps dP/dY),    eps = rho H^3 / (eta lambda_bar)
 
-Impact has U = 0 (eq. 1) and rolling has U = 1.  Otherwise they differ only in the scales and in the equation for Delta.
-X points in the direction of entrainment (U >= 0); `nonlinear.along_the_flow` reverses the fields if U < 0.
+D/DT = d/dT + U d/dX is the rate of change following the mean flow (`flow`): squeeze and wedge are one term.  Impact has
+U = 0 (eq. 1) and rolling has U = 1.  Otherwise they differ only in the scales and in the equation for Delta.
 All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fields have shape (n, n), index [Y, X].
 """
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
+from ertel.model.flow import Rate
 from ertel.model.pytrees import traceable
 from ertel.numerics import halfspace
 from ertel.numerics.grid import WHOLE, Even, Grid
-from ertel.numerics.stencils import Pair, diffusion, inside, upstream_slope
+from ertel.numerics.stencils import Pair, diffusion, inside
 from ertel.numerics.symmetry import total
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import Lubricant
@@ -43,13 +43,6 @@ class Contact:
     lubricant: Lubricant
     even: Even = field(default=WHOLE, metadata={"static": True})
     flow: Rheology = NEWTONIAN
-
-
-class Rate(NamedTuple):
-    """The time derivative of rho H at the new level: `new` * (rho H) + `past`, by backward differences."""
-
-    new: Array | float
-    past: Array | float
 
 
 def smooth_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
@@ -90,23 +83,11 @@ def mobility(contact: Contact, P: Array, H: Array) -> Pair:
     return Pair.of(*contact.flow.mobility(oil.density(P), oil.viscosity(P), H, contact.lambda_bar))
 
 
-def residual(contact: Contact, P: Array, H: Array, rate: Rate, entrainment: Array | float) -> Array:
-    """Reynolds' equation, eq. (1): squeeze + wedge - div(Poiseuille flux), zero on the edge of the grid."""
-    rho_H, eps = mass(contact, P, H), mobility(contact, P, H)
-    return balance(rho_H, eps, P, rate, entrainment, contact.spacing, contact.even)
+def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
+    """Reynolds' equation, eq. (1): rate of change following the flow - div(Poiseuille flux), zero on the edge."""
+    return balance(mass(contact, P, H), mobility(contact, P, H), P, rate, contact.spacing, contact.even)
 
 
-def balance(
-    mass: Array,
-    eps: Pair,
-    P: Array,
-    rate: Rate,
-    entrainment: Array | float,
-    spacing: Array | float,
-    even: Even = WHOLE,
-) -> Array:
+def balance(mass: Array, eps: Pair, P: Array, rate: Rate, spacing: Array | float, even: Even = WHOLE) -> Array:
     """The residual for given mass rho H and mobility eps: the equation without the laws of the oil."""
-    squeeze = rate.new * mass + rate.past
-    wedge = 0.0 if even.x else entrainment * upstream_slope(mass, spacing)  # even in X: nothing is carried along X
-    poiseuille = diffusion(eps, P, even) / spacing**2
-    return inside(squeeze + wedge - poiseuille, even)
+    return inside(rate.of(mass, spacing) - diffusion(eps, P, even) / spacing**2, even)

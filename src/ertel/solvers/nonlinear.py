@@ -17,7 +17,8 @@ from jax.tree_util import register_dataclass
 
 from ertel.model import contact
 from ertel.model.approach import ClosureLine
-from ertel.model.contact import Contact, Rate
+from ertel.model.contact import Contact
+from ertel.model.flow import Rate
 from ertel.numerics import multigrid, newton
 from ertel.numerics.grid import Grid
 from ertel.numerics.multigrid import Elasticity
@@ -31,7 +32,7 @@ LOAD_WEIGHT = 200.0  # weight of the load misfit relative to the residual: every
 class Problem:
     """The equations at the new level, their tolerances, and the algorithms that solve them.
 
-    contact, rate, entrainment, line: the surfaces, the squeeze rate, the entrainment U, the closure's line.
+    contact, rate, line: the surfaces, the rate of change following the flow, the closure's line.
     tolerance: of Reynolds' equation at each node, (n, n) or a number.  load_tolerance: of a line with Delta unknown.
     elastic: the deformation operators of the preconditioner's grids.  close, preconditioner, options: the algorithms.
     """
@@ -39,7 +40,6 @@ class Problem:
     contact: Contact
     elastic: tuple[Elasticity, ...]
     rate: Rate
-    entrainment: Number
     line: ClosureLine
     tolerance: Number
     load_tolerance: Number
@@ -67,12 +67,12 @@ class Closed(NamedTuple):
 @jax.jit
 def solve(problem: Problem, P: Array, approach: Number) -> tuple[newton.Solution, Array]:
     """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P)."""
-    turned = partial(along_the_flow, problem.entrainment)
+    turned = partial(along_the_flow, problem.rate)
     problem, P = _along_its_flow(problem), turned(P)
     closed = problem.close(problem, P, approach)
 
     def residual(P: Array, H: Array) -> Array:
-        return contact.residual(problem.contact, P, H, problem.rate, problem.entrainment)
+        return contact.residual(problem.contact, P, H, problem.rate)
 
     inverse = partial(problem.preconditioner, problem)
     solution = newton.solve(
@@ -82,20 +82,23 @@ def solve(problem: Problem, P: Array, approach: Number) -> tuple[newton.Solution
 
 
 def _along_its_flow(problem: Problem) -> Problem:
-    """The problem with X in the direction of entrainment."""
-    turned = partial(along_the_flow, problem.entrainment)
+    """The problem with X in the direction of entrainment, where the rate has one."""
+    if problem.rate.wedge is None:
+        return problem
+    turned = partial(along_the_flow, problem.rate)
     return replace(
         problem,
         contact=replace(problem.contact, gap=turned(problem.contact.gap)),
-        rate=Rate(*map(turned, problem.rate)),
+        rate=problem.rate._replace(past=turned(problem.rate.past), wedge=jnp.abs(problem.rate.wedge)),
         tolerance=turned(problem.tolerance),
-        entrainment=jnp.abs(problem.entrainment),
     )
 
 
-def along_the_flow(entrainment: Number, field: Any) -> Any:
+def along_the_flow(rate: Rate, field: Any) -> Any:
     """A field with X in the direction of entrainment; the same reversal undoes it.  A number is not changed."""
-    return jnp.where(entrainment >= 0, field, field[..., ::-1]) if jnp.ndim(field) > 1 else field
+    if rate.wedge is None or jnp.ndim(field) < 2:
+        return field
+    return jnp.where(rate.wedge >= 0, field, field[..., ::-1])
 
 
 def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int) -> float:

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jax import Array, tree
 
 from ertel.model import contact
-from ertel.model.contact import Rate
+from ertel.model.flow import Rate
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.line_smoother import line_smoother
 from ertel.numerics.multigrid import Elasticity
@@ -24,9 +24,13 @@ def point_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> n
 
 
 def line_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
-    """V-cycle with the line smoother along the direction of entrainment, for any U >= 0."""
-    smoother = partial(line_smoother, rate=problem.rate.new, drift=problem.entrainment)
+    """V-cycle with the line smoother along the direction of entrainment, for a film with a wedge."""
+    smoother = partial(line_smoother, rate=problem.rate.new, drift=_drift(problem))
     return partial(multigrid.precondition, levels(problem, P, H, free, 1.0, smoother))
+
+
+def _drift(problem: Problem) -> Array | float:
+    return 0.0 if problem.rate.wedge is None else problem.rate.wedge
 
 
 def levels(
@@ -52,7 +56,7 @@ def levels(
     _, by_H = jax.jvp(laws, (P, H), (zero, one))
 
     def balance(mass: Array, eps: Pair, P: Array) -> Array:
-        return contact.balance(mass, eps, P, Rate(new, 0.0), U, spacing, c.even)
+        return contact.balance(mass, eps, P, Rate(new, 0.0, wedge), spacing, c.even)
 
     def jacobian(e: Array, Ke: Array) -> Array:
         dmass, deps = tree.map(lambda p, h: p * e + h * Ke, by_P, by_H)
@@ -60,7 +64,7 @@ def levels(
 
     single = partial(jnp.asarray, dtype=elastic[0].spectrum.dtype)
     mass, eps, by_P, by_H, P, free = tree.map(single, (mass, eps, by_P, by_H, P, stencils.inside(free, c.even)))
-    rate, new, U, spacing = map(single, (rate, problem.rate.new, problem.entrainment, c.spacing))
+    rate, new, wedge, spacing = tree.map(single, (rate, problem.rate.new, problem.rate.wedge, c.spacing))
     _, change = jax.linearize(balance, mass, eps, P)
     finest = multigrid.Coefficients(eps, rate * by_H[0], rate * by_P[0], free)
     return multigrid.hierarchy(elastic, finest, smoother, jacobian)

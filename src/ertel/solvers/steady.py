@@ -1,4 +1,4 @@
-"""Steady rolling on the 2-D grid: `contact`'s residual without squeeze, with a given load, coarse grid first.
+"""Steady rolling on the 2-D grid: `contact`'s residual where the past is the film upstream, a given load, coarse grid first.
 
 The unknowns are P and the approach Delta; Newton's iteration solves for both.  A solution on a coarse grid is the first
 guess on the next finer grid (nested iteration), and gives an error estimate of the film thickness at no extra cost.
@@ -13,7 +13,8 @@ from jax import Array
 from ertel.model import discretise
 from ertel.model.approach import balanced
 from ertel.model.case import Case
-from ertel.model.contact import Contact, Rate
+from ertel.model.contact import Contact
+from ertel.model.flow import steady_rate
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics import multigrid, newton, richardson, stencils
@@ -30,7 +31,6 @@ AS_EXACT_AS_THE_GRID = 0.1  # the tolerance that leaves about a tenth of the dis
 # least: where the tolerance is so loose that the first guess may meet it, one iteration leaves too much
 # Krylov: 3 to 6 are needed, a sharp spike on a fine grid wants all; each keeps its two fields; Newton: likewise, 5 to 7
 OPTIONS = newton.Options(newton_limit=100, newton_least=2, krylov_limit=18, first_reduction=0.1)
-STEADY = Rate(0.0, 0.0)
 
 
 def steady(case: Case, precision: str = preconditioner.PRECISION) -> Rolling:
@@ -103,8 +103,7 @@ def solve(
     problem = Problem(
         c,
         multigrid.elasticities(grid, geometry.compliance, precision),
-        STEADY,
-        case.motion.entrainment(0.0),
+        steady_rate(case.motion.entrainment(0.0)),
         balanced(case.motion.load(0.0)),
         tolerance,
         tolerance / geometry.hertz_load,

@@ -10,12 +10,13 @@ from functools import partial
 
 import jax
 import jax.numpy as jnp
-from jax import Array, tree
+from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.model import contact
 from ertel.model.approach import ClosureLine, NewtonsLaw
-from ertel.model.contact import Contact, Rate
+from ertel.model.contact import Contact
+from ertel.model.flow import Flow, Rate, rate_in_time
 from ertel.model.state import State, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf, krylov
@@ -35,7 +36,7 @@ class TangentProblem:
     """The linear system of one step.
 
     fields: of the solved step.  past, change: fields of the levels before, newest first, and their changes, each of
-    shape (1 or 2, n, n).  rates: weights of the time derivative.  shape: as in `advance`.
+    shape (1 or 2, n, n).  rates: weights of the time derivative.  flow: as in `StepProblem`.  shape: as in `advance`.
     """
 
     contact: Contact
@@ -45,7 +46,7 @@ class TangentProblem:
     change: Mapping[str, Array]
     rates: Weights
     line: ClosureLine
-    entrainment: float
+    flow: Flow | None
     shape: Array
     preconditioner: Preconditioner = field(metadata={"static": True})
 
@@ -79,7 +80,7 @@ def advance(method: Transient2D, smooth: Sequence[State], changes: Sequence[Stat
         stacked(changes[:before]),
         rates,
         line,
-        motion.entrainment(new.T),
+        method.flow(new.T, times[1:]),
         shape,
         method.preconditioner,
     )
@@ -92,24 +93,22 @@ def advance(method: Transient2D, smooth: Sequence[State], changes: Sequence[Stat
 @jax.jit
 def solve(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
     """The changes of the fields and of the approach, and the number of Krylov iterations."""
-    turned = partial(nonlinear.along_the_flow, p.entrainment)
-    c, line, rates, U = p.contact, p.line, p.rates, jnp.abs(p.entrainment)
-    fields, old, change, shape = tree.map(turned, (p.fields, p.past, p.change, p.shape))
-    P, H = fields["P"], fields["H"]
+    c, line, old, change = p.contact, p.line, p.past, p.change
+    P, H = p.fields["P"], p.fields["H"]
     free = jnp.where(P > 0.0, 1.0, 0.0)
     _, mass_change = jax.jvp(partial(contact.mass, c), (old["P"], old["H"]), (change["P"], change["H"]))
-    past = jnp.tensordot(rates[1:], mass_change, axes=1)
+    # the mass of the start does not change with the roughness
+    flow = p.flow and p.flow._replace(start=jnp.zeros_like(P))
+    new, past, _ = rate_in_time(p.rates, mass_change, flow, c.spacing)
 
     def residual(P: Array, H: Array, past: Array) -> Array:
-        return contact.residual(c, P, H, Rate(rates[0], past), U)
+        return contact.residual(c, P, H, Rate(new, past))
 
     _, change_of_r = jax.linearize(residual, P, H, jnp.zeros_like(P))
-    problem = Problem(
-        c, p.elastic, Rate(rates[0], 0.0), U, line, 1.0, 1.0, nonlinear.eliminated, p.preconditioner, OPTIONS
-    )
+    problem = Problem(c, p.elastic, Rate(new, past), line, 1.0, 1.0, nonlinear.eliminated, p.preconditioner, OPTIONS)
     closed = nonlinear.eliminated(problem, P, 0.0)
     inverse = p.preconditioner(problem, P, H, free)
-    known = -line.value / line.approach_weight - shape  # the part of dH that no pressure makes
+    known = -line.value / line.approach_weight - p.shape  # the part of dH that no pressure makes
     dP, iterations = krylov.gcr(
         lambda d: free * change_of_r(d, closed.film_change(d), jnp.zeros_like(d)),
         lambda k, r: inverse(r),
@@ -118,4 +117,4 @@ def solve(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
         LIMIT,
     )
     approach = (line.value - line.load_weight * contact.load(c, dP)) / line.approach_weight
-    return {"P": turned(dP), "H": turned(closed.film_change(dP) + known)}, approach, iterations
+    return {"P": dP, "H": closed.film_change(dP) + known}, approach, iterations

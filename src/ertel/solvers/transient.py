@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
+from itertools import pairwise
 from typing import NamedTuple
 
 import jax
@@ -14,7 +15,8 @@ from jax.tree_util import register_dataclass
 from ertel.model import contact, discretise
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.model.case import Case
-from ertel.model.contact import Contact, Rate
+from ertel.model.contact import Contact
+from ertel.model.flow import Flow, rate_in_time
 from ertel.model.measure import measure
 from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
@@ -40,8 +42,9 @@ class StepProblem:
     """One BDF step, ready to be solved.
 
     past: fields of the last three levels, newest first, each of shape (3, n, n).  predict, rates: weights of the
-    prediction and of the time derivative (for the new level, and the last two), both of shape (3,).  approach: the
-    predicted Delta.  elastic: the deformation operators of the preconditioner's grids.
+    prediction and of the time derivative (for the new level, and the last two), both of shape (3,).  flow: how the oil
+    moves, None where it stays.  approach: the predicted Delta.  elastic: the deformation operators of the
+    preconditioner's grids.
     """
 
     contact: Contact
@@ -51,7 +54,7 @@ class StepProblem:
     predict: Weights
     rates: Weights
     line: ClosureLine
-    entrainment: float
+    flow: Flow | None
     tolerance: float
     film_scale: float
     close: Close = field(metadata={"static": True})
@@ -96,6 +99,10 @@ class Transient2D(Method):
 
     def start(self) -> State:
         """The separated bodies approaching with unit speed, without pressure; or the steady film at T = 0."""
+        return self._first
+
+    @cached_property
+    def _first(self) -> State:
         if not self.case.starts_apart:
             rolling = steady.steady(self.case)
             s = rolling.finest
@@ -108,6 +115,21 @@ class Transient2D(Method):
     def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
         return discretise.moved(self.contact, self.case, self.grid, T)
+
+    def flow(self, T: float, times: Sequence[float]) -> Flow | None:
+        """How the oil moves up to a new time T from earlier times, newest first; None where it stays."""
+        if not self.case.motion.flows:
+            return None
+        distance = self.case.motion.entrainment.integral
+        ways = [(distance(late) - distance(early)) / self.grid.spacing for late, early in pairwise([T, *times])]
+        return Flow(self.case.motion.entrainment(T), tuple(ways), self.start_mass)
+
+    @cached_property
+    def start_mass(self) -> Array:
+        """The mass of the film from which the run starts: the steady film of rolling, the smooth gap of an impact."""
+        if self.case.starts_apart:
+            return self.contact.gap
+        return contact.mass(self.contact, self._first.P, self._first.H)
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         """One BDF step (BDF1 from one level, BDF2 from more): yields one `StepProblem`."""
@@ -126,7 +148,7 @@ class Transient2D(Method):
             _pad(predict),
             _pad(rates),
             line,
-            self.case.motion.entrainment(T),
+            self.flow(T, [*times, times[-1]][:2]),
             self.case.solver.tolerance,
             self.case.film_scale,
             nonlinear.eliminated if line.approach_weight else nonlinear.bordered,
@@ -178,8 +200,7 @@ def _film_error(H: Array, H_predicted: Array, P: Array, thin: float, even: Even)
 def solve_step(p: StepProblem) -> StepSolution:
     """The fields and Delta after one step."""
     P_old, H_old = p.past["P"], p.past["H"]
-    mass = contact.mass(p.contact, P_old[:2], H_old[:2])
-    rate = Rate(p.rates[0], jnp.tensordot(p.rates[1:], mass, axes=1))
+    rate = rate_in_time(p.rates, contact.mass(p.contact, P_old[:2], H_old[:2]), p.flow, p.contact.spacing)
     P = jnp.tensordot(p.predict, P_old, axes=1)
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # A free boundary retreats in one iteration but advances one node per iteration.  So the prediction limits the fall.
@@ -190,7 +211,6 @@ def solve_step(p: StepProblem) -> StepSolution:
         p.contact,
         p.elastic,
         rate,
-        p.entrainment,
         p.line,
         allowed,
         LOAD_SHARE * p.tolerance,
