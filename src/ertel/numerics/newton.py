@@ -58,8 +58,8 @@ NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
 class Solution(NamedTuple):
     """P and H, both (n, n); the maximum residual in units of the tolerance; whether it converged; the work.
 
-    left: the residual that is left over, zero where P is held at zero, shape (n, n).  history: the maximum residual before the first and after each Newton iteration, shape (newton_limit + 1,), padded
-    with NaN.
+    left: the residual that is left over, zero where P is held at zero, shape (n, n).  history: the maximum
+    residual before the first and after each Newton iteration, shape (newton_limit + 1,), padded with NaN.
     """
 
     P: Array
