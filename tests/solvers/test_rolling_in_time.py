@@ -1,5 +1,6 @@
 """Rolling in time: limits that tie it to the steady film and to the impact, conservation, order, work."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -146,7 +147,10 @@ def test_each_level_solves_reynolds_equation() -> None:
     now, before, earlier, *_ = march(case, step, 6)
     H = contact.film_thickness(method.contact_at(now.T), now.P, now.approach)
     assert largest(H, now.H) < 1e-12
-    mass, old, older = (np.asarray(contact.mass(method.contact, level.P, level.H)) for level in (now, before, earlier))
+    mass, (old, older) = (
+        np.asarray(contact.mass(method.contact, now.P, H)),
+        (o.fields["mass"] for o in (before, earlier)),
+    )
     following = np.zeros_like(mass)
     following[:, 2:] = (1.5 * mass[:, 2:] - 2.0 * old[:, 1:-1] + 0.5 * older[:, :-2]) / step
     squeeze_and_wedge = contact.residual(method.contact, now.P, H, Rate(0.0, jnp.asarray(following)))
@@ -177,6 +181,37 @@ def test_second_order_in_time() -> None:
     errors = [np.abs(late - early).max() for early, late in pairwise(films)]
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert (orders > 1.7).all(), orders
+
+
+def shaken(halvings: int) -> dict[str, float]:
+    """The end of a run under a load that oscillates quickly, with both tolerances halved so many times."""
+    share = 0.5**halvings
+    time = Time(until=0.2, tolerance=share * Time().tolerance)
+    case = rolling(Drive(load=Oscillation(1.0, 0.3, 0.1)), time=time, tolerance=share * SOLVERS["transient"].tolerance)
+    steps = steps_of(case, Transient2D(case))
+    assert steps[-1].status.ok
+    return {**steps[-1].record, "steps": len(steps)}
+
+
+def check_refining(halvings: Sequence[int]) -> None:
+    """The error of a run falls with the power 2/3 of the tolerances: what the steps leave over does not add up."""
+    *runs, finest = (shaken(each) for each in halvings)
+    for each, run in zip(halvings, runs, strict=False):
+        bound = 0.5 ** (2 / 3 * each)
+        assert abs(run["H_c"] / finest["H_c"] - 1) < 5e-4 * bound
+        assert abs(run["H_min"] / finest["H_min"] - 1) < 1e-3 * bound
+        assert abs(run["Delta"] - finest["Delta"]) < 5e-4 * bound
+    growth = finest["steps"] / runs[0]["steps"]
+    assert growth < 1.5 * 2 ** ((halvings[-1] - halvings[0]) / 3)
+
+
+def test_refining_in_time_does_not_drift() -> None:
+    check_refining((0, 2, 4))
+
+
+@pytest.mark.slow
+def test_halving_the_tolerances_ten_times_converges() -> None:
+    check_refining(range(11))
 
 
 # -- the run ----------------------------------------------------------------------------------------------------------

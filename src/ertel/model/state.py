@@ -35,7 +35,8 @@ NO_WORK = Work()
 class State:
     """The contact at one time: T in t0, approach in delta*, velocity dDelta/dT, fields of shape (n, n) or (n,) by name.
 
-    status, work: outcome and work of the solve for this state.
+    The fields are P, H and others that a method needs to go on.  status, work: outcome and work of the solve for this
+    state.
     """
 
     T: float

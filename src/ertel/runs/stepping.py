@@ -15,6 +15,7 @@ from ertel.model.case import Case
 from ertel.model.state import Method, State, Work, combined, interpolated
 from ertel.model.status import Status
 from ertel.numerics import bdf
+from ertel.results.dataset import EVERY_FIELD
 
 UNLOADED = 1e-8  # F below which the ball has left
 
@@ -222,4 +223,4 @@ def _due_frames(case: Case, method: Method, levels: Sequence[State], number: int
 
 
 def _frame(method: Method, level: State, event: str) -> Frame:
-    return Frame(level.T, {name: np.asarray(method.whole(field)) for name, field in level.fields.items()}, event)
+    return Frame(level.T, {name: np.asarray(method.whole(level.fields[name])) for name in EVERY_FIELD}, event)
