@@ -38,7 +38,7 @@ class LikeTheLoad(Method):
         raise AssertionError("there is nothing to solve")
 
     def measure(self, level: State) -> dict[str, float]:
-        names = ("F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min")
+        names = ("F", "P_c", "P_max", "X_P_max", "Y_P_max", "P_fall", "H_c", "H_min", "X_min", "Y_min")
         return dict.fromkeys(names, float(level.H[0, 0]))
 
     def whole(self, field: object) -> object:
