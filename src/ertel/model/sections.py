@@ -50,7 +50,7 @@ class Time:
 
     start_approach: Delta of an impact at T = 0, in units delta*; negative: surfaces separated.  until: an event of an
     impact, or a time.  tolerance: allowed relative local error of a step (the default gives about 0.1 % in H_c).
-    step: a fixed step, without error control.
+    step: a fixed step, without error control; it is shortened only to end on the points of a signal and at the end.
     """
 
     start_approach: Annotated[float | None, Bounds(lt=0)] = None
