@@ -34,6 +34,7 @@ def dry_impact(interval: float = 0.02, two_dimensional: bool = False) -> xr.Data
     scalars = {
         "Delta": hertz.approach(frames - TOUCH),
         "X_min": A[:, 0],
+        "Y_min": np.zeros(len(A)),
         "P_max": np.maximum(A[:, 0], 0.0),
     }
     variables = {name: ("time", values) for name, values in scalars.items()}

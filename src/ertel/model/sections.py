@@ -52,7 +52,7 @@ class Time:
     start_approach: Delta of an impact at T = 0, in units delta*; negative: surfaces separated.  until: an event of an
     impact, or a time.  tolerance: allowed local error of a step: of Delta, of dDelta/dT, and of the film relative to
     itself.  The error of a run falls with its power 2/3; the default gives about 0.1 % in H_c.  step: a fixed step,
-    without error control.
+    without error control; it is shortened only to end on the points of a signal and at the end.
     """
 
     start_approach: Annotated[float | None, Bounds(lt=0)] = None

@@ -172,11 +172,12 @@ class Transient2D(Method):
         return solve_step(problem)
 
     def measure(self, level: State) -> dict[str, float]:
-        """Load, pressures, film thicknesses; without entrainment X_min is the radius of H_min."""
+        """See `Method.measure`."""
         values = measure(self.grid, level.P, level.H)
         values["F"] = values.pop("load") / self.geometry.hertz_load
-        if not self.case.motion.flows:
-            values |= {"X_min": float(np.hypot(values["X_min"], values["Y_min"])), "Y_min": 0.0}
+        if self.case.is_axisymmetric:
+            for X, Y in (("X_min", "Y_min"), ("X_P_max", "Y_P_max")):
+                values |= {X: float(np.hypot(values[X], values[Y])), Y: 0.0}
         return values
 
     def whole(self, field: Array) -> Array:
