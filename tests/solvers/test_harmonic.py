@@ -69,7 +69,7 @@ def dense(case: Case, s: GridSolution, wave: Wave) -> tuple[np.ndarray, complex]
 
     es = jnp.eye(s.P.size)[free].reshape(-1, *shape)
     rows = residuals(es, jax.vmap(lambda e: contact.deformation(c, e))(es))
-    loads = np.array([[contact.load(c, e)] for e in es])
+    loads = jax.vmap(lambda e: contact.load(c, e))(es)[:, None]
     approach, *parts = residuals(
         jnp.zeros((3, *shape)), jnp.stack([-jnp.ones(shape), wave.shape.real, wave.shape.imag])
     )
