@@ -28,7 +28,17 @@ PROMISED = {
         "formulas",
     ),
     *("load_case", "parse_case", "to_toml", "Case", "Result", "Solver", "Time", "Output", "Spot", "Waviness", "fronts"),
-    *("viscosity_laws", "density_laws", "shapes", "respond", "respond_linearly", "waves", "hertz", "to_si"),
+    *(
+        "viscosity_laws",
+        "density_laws",
+        "shapes",
+        "respond",
+        "respond_linearly",
+        "respond_in_rolling",
+        "waves",
+        "hertz",
+        "to_si",
+    ),
 }
 
 

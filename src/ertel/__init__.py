@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from ertel.runs.batch import simulate_batch as simulate_batch
     from ertel.runs.drive import simulate as simulate
     from ertel.runs.response import respond as respond
+    from ertel.runs.response import respond_in_rolling as respond_in_rolling
     from ertel.runs.response import respond_linearly as respond_linearly
     from ertel.runs.store import open_run as open
     from ertel.runs.store import run as run
@@ -85,6 +86,7 @@ _HOMES = {  # name: module, or module:name there
     "simulate_batch": "runs.batch",
     "simulate": "runs.drive",
     "respond": "runs.response",
+    "respond_in_rolling": "runs.response",
     "respond_linearly": "runs.response",
     "open": "runs.store:open_run",
     "run": "runs.store",

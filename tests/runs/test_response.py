@@ -1,4 +1,4 @@
-"""The response of an impact to waviness: small heights, lockstep, and the derivative of the whole run."""
+"""The response to waviness: of an impact, in lockstep and by the derivative of the run; of rolling, by one solve."""
 
 from collections.abc import Callable
 from functools import cache
@@ -6,10 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
-from cases import impact
+from cases import BARUS, impact, rolled, steady_solver
 
-from ertel.physics.surfaces import Feature, RingWaviness, Waviness
-from ertel.runs.response import respond, respond_linearly
+from ertel.inputs.python import quantity
+from ertel.model.case import Case
+from ertel.model.sections import SOLVERS, Drive
+from ertel.physics.scales import Parameters
+from ertel.physics.surfaces import Feature, RingWaviness, Shape, Waviness
+from ertel.runs.response import respond, respond_in_rolling, respond_linearly
 
 WAVE = 0.5  # wavelength: 16 nodes
 
@@ -74,3 +78,59 @@ def test_rings_keep_the_impact_round() -> None:
 def test_only_the_2d_method_has_waves() -> None:
     with pytest.raises(ValueError, match=r'^solver\.method = "radial"'):
         respond(impact(200, 10, 65, solver={"method": "radial", "nodes": 65}), [waviness(1e-3)])
+
+
+# -- rolling (the solver's own tests: solvers/test_harmonic) ----------------------------------------------------------
+
+TURN = 1.5  # wavelength: 8 nodes
+
+
+def rolling(drive: Drive | None = None) -> Case:
+    return rolled(Parameters.from_moes(20, 5), BARUS, steady_solver(33), drive)
+
+
+def test_amplitude_and_phase_are_those_of_the_film_at_any_time() -> None:
+    """Beside the contact the film is minus the roughness, but for the ball's motion and the far field of dP."""
+    data = respond_in_rolling(rolling(), [[Feature(Waviness(0.01, TURN, TURN, phase_x=0.3))], []])
+    assert data.attrs["status"] == "converged"
+    assert data["H"].shape == (33, 33)
+    assert float(data["frequency"][0]) == pytest.approx(2 * np.pi / TURN)
+    assert float(data["dH_amplitude"][1].max()) == 0.0
+    T = 0.37
+    dH = (data["dH_amplitude"] * np.cos(data["frequency"] * T + data["dH_phase"]))[0].sel(Y=-3.0)
+    height = 0.01 * np.cos(2 * np.pi / TURN * (data["X"] - T) + 0.3) * np.cos(2 * np.pi / TURN * 3.0)
+    off = dH + height
+    assert float(off.max() - off.min()) < 0.01 * 0.01
+    dP = data["dP_amplitude"][0]
+    assert float(dP.max()) > 0.01
+    assert float(dP.where(data["P"] == 0).max()) == 0.0
+
+
+def test_responses_add_up() -> None:
+    """Two features of one frequency in one response, one of them on a surface that moves backwards."""
+    case = rolling(Drive(slide_to_roll=4.0))  # speeds 3 and -1
+    one, other = Feature(Waviness(0.01, 3 * TURN, TURN)), Feature(Waviness(0.02, TURN, TURN, phase_y=0.5), 2)
+    data = respond_in_rolling(case, [[one, other], [one], [other]])
+    both, *alone = data["dH_amplitude"].values * np.exp(1j * data["dH_phase"].values)
+    assert np.abs(both - sum(alone)).max() < 1e-5 * 0.03
+    assert np.abs(both - both[::-1]).max() > 0.001  # the second is not even in Y, so the whole plane is computed
+
+
+@pytest.mark.parametrize(
+    ("features", "message"),
+    [
+        ([RingWaviness(0.01, 0.5)], r"^roughnesses\[1\]\[1\]\.shape = RingWaviness: must be a waviness"),
+        ([Waviness(0.01, 0.5, front=1.0)], r"^roughnesses\[1\]\[1\]\.front = 1\.0: must be infinite"),
+        ([Waviness(0.01, 0.5), Waviness(0.01, 1.0)], r"^roughnesses\[1\]: .* 12\.5664, 6\.28319; must be the same"),
+        ([Waviness(0.01, quantity("5 um"))], r"^roughnesses\[1\]"),
+    ],
+)
+def test_what_does_not_repeat_has_no_periodic_response(features: list[Shape], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        respond_in_rolling(rolling(), [[Feature(shape) for shape in features]])
+
+
+def test_only_a_steady_case_has_a_periodic_response() -> None:
+    case = rolled(Parameters.from_moes(20, 5), BARUS, SOLVERS["transient"])
+    with pytest.raises(ValueError, match=r'^solver\.method = "transient": must be "steady"'):
+        respond_in_rolling(case, [[Feature(Waviness(0.01, 0.5))]])

@@ -58,8 +58,10 @@ def displacement(kernel: Array, P: Array, even: Even = WHOLE) -> Array:
     """Normal displacement under the pressure P, both on the same nodes; P = 0 on the edge.
 
     Only rows with data are transformed along X, and only rows of the result are transformed back.  kernel: from
-    `spectrum`.
+    `spectrum`.  A complex P takes two convolutions.
     """
+    if jnp.iscomplexobj(P):
+        return lax.complex(displacement(kernel, P.real, even), displacement(kernel, P.imag, even))
     period_x = 2 * (kernel.shape[1] - 1)
     period_y = 2 * (kernel.shape[0] - 1) if even.y else kernel.shape[0]
     rows, columns = P.shape

@@ -15,8 +15,8 @@ def gcr(
 ) -> tuple[Any, Array]:
     """Solve apply(x) = b until |r| <= reduction |b|, in at most `limit` iterations; return x and the iteration count.
 
-    b is an array or a tuple of arrays.  direction(k, r) returns the k-th search direction from the residual r; it
-    applies the preconditioner.
+    b is an array or a tuple of arrays, real or complex.  direction(k, r) returns the k-th search direction from the
+    residual r; it applies the preconditioner.
 
     The method is generalised conjugate residuals (Eisenstat, Elman, Schultz, SIAM J Numer Anal 1983;20:345).  It has
     the same iterates as flexible GMRES and keeps the residual, so the preconditioner may have lower precision.
@@ -56,7 +56,7 @@ def _dot(a: Any, b: Any) -> Array:
 
 
 def _norm(a: Any) -> Array:
-    return jnp.sqrt(_dot(a, a))
+    return jnp.sqrt(_dot(a, a).real)
 
 
 def _add(a: Any, share: Array, b: Any) -> Any:

@@ -2,10 +2,13 @@
 
     e  ->  - div(eps grad e) + (rate + drift d/dX)(stretch * (K e) + local * e),     drift >= 0,
 
-first-order upwind.  A change at a node affects every node downstream, so all nodes of an X line are solved together,
-and all lines at once.  Each node has the kind of change that suits it: at the node alone (Jacobi) or spread over its
-neighbours (distributive).  Only the nearest couplings along a line are kept, with the deformation's K00, K10, K20 or
-those of a spread change.
+first-order upwind.  For fields that oscillate in time, e exp(i omega T), the rate is complex: i omega.  Or the mass
+upstream is multiplied by a phase, with which waves that ride with the flow pass from node to node unchanged.
+
+A change at a node affects every node downstream, so all nodes of an X line are solved together, and all lines at once.
+Each node has the kind of change that suits it: at the node alone (Jacobi) or spread over its neighbours
+(distributive).  Only the nearest couplings along a line are kept, with the deformation's K00, K10, K20 or those of a
+spread change.
 
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
@@ -37,11 +40,12 @@ class LineSmoother:
     by_jacobi: Array
     rate: Array
     drift_over_spacing: Array
+    phase: Array
     even: Even = field(default=WHOLE, metadata={"static": True})
     sweeps: int = field(default=2, metadata={"static": True})  # one damped sweep is not enough
 
     def balance(self, mass: Array) -> Array:
-        rise = jnp.pad(mass[:, 1:] - mass[:, :-1], ((0, 0), (1, 0)))
+        rise = jnp.pad(mass[:, 1:] - self.phase * mass[:, :-1], ((0, 0), (1, 0)))
         return self.rate * mass + self.drift_over_spacing * rise
 
     def change(self, r: Array) -> Array:
@@ -57,18 +61,25 @@ class _Pattern(NamedTuple):
     change: tuple[float, float, float]
 
 
-def line_smoother(elastic: Elasticity, c: Coefficients, rate: Array | float, drift: Array | float) -> LineSmoother:
-    """The smoother for an operator with a derivative along X; rate and drift as in the module's docstring."""
-    flow = (jnp.asarray(rate, c.free.dtype), jnp.asarray(drift, c.free.dtype) / elastic.spacing)
+class _Flow(NamedTuple):
+    rate: Array
+    drift_over_spacing: Array
+    phase: Array
+
+
+def line_smoother(
+    elastic: Elasticity, c: Coefficients, rate: Array | float, drift: Array | float, phase: Array | float = 1.0
+) -> LineSmoother:
+    """The smoother for an operator with a derivative along X; rate, drift and phase as in the module's docstring."""
+    rate, drift, phase = (jnp.asarray(f, multigrid.in_precision(c.free.dtype, f)) for f in (rate, drift, phase))
+    flow, size = _Flow(rate, drift / elastic.spacing, phase), jnp.abs(rate)
     # the derivative multiplies short waves by 1/spacing, long ones by one
-    by_jacobi = multigrid.diffusion_rules(elastic, c, flow[0] + flow[1], rate + drift).astype(c.free.dtype)
-    factors = tridiagonal.factorise(*_bands(elastic, c, by_jacobi, *flow))
+    by_jacobi = multigrid.diffusion_rules(elastic, c, size + flow.drift_over_spacing, size + drift).astype(c.free.dtype)
+    factors = tridiagonal.factorise(*_bands(elastic, c, by_jacobi, flow))
     return LineSmoother(factors, by_jacobi * c.free, *flow, elastic.even)
 
 
-def _bands(
-    elastic: Elasticity, c: Coefficients, by_jacobi: Array, rate: Array, drift_over_spacing: Array
-) -> tuple[Array, Array, Array]:
+def _bands(elastic: Elasticity, c: Coefficients, by_jacobi: Array, flow: _Flow) -> tuple[Array, Array, Array]:
     """The operator's three bands on each line; each node has its own kind of change."""
     K, own, along = elastic.near, *_diffusion(elastic, c)
     alone = _Pattern((K[0, 0], K[0, 1], K[0, 2]), (1.0, 0.0, 0.0))
@@ -77,8 +88,8 @@ def _bands(
     def coupling(k: int, diffusion_alone: Array, diffusion_spread: Array) -> Array:
         """The entry in row i, column i - k: the change is k nodes upstream."""
         kind = _shifted(by_jacobi, k)
-        return kind * (diffusion_alone + _carried(c, alone, k, rate, drift_over_spacing)) + (1.0 - kind) * (
-            diffusion_spread + _carried(c, spread, k, rate, drift_over_spacing)
+        return kind * (diffusion_alone + _carried(c, alone, k, flow)) + (1.0 - kind) * (
+            diffusion_spread + _carried(c, spread, k, flow)
         )
 
     lower = coupling(1, -along, -along - 0.25 * own) * c.free
@@ -97,18 +108,18 @@ def _spread(K: Array, k: int) -> Array:
     return K[0, k] - 0.25 * (K[0, abs(k - 1)] + K[0, k + 1] + 2.0 * K[1, k])
 
 
-def _carried(c: Coefficients, pattern: _Pattern, k: int, rate: Array, drift_over_spacing: Array) -> Array:
+def _carried(c: Coefficients, pattern: _Pattern, k: int, flow: _Flow) -> Array:
     """(rate + drift d/dX)(stretch K + local), k nodes downstream of a change."""
 
     def mass(k: int) -> Array:
         return c.stretch * pattern.deformation[abs(k)] + c.local * pattern.change[abs(k)]
 
     def slope(k: int) -> Array:
-        return drift_over_spacing * (mass(k) - _upstream(mass(k - 1)))
+        return flow.drift_over_spacing * (mass(k) - flow.phase * _upstream(mass(k - 1)))
 
-    # couplings outside the three bands are added to the nearest band: a uniform change must have no slope, otherwise
-    # it grows downstream
-    return rate * mass(k) + slope(k) + (slope(2) if k == 1 else 0.0)
+    # couplings outside the three bands are added to the nearest band: a uniform change (one that rides with the flow)
+    # must have no slope, otherwise it grows downstream
+    return flow.rate * mass(k) + slope(k) + (slope(2) * jnp.conj(flow.phase) if k == 1 else 0.0)
 
 
 def _upstream(f: Array) -> Array:

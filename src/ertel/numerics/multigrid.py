@@ -21,6 +21,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, tree
 from jax.tree_util import register_dataclass
+from jax.typing import DTypeLike
 
 from ertel.numerics import halfspace
 from ertel.numerics.grid import WHOLE, Even, Grid
@@ -211,7 +212,13 @@ def deformed_nearby(level: GridLevel, e: Array) -> Array:
 def precondition(levels: Sequence[GridLevel], r: Array) -> Array:
     """A V-cycle in the precision of the levels, for a residual r of any magnitude and precision."""
     size = jnp.linalg.norm(r)  # scaling prevents underflow of a small residual
-    return v_cycle(levels, (r / size).astype(levels[0].coefficients.free.dtype)).astype(r.dtype) * size
+    precision = in_precision(levels[0].coefficients.free.dtype, r)
+    return v_cycle(levels, (r / size).astype(precision)).astype(r.dtype) * size
+
+
+def in_precision(precision: DTypeLike, values: Array | complex) -> DTypeLike:
+    """The type of values, real or complex, in the precision of a real type."""
+    return jnp.promote_types(precision, "complex64") if jnp.iscomplexobj(values) else precision
 
 
 def v_cycle_convolutions(grid: Grid) -> float:
@@ -242,7 +249,7 @@ def _inverse(level: GridLevel) -> Array:
     unit_vectors = jnp.eye(free.size, dtype=free.dtype).reshape(free.size, *free.shape)
     matrix = jax.vmap(lambda e: apply(level, e).ravel())(unit_vectors).T * free.ravel() + jnp.diag(1.0 - free.ravel())
     # in double precision, because the rows differ by many orders of magnitude
-    return jnp.linalg.inv(matrix.astype("float64")).astype(free.dtype)
+    return jnp.linalg.inv(matrix.astype(jnp.promote_types(matrix.dtype, "float64"))).astype(matrix.dtype)
 
 
 def spread(d: Array, even: Even = WHOLE) -> Array:

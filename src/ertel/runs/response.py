@@ -1,13 +1,16 @@
-"""The response of an impact to roughness: dH = H_rough - H_smooth at maximum approach, eq. (17).
+"""The response of a contact to roughness: dH = H_rough - H_smooth.
 
-Rough impacts run in lockstep with the smooth one, on its grid and its time steps, so that their difference is the
-roughness and not the discretisation.  Or the response is computed directly, as the derivative of the run with respect
-to the height of the roughness (tangent-linear).
+Impact, at maximum approach, eq. (17): rough impacts run in lockstep with the smooth one, on its grid and its time
+steps, so that their difference is the roughness and not the discretisation.  Or the response is computed directly, as
+the derivative of the run with respect to the height of the roughness (tangent-linear).
+
+Rolling over waviness of small height: the response of the steady film is periodic, and found without time steps.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Protocol
+from math import inf, pi
+from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
@@ -15,19 +18,26 @@ from jax import Array
 
 from ertel.model import discretise
 from ertel.model.case import Case
+from ertel.model.records import scaled_all
 from ertel.model.sections import Time
 from ertel.model.state import State, combined, interpolated
 from ertel.model.status import Status
 from ertel.numerics import bdf
+from ertel.numerics.grid import Grid
 from ertel.physics import surfaces
-from ertel.physics.surfaces import Feature
+from ertel.physics.motion import Motion
+from ertel.physics.surfaces import Feature, Waviness
+from ertel.physics.units import plain
+from ertel.results.dataset import assemble_steady
 from ertel.runs.courses import METHODS, ImpactCourse
 from ertel.runs.drive import Gathering, Observer, drive
 from ertel.runs.stepping import Frame, Step, turning_time
-from ertel.solvers import tangent
+from ertel.solvers import harmonic, steady, tangent
+from ertel.solvers.harmonic import Wave
 from ertel.solvers.transient import Transient2D
 
 FILM_CHANGE = {"long_name": "change of the film thickness by the roughness", "symbol": "dH", "units": "1"}
+PRESSURE_CHANGE = {"long_name": "change of the pressure by the roughness", "symbol": "dP", "units": "1"}
 HEIGHT = {"long_name": "height of the roughness", "symbol": "R", "units": "1"}
 
 
@@ -169,3 +179,89 @@ def _assemble(
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]
     return data.assign(dH=(("wave", "Y", "X"), np.stack([np.asarray(change) for change in changes]), FILM_CHANGE))
+
+
+# -- rolling ----------------------------------------------------------------------------------------------------------
+
+
+def respond_in_rolling(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> xr.Dataset:
+    """The periodic response of a steady rolling contact to waviness that passes through it, linear in its height.
+
+    It is the film that a run in time reaches when waves of small height have passed, with time steps of one cell.
+
+    Parameters
+    ----------
+    case : Case
+        Rolling by the method "steady".  Roughness of its own, which is at rest, belongs to the steady film.
+    roughnesses : sequence of sequences of Feature
+        One for each response: waviness without a front.  All features of a response must pass with one frequency.
+
+    Returns
+    -------
+    xarray.Dataset
+        The steady film, as `ertel.simulate` gives it.  For each response dH_amplitude and dH_phase (wave, Y, X) of
+        dH(T) = dH_amplitude cos(frequency T + dH_phase), in units a^2/R and radians; likewise dP in units p_h;
+        frequency (wave) in 1/t0; roughness (wave, Y, X) at T = 0.  A_d/A_i of a wave of height A at the centre is
+        `dH_amplitude.sel(X=0, Y=0, method="nearest")/A`.  response_krylov, response_convolutions (wave): the work.
+        The attribute `status` is not "converged" where a solve gave up; the response is then not to be used.
+
+    Raises ValueError for another method, other shapes, or several frequencies in one response.
+    """
+    if not case.is_steady:
+        raise ValueError(f'solver.method = "{case.solver.method}": must be "steady" for the response to passing waves')
+    features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
+    fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)
+    case = replace(case, solver=replace(case.solver, fold=fold))
+    rolling = steady.steady(case)
+    film = rolling.finest
+    waves = [_wave(case, some, film.grid) for some in features]
+    found = [harmonic.respond(case, film, wave) for wave in waves]
+    status = film.status if all(r.converged for r in found) else Status.NEWTON_STALLED
+    data = assemble_steady(case, rolling.solutions, {"status": status.value})
+    work = {"response_krylov": [r.krylov for r in found], "response_convolutions": [r.convolutions for r in found]}
+    per_wave = {"frequency": [wave.frequency for wave in waves], **work}
+    data = data.assign({name: ("wave", np.array(values)) for name, values in per_wave.items()})
+    data = data.assign(_oscillation("dH", FILM_CHANGE, [film.whole(r.H) for r in found]))
+    data = data.assign(_oscillation("dP", PRESSURE_CHANGE, [film.whole(r.P) for r in found]))
+    heights = np.stack([np.asarray(film.whole(wave.shape.real)) for wave in waves])
+    return data.assign_coords(roughness=(("wave", "Y", "X"), heights, HEIGHT))
+
+
+def _passing(case: Case, features: Sequence[Feature], place: str) -> tuple[Feature, ...]:
+    """The features in the units of the case, all of them waves that pass with one frequency."""
+    found = scaled_all(features, case.scales, place)
+    for number, feature in enumerate(found, 1):
+        shape = feature.shape
+        if not isinstance(shape, Waviness):
+            kind = type(shape).__name__
+            raise ValueError(f"{place}[{number}].shape = {kind}: must be a waviness, which returns after a period")
+        if shape.front != inf:
+            raise ValueError(f"{place}[{number}].front = {shape.front}: must be infinite, waves pass at all times")
+    frequencies = [_frequency(case.motion, feature) for feature in found]
+    if not np.allclose(frequencies, frequencies[:1], rtol=1e-9):
+        listed = ", ".join(f"{frequency:g}" for frequency in frequencies)
+        raise ValueError(f"{place}: its features have frequencies {listed}; must be the same, else one response each")
+    return found
+
+
+def _frequency(motion: Motion, feature: Feature) -> float:
+    """At which a wave passes a point of the contact, in 1/t0."""
+    assert isinstance(feature.shape, Waviness)
+    return 2 * pi / plain(feature.shape.wavelength_x) * abs(motion.travel(feature.surface, 1.0))
+
+
+def _wave(case: Case, features: Sequence[Feature], grid: Grid) -> Wave:
+    """The features as one wave: its imaginary part is the height a quarter of a period later, with a minus sign."""
+    frequency = max((_frequency(case.motion, feature) for feature in features), default=0.0)
+    now = discretise.heights(features, case, grid, 0.0)
+    if frequency == 0:
+        return Wave(0.0, now + 0j)
+    return Wave(frequency, now - 1j * discretise.heights(features, case, grid, pi / (2 * frequency)))
+
+
+def _oscillation(name: str, attributes: Mapping[str, str], fields: Sequence[Array]) -> dict[str, Any]:
+    """The variables of the amplitude and the phase of complex fields."""
+    stack, dims = np.stack([np.asarray(field) for field in fields]), ("wave", "Y", "X")
+    amplitude = {**attributes, "long_name": f"amplitude of the {attributes['long_name']}"}
+    phase = {**attributes, "long_name": f"phase of the {attributes['long_name']}", "units": "rad"}
+    return {f"{name}_amplitude": (dims, np.abs(stack), amplitude), f"{name}_phase": (dims, np.angle(stack), phase)}
