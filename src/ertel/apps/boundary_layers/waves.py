@@ -153,7 +153,8 @@ def rolling_twin(M: float, L: float, wavelength: float, X: float, nodes: int) ->
     speed = float(fronts.front(smooth_impact(M, L, solver, NO_MAPS)).speed_at(X))
     p = Parameters.from_moes(M, L)
     local = Parameters(p.lambda_bar * speed / X**4, p.alpha_bar * X)
-    return local.nabla2(wavelength / X), *rolling_response(local.M, local.L, (wavelength / X,), nodes)
+    [ratio] = rolling_response(local.M, local.L, (wavelength / X,), nodes)
+    return local.nabla2(wavelength / X), ratio
 
 
 # -- tasks and their names --------------------------------------------------------------------------------------------
@@ -198,14 +199,12 @@ def check_tasks(plan: Plan) -> list[sweep.Task]:
     usual = tuple((HEIGHT, wavelength) for wavelength in wavelengths)
     others = tuple((height, wavelengths[0]) for height in CHECKED)
     several, one = impact_seconds(len(usual) + 1, nodes), impact_seconds(2, nodes)
-    heights = impact_seconds(len(others) + 1, nodes)
+    heights, marching = impact_seconds(len(others) + 1, nodes), marching_seconds(plan.waves.marched[-1])
     return [
         sweep.Task(check_name("heights", plan), wavy_impact, (M, L, others, nodes), heights),
         sweep.Task(check_name("linear", plan), wavy_impact, (M, L, usual[:1], nodes, True), one),
         sweep.Task(check_name("steps", plan), wavy_impact, (M, L, usual, nodes, False, SHORTER**3), several),
-        sweep.Task(
-            check_name("marched", plan), marched_rolling, plan.waves.marched, marching_seconds(plan.waves.marched[-1])
-        ),
+        sweep.Task(check_name("marched", plan), marched_rolling, plan.waves.marched, marching),
     ]
 
 
