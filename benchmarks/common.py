@@ -64,7 +64,8 @@ def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
         P = jnp.asarray(level.P)
         while P.shape[0] < method.grid.shape[0]:
             P = multigrid.prolong(P)
-        fields = {"P": P, "H": contact.film_thickness(method.contact, P, level.approach)}
+        H = contact.film_thickness(method.contact, P, level.approach)
+        fields = {"P": P, "H": H, "mass": contact.mass(method.contact, P, H)}
         levels.append(replace(level, fields=fields))
     return levels
 

@@ -89,7 +89,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     import jax
 
     from ertel.model.approach import balanced
-    from ertel.model.contact import Rate
+    from ertel.model.flow import Rate
     from ertel.model.state import solved
     from ertel.model.status import Status
     from ertel.runs.courses import ImpactCourse
@@ -124,7 +124,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     now = levels[0]
     rate, line = Rate(1.5 / STEP, 0.0 * now.H), balanced()
     how = nonlinear.bordered, preconditioner.point_preconditioner, transient.OPTIONS
-    problem = nonlinear.Problem(method.contact, method.elastic, rate, 0.0, line, 1.0, 1.0, *how)
+    problem = nonlinear.Problem(method.contact, method.elastic, rate, line, 1.0, 1.0, *how)
     parts = _parts(problem, now.P, now.H)
     return {
         "seconds": whole,
@@ -159,6 +159,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
 
     from ertel.model import discretise
     from ertel.model.approach import balanced
+    from ertel.model.flow import steady_rate
     from ertel.numerics import multigrid
     from ertel.physics.geometry import COMPLIANCE
     from ertel.solvers import nonlinear, preconditioner, steady
@@ -178,7 +179,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     c = discretise.contact_of(case, last.grid)
     elastic = multigrid.elasticities(last.grid, COMPLIANCE, preconditioner.PRECISION)
     how = nonlinear.bordered, preconditioner.line_preconditioner, steady.OPTIONS
-    problem = nonlinear.Problem(c, elastic, steady.STEADY, 1.0, balanced(), 1.0, 1.0, *how)
+    problem = nonlinear.Problem(c, elastic, steady_rate(1.0), balanced(), 1.0, 1.0, *how)
     parts = _parts(problem, last.P, last.H)
     return {
         "seconds": walls[-1],

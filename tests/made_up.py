@@ -113,7 +113,7 @@ def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
     for T in np.linspace(0, 4, 41):
         film = 0.1 + 0.02 * float(np.sin(T))
         P, H = fields(X, Y, film, flow)
-        known = {"T": T, "F": 1.0, "w": 1.0, "U": flow, "Delta": 0.9, "H_c": film, "H_min": film / 2}
+        known = {"T": T, "dT": 0.1, "F": 1.0, "w": 1.0, "U": flow, "Delta": 0.9, "H_c": film, "H_min": film / 2}
         known |= {"X_min": 0.2, "Y_min": 0.8, "P_c": 1.0, "P_max": 1.0}
         records.append({**dict.fromkeys(variables.SCALARS, 0.0), **known})
         frames.append(Frame(float(T), {"P": P, "H": H}, "end" if T == 4 else ""))

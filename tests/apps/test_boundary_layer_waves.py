@@ -59,6 +59,7 @@ def fading(amplitude: float) -> xr.Dataset:
             "dH": (("wave", "X"), [dH, dH / 2]),
             "along": (("wave", "X"), [np.full_like(X, amplitude / 4)] * 2),
             "X_min": ("time", np.sqrt(1 - (1 - T) ** 2)),
+            "Y_min": ("time", np.zeros_like(T)),
             "P_max": ("time", np.ones_like(T)),
         },
         {"X": X, "time": T, "frame": 1.0, "wave": [shape_name(shape, WAVE) for shape in ("transverse", "rings")]},

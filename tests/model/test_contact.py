@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from jax import Array
 
 from ertel.model import contact
-from ertel.model.contact import Contact, Rate
+from ertel.model.contact import Contact
+from ertel.model.flow import Rate, steady_rate
 from ertel.numerics import stencils
 from ertel.numerics.grid import Grid
 from ertel.numerics.stencils import Pair
@@ -46,7 +47,7 @@ def test_the_residual_is_second_order(entrainment: float, oil: Lubricant) -> Non
         grid = Grid.square(nodes, 2.0)
         P, H = smooth_fields(grid)
         c = contact.ball_on_plane(grid, 0.05, oil)
-        r = contact.residual(c, jnp.asarray(P), jnp.asarray(H), Rate(3.0, -0.5), entrainment)
+        r = residual_in_any_flow(c, jnp.asarray(P), jnp.asarray(H), Rate(3.0, -0.5, entrainment))
         step = (nodes - 1) // 64
         values.append(np.asarray(r)[4 * step : -4 * step : step, 4 * step : -4 * step : step])
     differences = [np.sqrt(np.mean((b - a) ** 2)) for a, b in itertools.pairwise(values)]
@@ -59,7 +60,7 @@ def test_the_residual_of_a_known_flow() -> None:
     grid = Grid.square(33, 2.0)
     x, y = grid.x[None, :], grid.y[:, None]
     c = contact.ball_on_plane(grid, 0.25, PLAIN)
-    r = contact.residual(c, jnp.asarray(x**2 * (1 + y)), jnp.ones((33, 33)), Rate(0.0, 0.0), 0.0)
+    r = contact.residual(c, jnp.asarray(x**2 * (1 + y)), jnp.ones((33, 33)), Rate(0.0, 0.0))
     np.testing.assert_allclose(
         np.asarray(r)[1:-1, 1:-1], np.broadcast_to(-8 * (1 + y), (33, 33))[1:-1, 1:-1], rtol=1e-10
     )
@@ -78,10 +79,10 @@ def test_mass_is_conserved_by_the_fluxes(seed: int) -> None:
     assert net == pytest.approx(through, abs=1e-12)
 
 
-def residual_in_any_flow(c: Contact, P: Array, H: Array, rate: Rate, U: float) -> Array:
+def residual_in_any_flow(c: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """As the solver takes it: X along the flow, and back again."""
-    turned = partial(nonlinear.along_the_flow, U)
-    return turned(contact.residual(c, turned(P), turned(H), Rate(rate.new, turned(rate.past)), abs(U)))
+    turned = partial(nonlinear.along_the_flow, rate)
+    return turned(contact.residual(c, turned(P), turned(H), Rate(rate.new, turned(rate.past), abs(rate.wedge))))
 
 
 @settings(max_examples=20, deadline=None)
@@ -91,8 +92,8 @@ def test_mirroring_the_contact_and_the_speed_mirrors_the_residual(seed: int, U: 
     grid = Grid.square(17, 2.0)
     c = contact.ball_on_plane(grid, 0.1, REAL)
     P, H = jnp.asarray(rng.random((17, 17))), jnp.asarray(0.1 + rng.random((17, 17)))
-    r = residual_in_any_flow(c, P, H, Rate(2.0, -H), U)
-    mirrored = residual_in_any_flow(c, P[:, ::-1], H[:, ::-1], Rate(2.0, -H[:, ::-1]), -U)
+    r = residual_in_any_flow(c, P, H, Rate(2.0, -H, U))
+    mirrored = residual_in_any_flow(c, P[:, ::-1], H[:, ::-1], Rate(2.0, -H[:, ::-1], -U))
     np.testing.assert_allclose(np.asarray(mirrored), np.asarray(r)[:, ::-1], atol=1e-10)
 
 
@@ -102,8 +103,8 @@ def test_mirroring_the_contact_across_the_flow_mirrors_the_residual(seed: int) -
     rng = np.random.default_rng(seed)
     c = contact.ball_on_plane(Grid.square(17, 2.0), 0.1, REAL)
     P, H = jnp.asarray(rng.random((17, 17))), jnp.asarray(0.1 + rng.random((17, 17)))
-    r = contact.residual(c, P, H, Rate(2.0, -H), 1.7)
-    mirrored = contact.residual(c, P[::-1], H[::-1], Rate(2.0, -H[::-1]), 1.7)
+    r = contact.residual(c, P, H, Rate(2.0, -H, 1.7))
+    mirrored = contact.residual(c, P[::-1], H[::-1], Rate(2.0, -H[::-1], 1.7))
     np.testing.assert_allclose(np.asarray(mirrored), np.asarray(r)[::-1], atol=1e-10)
 
 
@@ -119,7 +120,7 @@ def test_only_what_lies_upstream_makes_the_wedge(seed: int) -> None:
 
 @given(st.floats(-3, 3), st.floats(-3, 3))
 def test_the_wedge_is_exact_for_parabolas(b: float, U: float) -> None:
-    x, turned = jnp.asarray(Grid.square(33, 2.0).x), partial(nonlinear.along_the_flow, U)
+    x, turned = jnp.asarray(Grid.square(33, 2.0).x), partial(nonlinear.along_the_flow, steady_rate(U))
     mass = jnp.broadcast_to(1 + b * x + x**2, (33, 33))
     slope = (1 if U >= 0 else -1) * turned(stencils.upstream_slope(turned(mass), 0.125))
     np.testing.assert_allclose(np.asarray(slope)[:, 2:-2], np.broadcast_to(b + 2 * x, (33, 33))[:, 2:-2], atol=1e-11)

@@ -7,7 +7,7 @@ from cases import BARUS, free_ball, rolled, steady_solver
 from numpy.testing import assert_allclose
 
 from ertel.model import contact, discretise
-from ertel.model.contact import Rate
+from ertel.model.flow import Rate
 from ertel.model.sections import Solver, Time
 from ertel.model.state import State
 from ertel.numerics import halfspace
@@ -78,7 +78,7 @@ def test_the_residual_is_that_of_the_whole_plane(even) -> None:
         c = contact.ball_on_plane(g, 0.1, OIL)
         P = jnp.asarray(folded(whole, g.even))
         H = contact.film_thickness(c, P, -0.2)
-        r = contact.residual(c, P, H, Rate(3.0, 0.1 * P), U)
+        r = contact.residual(c, P, H, Rate(3.0, 0.1 * P, U))
         results.append([unfolded(f, g.even) for f in (H, r)] + [contact.load(c, P)])
     for expected, found in zip(*results, strict=True):
         assert_allclose(found, expected, rtol=1e-11, atol=1e-11)

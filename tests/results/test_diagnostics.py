@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from cases import impact
 
+from ertel.inputs.case_files import parse_case
 from ertel.numerics.grid import check_nodes
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
 from ertel.results import diagnostics
@@ -61,3 +62,26 @@ class Hill:
 
 def test_a_shape_without_a_size_is_not_judged():
     assert "roughness" not in said(replace(impact(20, 5, 65), roughness=(Feature(Hill()),)))
+
+
+@pytest.mark.parametrize(
+    ("M", "L", "nodes", "speaks"),
+    [(1000, 10, 129, True), (200, 10, 129, True), (200, 10, 257, False), (20, 10, 65, False), (100, 0, 129, False)],
+)
+def test_rolling_in_time_says_whether_its_film_is_resolved(M, L, nodes, speaks):
+    """H_c of reference/rolling.json is off by 35, 7.4, 1.9, 3.1 and 3.3 % there."""
+    oil = {"viscosity": "barus" if L else "isoviscous", "density": "incompressible"}
+    case = parse_case(
+        {
+            "contact": {"kind": "rolling", "M": M, "L": L},
+            "lubricant": oil,
+            "solver": {"method": "transient", "nodes": nodes},
+        }
+    )
+    T = np.array([0.1, 0.2])
+    names = {"H_min": 0.1, "X_min": 0.0, "U": 1.0, "dT": 0.1}
+    data = xr.Dataset({name: ("time", np.full(2, value)) for name, value in names.items()}, {"time": T})
+    text = " ".join(diagnostics.rolling_warnings(case, data.assign(P=("frame", np.zeros(0)))))
+    assert ("the film is not resolved in the inlet" in text) == speaks
+    if speaks:
+        check_nodes(int(re.search(r"nodes >= (\d+)", text)[1]))

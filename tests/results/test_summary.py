@@ -29,6 +29,7 @@ def test_si_summary_has_units_in_its_names():
         "h_c_m": case.scales.film,
         "h_min_m": case.scales.film,
         "x_min_m": case.scales.a,
+        "y_min_m": case.scales.a,
     }
     assert si_summary(parse_case({"contact": {"M": 1, "L": 1}}), values) is None
 

@@ -14,6 +14,7 @@ from cases import BARUS, BARUS_LIMIT, rolled, steady_solver
 
 from ertel.model import contact, discretise
 from ertel.model.case import Case
+from ertel.model.flow import steady_rate
 from ertel.model.sections import Drive
 from ertel.model.state import Rolling
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
@@ -163,7 +164,7 @@ def test_pressure_is_nowhere_negative_and_oil_lacks_only_where_there_is_none() -
     key = ("roelands", 200, 10)
     s = rolling(key).finest
     c = discretise.contact_of(case_of(key, 257), s.grid)
-    r = np.asarray(contact.residual(c, s.P, s.H, steady.STEADY, 1.0))
+    r = np.asarray(contact.residual(c, s.P, s.H, steady_rate(1.0)))
     P = np.asarray(s.P)
     assert P.min() >= 0
     assert np.abs(r[P > 0]).max() <= 1e-8

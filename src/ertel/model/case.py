@@ -42,7 +42,7 @@ from ertel.model.sections import (
     Solver,
     Time,
 )
-from ertel.physics import film_formulas
+from ertel.physics import film_formulas, surfaces
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
@@ -130,6 +130,11 @@ class Case:
     def starts_apart(self) -> bool:
         """Whether the bodies are separated at T = 0, as in an impact; rolling starts from its steady film."""
         return self.kind == "impact"
+
+    @property
+    def is_axisymmetric(self) -> bool:
+        """Whether the contact is the same in all directions: no entrainment, and no roughness that has a direction."""
+        return not self.motion.flows and surfaces.axisymmetric(self.features)
 
     @cached_property
     def scales(self) -> Scales | None:

@@ -1,4 +1,4 @@
-"""Key values of a solution on the plane: film thicknesses, pressures, load, position of the minimum film thickness."""
+"""Key values of a solution on the plane: film thicknesses, pressures, load, and where the extremes lie."""
 
 from functools import partial
 
@@ -8,20 +8,41 @@ import numpy as np
 from jax import Array
 
 from ertel.numerics.grid import Even, Grid
-from ertel.numerics.symmetry import total
+from ertel.numerics.symmetry import extended, total
+
+TIE = 1e-6  # relative difference of two extremes that mirror each other
 
 
 def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
-    """H_c and P_c at (0, 0), P_max, H_min (the minimum where P > 0) and its position, load = integral of P."""
+    """The key values of a film of shape `grid.shape`, dimensionless.
+
+    H_c, P_c: at (0, 0).  H_min: the minimum where P > 0, at (X_min, Y_min).  P_max: at (X_P_max, Y_P_max); P_fall: how
+    much lower the mean of the four next nodes is, as a share of it.  load: integral of P.  Of two extremes that mirror
+    each other about an axis, the one on its positive side is named.
+    """
     row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
-    H_c, P_c, P_max, load, H_min, where = (float(v) for v in _measure(P, H, row, column, grid.even))
-    i, j = divmod(int(where), grid.shape[1])
-    films = {"H_c": H_c, "H_min": H_min, "X_min": float(grid.kept_x[j]), "Y_min": abs(float(grid.kept_y[i]))}
-    return {**films, "P_c": P_c, "P_max": P_max, "load": load * grid.spacing**2}
+    found = _measure(P, H, grid.kept_y, grid.kept_x, row, column, grid.even)
+    H_c, H_min, thin, P_c, P_max, high, fall, load = (float(v) for v in found)
+    X_min, Y_min = _place(grid, int(thin))
+    X_P_max, Y_P_max = _place(grid, int(high))
+    films = {"H_c": H_c, "H_min": H_min, "X_min": X_min, "Y_min": Y_min}
+    peak = {"P_max": P_max, "X_P_max": X_P_max, "Y_P_max": Y_P_max, "P_fall": fall}
+    return {**films, "P_c": P_c, **peak, "load": load * grid.spacing**2}
+
+
+def _place(grid: Grid, index: int) -> tuple[float, float]:
+    i, j = divmod(index, grid.shape[1])
+    return float(grid.kept_x[j]), float(grid.kept_y[i])
 
 
 @partial(jax.jit, static_argnames="even")
-def _measure(P: Array, H: Array, row: int, column: int, even: Even) -> Array:
+def _measure(P: Array, H: Array, y: Array, x: Array, row: int, column: int, even: Even) -> Array:
     pressed = jnp.where((P > 0.0) | (P.max() <= 0.0), H, jnp.inf)
-    least = jnp.argmin(pressed)
-    return jnp.stack([H[row, column], P[row, column], P.max(), total(P, even), pressed.min(), least.astype(P.dtype)])
+    H_min, P_max = pressed.min(), P.max()
+    negative = TIE * ((y < 0)[:, None].astype(P.dtype) + (x < 0))
+    thin, high = jnp.argmin(pressed + jnp.abs(H_min) * negative), jnp.argmax(P - P_max * negative)
+    p = extended(P, even)
+    around = (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:]) / 4
+    fall = jnp.where(P_max > 0, 1 - around.ravel()[high] / P_max, 0.0)
+    places = (place.astype(P.dtype) for place in (thin, high))
+    return jnp.stack([H[row, column], H_min, next(places), P[row, column], P_max, next(places), fall, total(P, even)])

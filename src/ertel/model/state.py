@@ -35,7 +35,8 @@ NO_WORK = Work()
 class State:
     """The contact at one time: T in t0, approach in delta*, velocity dDelta/dT, fields of shape (n, n) or (n,) by name.
 
-    status, work: outcome and work of the solve for this state.
+    The fields are P, H and others that a method needs to go on.  status, work: outcome and work of the solve for this
+    state.
     """
 
     T: float
@@ -117,7 +118,10 @@ class Method(Protocol):
         return solved(self.attempt(levels, step), self.solve)
 
     def measure(self, level: State) -> dict[str, float]:
-        """F (in units of Hertz' load F*), P_c, P_max, H_c, H_min, X_min, Y_min."""
+        """F (in units of Hertz' load F*) and the key values of `measure.measure`.
+
+        If the contact is axisymmetric, the extremes lie on rings: X_min, X_P_max are their radii, Y_min, Y_P_max are 0.
+        """
         ...
 
     def whole(self, field: Array) -> Array:

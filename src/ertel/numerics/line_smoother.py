@@ -25,19 +25,25 @@ from ertel.numerics import multigrid, tridiagonal
 from ertel.numerics.grid import WHOLE, Even
 from ertel.numerics.multigrid import Coefficients, Elasticity
 from ertel.numerics.stencils import face_sum
+from ertel.numerics.symmetry import extended
 from ertel.numerics.tridiagonal import Factors
 
-JACOBI_DAMPING = 0.4  # both are smaller than in the point smoother, for the second-order wedge and pressure spikes
-DISTRIBUTIVE_DAMPING = 0.3
+JACOBI_DAMPING = 0.5  # both are smaller than in the point smoother, for the second-order wedge and pressure spikes
+DISTRIBUTIVE_DAMPING = 0.35
+SHORT_WAVES, LONG_WAVES = 0.9, 0.03  # as in `multigrid`; short waves grow more readily with the derivative
 
 
 @register_dataclass
 @dataclass(frozen=True)
 class LineSmoother:
-    """The factors of a tridiagonal matrix for each line; by_jacobi, (n, n): 1 where the change is not spread."""
+    """The factors of a tridiagonal matrix for each line.
+
+    by_jacobi, by_spread: (n, n), 1 where a change stays at its node and where it is spread, 0 elsewhere.
+    """
 
     factors: Factors
     by_jacobi: Array
+    by_spread: Array
     rate: Array
     drift_over_spacing: Array
     phase: Array
@@ -50,21 +56,8 @@ class LineSmoother:
 
     def change(self, r: Array) -> Array:
         d = tridiagonal.solve(self.factors, r)
-        together = multigrid.spread(DISTRIBUTIVE_DAMPING * (1.0 - self.by_jacobi) * d, self.even)
+        together = multigrid.spread(DISTRIBUTIVE_DAMPING * self.by_spread * d, self.by_spread, self.even)
         return JACOBI_DAMPING * self.by_jacobi * d + together
-
-
-class _Pattern(NamedTuple):
-    """The effect of a change at a node on its own line, at a distance of 0, 1 and 2 nodes."""
-
-    deformation: tuple[Array, Array, Array]
-    change: tuple[float, float, float]
-
-
-class _Flow(NamedTuple):
-    rate: Array
-    drift_over_spacing: Array
-    phase: Array
 
 
 def line_smoother(
@@ -74,27 +67,54 @@ def line_smoother(
     rate, drift, phase = (jnp.asarray(f, multigrid.in_precision(c.free.dtype, f)) for f in (rate, drift, phase))
     flow, size = _Flow(rate, drift / elastic.spacing, phase), jnp.abs(rate)
     # the derivative multiplies short waves by 1/spacing, long ones by one
-    by_jacobi = multigrid.diffusion_rules(elastic, c, size + flow.drift_over_spacing, size + drift).astype(c.free.dtype)
-    factors = tridiagonal.factorise(*_bands(elastic, c, by_jacobi, flow))
-    return LineSmoother(factors, by_jacobi * c.free, *flow, elastic.even)
+    short, long = (size + flow.drift_over_spacing) * elastic.near[0, 0], size + drift
+    stiffness = (SHORT_WAVES * short + LONG_WAVES * long) * c.stretch
+    jacobi = face_sum(c.eps, elastic.even) / elastic.spacing**2 > stiffness
+    by_jacobi, by_spread = jacobi * c.free, ~jacobi * c.free
+    factors = tridiagonal.factorise(*_bands(elastic, c, by_spread, flow))
+    return LineSmoother(factors, by_jacobi, by_spread, *flow, elastic.even)
 
 
-def _bands(elastic: Elasticity, c: Coefficients, by_jacobi: Array, flow: _Flow) -> tuple[Array, Array, Array]:
+class _Flow(NamedTuple):
+    rate: Array
+    drift_over_spacing: Array
+    phase: Array
+
+
+class _Pattern(NamedTuple):
+    """A change of one at a node: the changes of its neighbours upstream, downstream, and on both sides together."""
+
+    upstream: Array
+    downstream: Array
+    beside: Array
+
+    def at(self, k: int) -> Array | float:
+        """The change k nodes downstream on the line."""
+        if abs(k) == 1:
+            return self.downstream if k == 1 else self.upstream
+        return 1.0 if k == 0 else 0.0
+
+    def deformation(self, K: Array, k: int) -> Array:
+        """The deformation k nodes downstream on the line."""
+        on_line = K[0, abs(k)] + self.upstream * K[0, abs(k + 1)] + self.downstream * K[0, abs(k - 1)]
+        return on_line + self.beside * K[1, abs(k)]
+
+
+def _bands(elastic: Elasticity, c: Coefficients, by_spread: Array, flow: _Flow) -> tuple[Array, Array, Array]:
     """The operator's three bands on each line; each node has its own kind of change."""
-    K, own, along = elastic.near, *_diffusion(elastic, c)
-    alone = _Pattern((K[0, 0], K[0, 1], K[0, 2]), (1.0, 0.0, 0.0))
-    spread = _Pattern((_spread(K, 0), _spread(K, 1), _spread(K, 2)), (1.0, -0.25, 0.0))
+    p = extended(by_spread, elastic.even)
+    pattern = _Pattern(*(-0.25 * by_spread * near for near in (p[1:-1, :-2], p[1:-1, 2:], p[:-2, 1:-1] + p[2:, 1:-1])))
+    own, upstream = _diffusion(elastic, c)
 
-    def coupling(k: int, diffusion_alone: Array, diffusion_spread: Array) -> Array:
+    def coupling(k: int) -> Array:
         """The entry in row i, column i - k: the change is k nodes upstream."""
-        kind = _shifted(by_jacobi, k)
-        return kind * (diffusion_alone + _carried(c, alone, k, flow)) + (1.0 - kind) * (
-            diffusion_spread + _carried(c, spread, k, flow)
-        )
+        change, before, after = (_shifted(pattern.at(j) * c.free, k) for j in (k, k - 1, k + 1))
+        diffused = own * change - upstream * before - _downstream(upstream) * after
+        return diffused + _carried(elastic, c, pattern, k, flow)
 
-    lower = coupling(1, -along, -along - 0.25 * own) * c.free
-    upper = coupling(-1, -_downstream(along), -_downstream(along) - 0.25 * own) * c.free
-    return lower, jnp.where(c.free > 0.0, coupling(0, own, 1.25 * own), 1.0), upper
+    across = 0.5 * (own - upstream - _downstream(upstream)) * pattern.beside  # from the neighbours on other lines
+    diagonal = jnp.where(c.free > 0.0, coupling(0) - across, 1.0)
+    return coupling(1) * c.free, diagonal, coupling(-1) * c.free
 
 
 def _diffusion(elastic: Elasticity, c: Coefficients) -> tuple[Array, Array]:
@@ -103,16 +123,12 @@ def _diffusion(elastic: Elasticity, c: Coefficients) -> tuple[Array, Array]:
     return own / elastic.spacing**2, upstream / elastic.spacing**2
 
 
-def _spread(K: Array, k: int) -> Array:
-    """The deformation k nodes away along the line from a change that is spread as (1; -1/4)."""
-    return K[0, k] - 0.25 * (K[0, abs(k - 1)] + K[0, k + 1] + 2.0 * K[1, k])
-
-
-def _carried(c: Coefficients, pattern: _Pattern, k: int, flow: _Flow) -> Array:
+def _carried(elastic: Elasticity, c: Coefficients, pattern: _Pattern, k: int, flow: _Flow) -> Array:
     """(rate + drift d/dX)(stretch K + local), k nodes downstream of a change."""
 
     def mass(k: int) -> Array:
-        return c.stretch * pattern.deformation[abs(k)] + c.local * pattern.change[abs(k)]
+        change, deformation = (_shifted(f, k) for f in (pattern.at(k) * c.free, pattern.deformation(elastic.near, k)))
+        return c.stretch * deformation + c.local * change
 
     def slope(k: int) -> Array:
         return flow.drift_over_spacing * (mass(k) - flow.phase * _upstream(mass(k - 1)))

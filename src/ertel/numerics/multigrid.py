@@ -7,7 +7,8 @@ On every grid the operator is
 eps has values along X and along Y (`stencils.Pair`).  It is almost zero inside a contact, where the elastic deformation
 K e dominates, and very large outside, where diffusion dominates.  The smoother is chosen node by node: Jacobi where
 diffusion dominates, distributive Jacobi where the deformation dominates.  Distributive Jacobi spreads a change as
-(1; -1/4 to the four neighbours); the deformation of such a change is short-ranged.
+(1; -1/4 to the four neighbours); the deformation of such a change is short-ranged.  Only neighbours that are smoothed
+in the same way take a share: where diffusion dominates, it would leave a residual far larger than the one it removes.
 
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
@@ -31,7 +32,10 @@ from ertel.numerics.symmetry import extended
 JACOBI_DAMPING = 0.8
 DISTRIBUTIVE_DAMPING = 0.7
 SPREAD_DIFFUSION = 2.0  # 1.25 is the diagonal, but the shortest wave has 4 and would grow where eps is large
-SHORT_WAVES, LONG_WAVES = 0.3, 0.03  # Jacobi where diffusion exceeds these shares of the deformation's stiffness
+LEAST_DIAGONAL = 0.2  # of that of constant eps, is kept where eps rises with e
+# Jacobi where diffusion exceeds these shares of the deformation's stiffness for short and for long waves.  Jacobi
+# amplifies long waves by the ratio of their deformation (of order one on every grid) to the diffusion
+SHORT_WAVES, LONG_WAVES = 0.3, 0.03
 
 
 @register_dataclass
@@ -52,12 +56,16 @@ class Elasticity:
 
 
 class Coefficients(NamedTuple):
-    """The operator's coefficients on one grid, each of the grid's shape; free is 1 where e may be non-zero."""
+    """The operator's coefficients on one grid, each of the grid's shape; free is 1 where e may be non-zero.
+
+    steepening: what the change of eps with e adds to the diagonal.  Only the finest grid's own operator has it.
+    """
 
     eps: Pair
     stretch: Array
     local: Array
     free: Array
+    steepening: Array | float = 0.0
 
 
 class Smoother(Protocol):
@@ -80,10 +88,14 @@ class Smoother(Protocol):
 @register_dataclass
 @dataclass(frozen=True)
 class PointSmoother:
-    """Smoother for single nodes: the inverse diagonals of the two kinds of change (zero where not in use)."""
+    """Smoother for single nodes: the inverse diagonals of the two kinds of change (zero where not in use).
+
+    by_spread: 1 where the change is spread, 0 elsewhere.
+    """
 
     jacobi: Array
     distributive: Array
+    by_spread: Array
     even: Even = field(default=WHOLE, metadata={"static": True})
     sweeps: int = field(default=1, metadata={"static": True})
 
@@ -91,7 +103,7 @@ class PointSmoother:
         return mass
 
     def change(self, r: Array) -> Array:
-        return self.jacobi * r + spread(self.distributive * r, self.even)
+        return self.jacobi * r + spread(self.distributive * r, self.by_spread, self.even)
 
 
 Operator = Callable[[Array, Array], Array]  # a linear map of e and its deformation K e
@@ -125,12 +137,13 @@ def _elasticity(grid: Grid, compliance: float, dtype: str) -> Elasticity:
 
 def point_smoother(elastic: Elasticity, c: Coefficients) -> PointSmoother:
     """The smoother for an operator without a derivative along X."""
-    by_jacobi, K = diffusion_rules(elastic, c), elastic.near
-    faces = face_sum(c.eps, elastic.even) / elastic.spacing**2
-    jacobi = JACOBI_DAMPING / (faces + c.stretch * K[0, 0] + c.local)
-    distributive = DISTRIBUTIVE_DAMPING / (SPREAD_DIFFUSION * faces + c.stretch * (K[0, 0] - K[0, 1]) + c.local)
-    alone, together = jnp.where(by_jacobi, jacobi, 0.0), jnp.where(by_jacobi, 0.0, distributive)
-    return PointSmoother(alone * c.free, together * c.free, elastic.even)
+    K, faces = elastic.near, face_sum(c.eps, elastic.even) / elastic.spacing**2
+    by_jacobi = faces > (SHORT_WAVES * K[0, 0] + LONG_WAVES) * c.stretch
+    diffused = jnp.maximum(faces + c.steepening, LEAST_DIAGONAL * faces)
+    jacobi = JACOBI_DAMPING / (diffused + c.stretch * K[0, 0] + c.local)
+    distributive = DISTRIBUTIVE_DAMPING / (SPREAD_DIFFUSION * diffused + c.stretch * (K[0, 0] - K[0, 1]) + c.local)
+    alone, together = by_jacobi * c.free, ~by_jacobi * c.free
+    return PointSmoother(alone * jacobi, together * distributive, together, elastic.even)
 
 
 def hierarchy(
@@ -150,17 +163,8 @@ def hierarchy(
         levels.append(GridLevel(e, coefficients, smooth, operator or partial(_operate, e, coefficients, smooth)))
         operator = None
         eps = tree.map(partial(restrict, even=e.even, beyond="edge"), coefficients.eps)
-        coefficients = Coefficients(eps, *(c[::2, ::2] for c in coefficients[1:]))
+        coefficients = Coefficients(eps, *(c[::2, ::2] for c in coefficients[1:4]))
     return *levels[:-1], replace(levels[-1], inverse=_inverse(levels[-1]))
-
-
-def diffusion_rules(
-    elastic: Elasticity, c: Coefficients, short: Array | float = 1.0, long: Array | float = 1.0
-) -> Array:
-    """Where Jacobi smooths: diffusion exceeds stretch times the deformation of short (long) waves times its share."""
-    # Jacobi amplifies long waves by the ratio of their deformation (of order one on every grid) to the diffusion
-    stiffness = SHORT_WAVES * elastic.near[0, 0] * short + LONG_WAVES * long
-    return face_sum(c.eps, elastic.even) / elastic.spacing**2 > stiffness * c.stretch
 
 
 def _operate(elastic: Elasticity, c: Coefficients, smoother: Smoother, e: Array, Ke: Array) -> Array:
@@ -252,10 +256,10 @@ def _inverse(level: GridLevel) -> Array:
     return jnp.linalg.inv(matrix.astype(jnp.promote_types(matrix.dtype, "float64"))).astype(matrix.dtype)
 
 
-def spread(d: Array, even: Even = WHOLE) -> Array:
-    """The distributive change: d at the node, -d/4 at each of its four neighbours."""
+def spread(d: Array, receives: Array | float = 1.0, even: Even = WHOLE) -> Array:
+    """The distributive change: d at the node, -d/4 at each of its four neighbours that receives (1, others 0)."""
     p = extended(d, even)
-    return d - 0.25 * ((p[:-2, 1:-1] + p[2:, 1:-1]) + (p[1:-1, :-2] + p[1:-1, 2:]))
+    return d - 0.25 * receives * ((p[:-2, 1:-1] + p[2:, 1:-1]) + (p[1:-1, :-2] + p[1:-1, 2:]))
 
 
 @partial(jax.jit, static_argnames=("even", "beyond"))  # one tracing for each shape

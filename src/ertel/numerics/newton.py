@@ -58,13 +58,14 @@ NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
 class Solution(NamedTuple):
     """P and H, both (n, n); the maximum residual in units of the tolerance; whether it converged; the work.
 
-    history: the maximum residual before the first and after each Newton iteration, shape (newton_limit + 1,), padded
-    with NaN.
+    left: the residual that is left over, zero where P is held at zero, shape (n, n).  history: the maximum
+    residual before the first and after each Newton iteration, shape (newton_limit + 1,), padded with NaN.
     """
 
     P: Array
     H: Array
     s: Array
+    left: Array
     residual: Array
     converged: Array
     newton: Array
@@ -109,7 +110,9 @@ def solve(
     forcing = jnp.full_like(start, options.first_reduction)
     first = _Iterate(P, H, s, start, zero, zero, history, forcing)
     last = jax.lax.while_loop(system.is_unsolved, system.improve, first)
-    return Solution(last.P, last.H, last.s, last.size, last.size <= 1.0, last.newton, last.krylov, last.history)
+    r = residual(last.P, last.H)
+    left = _free(last.P, r) * r
+    return Solution(last.P, last.H, last.s, left, last.size, last.size <= 1.0, last.newton, last.krylov, last.history)
 
 
 @dataclass(frozen=True)

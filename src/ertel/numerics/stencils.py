@@ -51,6 +51,14 @@ def face_sum(eps: Pair, even: Even = WHOLE) -> Array:
     return total
 
 
+def curvature(c: Pair, f: Array, even: Even = WHOLE) -> Array:
+    """c_x d2f/dX2 + c_y d2f/dY2 on unit spacing; f is zero beyond the edge."""
+    p = extended(f, even)
+    along_x, along_y = p[1:-1, :-2] + p[1:-1, 2:], p[:-2, 1:-1] + p[2:, 1:-1]
+    total: Array = c.x * (along_x - 2.0 * f) + c.y * (along_y - 2.0 * f)
+    return total
+
+
 def _beyond(eps: Pair, even: Even) -> Pair:
     """The coefficient with one more node on every side."""
     found: Pair = tree.map(partial(extended, even=even, beyond="edge"), eps)

@@ -9,6 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 LINE_NABLA = 0.6076  # nabla1/nabla2 of the same wavelength, contact half width and alpha_bar lambda_bar
+LINE_1997 = (
+    0.17,
+    0.03,
+)  # Venner CH, Couhier F, Lubrecht AA, Greenwood JA. Proc Leeds-Lyon 1996 (1997:103-112), eq. (5)
+LINE_REFIT = (0.125, 0.04)  # a later fit, as quoted in the later literature; where it was first given is not known here
 
 
 def ratio_left(nabla2: ArrayLike, ratio: float = 1.0) -> NDArray[np.float64]:
@@ -27,15 +32,14 @@ def ratio_left(nabla2: ArrayLike, ratio: float = 1.0) -> NDArray[np.float64]:
     return np.asarray(1.0 / (1.0 + 0.15 * n + 0.015 * n**2))
 
 
-def in_line_contact(nabla2: ArrayLike) -> NDArray[np.float64]:
-    """A_d/A_i = 1/(1 + 0.125 nabla1 + 0.04 nabla1^2): transverse waviness in a line contact under pure rolling.
+def in_line_contact(nabla2: ArrayLike, coefficients: tuple[float, float] = LINE_1997) -> NDArray[np.float64]:
+    """A_d/A_i = 1/(1 + c1 nabla1 + c2 nabla1^2): transverse waviness in a line contact under pure rolling.
 
-    Source: Venner CH, Couhier F, Lubrecht AA, Greenwood JA. Proc Leeds-Lyon 1996 (1997:103-112).  There nabla1 =
-    (wavelength/b) M^{3/4}/L^{1/2} with the line contact's M and L.  The coefficients are taken from later citations;
-    the original text was not checked.
+    coefficients: (c1, c2), those published first, `LINE_1997`, or those of the later fit, `LINE_REFIT`.  nabla1 =
+    (wavelength/b) M^{3/4}/L^{1/2} with the line contact's M and L (source as `LINE_1997`).
 
     A line contact has alpha_bar lambda_bar = (3 pi^2/8)/sqrt(2 pi) L/M^{3/2}.  Therefore nabla1 = 0.608 nabla2 =
     1.215 (wavelength/b)/sqrt(alpha_bar lambda_bar).
     """
-    n = LINE_NABLA * np.asarray(nabla2, dtype=float)
-    return np.asarray(1.0 / (1.0 + 0.125 * n + 0.04 * n**2))
+    n, (linear, quadratic) = LINE_NABLA * np.asarray(nabla2, dtype=float), coefficients
+    return np.asarray(1.0 / (1.0 + linear * n + quadratic * n**2))

@@ -36,6 +36,14 @@ class Signal(Protocol):
         """Bounds of the values from 0 to `until`."""
         ...
 
+    def knots(self) -> tuple[float, ...]:
+        """The times at which the slope jumps, rising."""
+        ...
+
+    def shortest_period(self) -> float:
+        """The period; infinite if the signal does not repeat."""
+        ...
+
 
 @dataclass(frozen=True)
 class Polyline:
@@ -49,21 +57,27 @@ class Polyline:
             raise ValueError(f"points = {list(self.points)}: must be [T, value] with rising T")
 
     @property
-    def _knots(self) -> tuple[tuple[float, float], ...]:
+    def _plain(self) -> tuple[tuple[float, float], ...]:
         return tuple((plain(T), value) for T, value in self.points)
 
     def __call__(self, T: float) -> float:
-        times, values = zip(*self._knots, strict=True)
+        times, values = zip(*self._plain, strict=True)
         return float(np.interp(T, times, values))
 
     def integral(self, T: float) -> float:
         # the trapezium rule is exact between 0, the points and T
-        knots = sorted({0.0, T, *(t for t, _ in self._knots if min(0.0, T) < t < max(0.0, T))}, reverse=bool(T < 0))
+        knots = sorted({0.0, T, *(t for t, _ in self._plain if min(0.0, T) < t < max(0.0, T))}, reverse=bool(T < 0))
         return sum((late - early) * (self(early) + self(late)) / 2 for early, late in pairwise(knots))
 
     def range(self, until: float) -> tuple[float, float]:
-        values = [self(0.0), self(until), *(v for T, v in self._knots if 0.0 < T < until)]
+        values = [self(0.0), self(until), *(v for T, v in self._plain if 0.0 < T < until)]
         return min(values), max(values)
+
+    def knots(self) -> tuple[float, ...]:
+        return tuple(T for T, _ in self._plain) if len(self.points) > 1 else ()
+
+    def shortest_period(self) -> float:
+        return inf
 
 
 @dataclass(frozen=True)
@@ -88,6 +102,12 @@ class Oscillation:
 
     def range(self, until: float) -> tuple[float, float]:
         return self.mean - abs(self.amplitude), self.mean + abs(self.amplitude)
+
+    def knots(self) -> tuple[float, ...]:
+        return ()
+
+    def shortest_period(self) -> float:
+        return plain(self.period)
 
 
 def reversed_sign(signal: Signal) -> Signal:
@@ -129,6 +149,17 @@ class Motion:
     def flows(self) -> bool:
         """Whether the entrainment speed is non-zero at any time."""
         return any(self.entrainment.range(inf))
+
+    def next_knot(self, T: float) -> float:
+        """The first time after T at which the slope of the load or of the entrainment jumps; infinite if none."""
+        return min(
+            (knot for signal in (self.load, self.entrainment) for knot in signal.knots() if knot > T), default=inf
+        )
+
+    @property
+    def shortest_period(self) -> float:
+        """The shorter period of the load and the entrainment; infinite if neither oscillates."""
+        return min(self.load.shortest_period(), self.entrainment.shortest_period())
 
     def travel(self, surface: Surface, T: float) -> float:
         """Distance that a surface has moved along X since T = 0, in units a."""

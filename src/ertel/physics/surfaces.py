@@ -24,8 +24,9 @@ Array = Any  # NumPy arrays that broadcast
 class Shape(Protocol):
     """A height as a function of position on a surface.
 
-    It may have two more properties.  `even` says whether it is even in Y and in X; if so, only a half or a quarter of
+    It may have three more properties.  `even` says whether it is even in Y and in X; if so, only a half or a quarter of
     the plane is computed.  `size` is the width of its finest detail (a); ertel warns if the grid does not resolve it.
+    `axisymmetric` says whether its height depends only on the distance from (0, 0).
     """
 
     def heights(self, X: Array, Y: Array) -> Array: ...
@@ -102,6 +103,10 @@ class RingWaviness:
     def even(self) -> tuple[bool, bool]:
         return plain(self.y) == 0, plain(self.x) == 0
 
+    @property
+    def axisymmetric(self) -> bool:
+        return plain(self.x) == plain(self.y) == 0
+
     def heights(self, X: Array, Y: Array) -> Array:
         r = np.hypot(X - plain(self.x), Y - plain(self.y))
         return plain(self.amplitude) * np.cos(2 * np.pi * r / plain(self.wavelength) + self.phase)
@@ -136,6 +141,10 @@ class Spot:
     def even(self) -> tuple[bool, bool]:
         return plain(self.y) == 0, plain(self.x) == 0
 
+    @property
+    def axisymmetric(self) -> bool:
+        return plain(self.x) == plain(self.y) == 0
+
     def heights(self, X: Array, Y: Array) -> Array:
         r = np.hypot(X - plain(self.x), Y - plain(self.y)) / (1.2 * plain(self.radius))
         at_centre = -plain(self.depth) if self.depth is not None else plain(self.height or 0.0)
@@ -159,6 +168,11 @@ def even(features: Sequence[Feature]) -> tuple[bool, bool]:
     """Whether all features are even in Y and whether all are even in X (while they do not move)."""
     each = [getattr(feature.shape, "even", (False, False)) for feature in features]
     return all(y for y, _ in each), all(x for _, x in each)
+
+
+def axisymmetric(features: Sequence[Feature]) -> bool:
+    """Whether all features are the same in all directions from (0, 0) (while they do not move)."""
+    return all(getattr(feature.shape, "axisymmetric", False) for feature in features)
 
 
 def height(features: Sequence[Feature], motion: Motion, T: float, X: Array, Y: Array) -> Array:

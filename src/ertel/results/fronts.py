@@ -85,7 +85,8 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
 
 def _front_by_film(data: xr.Dataset) -> tuple[Values, Values]:
     loaded = data["P_max"].values > LOADED_FRONT * float(data["P_max"].max())
-    return data["time"].values, np.where(loaded, data["X_min"].values, np.nan)
+    radius = np.hypot(data["X_min"].values, data["Y_min"].values)
+    return data["time"].values, np.where(loaded, radius, np.nan)
 
 
 def _front_by_pressure(data: xr.Dataset, fall: Callable[[Values, Values, float], float]) -> tuple[Values, Values]:

@@ -8,6 +8,7 @@ from ertel.results.kinds import KINDS, Errors, Kind
 from ertel.results.variables import VARIABLES, with_prefix
 
 KEY = ("H_c", "H_min", "P_max")
+EXTREMES = {"H_min": "thinnest film of the run", "P_max": "highest pressure of the run"}
 HEAD = ("quantity", "symbol", "value", "in SI", "error")
 
 
@@ -59,6 +60,26 @@ def _number(name: str, value: float, kind: Kind, si: Mapping[str, float], errors
     )
 
 
+def extreme_lines(summary: Mapping[str, Any]) -> Iterator[str]:
+    """The extremes of a run in time, one a line: value, time, place, and what is to be said of it."""
+    kind = KINDS[summary["kind"]]
+    in_si = summary.get("si", {}).get("extremes", {})
+    for name, one in summary.get("extremes", {}).items():
+        si = in_si.get(name, {})
+        n = _number(name, one["value"], kind, si, {})
+        known = f"{n.si} ({n.value})" if n.si else n.value
+        note = f"; {one['note']}" if one["note"] else ""
+        yield f"{EXTREMES[name]} {name}: {known} at {_where(one, si, kind.unit('a*'))}{note}"
+
+
+def _where(one: Mapping[str, Any], si: Mapping[str, float], unit: str) -> str:
+    """Time and place of an extreme."""
+    if si:
+        t, x, y = with_prefix(si["t_s"], "s"), with_prefix(si["x_m"], "m"), with_prefix(si["y_m"], "m")
+        return f"t = {t} (T = {one['T']:.4g}), x = {x}, y = {y}"
+    return f"T = {one['T']:.4g} t0, X = {one['X']:.3g}, Y = {one['Y']:.3g} {unit}"
+
+
 def lines(summary: Mapping[str, Any]) -> Iterator[str]:
     """A summary in a few lines of text, indented."""
     yield f"  {summary['kind']} ({summary['method']}), M = {summary['M']:.4g}, L = {summary['L']:.4g}"
@@ -69,6 +90,7 @@ def lines(summary: Mapping[str, Any]) -> Iterator[str]:
         known = f"{n.si} ({n.value})" if n.si else n.value
         name = f"{n.label} {n.symbol}".ljust(wide + 1)
         yield f"    {name}  {known}" + (f", error {n.error}" if n.error else "")
+    yield from (f"  {line}" for line in extreme_lines(summary))
     for warning in summary["warnings"]:
         yield f"  warning: {warning}"
 
@@ -83,6 +105,7 @@ def html_table(summary: Mapping[str, Any], heading: str = "") -> str:
     if numbers:
         rows = [_html_row("td", [number[column] for column in used]) for number in numbers]
         parts.append(f"<table>{_html_row('th', [HEAD[column] for column in used])}{''.join(rows)}</table>")
+    parts += [f"<div>{escape(line)}</div>" for line in extreme_lines(summary)]
     parts += [f"<div>Warning: {escape(warning)}</div>" for warning in summary["warnings"]]
     return f"<div>{''.join(parts)}</div>"
 

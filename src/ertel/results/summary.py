@@ -15,6 +15,7 @@ from ertel.physics.film_formulas import Film
 from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.scales import HamrockDowson, Parameters
 from ertel.results import diagnostics, variables
+from ertel.results.extremes import extremes, in_si
 from ertel.results.parameters import parameters_of, scales_of, ugw_of
 
 
@@ -38,6 +39,7 @@ def impact_summary(
 ) -> dict[str, Any]:
     """The outcome of an impact as plain data: parameters, values at maximum approach, restitution, work, status.
 
+    `extremes` has the thinnest film and the highest pressure of the whole run, see `extremes.extremes`.
     All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.
 
     Parameters
@@ -58,12 +60,13 @@ def impact_summary(
         **_heading(case),
         "max_approach": reached,
         "restitution": restitution(data),
+        "extremes": extremes(data),
         **work,
         "status": status.value,
         "warnings": diagnostics.impact_warnings(case, data),
     }
     si = si_summary(case, reached)
-    return content if si is None else {**content, "si": si}
+    return content if si is None else {**content, "si": {**si, "extremes": _extremes_in_si(case, content)}}
 
 
 def rolling_summary(
@@ -74,6 +77,7 @@ def rolling_summary(
 ) -> dict[str, Any]:
     """The outcome of rolling in time: T and the values at the last time, otherwise as in `steady_summary`.
 
+    `extremes` has the thinnest film and the highest pressure of the run.
     The errors of the films need a second run, see `rolling_with_error`.  Parameters as in `impact_summary`.
     """
     names = ("time", "F", *variables.MEASURED)
@@ -81,7 +85,8 @@ def rolling_summary(
     measured = {"T": last.pop("time", None), **dict.fromkeys(variables.MEASURED), **last}
     F = measured.pop("F", None)
     measured["load"] = None if F is None else F * HERTZ_LOAD
-    return _rolling_summary(case, measured, {}, work, status, diagnostics.rolling_warnings(case, data))
+    said = diagnostics.rolling_warnings(case, data)
+    return _rolling_summary(case, measured, {}, {"extremes": extremes(data), **work}, status, said)
 
 
 def steady_summary(
@@ -125,7 +130,7 @@ def _rolling_summary(
     case: Case,
     measured: Mapping[str, float | None],
     estimates: Mapping[str, float],
-    work: Mapping[str, float],
+    work: Mapping[str, Any],
     status: Status,
     said: list[str],
 ) -> dict[str, Any]:
@@ -149,14 +154,21 @@ def _with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
         key: content[key] for key in content if key.startswith(variables.FILMS) or key in ("T", *variables.MEASURED)
     }
     approach = variables.in_si({"Delta": values.pop("Delta")}, case.scales)["delta_m"]
-    si = {**scales_of(case), "approach_m": approach, **variables.in_si(values, case.scales)}
+    si: dict[str, Any] = {**scales_of(case), "approach_m": approach, **variables.in_si(values, case.scales)}
+    if "extremes" in content:
+        si["extremes"] = _extremes_in_si(case, content)
     return {**content, "si": si}
+
+
+def _extremes_in_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
+    assert case.scales is not None
+    return in_si(content["extremes"], case.scales)
 
 
 def si_summary(case: Case, max_approach: Mapping[str, float] | None) -> dict[str, object] | None:
     """An impact's summary in SI: the scales and the values at maximum approach; None for a dimensionless case.
 
-    Names end with their unit: t_s, delta_m, f_N, p_c_Pa, p_max_Pa, h_c_m, h_min_m, x_min_m.
+    Names end with their unit: t_s, delta_m, f_N, p_c_Pa, p_max_Pa, h_c_m, h_min_m, x_min_m, y_min_m.
     """
     if case.scales is None:
         return None

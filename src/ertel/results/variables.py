@@ -23,7 +23,8 @@ EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because
 class Variable:
     """What a name stands for.
 
-    unit: what 1 is, in words.  scale, share: in SI 1 is `share` times the attribute `scale` of `Scales`.
+    unit: what 1 is, in words.  scale, share: in SI 1 is `share` times the attribute `scale` of `Scales`.  comment: what
+    a user must know besides.
     """
 
     long_name: str
@@ -33,14 +34,15 @@ class Variable:
     si_name: str = ""
     si_units: str = ""
     share: float = 1.0
+    comment: str = ""
 
     def factor(self, scales: Scales) -> float:
         """What 1 is in SI."""
         return float(getattr(scales, self.scale)) * self.share
 
 
-def _length(long_name: str, symbol: str) -> Variable:
-    return Variable(long_name, symbol, "a*", "a", symbol.lower(), "m")
+def _length(long_name: str, symbol: str, comment: str = "") -> Variable:
+    return Variable(long_name, symbol, "a*", "a", symbol.lower(), "m", comment=comment)
 
 
 def _film(long_name: str, symbol: str, si_name: str) -> Variable:
@@ -55,6 +57,7 @@ def _time(long_name: str, symbol: str) -> Variable:
     return Variable(long_name, symbol, "t0", "t0", symbol.replace("T", "t"), "s")
 
 
+RING = "in an axisymmetric contact the place is a ring: X is its radius, Y is 0"
 AXES: Mapping[str, Variable] = {
     "time": _time("time", "T"),
     "frame": _time("time of a map", "T"),
@@ -73,8 +76,11 @@ SCALARS: Mapping[str, Variable] = {
     "P_max": _pressure("maximum pressure", "P_max"),
     "H_c": _film("central film thickness", "H_c", "h_c"),
     "H_min": _film("minimum film thickness", "H_min", "h_min"),
-    "X_min": _length("place of the minimum film thickness", "X_min"),  # smooth impact: its radius
-    "Y_min": _length("place of the minimum film thickness across the flow", "Y_min"),
+    "X_P_max": _length("place of the maximum pressure along x", "X_P_max", RING),
+    "Y_P_max": _length("place of the maximum pressure along y", "Y_P_max", RING),
+    "P_fall": Variable("fall of the pressure from its maximum to the next nodes", "1 - P_next/P_max"),
+    "X_min": _length("place of the minimum film thickness along x", "X_min", RING),
+    "Y_min": _length("place of the minimum film thickness along y", "Y_min", RING),
     "U": Variable("entrainment", "U", "a*/t0", "front_speed", "u_m", "m/s"),
     "w": Variable("applied load", "w", "F*", "load", "w", "N"),
     "error": Variable("local time error of the step", "error", "time.tolerance"),
@@ -96,7 +102,7 @@ EVENT = Variable("why the map was kept", "event")
 VARIABLES: Mapping[str, Variable] = {**AXES, **SCALARS, **FIELDS, **OF_A_GRID, "event": EVENT}
 FILMS = ("H_c", "H_min")  # that have an error estimate
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
-AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min")  # of a summary
+AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min")  # of a summary
 
 
 def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
@@ -105,6 +111,8 @@ def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
     attributes: dict[str, object] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
     if variable.unit != "1":
         attributes["in_units_of"] = variable.unit
+    if variable.comment:
+        attributes["comment"] = variable.comment
     if variable is EVENT:
         attributes |= {"flag_values": list(range(len(EVENTS))), "flag_meanings": " ".join(e or "time" for e in EVENTS)}
     if scales and variable.scale:

@@ -34,7 +34,7 @@ from ertel.numerics import krylov, multigrid
 from ertel.numerics.grid import Even
 from ertel.numerics.line_smoother import LineSmoother, line_smoother
 from ertel.numerics.multigrid import Coefficients, Elasticity
-from ertel.numerics.stencils import Pair, inside, upstream_slope
+from ertel.numerics.stencils import Pair, curvature, inside, upstream_slope
 from ertel.solvers import nonlinear
 from ertel.solvers.preconditioner import PRECISION
 
@@ -187,5 +187,6 @@ def _levels(film: LinearFilm, elastic: tuple[Elasticity, ...], frequency: Number
         phase, rate = jnp.where(holds, jnp.exp(-1j * turn), 1.0), jnp.where(holds, 0.0, 1j * omega)
         return line_smoother(e, c, rate, film.entrainment, phase)
 
-    finest = Coefficients(film.eps, film.by_H.mass, film.by_P.mass, film.free)
+    steepening = -0.5 * curvature(film.by_P.eps, film.P, film.even) / film.spacing**2  # see `preconditioner.levels`
+    finest = Coefficients(film.eps, film.by_H.mass, film.by_P.mass, film.free, steepening)
     return multigrid.hierarchy(elastic, finest, smoother, film.residual)

@@ -78,7 +78,8 @@ def solve(problem: Problem, P: Array, approach: Number) -> tuple[newton.Solution
     solution = newton.solve(
         residual, closed.film_change, inverse, P, closed.H, problem.tolerance, problem.options, closed.border
     )
-    return solution._replace(P=turned(solution.P), H=turned(solution.H)), closed.approach(solution)
+    fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
+    return solution._replace(**fields), closed.approach(solution)
 
 
 def _along_its_flow(problem: Problem) -> Problem:

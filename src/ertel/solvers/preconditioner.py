@@ -54,6 +54,8 @@ def levels(
     one, zero = jnp.ones_like(P), jnp.zeros_like(P)
     (mass, eps), by_P = jax.jvp(laws, (P, H), (one, zero))
     _, by_H = jax.jvp(laws, (P, H), (zero, one))
+    # where the pressure is curved, as at the foot of a spike, this is several times the diagonal of eps alone
+    steepening = -0.5 * stencils.curvature(by_P[1], P, c.even) / c.spacing**2
 
     def balance(mass: Array, eps: Pair, P: Array) -> Array:
         return contact.balance(mass, eps, P, Rate(new, 0.0, wedge), spacing, c.even)
@@ -63,8 +65,9 @@ def levels(
         return change(dmass, deps, e)
 
     single = partial(jnp.asarray, dtype=elastic[0].spectrum.dtype)
-    mass, eps, by_P, by_H, P, free = tree.map(single, (mass, eps, by_P, by_H, P, stencils.inside(free, c.even)))
+    fields = (mass, eps, by_P, by_H, P, steepening, stencils.inside(free, c.even))
+    mass, eps, by_P, by_H, P, steepening, free = tree.map(single, fields)
     rate, new, wedge, spacing = tree.map(single, (rate, problem.rate.new, problem.rate.wedge, c.spacing))
     _, change = jax.linearize(balance, mass, eps, P)
-    finest = multigrid.Coefficients(eps, rate * by_H[0], rate * by_P[0], free)
+    finest = multigrid.Coefficients(eps, rate * by_H[0], rate * by_P[0], free, steepening)
     return multigrid.hierarchy(elastic, finest, smoother, jacobian)

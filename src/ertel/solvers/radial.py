@@ -259,12 +259,15 @@ class RadialImpact(Method):
         return float(self.mesh.load @ P)
 
     def measure(self, level: State) -> dict[str, float]:
-        """F (units of the dry maximum load), P_c, P_max, H_c, H_min, X_min, Y_min."""
-        P, H = np.asarray(level.P), np.asarray(level.H)
-        X_min, H_min = lowest_point(self.coordinates["r"], H)
+        """See `Method.measure`; places are radii."""
+        P, H, r = np.asarray(level.P), np.asarray(level.H), self.coordinates["r"]
+        X_min, H_min = lowest_point(r, H)
         F = self.load(level.P) / CIRCLE.hertz_load
         films = {"H_c": float(H[0]), "H_min": H_min, "X_min": X_min, "Y_min": 0.0}
-        return {"F": F, "P_c": float(P[0]), "P_max": float(P.max()), **films}
+        i = int(P.argmax())
+        fall = 1 - (P[abs(i - 1)] + P[i + 1]) / (2 * P[i]) if P[i] > 0 else 0.0  # P is even in r
+        peak = {"P_max": float(P[i]), "X_P_max": float(r[i]), "Y_P_max": 0.0, "P_fall": float(fall)}
+        return {"F": F, "P_c": float(P[0]), **peak, **films}
 
     def whole(self, field: Array) -> Array:
         """The field itself."""

@@ -1,4 +1,4 @@
-"""Steady rolling on the 2-D grid: `contact`'s residual where the past is the film upstream, a given load, coarse grid first.
+"""Steady rolling on the 2-D grid: `contact`'s residual where the past is the film upstream, with a given load.
 
 The unknowns are P and the approach Delta; Newton's iteration solves for both.  A solution on a coarse grid is the first
 guess on the next finer grid (nested iteration), and gives an error estimate of the film thickness at no extra cost.

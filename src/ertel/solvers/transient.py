@@ -32,6 +32,7 @@ from ertel.solvers.preconditioner import PRECISION, line_preconditioner, point_p
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
+LARGEST_REST = 20.0  # tolerances of time, may be left over in the film of a step: more would rule the size of the steps
 # Krylov: 3 or 4 are needed, and each has its two fields.  Newton: cavitation advances a node in one iteration
 OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
 
@@ -84,7 +85,7 @@ class Transient2D(Method):
     with the case's load and inertia unless another is given.
     """
 
-    controlled = ("H",)
+    controlled = ("mass",)
 
     def __init__(self, case: Case, closure: Closure | None = None):
         self.case = case
@@ -96,6 +97,10 @@ class Transient2D(Method):
         self.preconditioner = line_preconditioner if case.motion.flows else point_preconditioner
         self.elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
+        time = case.schedule
+        self.tolerance = case.solver.tolerance
+        if not time.step:
+            self.tolerance = min(self.tolerance, LARGEST_REST * time.tolerance)
 
     def start(self) -> State:
         """The separated bodies approaching with unit speed, without pressure; or the steady film at T = 0."""
@@ -103,13 +108,14 @@ class Transient2D(Method):
 
     @cached_property
     def _first(self) -> State:
+        c = self.contact_at(0.0)
         if not self.case.starts_apart:
             rolling = steady.steady(self.case)
             s = rolling.finest
             work = Work(s.newton, s.krylov, rolling.convolutions)
-            return State(0.0, s.approach, 0.0, {"P": s.P, "H": s.H}, s.status, work)
-        c, approach = self.contact_at(0.0), self.case.schedule.start_approach
-        fields = {"P": jnp.zeros(self.grid.shape), "H": c.gap - approach}  # nothing is deformed yet
+            return State(0.0, s.approach, 0.0, _fields(c, s.P, s.H), s.status, work)
+        approach = self.case.schedule.start_approach
+        fields = _fields(c, jnp.zeros(self.grid.shape), c.gap - approach)  # nothing is deformed yet
         return State(0.0, approach, 1.0, fields, work=Work(convolutions=1.0))
 
     def contact_at(self, T: float) -> Contact:
@@ -149,7 +155,7 @@ class Transient2D(Method):
             _pad(rates),
             line,
             self.flow(T, [*times, times[-1]][:2]),
-            self.case.solver.tolerance,
+            self.tolerance,
             self.case.film_scale,
             nonlinear.eliminated if line.approach_weight else nonlinear.bordered,
             self.preconditioner,
@@ -166,11 +172,12 @@ class Transient2D(Method):
         return solve_step(problem)
 
     def measure(self, level: State) -> dict[str, float]:
-        """Load, pressures, film thicknesses; without entrainment X_min is the radius of H_min."""
+        """See `Method.measure`."""
         values = measure(self.grid, level.P, level.H)
         values["F"] = values.pop("load") / self.geometry.hertz_load
-        if not self.case.motion.flows:
-            values |= {"X_min": float(np.hypot(values["X_min"], values["Y_min"])), "Y_min": 0.0}
+        if self.case.is_axisymmetric:
+            for X, Y in (("X_min", "Y_min"), ("X_P_max", "Y_P_max")):
+                values |= {X: float(np.hypot(values[X], values[Y])), Y: 0.0}
         return values
 
     def whole(self, field: Array) -> Array:
@@ -178,12 +185,21 @@ class Transient2D(Method):
         return unfolded(field, self.grid.even)
 
     def error(self, new: State, predicted: Mapping[str, Array]) -> float:
-        """That of the film."""
-        return self.film_error(new.H, predicted["H"], new.P)
+        """That of the mass, in units of film: unlike H it is free of what Newton's iteration leaves over."""
+        return self.film_error(new.fields["mass"], predicted["mass"], new.P)
 
     def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
         """Relative difference of two films, root mean square over the load that P carries."""
         return float(_film_error(H, H_predicted, P, THIN * self.case.film_scale, self.grid.even))
+
+
+def _fields(c: Contact, P: Array, H: Array, left: Array | float = 0.0) -> dict[str, Array]:
+    """The fields of a level.  left: the mass that is left over at each node when the equations are solved.
+
+    The field "mass" is rho H less that rest, so it solves Reynolds' equation exactly.  It is the past of the next
+    steps: they bring the rest into the film, and it does not add up from step to step.
+    """
+    return {"P": P, "H": H, "mass": contact.mass(c, P, H) - left}
 
 
 def _pad(weights: np.ndarray) -> np.ndarray:
@@ -200,13 +216,13 @@ def _film_error(H: Array, H_predicted: Array, P: Array, thin: float, even: Even)
 def solve_step(p: StepProblem) -> StepSolution:
     """The fields and Delta after one step."""
     P_old, H_old = p.past["P"], p.past["H"]
-    rate = rate_in_time(p.rates, contact.mass(p.contact, P_old[:2], H_old[:2]), p.flow, p.contact.spacing)
+    rate = rate_in_time(p.rates, p.past["mass"][:2], p.flow, p.contact.spacing)
     P = jnp.tensordot(p.predict, P_old, axes=1)
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # A free boundary retreats in one iteration but advances one node per iteration.  So the prediction limits the fall.
     P = jnp.maximum(P, STEEPEST_FALL * P_old[0])
-    # a residual r adds r/rates[0] to the film in this step
-    allowed = p.tolerance * p.rates[0] * (p.film_scale + jnp.abs(H_old[0]))
+    # a residual r leaves the mass r/rate.new over in this step
+    allowed = p.tolerance * rate.new * (p.film_scale + jnp.abs(H_old[0]))
     problem = Problem(
         p.contact,
         p.elastic,
@@ -219,4 +235,4 @@ def solve_step(p: StepProblem) -> StepSolution:
         p.options,
     )
     s, approach = nonlinear.solve(problem, P, p.approach)
-    return StepSolution({"P": s.P, "H": s.H}, approach, s.converged, s.newton, s.krylov)
+    return StepSolution(_fields(p.contact, s.P, s.H, s.left / rate.new), approach, s.converged, s.newton, s.krylov)

@@ -63,7 +63,7 @@ def shaped_impact(M: float, L: float, shapes: Sequence[Shaped], nodes: int, oil:
     if data.attrs["status"] != "converged":
         raise RuntimeError(f"M = {M}, L = {L}, {oil}, {nodes} nodes: {data.attrs['status']}")
     along = [_along(data, *shape, dH / height) for shape, dH in zip(shapes, data["dH"].values, strict=True)]
-    line = data[["H", "dH", "X_min", "P_max"]].drop_vars("roughness").sel(Y=0.0, method="nearest")
+    line = data[["H", "dH", "X_min", "Y_min", "P_max"]].drop_vars("roughness").sel(Y=0.0, method="nearest")
     found = line.assign(dH=line["dH"] / height, along=(("wave", "X"), np.stack(along)))
     return found.assign_coords(wave=[shape_name(*shape) for shape in shapes]).drop_attrs().load()
 

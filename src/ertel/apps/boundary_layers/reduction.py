@@ -28,6 +28,11 @@ from ertel.apps.boundary_layers.plans import Plan, half
 from ertel.apps.boundary_layers.smooth import FORMED, Results, new_figure
 from ertel.apps.boundary_layers.waves import check_tasks, impact_tasks, rolling_tasks, twin_tasks
 
+LINE_CONTACT = {
+    "line contact (1997)": amplitude_reduction.LINE_1997,
+    "line contact (later fit)": amplitude_reduction.LINE_REFIT,
+}
+
 
 def tasks(plan: Plan) -> list[sweep.Task]:
     """The runs of Fig. 6."""
@@ -109,11 +114,12 @@ def _draw(found: Found) -> Figure:
 
 
 def draw_curves(axes: Axes) -> None:
-    """Eq. (15) and the curve of the line contact, for nabla2 = 0.4 to 20."""
+    """Eq. (15) and the curves of the line contact, for nabla2 = 0.4 to 20."""
     n = np.geomspace(0.3, 30, 200)
-    line_contact = amplitude_reduction.in_line_contact(n)
     axes.semilogx(n, amplitude_reduction.ratio_left(n), color="black", label="(15), isotropic")
-    axes.semilogx(n, line_contact, color=plots.GREY, linestyle="--", label="line contact, transverse")
+    for (name, coefficients), style in zip(LINE_CONTACT.items(), ("--", ":"), strict=True):
+        line_contact = amplitude_reduction.in_line_contact(n, coefficients)
+        axes.semilogx(n, line_contact, color=plots.GREY, linestyle=style, label=f"transverse, {name}")
     axes.set(ylim=(0, 1.1), xlim=(0.4, 20), ylabel="$A_d/A_i$")
     axes.set_xticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
 
@@ -212,7 +218,7 @@ def _scatter_table(found: Found) -> DataFrame:
 def _about(values: Sequence[float], nabla2: Sequence[float], own: waves.Reduction) -> dict[str, str]:
     curves = {
         "isotropic (15)": amplitude_reduction.ratio_left(nabla2),
-        "line contact": amplitude_reduction.in_line_contact(nabla2),
+        **{name: amplitude_reduction.in_line_contact(nabla2, c) for name, c in LINE_CONTACT.items()},
         "fitted to rolling": own.ratio(nabla2),
     }
     return {name: scatter(values, curve).text() for name, curve in curves.items()}

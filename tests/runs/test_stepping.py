@@ -1,0 +1,100 @@
+"""Time steps end where they must: on the knots of signals, several times a period, at the end; maps are kept once."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from cases import BARUS, course_with, rolled, steps_of
+
+from ertel.model.case import Case
+from ertel.model.sections import SOLVERS, Drive, Output, Time
+from ertel.model.state import Method, State, Stepping
+from ertel.physics.motion import Oscillation, Polyline, Signal
+from ertel.physics.scales import Parameters
+from ertel.runs.drive import Gathering, drive
+
+PULSE = Polyline(((0.0, 1.0), (1.0, 1.0), (1.02, 3.0), (1.04, 1.0)))
+
+
+class LikeTheLoad(Method):
+    """A contact whose approach and film are the load of the moment: every step is exact and costs nothing."""
+
+    def __init__(self, case: Case):
+        self.load = case.motion.load
+        self.coordinates, self.controlled = {"Y": np.zeros(1), "X": np.zeros(1)}, ("H",)
+
+    def _state(self, T: float) -> State:
+        field = np.full((1, 1), self.load(T))
+        return State(T, self.load(T), 0.0, {"P": field, "H": field})
+
+    def start(self) -> State:
+        return self._state(0.0)
+
+    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
+        return self._state(levels[0].T + step)
+        yield
+
+    def solve(self, problem: object) -> object:
+        raise AssertionError("there is nothing to solve")
+
+    def measure(self, level: State) -> dict[str, float]:
+        names = ("F", "P_c", "P_max", "X_P_max", "Y_P_max", "P_fall", "H_c", "H_min", "X_min", "Y_min")
+        return dict.fromkeys(names, float(level.H[0, 0]))
+
+    def whole(self, field: object) -> object:
+        return field
+
+    def error(self, new: State, predicted: object) -> float:
+        return float(abs(new.H - predicted["H"]).max())  # type: ignore[index]
+
+
+def rolling(time: Time, output: Output | None = None, load: Signal | None = None, speed: Signal | None = None) -> Case:
+    case = rolled(Parameters.from_moes(20, 5), BARUS, SOLVERS["transient"], Drive(load, speed), time=time)
+    return case if output is None else Case(case.contact, case.oil, case.solver, case.drive, (), time, output)
+
+
+def times(case: Case) -> np.ndarray:
+    return np.array([step.record["T"] for step in steps_of(case, LikeTheLoad(case))])
+
+
+@pytest.mark.parametrize("step", [None, 0.03])
+@pytest.mark.parametrize("name", ["load", "speed"])
+def test_steps_end_on_the_knots_of_a_signal(name: str, step: float | None) -> None:
+    """A pulse between two steps would not be felt at all."""
+    T = times(rolling(Time(until=2.0, step=step), **{name: PULSE}))
+    for knot in (1.0, 1.02, 1.04, 2.0):
+        assert np.abs(T - knot).min() < 1e-12
+
+
+def test_no_very_short_step_goes_before_a_knot() -> None:
+    """The way to it is divided evenly instead."""
+    T = times(rolling(Time(until=2.0), speed=Polyline(((0.0, 1.0), (1.0301, 1.0), (1.2, 0.9)))))
+    assert np.abs(T - 1.0301).min() < 1e-12
+    assert np.diff(T[T > 0.2]).min() > 0.04
+
+
+def test_a_pulse_is_felt() -> None:
+    case = rolling(Time(until=2.0), load=PULSE)
+    steps = steps_of(case, LikeTheLoad(case))
+    assert max(step.record["w"] for step in steps) == 3.0
+    assert sum(step.record["rejected"] for step in steps) < 20
+
+
+def test_a_short_period_bounds_the_step() -> None:
+    """Also where the steps would fall on the same phase of every period, so that the swing is not seen."""
+    T = times(rolling(Time(until=1.0, tolerance=0.5), load=Oscillation(1.0, 0.5, 0.1)))
+    assert np.diff(T).max() <= 0.1 / 16 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("interval", [0.1, 0.25])
+@pytest.mark.parametrize("step", [None, 0.05])
+def test_the_last_map_is_kept_once(interval: float, step: float | None) -> None:
+    case = rolling(Time(until=1.5, step=step), Output(interval=interval))
+    course = course_with(case, LikeTheLoad(case))
+    gathering = Gathering(course)
+    drive(course, [gathering])
+    frames = gathering.frames
+    assert [frame.event for frame in frames][-2:] == ["", "end"]
+    assert frames[-1].T == pytest.approx(1.5, rel=1e-12)
+    assert len(frames) == round(1.5 / interval) + 1
+    assert np.diff([frame.T for frame in frames]).min() > 0.9 * interval
