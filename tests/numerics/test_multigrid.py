@@ -162,6 +162,17 @@ def test_a_spread_change_deforms_only_nearby() -> None:
     assert fall(multigrid.spread(d)) == pytest.approx(3, abs=0.2)
 
 
+def test_nothing_is_spread_to_where_diffusion_dominates() -> None:
+    """There, a share of a change would leave a residual far larger than the one it removes."""
+    level = levels_of(65, impact_like(65))[0]
+    alone = np.asarray(level.smoother.jacobi) > 0
+    soft = ~alone & (np.asarray(level.coefficients.free) > 0)
+    change = np.asarray(level.smoother.change(jnp.asarray(soft.astype(float))))
+    assert alone.any() and soft.any()
+    assert np.all(change[alone] == 0.0)
+    assert np.any(change[soft] != 0.0)
+
+
 def test_multilevel_integration_is_near_the_sum() -> None:
     """Of the worst there is, a random field, within 0.3; of a smooth one far nearer, and more so on fine grids."""
 
