@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from jax import Array
 
 from ertel.numerics import halfspace, multigrid
-from ertel.numerics.grid import Grid
+from ertel.numerics.grid import WHOLE, Grid
 from ertel.numerics.multigrid import Coefficients, GridLevel
 from ertel.numerics.stencils import Pair
 from ertel.physics.geometry import COMPLIANCE
@@ -197,3 +197,11 @@ def test_smooth_prolongation_is_exact_for_cubics_inside() -> None:
     fine = np.linspace(-1, 1, 17)
     found = np.asarray(multigrid.prolong_smooth(jnp.asarray(x[None, :] ** 3 + x[:, None] ** 2)))
     np.testing.assert_allclose(found[2:-2, 2:-2], (fine[None, :] ** 3 + fine[:, None] ** 2)[2:-2, 2:-2], atol=1e-12)
+
+
+def test_lowest_mean_is_a_bound_that_sees_the_neighbourhood() -> None:
+    field = jnp.ones((33, 33)).at[16, 16].set(-100.0)
+    least = np.asarray(multigrid.lowest_mean(field, WHOLE, 2))
+    assert np.all(least <= np.asarray(field))
+    assert np.all(least[14:19, 14:19] < 0) and np.all(least[:8] > 0)
+    np.testing.assert_allclose(multigrid.lowest_mean(jnp.ones((33, 33)), WHOLE, 2)[4:-4, 4:-4], 1.0)
