@@ -1,7 +1,7 @@
 """Time steps on the 2-D grid: one BDF step of `contact`'s residual, for impact, rolling, and both combined."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -11,14 +11,14 @@ import numpy as np
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.model import contact, discretise
+from ertel.model import contact, discretise, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.model.case import Case
 from ertel.model.contact import Contact, Rate
 from ertel.model.measure import measure
 from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
-from ertel.numerics import bdf, multigrid, newton
+from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Even, check_grid
 from ertel.numerics.multigrid import Elasticity
@@ -41,13 +41,15 @@ class StepProblem:
 
     past: fields of the last three levels, newest first, each of shape (3, n, n).  predict, rates: weights of the
     prediction and of the time derivative (for the new level, and the last two), both of shape (3,).  approach: the
-    predicted Delta.  elastic: the deformation operators of the preconditioner's grids.
+    predicted Delta.  edge: P on the edge of the grid, zero inside.  elastic: the deformation operators of the
+    preconditioner's grids.
     """
 
     contact: Contact
     elastic: tuple[Elasticity, ...]
     past: Mapping[str, Array]
     approach: float
+    edge: Array
     predict: Weights
     rates: Weights
     line: ClosureLine
@@ -89,6 +91,7 @@ class Transient2D(Method):
         check_grid(self.grid)
         self.geometry = discretise.geometry_of(case)
         self.contact = discretise.smooth_contact(case, self.grid)
+        self.outside = discretise.outside_of(case, self.grid)
         self.closure = closure or NewtonsLaw.of(case.motion)
         self.preconditioner = line_preconditioner if case.motion.flows else point_preconditioner
         self.elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
@@ -100,7 +103,7 @@ class Transient2D(Method):
             rolling = steady.steady(self.case)
             s = rolling.finest
             work = Work(s.newton, s.krylov, rolling.convolutions)
-            return State(0.0, s.approach, 0.0, {"P": s.P, "H": s.H}, s.status, work)
+            return State(0.0, s.approach, 0.0, {"P": s.P, "H": s.H}, s.status, work, s.outside)
         c, approach = self.contact_at(0.0), self.case.schedule.start_approach
         fields = {"P": jnp.zeros(self.grid.shape), "H": c.gap - approach}  # nothing is deformed yet
         return State(0.0, approach, 1.0, fields, work=Work(convolutions=1.0))
@@ -118,15 +121,19 @@ class Transient2D(Method):
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
         padded = [*levels, *[levels[-1]] * 2][:3]  # one shape, so one compilation, whatever the history
         predict = bdf.interpolation_weights(T, times)
+        entrainment = self.case.motion.entrainment(T)
+        around = self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], entrainment))
+        surfaces, line = self.contact_at(T), line.less(around.load)
         solution: StepSolution = yield StepProblem(
-            self.contact_at(T),
+            replace(surfaces, gap=surfaces.gap + around.uplift),
             self.elastic,
             stacked(padded),
             float(predict @ approaches),
+            around.edge,
             _pad(predict),
             _pad(rates),
             line,
-            self.case.motion.entrainment(T),
+            entrainment,
             self.case.solver.tolerance,
             self.case.film_scale,
             nonlinear.eliminated if line.approach_weight else nonlinear.bordered,
@@ -137,7 +144,7 @@ class Transient2D(Method):
         velocity = self.closure.velocity(T, rates, approach, approaches)
         status = Status.CONVERGED if bool(solution.converged) else Status.NEWTON_STALLED
         work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
-        return State(T, approach, velocity, solution.fields, status, work)
+        return State(T, approach, velocity, solution.fields, status, work, around.load)
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
@@ -146,10 +153,14 @@ class Transient2D(Method):
     def measure(self, level: State) -> dict[str, float]:
         """Load, pressures, film thicknesses; without entrainment X_min is the radius of H_min."""
         values = measure(self.grid, level.P, level.H)
-        values["F"] = values.pop("load") / self.geometry.hertz_load
+        values["F"] = (values.pop("load") + level.outside) / self.geometry.hertz_load
         if not self.case.motion.flows:
             values |= {"X_min": float(np.hypot(values["X_min"], values["Y_min"])), "Y_min": 0.0}
         return values
+
+    def carried(self, level: State) -> float:
+        """F, with the load of the oil outside, in units of Hertz' load."""
+        return (float(contact.load(self.contact, level.P)) + level.outside) / self.geometry.hertz_load
 
     def whole(self, field: Array) -> Array:
         """A field of a level on the whole plane."""
@@ -183,7 +194,7 @@ def solve_step(p: StepProblem) -> StepSolution:
     P = jnp.tensordot(p.predict, P_old, axes=1)
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # A free boundary retreats in one iteration but advances one node per iteration.  So the prediction limits the fall.
-    P = jnp.maximum(P, STEEPEST_FALL * P_old[0])
+    P = stencils.edged(jnp.maximum(P, STEEPEST_FALL * P_old[0]), p.edge, p.contact.even)
     # a residual r adds r/rates[0] to the film in this step
     allowed = p.tolerance * p.rates[0] * (p.film_scale + jnp.abs(H_old[0]))
     problem = Problem(
