@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
+from jax import Array
 from numpy.typing import NDArray
 
 from ertel.model.state import State, combined
@@ -26,7 +28,7 @@ class Surroundings(NamedTuple):
     it causes at the centre, taken as uniform.
     """
 
-    edge: Floats
+    edge: Array
     load: float
     uplift: float
 
@@ -52,7 +54,7 @@ class Outside:
         edge = self._pressure(self.is_edge, motion)
         forces = area * far_field.pressure(X, Y, motion, self.lambda_bar)
         uplift = self.compliance * float((forces / np.hypot(X, Y)).sum())
-        return Surroundings(edge, float(forces.sum()), uplift)
+        return Surroundings(jnp.asarray(edge), float(forces.sum()), uplift)
 
     def guess(self, motion: Motion) -> Floats:
         """A guess of P on the grid where it is far from the contact, zero elsewhere."""

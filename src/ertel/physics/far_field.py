@@ -18,7 +18,7 @@ from ertel.physics.geometry import COMPLIANCE, HERTZ_LOAD
 Floats = NDArray[np.float64]
 
 NEAREST = 2.0  # distance from which the formulas hold
-SHARE_OF_DEFORMATION = 8.0 / 5.0  # weight of a rate of H that falls as 1/r: integral of 1/H^3 against r/(2 H^3), H = r^2/2
+SHARE_OF_DEFORMATION = 8.0 / 5.0  # weight of a rate of H that falls as 1/r: 1/H^3 against r/(2 H^3), H = r^2/2
 
 
 class Motion(NamedTuple):

@@ -159,7 +159,7 @@ def outflow(eq: Equations, P: Array, H: Array) -> Array:
 
 
 def residual(eq: Equations, P: Array, H: Array) -> Array:
-    """Reynolds' equation (1), squeeze + div(flux), averaged over each ring; zero on the outer node, where P is known."""
+    """Reynolds' equation (1), squeeze + div(flux), averaged over each ring; zero on the outer node."""
     squeeze = eq.rate * eq.oil.density(P) * H + eq.past
     divergence = jnp.diff(outflow(eq, P, H), prepend=0.0) / eq.mesh.volume[:-1]
     return squeeze.at[:-1].add(divergence).at[-1].set(0.0)
