@@ -25,6 +25,7 @@ from ertel.results.summary import (
     rolling_with_error,
     steady_summary,
 )
+from ertel.runs.comparisons import comparisons
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
@@ -90,12 +91,12 @@ class Course(Protocol):
         ...
 
     @property
-    def half_grid(self) -> "Course | None":
-        """The course with twice the spacing, for an error estimate; None if the run has its own estimate."""
+    def comparisons(self) -> "Mapping[str, Course]":
+        """The courses with which this one is compared for its error, by the part of the error that they tell."""
         ...
 
-    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-        """The summary with the errors estimated from the summary of the coarser grid."""
+    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+        """The summary with the errors estimated from the summaries of the comparisons."""
         ...
 
 
@@ -188,13 +189,13 @@ class TransientCourse(ABC):
         """The summary, from the counts of all work."""
 
     @abstractmethod
-    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
+    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         """See `Course`."""
 
     @property
-    def half_grid(self) -> "TransientCourse":
-        case = self.case.on_half_grid()
-        return type(self)(case, method_of(case), self.limits)
+    def comparisons(self) -> Mapping[str, Course]:
+        cases = comparisons(self.case).items()
+        return {name: type(self)(case, method_of(case), self.limits) for name, case in cases}
 
 
 class ImpactCourse(TransientCourse):
@@ -203,8 +204,8 @@ class ImpactCourse(TransientCourse):
     def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
         return impact_summary(self.case, data, last.state.max_approach, counts, status)
 
-    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-        return impact_with_error(self.case, fine, coarse)
+    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+        return impact_with_error(fine, others)
 
 
 class RollingCourse(TransientCourse):
@@ -213,8 +214,8 @@ class RollingCourse(TransientCourse):
     def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
         return rolling_summary(self.case, data, counts, status)
 
-    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-        return rolling_with_error(self.case, fine, coarse)
+    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+        return rolling_with_error(self.case, fine, others)
 
 
 # -- steady -----------------------------------------------------------------------------------------------------------
@@ -301,11 +302,11 @@ class SteadyCourse:
         return steady_summary(self.case, last.solutions, work, status)
 
     @property
-    def half_grid(self) -> None:
-        return None
+    def comparisons(self) -> Mapping[str, Course]:
+        return {name: SteadyCourse(case) for name, case in comparisons(self.case).items()}
 
-    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-        return dict(fine)
+    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+        return rolling_with_error(self.case, fine, others)
 
 
 def _grid_numbers(grid: Grid) -> tuple[float, ...]:

@@ -93,14 +93,20 @@ class Solution(NamedTuple):
 def radii(nodes: int, half_width: float) -> Floats:
     """Nodes from 0 to half_width, finest at the edge of the contact; the spacing grows linearly to both sides."""
 
-    def evenly(distance: float, widening: float) -> float:
-        return float(np.log1p(widening * distance)) / widening
-
-    s = np.linspace(-evenly(EDGE, WIDENING_INSIDE), evenly(half_width - EDGE, WIDENING_OUTSIDE), nodes)
+    s = np.linspace(-_evenly(EDGE, WIDENING_INSIDE), _evenly(half_width - EDGE, WIDENING_OUTSIDE), nodes)
     inside = EDGE - np.expm1(-WIDENING_INSIDE * np.minimum(s, 0.0)) / WIDENING_INSIDE
     r = inside + np.expm1(WIDENING_OUTSIDE * np.maximum(s, 0.0)) / WIDENING_OUTSIDE
     r[0], r[-1] = 0.0, half_width  # free of round-off
     return r
+
+
+def _evenly(distance: float, widening: float) -> float:
+    return float(np.log1p(widening * distance)) / widening
+
+
+def extent(half_width: float) -> float:
+    """The distance from 0 to half_width in units in which the nodes are evenly spaced."""
+    return _evenly(EDGE, WIDENING_INSIDE) + _evenly(half_width - EDGE, WIDENING_OUTSIDE)
 
 
 def mesh(r: Floats) -> Mesh:
