@@ -633,4 +633,4 @@ def test_a_default_domain_depends_on_the_load_however_it_is_given() -> None:
 
 def test_a_missing_viscosity_is_named_before_the_domain_is_chosen() -> None:
     with pytest.raises(ValueError, match=r"lubricant\.eta0: missing"):
-        half_width({"radius": "10 mm", "mass": "30 g", "speed": "0.1 m/s", "E_prime": "200 GPa"})
+        half_width(BALL)

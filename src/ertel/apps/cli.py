@@ -41,7 +41,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
 Estimate = Annotated[
     bool,
-    typer.Option("--error", help="Run also on the half grid, in larger steps and on a wider domain: the error."),
+    typer.Option("--error", help="Run also on the half grid, in smaller steps and on a wider domain: the error."),
 ]
 
 

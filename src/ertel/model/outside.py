@@ -56,6 +56,10 @@ class Outside:
         uplift = self.compliance * float((forces / np.hypot(X, Y)).sum())
         return Surroundings(jnp.asarray(edge), float(forces.sum()), uplift)
 
+    def at_first(self, motion: Motion) -> Floats:
+        """P on the grid while the surfaces are apart."""
+        return far_field.at_first(self.X, self.Y, motion, self.lambda_bar)
+
     def guess(self, motion: Motion) -> Floats:
         """A guess of P on the grid where it is far from the contact, zero elsewhere."""
         return self._pressure(self.is_edge | (np.hypot(self.X, self.Y) >= far_field.NEAREST), motion)

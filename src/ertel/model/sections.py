@@ -56,7 +56,7 @@ def half_width_at(half_width: float, M: float) -> float:
     within 0.2 % of a far wider domain.
     """
     factor: float = min(max(1.0, (WIDE_BELOW / M) ** (2 / 3)), WIDEST)
-    return ceil(4 * half_width * factor) / 4
+    return ceil(4 * half_width * factor - 1e-6) / 4  # M = 100 itself, free of round-off
 
 
 @dataclass(frozen=True)

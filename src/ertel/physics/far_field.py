@@ -54,3 +54,10 @@ def pressure(X: Floats, Y: Floats, motion: Motion, lambda_bar: float) -> Floats:
     r = np.hypot(X, Y)
     flow = squeeze(r, motion) / 4 - motion.entrainment * X / 5
     return np.maximum(lambda_bar * flow / film_thickness(r, motion) ** 2, 0.0)
+
+
+def at_first(X: Floats, Y: Floats, motion: Motion, lambda_bar: float) -> Floats:
+    """P everywhere while the surfaces are apart and rigid; below a film sqrt(lambda_bar) they would give way."""
+    film = (X**2 + Y**2) / 2 - motion.approach
+    flow = motion.velocity / 4 - motion.entrainment * X / 5
+    return np.maximum(lambda_bar * flow / np.maximum(film**2, lambda_bar), 0.0)

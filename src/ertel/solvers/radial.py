@@ -26,6 +26,7 @@ from ertel.model.pytrees import traceable
 from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf
+from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.rheology import NEWTONIAN, Rheology
@@ -236,10 +237,11 @@ class RadialImpact(Method):
         self.coordinates = {"r": np.asarray(self.mesh.r)}
 
     def start(self) -> State:
-        """The separated ball approaching with unit speed, without pressure."""
-        r = self.mesh.r
-        fields = {"P": jnp.zeros_like(r), "H": CIRCLE.gap(r, 0.0) - self.start_approach}
-        return State(0.0, self.start_approach, 1.0, fields)
+        """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
+        motion = Motion(self.start_approach, 1.0, 0.0, 0.0)
+        around, P = self.outside.at(motion), jnp.asarray(self.outside.at_first(motion))
+        H = CIRCLE.gap(self.mesh.r, 0.0) - self.start_approach + self.mesh.kernel @ P + around.uplift
+        return State(0.0, self.start_approach, 1.0, {"P": P, "H": H}, outside=around.load)
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         """One BDF step (BDF1 from one level, BDF2 from more), newest level first: yields one `Problem`."""

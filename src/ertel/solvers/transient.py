@@ -23,6 +23,7 @@ from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Even, check_grid
 from ertel.numerics.multigrid import Elasticity
 from ertel.numerics.symmetry import total, unfolded
+from ertel.physics.far_field import Motion
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import Close, Preconditioner, Problem
 from ertel.solvers.preconditioner import PRECISION, line_preconditioner, point_preconditioner
@@ -98,15 +99,17 @@ class Transient2D(Method):
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
 
     def start(self) -> State:
-        """The separated bodies approaching with unit speed, without pressure; or the steady film at T = 0."""
+        """The separated bodies approaching with unit speed, the oil squeezed; or the steady film at T = 0."""
         if not self.case.starts_apart:
             rolling = steady.steady(self.case)
             s = rolling.finest
             work = Work(s.newton, s.krylov, rolling.convolutions)
             return State(0.0, s.approach, 0.0, {"P": s.P, "H": s.H}, s.status, work, s.outside)
-        c, approach = self.contact_at(0.0), self.case.schedule.start_approach
-        fields = {"P": jnp.zeros(self.grid.shape), "H": c.gap - approach}  # nothing is deformed yet
-        return State(0.0, approach, 1.0, fields, work=Work(convolutions=1.0))
+        motion = Motion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
+        around, P = self.outside.at(motion), jnp.asarray(self.outside.at_first(motion))
+        H = contact.film_thickness(self.contact_at(0.0), P, motion.approach) + around.uplift
+        work = Work(convolutions=1.0)
+        return State(0.0, motion.approach, 1.0, {"P": P, "H": H}, work=work, outside=around.load)
 
     def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
