@@ -183,12 +183,12 @@ def test_error_estimate(small):
     assert list(summary["error_estimate"]) == ["H_c", "H_min", "Delta_max"]
     H_c = summary["error_estimate"]["H_c"]
     fine, coarse = summary["max_approach"]["H_c"], half["max_approach"]["H_c"]
-    assert H_c == {
-        "value": fine,
-        "half_grid": coarse,
-        "error": abs(fine - coarse) / 3,
-        "extrapolated": fine + (fine - coarse) / 3,
-    }
+    assert H_c["value"] == fine
+    assert H_c["grid"] == pytest.approx((fine - coarse) / 3, rel=1e-12)
+    parts = [H_c[part] for part in ("grid", "time", "domain")]
+    assert H_c["extrapolated"] == pytest.approx(fine + sum(parts), rel=1e-12)
+    assert abs(H_c[H_c["dominant"]]) == max(abs(part) for part in parts)
+    assert f"The largest error is of H_c that of the {H_c['dominant']}" in ertel_("show", "fine").stdout
     assert "extrapolated" in ertel_("show", "fine").stdout
 
 

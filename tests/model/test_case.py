@@ -16,6 +16,7 @@ from ertel.model.sections import SOLVERS, Drive, Output, Solver, Time
 from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Isoviscous, Oil, Roelands
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, Signal, constant
 from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
+from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
 from ertel.physics.units import HEIGHT, WIDTH, Amount, Quantity
 
@@ -608,3 +609,28 @@ def test_reading_refuses_what_it_does_not_know() -> None:
         Case.from_data({"contact": MOES, "schema": 2})
     with pytest.raises(ValueError, match=r"^contact\.M: missing"):
         Case.from_data({})
+
+
+# -- the default domain -----------------------------------------------------------------------------------------------
+
+
+def half_width(contact: dict[str, Any], **solver: Any) -> float:
+    return Case.from_data({"contact": contact, "solver": solver}).solver.half_width
+
+
+@pytest.mark.parametrize(("M", "expected"), [(1e4, 2.0), (100, 2.0), (50, 3.25), (20, 6.0), (1, 8.0)])
+def test_the_default_domain_of_an_impact_widens_at_low_loads(M: float, expected: float) -> None:
+    assert half_width({"M": M, "L": 5}) == expected
+    assert half_width({"M": M, "L": 5}, half_width=2.5) == 2.5
+    assert half_width({"M": M, "L": 5}, method="radial") == pytest.approx(2 * expected, abs=0.26)
+    assert half_width({"kind": "rolling", "M": M, "L": 5}) == 3.0
+
+
+def test_a_default_domain_depends_on_the_load_however_it_is_given() -> None:
+    p = Parameters.from_moes(30.0, 5.0)
+    assert half_width({"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar}) == half_width({"M": 30, "L": 5}) > 2
+
+
+def test_a_missing_viscosity_is_named_before_the_domain_is_chosen() -> None:
+    with pytest.raises(ValueError, match=r"lubricant\.eta0: missing"):
+        half_width(BALL)

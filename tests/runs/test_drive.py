@@ -226,15 +226,18 @@ def test_warnings_speak_where_they_should() -> None:
     assert good.summary["warnings"] == []
 
 
-def test_error_estimate_is_exact_for_a_second_order_error() -> None:
-    def at(h):
-        values = {"H_c": 0.07 + 3 * h**2, "H_min": 0.01 - h**2, "Delta": 0.96 + h**2}
-        return {"max_approach": values}
+def test_error_estimate_is_exact_for_the_orders_that_it_assumes() -> None:
+    def at(h: float, step: float, width: float) -> dict[str, Any]:
+        H_c = 0.07 + 3 * h**2 - 2 * step**2 + 0.01 / width**3
+        return {"max_approach": {"H_c": H_c, "H_min": 0.01 - h**2, "Delta": 0.96 + h**2 + 0.05 / width**3}}
 
-    case = short()
-    estimate = summary.impact_with_error(case, at(0.01), at(0.02))["error_estimate"]
-    assert estimate["H_c"]["extrapolated"] == pytest.approx(0.07, rel=1e-12)
-    assert estimate["H_c"]["error"] == pytest.approx(3e-4, rel=1e-9)
-    assert estimate["H_min"]["extrapolated"] == pytest.approx(0.01, rel=1e-12)
-    assert estimate["Delta_max"]["value"] == 0.96 + 1e-4
-    assert summary.impact_with_error(case, at(0.01), {"max_approach": None})["error_estimate"] is None
+    fine = at(0.01, 0.01, 2.0)
+    others = {"grid": at(0.02, 0.01, 2.0), "time": at(0.02, 0.01 * 0.5**0.5, 2.0), "domain": at(0.02, 0.01, 3.0)}
+    found = summary.impact_with_error(fine, others)["error_estimate"]
+    assert found["H_c"]["extrapolated"] == pytest.approx(0.07, rel=1e-12)
+    parts = {"grid": -3e-4, "time": 2e-4, "domain": -0.00125}
+    assert {name: found["H_c"][name] for name in parts} == pytest.approx(parts, rel=1e-9)
+    assert found["H_c"]["error"] == pytest.approx(sum(part**2 for part in parts.values()) ** 0.5, rel=1e-9)
+    assert [found[name]["dominant"] for name in ("H_c", "H_min", "Delta_max")] == ["domain", "grid", "domain"]
+    assert found["Delta_max"]["value"] == fine["max_approach"]["Delta"]
+    assert summary.impact_with_error(fine, {**others, "time": {"max_approach": None}})["error_estimate"] is None

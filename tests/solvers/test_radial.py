@@ -26,7 +26,8 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
 from ertel.results.result import Result
-from ertel.runs.drive import simulate
+from ertel.runs.courses import ImpactCourse
+from ertel.runs.drive import Gathering, drive, simulate
 from ertel.solvers import radial
 from ertel.solvers.radial import RadialImpact
 
@@ -301,7 +302,8 @@ def test_measure_takes_the_smallest_film_between_the_nodes() -> None:
     assert found["F"] == pytest.approx(1.0, rel=1e-2) and found["P_c"] == found["P_max"] == 1.0
     assert found["H_c"] == H[0]
     apart = method.measure(method.start())
-    assert (apart["F"], apart["H_min"], apart["X_min"]) == (0.0, 1.0, 0.0)
+    assert apart["F"] == pytest.approx(0.75 * 0.01, rel=5e-3)  # of a rigid ball: pi lambda_bar V/(2 H) in units 2 pi/3
+    assert (apart["H_min"], apart["X_min"]) == (pytest.approx(1.0, abs=0.005), 0.0)
 
 
 def test_the_film_error_is_relative_and_counts_only_under_load() -> None:
@@ -366,6 +368,15 @@ FILM_AT_X = {  # of the same file: H at maximum approach, X = 0.25, 0.5, 0.7, 0.
 }
 
 
+def alone(case: Case) -> Result:
+    """The result with P = 0 at the edge, as in the reference computations, whose radius was 3.5 to 4."""
+    method = RadialImpact(case)
+    method.outside = replace(method.outside, lambda_bar=0.0)  # the oil outside resists nothing
+    course = ImpactCourse(case, method)
+    gathering = Gathering(course)
+    return gathering.result(drive(course, [gathering]))
+
+
 def compare(name: str, result: Result, own_error: float) -> None:
     """own_error: of our grid, step and domain, relative, on top of the reference's."""
     assert result.status is Status.CONVERGED
@@ -380,11 +391,11 @@ def compare(name: str, result: Result, own_error: float) -> None:
 
 @pytest.mark.parametrize("name", ["isoviscous St 50", "roelands M 200", "roelands M 1000"])
 def test_reference_impacts(name: str) -> None:
-    compare(name, simulate(CASES[name](201, tolerance=2e-4)), own_error=0.004)
+    compare(name, alone(CASES[name](201, tolerance=2e-4)), own_error=0.004)
 
 
 def test_reference_restitution() -> None:
-    result = simulate(CASES["isoviscous St 50"](129, tolerance=3e-4, until="rebound"))
+    result = alone(CASES["isoviscous St 50"](129, tolerance=3e-4, until="rebound"))
     assert result.summary["restitution"] == pytest.approx(REFERENCE["isoviscous St 50"]["e"], abs=0.002)
     assert float(result.dataset.F[-1]) == 0.0  # the ball flies freely
 
@@ -416,3 +427,15 @@ def test_without_viscosity_the_ball_comes_back_as_fast_as_it_went() -> None:
         losses.append(1 - result.summary["restitution"])
         assert abs(1 - result.summary["max_approach"]["Delta"]) < 2 * losses[-1]
     assert losses[0] > 4 * losses[1] > 16 * losses[2] > 0
+
+
+def test_half_width_2_gives_what_8_gives() -> None:
+    """The oil outside carries 1 % of the load here, and Delta would be off by as much without it."""
+    narrow, wide = (
+        simulate(roelands(200, 10, nodes, w, tolerance=2e-4)).summary["max_approach"]
+        for w, nodes in ((2.0, 129), (8.0, 161))
+    )
+    for name in ("Delta", "F", "H_c", "T"):
+        assert narrow[name] == pytest.approx(wide[name], rel=1e-3), name
+    without = alone(roelands(200, 10, 129, 2.0, tolerance=2e-4)).summary["max_approach"]
+    assert abs(without["Delta"] / wide["Delta"] - 1) > 8e-3

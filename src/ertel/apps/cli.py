@@ -41,7 +41,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
 Estimate = Annotated[
     bool,
-    typer.Option("--error", help="Run also on the half grid to estimate the error. Steady cases always estimate it."),
+    typer.Option("--error", help="Run also on the half grid, in smaller steps and on a wider domain: the error."),
 ]
 
 
@@ -87,9 +87,9 @@ def run(
 
         case = load_case(case_file, set_ or [])
         course = course_of(case)
-        coarse = course.half_grid if error else None
+        others = course.comparisons if error else {}
         store = running.create(out or unused_directory(case), course)
-    running.finish(store, coarse, as_json, quiet)
+    running.finish(store, others, as_json, quiet)
 
 
 @app.command()
@@ -100,12 +100,12 @@ def resume(directory: RunDirectory, as_json: Json = False, error: Estimate = Fal
         from ertel.runs.store import RunStore
 
         store = RunStore.open(directory)
-        coarse = store.course.half_grid if error else None
+        others = store.course.comparisons if error else {}
     summary = store.summary()
     if summary and summary["status"] == "converged":
         running.report(store, summary, as_json, quiet)
     else:
-        running.finish(store, coarse, as_json, quiet)
+        running.finish(store, others, as_json, quiet)
 
 
 @app.command()

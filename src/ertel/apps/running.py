@@ -25,32 +25,35 @@ def create(directory: Path, course: Course) -> RunStore:
         raise StoreError(f"{error}; choose another --out{resumable}") from error
 
 
-def finish(run: RunStore, coarse: Course | None, as_json: bool, quiet: bool) -> None:
+def finish(run: RunStore, others: Mapping[str, Course], as_json: bool, quiet: bool) -> None:
     """Continue a run to its end and report; exit with a code if it did not reach its end."""
     check_jax()
     compiling.keep_on_disk()
     try:
-        summary = _computed(run, coarse, quiet)
+        summary = _computed(run, others, quiet)
     except OSError as error:
         leave(FAILED, f"cannot write to {run.directory}: {reason_of(error)}; {_to_continue(run)}")
     report(run, summary, as_json, quiet)
     _conclude(run, summary)
 
 
-def _computed(run: RunStore, coarse: Course | None, quiet: bool) -> Mapping[str, Any]:
-    """Run under progress bars until the end or Ctrl-C: the summary, with errors if a coarser grid is run too."""
+def _computed(run: RunStore, others: Mapping[str, Course], quiet: bool) -> Mapping[str, Any]:
+    """Run under progress bars until the end or Ctrl-C: the summary, with errors if other runs are compared."""
     with interruptible() as stop, bars(not quiet) as shown:
-        half = _half_grid_summary(run, coarse, [watch(shown, coarse, "half grid"), stop]) if coarse else None
+        compared = {
+            part: _summary_of(run, course, [watch(shown, course, f"for the error of the {part}"), stop])
+            for part, course in others.items()
+        }
         summary = store.compute(run, [watch(shown, run.course), stop])
-    if half and half["status"] == summary["status"] == "converged":
-        summary = run.course.with_error(summary, half)
+    if compared and all(one["status"] == "converged" for one in (summary, *compared.values())):
+        summary = run.course.with_error(summary, compared)
         run.finish(summary)
     return summary
 
 
-def _half_grid_summary(run: RunStore, coarse: Course, observers: list[Any]) -> Mapping[str, Any]:
-    gathering = Gathering(coarse)
-    last = drive(coarse, [gathering, *observers])
+def _summary_of(run: RunStore, course: Course, observers: list[Any]) -> Mapping[str, Any]:
+    gathering = Gathering(course)
+    last = drive(course, [gathering, *observers])
     if last.status is Status.INTERRUPTED:
         leave(INTERRUPTED, f"interrupted before the first step; {_to_continue(run)}")
     return gathering.result(last).summary

@@ -43,6 +43,10 @@ def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
         out.print(f"{kind.moment(summary).capitalize()}.")
         return
     out.print(value_table(case, kind.heading(summary), values, errors))
+    estimate = summary.get("error_estimate") or {}
+    if estimate:
+        said = ", ".join(f"of {name} that of the {parts['dominant']}" for name, parts in estimate.items())
+        out.print(f"The largest error is {said}.")
     if summary.get("restitution") is not None:
         out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
     for line in extreme_lines(summary):

@@ -23,6 +23,10 @@ class ClosureLine(NamedTuple):
     load_weight: float
     value: float
 
+    def less(self, load: float) -> "ClosureLine":
+        """The equation for the rest of the load."""
+        return self._replace(value=self.value - self.load_weight * load)
+
 
 class Closure(Protocol):
     """The equation for Delta, discretised at a new time level."""

@@ -41,6 +41,7 @@ from ertel.model.sections import (
     Schedule,
     Solver,
     Time,
+    half_width_at,
 )
 from ertel.physics import film_formulas, surfaces
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
@@ -243,12 +244,13 @@ class Case:
         if data.get("schema", SCHEMA) != SCHEMA:
             raise ValueError(f"schema = {show(data['schema'])}: allowed: {SCHEMA}")
         contact = record_of(Conditions, data.get("contact", {}), "contact")
+        oil = oil_of(data.get("lubricant", {}), "lubricant")
         drive = _optional(_drive_of, data.get("motion"))
         time = _optional(_time_of, data.get("time"))
         return cls(
             contact=contact,
-            oil=oil_of(data.get("lubricant", {}), "lubricant"),
-            solver=_solver_of(data.get("solver", {}), contact, drive, time),
+            oil=oil,
+            solver=_solver_of(data.get("solver", {}), contact, oil, drive, time),
             drive=drive,
             roughness=tuple(feature_of(d, f"roughness[{i}]") for i, d in enumerate(data.get("roughness", ()), 1)),
             time=time,
@@ -285,7 +287,9 @@ def _drive_of(section: Mapping[str, Any]) -> Drive:
     return record_of(Drive, read, "motion")
 
 
-def _solver_of(section: Mapping[str, Any], contact: Conditions, drive: Drive | None, time: Time | None) -> Solver:
+def _solver_of(
+    section: Mapping[str, Any], contact: Conditions, oil: Oil, drive: Drive | None, time: Time | None
+) -> Solver:
     """The solver with what is left out filled in, an inlet of its default's share of the half width."""
     method = section.get("method") or METHODS[contact.kind][0]
     if method not in METHODS[contact.kind]:
@@ -295,6 +299,9 @@ def _solver_of(section: Mapping[str, Any], contact: Conditions, drive: Drive | N
     half_width, inlet = found.half_width, found.inlet
     if method == "transient" and drive and _reverses(contact, drive, time):
         half_width, inlet = CENTRED_HALF_WIDTH, None
+    if contact.kind == "impact" and "half_width" not in written:
+        rules.check_oil(oil, contact.scales)
+        half_width = half_width_at(half_width, contact.parameters(oil).M)
     width = given.half_width if "half_width" in written else half_width
     share = inlet and inlet * width / half_width
     rest = {key: getattr(given, key) for key in written if key not in ("half_width", "inlet")}

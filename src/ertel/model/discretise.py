@@ -6,9 +6,10 @@ from dataclasses import replace
 import jax.numpy as jnp
 from jax import Array
 
-from ertel.model import contact
+from ertel.model import contact, outside
 from ertel.model.case import Case
 from ertel.model.contact import Contact
+from ertel.model.outside import Outside
 from ertel.numerics.grid import WHOLE, Even, Grid
 from ertel.physics import surfaces
 from ertel.physics.geometry import CIRCLE, Geometry
@@ -33,6 +34,11 @@ def _symmetry(case: Case, centre_x: float) -> Even:
 def geometry_of(case: Case) -> Geometry:
     """The geometry of the case's bodies; so far always a circular contact."""
     return CIRCLE
+
+
+def outside_of(case: Case, grid: Grid) -> Outside:
+    """The oil outside the grid."""
+    return outside.around_grid(grid, case.parameters.lambda_bar, geometry_of(case).compliance)
 
 
 def smooth_contact(case: Case, grid: Grid) -> Contact:

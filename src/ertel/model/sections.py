@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import ceil
 from typing import Annotated, Literal, NamedTuple
 
 from ertel.model.conditions import Kind
@@ -21,7 +22,8 @@ class Solver:
     """Grid and tolerance; all lengths in units a (impact: a*).
 
     nodes: nodes per side (2^k c + 1) or along the radius (radial: 0 to half_width).  half_width: from the middle of the
-    grid to its edge.  inlet: distance from the contact's centre to the upstream edge; None: half_width (centred grid).
+    grid to its edge; the default of an impact widens below M = 100, see `half_width_at`.  inlet: distance from the
+    contact's centre to the upstream edge; None: half_width (centred grid).
     fold: compute on a half or a quarter of the plane if the case is symmetric.
     tolerance: tolerance of the discrete equations.  In a time step it is a film thickness in units of the expected film
     thickness (`Case.film_scale`), and 20 time.tolerance at most.  What a step leaves over, the next step makes good, so
@@ -39,10 +41,23 @@ class Solver:
 
 SOLVERS: Mapping[Method, Solver] = {  # the defaults
     "2d": Solver(),
-    "radial": Solver("radial"),
+    "radial": Solver("radial", half_width=4.0),  # graded: the outer half costs few nodes
     "steady": Solver("steady", half_width=3.0, inlet=4.5, tolerance=1e-8),
     "transient": Solver("transient", half_width=3.0, inlet=4.5),
 }
+
+
+WIDE_BELOW, WIDEST = 100.0, 4.0  # M below which the default domain of an impact widens, and its largest factor
+
+
+def half_width_at(half_width: float, M: float) -> float:
+    """The default half width of an impact: wide for a low load, where the oil far away carries much of it.
+
+    That share goes as lambda_bar/half_width^2, and lambda_bar as M^(-4/3).  Up to the widest, Delta and the load are
+    within 0.2 % of a far wider domain.
+    """
+    factor: float = min(max(1.0, (WIDE_BELOW / M) ** (2 / 3)), WIDEST)
+    return ceil(4 * half_width * factor - 1e-6) / 4  # M = 100 itself, free of round-off
 
 
 @dataclass(frozen=True)

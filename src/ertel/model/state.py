@@ -36,7 +36,7 @@ class State:
     """The contact at one time: T in t0, approach in delta*, velocity dDelta/dT, fields of shape (n, n) or (n,) by name.
 
     The fields are P, H and others that a method needs to go on.  status, work: outcome and work of the solve for this
-    state.
+    state.  outside: the load that the oil outside the grid carries (double integral of P).
     """
 
     T: float
@@ -45,6 +45,7 @@ class State:
     fields: Mapping[str, Array]
     status: Status = Status.CONVERGED
     work: Work = NO_WORK
+    outside: float = 0.0
 
     @property
     def P(self) -> Array:
@@ -66,14 +67,16 @@ def interpolated(levels: Sequence[State], T: float) -> State:
     """The state at a time between or after the levels, by polynomial interpolation; bounded fields stay bounded."""
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     fields = {name: combined(weights, [level.fields[name] for level in levels]) for name in levels[0].fields}
-    approach, velocity = (
-        float(combined(weights, [getattr(level, name) for level in levels])) for name in ("approach", "velocity")
+    approach, velocity, outside = (
+        float(combined(weights, [getattr(level, name) for level in levels]))
+        for name in ("approach", "velocity", "outside")
     )
     return State(
         T,
         approach,
         velocity,
         {name: field.clip(LOWEST[name]) if name in LOWEST else field for name, field in fields.items()},
+        outside=outside,
     )
 
 
@@ -138,6 +141,7 @@ class GridSolution:
     """The steady contact on one grid: fields of its shape, approach in a^2/R, status and work.
 
     history: maximum residual before the first and after each Newton iteration.  convolutions: work on this grid.
+    outside: the load that the oil outside the grid carries (double integral of P).
     """
 
     grid: Grid
@@ -150,10 +154,12 @@ class GridSolution:
     krylov: int
     convolutions: float
     history: tuple[float, ...] = ()
+    outside: float = 0.0
 
     def measure(self) -> dict[str, float]:
         """Films, pressures and load, see `measure.measure`, and Delta."""
-        return {"Delta": self.approach, **measure(self.grid, self.P, self.H)}
+        values = measure(self.grid, self.P, self.H)
+        return {"Delta": self.approach, **values, "load": values["load"] + self.outside}
 
     def whole(self, field: Array) -> Array:
         """P or H on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only."""

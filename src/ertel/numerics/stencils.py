@@ -72,6 +72,11 @@ def upstream_slope(f: Array, spacing: Array | float) -> Array:
     return jnp.concatenate([jnp.zeros_like(f[:, :1]), first[:, :1], second], axis=1) / spacing
 
 
+def edged(values: Array, edge: Array, even: Even = WHOLE) -> Array:
+    """The values inside, and `edge` on the edge, where alone it is not zero."""
+    return inside(values, even) + edge
+
+
 def inside(values: Array, even: Even = WHOLE) -> Array:
     """The values with the edge set to zero; an axis of symmetry is not an edge."""
     low_y, low_x = (0 if mirror else 1 for mirror in even)

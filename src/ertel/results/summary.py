@@ -9,12 +9,12 @@ import xarray as xr
 from ertel.model.case import Case
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
-from ertel.numerics.richardson import Extrapolation, extrapolate
+from ertel.numerics.richardson import Extrapolation
 from ertel.physics import film_formulas
 from ertel.physics.film_formulas import Film
 from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.scales import HamrockDowson, Parameters
-from ertel.results import diagnostics, variables
+from ertel.results import diagnostics, errors, variables
 from ertel.results.extremes import extremes, in_si
 from ertel.results.parameters import parameters_of, scales_of, ugw_of
 
@@ -214,29 +214,33 @@ def _heading(case: Case) -> dict[str, Any]:
     return {"kind": case.kind, "method": case.solver.method, **parameters_of(case)}
 
 
-def impact_with_error(case: Case, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-    """An impact's summary with the discretisation errors at maximum approach that a run on the half grid tells.
+def impact_with_error(fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """An impact's summary with the errors at maximum approach that other runs tell, see `errors.estimate`.
 
-    They are under `error_estimate`, by Richardson's extrapolation for a method of second order; None where one of the
-    runs did not reach maximum approach.
+    They are under `error_estimate`: None where one of the runs did not reach maximum approach.
     """
-    reached, half = fine["max_approach"], coarse["max_approach"]
-    if reached is None or half is None:
+    reached = {part: summary["max_approach"] for part, summary in others.items()}
+    if fine["max_approach"] is None or None in reached.values():
         return {**fine, "error_estimate": None}
-    estimate = {}
-    for name, key in {"H_c": "H_c", "H_min": "H_min", "Delta_max": "Delta"}.items():
-        found = extrapolate(half[key], reached[key])
-        estimate[name] = {"value": found.value, "half_grid": half[key], **_error_of(found)}
-    return {**fine, "error_estimate": estimate}
+    found = {
+        name: errors.estimate(fine["max_approach"][key], {part: values[key] for part, values in reached.items()})
+        for name, key in {"H_c": "H_c", "H_min": "H_min", "Delta_max": "Delta"}.items()
+    }
+    return {**fine, "error_estimate": {name: estimate.data() for name, estimate in found.items()}}
 
 
-def rolling_with_error(case: Case, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-    """The summary of rolling in time with the errors at the last time that a run on the half grid tells."""
-    found: dict[str, float] = {}
-    for name in variables.FILMS:
-        error = _error_of(extrapolate(coarse[name], fine[name]))
-        found |= {f"{name}_{what}": value for what, value in error.items()}
-    return _with_si(case, {**fine, **found})
+def rolling_with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The summary of rolling with the errors of the films, steady or at the last time, that other runs tell.
+
+    `error_estimate` has their parts, see `errors.estimate`.
+    """
+    found = {
+        name: errors.estimate(fine[name], {part: summary[name] for part, summary in others.items()})
+        for name in variables.FILMS
+    }
+    ends = {f"{name}_{what}": getattr(found[name], what) for name in found for what in ("error", "extrapolated")}
+    parts = {name: estimate.data() for name, estimate in found.items()}
+    return _with_si(case, {**fine, **ends, "error_estimate": parts})
 
 
 def _error_of(found: Extrapolation) -> dict[str, float]:

@@ -25,6 +25,7 @@ from ertel.results.summary import (
     rolling_with_error,
     steady_summary,
 )
+from ertel.runs.comparisons import comparisons
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
@@ -90,12 +91,12 @@ class Course(Protocol):
         ...
 
     @property
-    def half_grid(self) -> "Course | None":
-        """The course with twice the spacing, for an error estimate; None if the run has its own estimate."""
+    def comparisons(self) -> "Mapping[str, Course]":
+        """The courses with which this one is compared for its error, by the part of the error that they tell."""
         ...
 
-    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-        """The summary with the errors estimated from the summary of the coarser grid."""
+    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+        """The summary with the errors estimated from the summaries of the comparisons."""
         ...
 
 
@@ -116,7 +117,7 @@ def method_of(case: Case) -> Method:
 
 # -- in time ----------------------------------------------------------------------------------------------------------
 
-NUMBERS = ("T", "approach", "velocity")  # of a State, besides its fields
+NUMBERS = ("T", "approach", "velocity", "outside")  # of a State, besides its fields
 REACHED = "max_approach_"
 
 
@@ -166,7 +167,8 @@ class TransientCourse(ABC):
         names = arrays["fields"].tolist()
         numbers = zip(*(arrays[name].tolist() for name in NUMBERS), strict=True)
         levels = tuple(
-            State(T, Delta, V, {name: arrays[name][i] for name in names}) for i, (T, Delta, V) in enumerate(numbers)
+            State(T, Delta, V, {name: arrays[name][i] for name in names}, outside=outside)
+            for i, (T, Delta, V, outside) in enumerate(numbers)
         )
         counts = Counts(**{name: arrays[name].item() for name in Counts.__dataclass_fields__})
         reached = {key.removeprefix(REACHED): float(v) for key, v in arrays.items() if key.startswith(REACHED)}
@@ -187,13 +189,13 @@ class TransientCourse(ABC):
         """The summary, from the counts of all work."""
 
     @abstractmethod
-    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
+    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         """See `Course`."""
 
     @property
-    def half_grid(self) -> "TransientCourse":
-        case = self.case.on_half_grid()
-        return type(self)(case, method_of(case), self.limits)
+    def comparisons(self) -> Mapping[str, Course]:
+        cases = comparisons(self.case).items()
+        return {name: type(self)(case, method_of(case), self.limits) for name, case in cases}
 
 
 class ImpactCourse(TransientCourse):
@@ -202,8 +204,8 @@ class ImpactCourse(TransientCourse):
     def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
         return impact_summary(self.case, data, last.state.max_approach, counts, status)
 
-    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-        return impact_with_error(self.case, fine, coarse)
+    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+        return impact_with_error(fine, others)
 
 
 class RollingCourse(TransientCourse):
@@ -212,13 +214,13 @@ class RollingCourse(TransientCourse):
     def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
         return rolling_summary(self.case, data, counts, status)
 
-    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-        return rolling_with_error(self.case, fine, coarse)
+    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+        return rolling_with_error(self.case, fine, others)
 
 
 # -- steady -----------------------------------------------------------------------------------------------------------
 
-COUNTED = ("approach", "residual", "newton", "krylov", "convolutions")  # the plain numbers of a GridSolution
+COUNTED = ("approach", "residual", "newton", "krylov", "convolutions", "outside")  # the plain numbers of a GridSolution
 FIELDS = ("P", "H", "history")
 
 
@@ -300,11 +302,11 @@ class SteadyCourse:
         return steady_summary(self.case, last.solutions, work, status)
 
     @property
-    def half_grid(self) -> None:
-        return None
+    def comparisons(self) -> Mapping[str, Course]:
+        return {name: SteadyCourse(case) for name, case in comparisons(self.case).items()}
 
-    def with_error(self, fine: Mapping[str, Any], coarse: Mapping[str, Any]) -> dict[str, Any]:
-        return dict(fine)
+    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+        return rolling_with_error(self.case, fine, others)
 
 
 def _grid_numbers(grid: Grid) -> tuple[float, ...]:

@@ -19,12 +19,14 @@ from jax import Array
 from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
+from ertel.model import outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.model.case import Case
 from ertel.model.pytrees import traceable
 from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf
+from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.rheology import NEWTONIAN, Rheology
@@ -45,7 +47,7 @@ class Mesh(NamedTuple):
 
     Nodes r (n,), faces halfway between (n - 1,), volumes per radian of the ring around each node (n,).
     kernel (n, n): (2/pi^2) double integral of P/distance = kernel @ P.  load (n,): double integral of P = load @ P.
-    Both are exact for a pressure that is linear between nodes and zero at the outer one.
+    Both are exact for a pressure that is linear between nodes.
     """
 
     r: Array
@@ -92,14 +94,20 @@ class Solution(NamedTuple):
 def radii(nodes: int, half_width: float) -> Floats:
     """Nodes from 0 to half_width, finest at the edge of the contact; the spacing grows linearly to both sides."""
 
-    def evenly(distance: float, widening: float) -> float:
-        return float(np.log1p(widening * distance)) / widening
-
-    s = np.linspace(-evenly(EDGE, WIDENING_INSIDE), evenly(half_width - EDGE, WIDENING_OUTSIDE), nodes)
+    s = np.linspace(-_evenly(EDGE, WIDENING_INSIDE), _evenly(half_width - EDGE, WIDENING_OUTSIDE), nodes)
     inside = EDGE - np.expm1(-WIDENING_INSIDE * np.minimum(s, 0.0)) / WIDENING_INSIDE
     r = inside + np.expm1(WIDENING_OUTSIDE * np.maximum(s, 0.0)) / WIDENING_OUTSIDE
     r[0], r[-1] = 0.0, half_width  # free of round-off
     return r
+
+
+def _evenly(distance: float, widening: float) -> float:
+    return float(np.log1p(widening * distance)) / widening
+
+
+def extent(half_width: float) -> float:
+    """The distance from 0 to half_width in units in which the nodes are evenly spaced."""
+    return _evenly(EDGE, WIDENING_INSIDE) + _evenly(half_width - EDGE, WIDENING_OUTSIDE)
 
 
 def mesh(r: Floats) -> Mesh:
@@ -129,14 +137,16 @@ def elastic_kernel(r: Floats) -> Floats:
 
     Such a pressure is a sum of uniformly loaded discs, so its deformation is - integral of dP/db disc(r, b) db.  Each
     interval contributes the mean of disc(r, .) over it.  Gauss points are denser near the ends because of the
-    singularity (b - r) log|b - r|.
+    singularity (b - r) log|b - r|.  The pressure on the outer node is that of a disc of its radius.
     """
     x, w = np.polynomial.legendre.leggauss(12)
     x, w = (x + 1) / 2, w / 2
     share, weight = x**2 * (3 - 2 * x), 6 * x * (1 - x) * w
     b = r[:-1, None] + np.diff(r)[:, None] * share
     mean = disc(r[:, None, None], b) @ weight
-    return CIRCLE.compliance * (np.pad(mean, ((0, 0), (0, 1))) - np.pad(mean, ((0, 0), (1, 0))))
+    kernel = np.pad(mean, ((0, 0), (0, 1))) - np.pad(mean, ((0, 0), (1, 0)))
+    kernel[:, -1] += disc(r, r[-1])
+    return CIRCLE.compliance * kernel
 
 
 def load_weights(r: Floats) -> Floats:
@@ -156,7 +166,7 @@ def outflow(eq: Equations, P: Array, H: Array) -> Array:
 
 
 def residual(eq: Equations, P: Array, H: Array) -> Array:
-    """Reynolds' equation (1), squeeze + div(flux), averaged over each ring; zero on the outer node, where P = 0."""
+    """Reynolds' equation (1), squeeze + div(flux), averaged over each ring; zero on the outer node."""
     squeeze = eq.rate * eq.oil.density(P) * H + eq.past
     divergence = jnp.diff(outflow(eq, P, H), prepend=0.0) / eq.mesh.volume[:-1]
     return squeeze.at[:-1].add(divergence).at[-1].set(0.0)
@@ -171,7 +181,7 @@ def free(P: Array, r: Array) -> Array:
 
 
 def newton_change(eq: Equations, P: Array, H: Array) -> Array:
-    """Newton's change of P, with the exact Jacobian; -P where P is held at zero.
+    """Newton's change of P, with the exact Jacobian; -P where P is held at zero, none on the outer node.
 
     The residual is local in P and H: its Jacobian is the sum of d/dP (three diagonals) and d/dH (three diagonals) times
     stiffness.  Pushing all columns of (identity, stiffness) through the linearised residual gives just that.
@@ -180,12 +190,15 @@ def newton_change(eq: Equations, P: Array, H: Array) -> Array:
     identity = jnp.eye(len(P))
     jacobian = jax.vmap(change_of_r, in_axes=1, out_axes=1)(identity, eq.stiffness)
     holds = free(P, r)
-    return jnp.linalg.solve(jnp.where(holds[:, None], jacobian, identity), -jnp.where(holds, r, P))
+    return jnp.linalg.solve(jnp.where(holds[:, None], jacobian, identity), -jnp.where(holds, r, P.at[-1].set(0.0)))
 
 
 @jax.jit
 def solve(eq: Equations, P: Array, tolerance: float) -> Solution:
-    """P >= 0 and H at the new level from the guess P: Newton with an active set, until |residual| <= tolerance."""
+    """P >= 0 and H at the new level from the guess P: Newton with an active set, until |residual| <= tolerance.
+
+    The outer node keeps its P.
+    """
 
     def solution(P: Array, newton: Array) -> Solution:
         H = eq.apart + eq.stiffness @ P
@@ -216,6 +229,7 @@ class RadialImpact(Method):
     def __init__(self, case: Case, closure: Closure | None = None):
         self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width))
         self.lambda_bar = case.parameters.lambda_bar
+        self.outside = outside.around_circle(np.asarray(self.mesh.r), self.lambda_bar, CIRCLE.compliance)
         self.oil = traceable(case.lubricant)
         self.closure = closure or NewtonsLaw.of(case.motion)
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
@@ -223,10 +237,11 @@ class RadialImpact(Method):
         self.coordinates = {"r": np.asarray(self.mesh.r)}
 
     def start(self) -> State:
-        """The separated ball approaching with unit speed, without pressure."""
-        r = self.mesh.r
-        fields = {"P": jnp.zeros_like(r), "H": CIRCLE.gap(r, 0.0) - self.start_approach}
-        return State(0.0, self.start_approach, 1.0, fields)
+        """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
+        motion = Motion(self.start_approach, 1.0, 0.0, 0.0)
+        around, P = self.outside.at(motion), jnp.asarray(self.outside.at_first(motion))
+        H = CIRCLE.gap(self.mesh.r, 0.0) - self.start_approach + self.mesh.kernel @ P + around.uplift
+        return State(0.0, self.start_approach, 1.0, {"P": P, "H": H}, outside=around.load)
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         """One BDF step (BDF1 from one level, BDF2 from more), newest level first: yields one `Problem`."""
@@ -234,35 +249,43 @@ class RadialImpact(Method):
         rates = bdf.derivative_weights([T, *(level.T for level in levels[:2])])
         approaches = [level.approach for level in levels]
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
-        tolerance = self.tolerance * float(rates[0])
-        s: Solution = yield Problem(self.equations(levels, rates, line), predicted_pressure(levels, T), tolerance)
+        around = self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], 0.0))
+        line, tolerance = line.less(around.load), self.tolerance * float(rates[0])
+        P = predicted_pressure(levels, T).at[-1].set(around.edge[-1])
+        s: Solution = yield Problem(self.equations(levels, rates, line, around.uplift), P, tolerance)
         approach = (line.value - line.load_weight * self.load(s.P)) / line.approach_weight
         velocity = self.closure.velocity(T, rates, approach, approaches)
         status = Status.CONVERGED if bool(s.size <= tolerance) else Status.NEWTON_STALLED  # stalled too if NaN
-        return State(T, approach, velocity, {"P": s.P, "H": s.H}, status, Work(int(s.newton)))
+        return State(T, approach, velocity, {"P": s.P, "H": s.H}, status, Work(int(s.newton)), around.load)
 
     def solve(self, problem: Problem) -> Solution:
         """P and H at the new level."""
         return solve(*problem)
 
-    def equations(self, levels: Sequence[State], rates: bdf.Weights, line: ClosureLine) -> Equations:
-        """The equations of the level after `levels`."""
+    def equations(
+        self, levels: Sequence[State], rates: bdf.Weights, line: ClosureLine, uplift: float = 0.0
+    ) -> Equations:
+        """The equations of the level after `levels`; uplift: the deformation by the oil outside."""
         past = jnp.zeros_like(self.mesh.r)
         for weight, level in zip(rates[1:], levels, strict=False):
             past += weight * self.oil.density(jnp.asarray(level.P)) * level.H  # of a stored level too, to the last bit
-        apart = CIRCLE.gap(self.mesh.r, 0.0) - line.value / line.approach_weight
+        apart = CIRCLE.gap(self.mesh.r, 0.0) + uplift - line.value / line.approach_weight
         stiffness = self.mesh.kernel + line.load_weight / line.approach_weight * self.mesh.load
         return Equations(self.mesh, self.oil, NEWTONIAN, self.lambda_bar, float(rates[0]), past, apart, stiffness)
 
     def load(self, P: Array) -> float:
-        """F = double integral of P."""
+        """Double integral of P on the grid."""
         return float(self.mesh.load @ P)
+
+    def carried(self, level: State) -> float:
+        """F, with the load of the oil outside, in units of the dry maximum load."""
+        return (self.load(level.P) + level.outside) / CIRCLE.hertz_load
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`; places are radii."""
         P, H, r = np.asarray(level.P), np.asarray(level.H), self.coordinates["r"]
         X_min, H_min = lowest_point(r, H)
-        F = self.load(level.P) / CIRCLE.hertz_load
+        F = self.carried(level)
         films = {"H_c": float(H[0]), "H_min": H_min, "X_min": X_min, "Y_min": 0.0}
         i = int(P.argmax())
         fall = 1 - (P[abs(i - 1)] + P[i + 1]) / (2 * P[i]) if P[i] > 0 else 0.0  # P is even in r

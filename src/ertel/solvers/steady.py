@@ -5,6 +5,7 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import jax
 import jax.numpy as jnp
@@ -20,6 +21,7 @@ from ertel.model.status import Status
 from ertel.numerics import multigrid, newton, richardson, stencils
 from ertel.numerics.grid import Grid, check_grid
 from ertel.numerics.symmetry import folded, total, unfolded
+from ertel.physics.far_field import Motion
 from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear, preconditioner
 from ertel.solvers.nonlinear import Problem
@@ -60,7 +62,10 @@ def nested(
         if solutions:
             guess = first_guess(c, solutions[-1], richardson.expected([s.approach for s in solutions]))
         else:
-            guess = dry_guess(discretise.geometry_of(case), grid, case.motion.load(0.0))
+            P, approach = dry_guess(discretise.geometry_of(case), grid, case.motion.load(0.0))
+            P += discretise.outside_of(case, grid).guess(motion_of(case, approach))
+            first = solve(case, grid, c, P, approach, tolerance, precision)
+            guess = first.P, first.approach  # with the oil outside of the lubricated contact
         solutions.append(solve(case, grid, c, *guess, tolerance, precision))
         yield solutions[-1]
 
@@ -81,6 +86,11 @@ def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Array, float
     return P * (load * geometry.hertz_load / carried), geometry.dry_approach(load)
 
 
+def motion_of(case: Case, approach: float) -> Motion:
+    """What the oil outside knows of the steady contact."""
+    return Motion(approach, 0.0, case.motion.load(0.0), case.motion.entrainment(0.0))
+
+
 def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:
     """Pressure from the coarser grid, and the approach, reduced if the surfaces would overlap."""
     H_min = coarse.measure()["H_min"]
@@ -98,13 +108,16 @@ def _from_coarse(c: Contact, coarse: Array) -> Array:
 def solve(
     case: Case, grid: Grid, c: Contact, P: Array, approach: float, tolerance: float, precision: str
 ) -> GridSolution:
-    """The steady solution on one grid from a first guess of P and the approach."""
+    """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside."""
     geometry = discretise.geometry_of(case)
+    motion = motion_of(case, approach)
+    around = discretise.outside_of(case, grid).at(motion)
+    c, P = replace(c, gap=c.gap + around.uplift), stencils.edged(P, around.edge, c.even)
     problem = Problem(
         c,
         multigrid.elasticities(grid, geometry.compliance, precision),
-        steady_rate(case.motion.entrainment(0.0)),
-        balanced(case.motion.load(0.0)),
+        steady_rate(motion.entrainment),
+        balanced(motion.load).less(around.load),
         tolerance,
         tolerance / geometry.hertz_load,
         nonlinear.bordered,
@@ -116,4 +129,4 @@ def solve(
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)
     history = tuple((s.history[: n + 1] * tolerance).tolist())
-    return GridSolution(grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history)
+    return GridSolution(grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history, around.load)

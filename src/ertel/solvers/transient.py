@@ -1,7 +1,7 @@
 """Time steps on the 2-D grid: one BDF step of `contact`'s residual, for impact, rolling, and both combined."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import pairwise
 from typing import NamedTuple
@@ -12,7 +12,7 @@ import numpy as np
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.model import contact, discretise
+from ertel.model import contact, discretise, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.model.case import Case
 from ertel.model.contact import Contact
@@ -20,11 +20,12 @@ from ertel.model.flow import Flow, rate_in_time
 from ertel.model.measure import measure
 from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
-from ertel.numerics import bdf, multigrid, newton
+from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Even, check_grid
 from ertel.numerics.multigrid import Elasticity
 from ertel.numerics.symmetry import total, unfolded
+from ertel.physics.far_field import Motion
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import Close, Preconditioner, Problem
 from ertel.solvers.preconditioner import PRECISION, line_preconditioner, point_preconditioner
@@ -44,7 +45,8 @@ class StepProblem:
 
     past: fields of the last three levels, newest first, each of shape (3, n, n).  predict, rates: weights of the
     prediction and of the time derivative (for the new level, and the last two), both of shape (3,).  flow: how the oil
-    moves, None where it stays.  approach: the predicted Delta.  elastic: the deformation operators of the
+    moves, None where it stays.  approach: the predicted Delta.  edge: P on the edge of the grid, zero inside.  elastic:
+    the deformation operators of the
     preconditioner's grids.
     """
 
@@ -52,6 +54,7 @@ class StepProblem:
     elastic: tuple[Elasticity, ...]
     past: Mapping[str, Array]
     approach: float
+    edge: Array
     predict: Weights
     rates: Weights
     line: ClosureLine
@@ -93,6 +96,7 @@ class Transient2D(Method):
         check_grid(self.grid)
         self.geometry = discretise.geometry_of(case)
         self.contact = discretise.smooth_contact(case, self.grid)
+        self.outside = discretise.outside_of(case, self.grid)
         self.closure = closure or NewtonsLaw.of(case.motion)
         self.preconditioner = line_preconditioner if case.motion.flows else point_preconditioner
         self.elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
@@ -103,7 +107,7 @@ class Transient2D(Method):
             self.tolerance = min(self.tolerance, LARGEST_REST * time.tolerance)
 
     def start(self) -> State:
-        """The separated bodies approaching with unit speed, without pressure; or the steady film at T = 0."""
+        """The separated bodies approaching with unit speed, the oil squeezed; or the steady film at T = 0."""
         return self._first
 
     @cached_property
@@ -113,10 +117,12 @@ class Transient2D(Method):
             rolling = steady.steady(self.case)
             s = rolling.finest
             work = Work(s.newton, s.krylov, rolling.convolutions)
-            return State(0.0, s.approach, 0.0, _fields(c, s.P, s.H), s.status, work)
-        approach = self.case.schedule.start_approach
-        fields = _fields(c, jnp.zeros(self.grid.shape), c.gap - approach)  # nothing is deformed yet
-        return State(0.0, approach, 1.0, fields, work=Work(convolutions=1.0))
+            return State(0.0, s.approach, 0.0, _fields(c, s.P, s.H), s.status, work, s.outside)
+        motion = Motion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
+        around, P = self.outside.at(motion), jnp.asarray(self.outside.at_first(motion))
+        H = contact.film_thickness(c, P, motion.approach) + around.uplift
+        work = Work(convolutions=1.0)
+        return State(0.0, motion.approach, 1.0, _fields(c, P, H), work=work, outside=around.load)
 
     def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
@@ -146,11 +152,15 @@ class Transient2D(Method):
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
         padded = [*levels, *[levels[-1]] * 2][:3]  # one shape, so one compilation, whatever the history
         predict = bdf.interpolation_weights(T, times)
+        entrainment = self.case.motion.entrainment(T)
+        around = self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], entrainment))
+        surfaces, line = self.contact_at(T), line.less(around.load)
         solution: StepSolution = yield StepProblem(
-            self.contact_at(T),
+            replace(surfaces, gap=surfaces.gap + around.uplift),
             self.elastic,
             stacked(padded),
             float(predict @ approaches),
+            around.edge,
             _pad(predict),
             _pad(rates),
             line,
@@ -165,7 +175,7 @@ class Transient2D(Method):
         velocity = self.closure.velocity(T, rates, approach, approaches)
         status = Status.CONVERGED if bool(solution.converged) else Status.NEWTON_STALLED
         work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
-        return State(T, approach, velocity, solution.fields, status, work)
+        return State(T, approach, velocity, solution.fields, status, work, around.load)
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
@@ -174,11 +184,15 @@ class Transient2D(Method):
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
         values = measure(self.grid, level.P, level.H)
-        values["F"] = values.pop("load") / self.geometry.hertz_load
+        values["F"] = (values.pop("load") + level.outside) / self.geometry.hertz_load
         if self.case.is_axisymmetric:
             for X, Y in (("X_min", "Y_min"), ("X_P_max", "Y_P_max")):
                 values |= {X: float(np.hypot(values[X], values[Y])), Y: 0.0}
         return values
+
+    def carried(self, level: State) -> float:
+        """F, with the load of the oil outside, in units of Hertz' load."""
+        return (float(contact.load(self.contact, level.P)) + level.outside) / self.geometry.hertz_load
 
     def whole(self, field: Array) -> Array:
         """A field of a level on the whole plane."""
@@ -220,7 +234,7 @@ def solve_step(p: StepProblem) -> StepSolution:
     P = jnp.tensordot(p.predict, P_old, axes=1)
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # So the prediction limits the fall.
-    P = jnp.maximum(P, STEEPEST_FALL * P_old[0])
+    P = stencils.edged(jnp.maximum(P, STEEPEST_FALL * P_old[0]), p.edge, p.contact.even)
     # a residual r leaves the mass r/rate.new over in this step
     allowed = p.tolerance * rate.new * (p.film_scale + jnp.abs(H_old[0]))
     problem = Problem(
