@@ -32,6 +32,7 @@ class Options:
 
     newton_least: int = 1  # not 0: errors of predictions within the tolerance would accumulate from step to step
     newton_limit: int = 40
+    filling_limit: int = 6  # iterations that use `filled`: it may free and hold the same nodes in turns
     krylov_limit: int = 16
     krylov_reduction: float = 1e-2
     first_reduction: float = 1e-2
@@ -161,7 +162,8 @@ class _System:
         """The change that solves the linear equations nearly, and the Krylov iterations that it took."""
         weight = jnp.asarray(self.border.weight, it.P.dtype)
         r, change_of_r = jax.linearize(self.residual, it.P, it.H)
-        free = _free(it.P, self.filled(jnp.where(it.P > 0.0, 0.0, r)))
+        early = it.newton < self.options.filling_limit
+        free = _free(it.P, jnp.where(early, self.filled(jnp.where(it.P > 0.0, 0.0, r)), r))
         misfit, change_of_misfit = jax.linearize(self.border.misfit, it.P, it.s)
 
         def jacobian(d: _Pair) -> _Pair:

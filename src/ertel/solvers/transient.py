@@ -35,7 +35,7 @@ STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at l
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 LARGEST_REST = 20.0  # tolerances of time, may be left over in the film of a step: more would rule the size of the steps
 # Krylov: 3 or 4 are needed, and each has its two fields
-OPTIONS = newton.Options(krylov_limit=10)
+OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
 
 
 @register_dataclass
