@@ -23,6 +23,8 @@ from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.solvers import preconditioner, steady
 
+pytestmark = pytest.mark.usefixtures("nothing_outside")
+
 ROELANDS = Oil(alpha=2.2e-8, p0=196078400.0, z=0.668678)  # "rheology" of the reference
 OILS = {"barus": BARUS, "roelands": ROELANDS}
 NAMES = ("Delta", "H_c", "H_min", "P_c")

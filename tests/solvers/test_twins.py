@@ -8,6 +8,8 @@ from cases import impact
 
 from ertel.runs.drive import simulate
 
+pytestmark = pytest.mark.usefixtures("nothing_outside")
+
 # reference/impact.json: M, L, Roelands + Dowson-Higginson, values at maximum approach, and its stated accuracy
 REFERENCE = {
     200: {"T": 2.4025, "Delta": 0.8682, "P_c": 1.2506, "H_c": 0.15353, "H_min": 0.03999},
