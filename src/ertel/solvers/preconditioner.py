@@ -19,7 +19,7 @@ PRECISION = "float32"
 
 
 def point_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
-    """V-cycle with the point smoother, for U = 0."""
+    """V-cycle with the point smoother, for a rate without a wedge: every step in time."""
     return partial(multigrid.precondition, levels(problem, P, H, free, problem.rate.new, multigrid.point_smoother))
 
 

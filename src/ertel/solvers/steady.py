@@ -29,6 +29,7 @@ from ertel.solvers.nonlinear import Problem
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
 TOLERANCE = 1e-8  # tolerance of the steady film from which a transient run starts
+SETTLING = 5  # solves at most until the film and the oil outside agree; each leaves about a hundredth
 AS_EXACT_AS_THE_GRID = 0.1  # the tolerance that leaves about a tenth of the discretisation error (measured, H_c, H_min)
 # least: where the tolerance is so loose that the first guess may meet it, one iteration leaves too much
 # Krylov: 3 to 6 are needed, a sharp spike on a fine grid wants all; each keeps its two fields; Newton: likewise, 5 to 7
@@ -68,6 +69,19 @@ def nested(
             guess = first.P, first.approach  # with the oil outside of the lubricated contact
         solutions.append(solve(case, grid, c, *guess, tolerance, precision))
         yield solutions[-1]
+
+
+def settled(case: Case, film: GridSolution) -> GridSolution:
+    """The film with the oil outside at the film's own approach; in `nested` it is at that of the first guess.
+
+    Time steps know the approach, so a run in time needs this film to stay steady.
+    """
+    c = discretise.contact_of(case, film.grid)
+    for _ in range(SETTLING):
+        before, film = film, solve(case, film.grid, c, film.P, film.approach, TOLERANCE, preconditioner.PRECISION)
+        if not film.status.ok or abs(film.approach - before.approach) < TOLERANCE:
+            break
+    return film
 
 
 def check_motion(case: Case) -> None:

@@ -5,7 +5,7 @@ the solved step, the exact one (automatic differentiation of `contact.residual`)
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 
 import jax
@@ -24,7 +24,8 @@ from ertel.numerics.bdf import Weights
 from ertel.numerics.multigrid import Elasticity
 from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
-from ertel.solvers.nonlinear import Preconditioner, Problem
+from ertel.solvers.nonlinear import Problem
+from ertel.solvers.preconditioner import point_preconditioner
 from ertel.solvers.transient import OPTIONS, Transient2D, stacked
 
 REDUCTION, LIMIT = 1e-6, 40  # of the linear solve
@@ -48,7 +49,6 @@ class TangentProblem:
     line: ClosureLine
     flow: Flow | None
     shape: Array
-    preconditioner: Preconditioner = field(metadata={"static": True})
 
 
 def start(shape: Array) -> State:
@@ -82,7 +82,6 @@ def advance(method: Transient2D, smooth: Sequence[State], changes: Sequence[Stat
         line,
         method.flow(new.T, times[1:]),
         shape,
-        method.preconditioner,
     )
     fields, approach, iterations = solve(problem)
     velocity = law.velocity(new.T, rates, float(approach), approaches)
@@ -105,9 +104,11 @@ def solve(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
         return contact.residual(c, P, H, Rate(new, past))
 
     _, change_of_r = jax.linearize(residual, P, H, jnp.zeros_like(P))
-    problem = Problem(c, p.elastic, Rate(new, past), line, 1.0, 1.0, nonlinear.eliminated, p.preconditioner, OPTIONS)
+    problem = Problem(
+        c, p.elastic, Rate(new, past), line, 1.0, 1.0, nonlinear.eliminated, point_preconditioner, OPTIONS
+    )
     closed = nonlinear.eliminated(problem, P, 0.0)
-    inverse = p.preconditioner(problem, P, H, free)
+    inverse = point_preconditioner(problem, P, H, free)
     known = -line.value / line.approach_weight - p.shape  # the part of dH that no pressure makes
     dP, iterations = krylov.gcr(
         lambda d: free * change_of_r(d, closed.film_change(d), jnp.zeros_like(d)),

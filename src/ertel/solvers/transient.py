@@ -27,8 +27,8 @@ from ertel.numerics.multigrid import Elasticity
 from ertel.numerics.symmetry import total, unfolded
 from ertel.physics.far_field import Motion
 from ertel.solvers import nonlinear, steady
-from ertel.solvers.nonlinear import Close, Preconditioner, Problem
-from ertel.solvers.preconditioner import PRECISION, line_preconditioner, point_preconditioner
+from ertel.solvers.nonlinear import Close, Problem
+from ertel.solvers.preconditioner import PRECISION, point_preconditioner
 
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
@@ -62,7 +62,6 @@ class StepProblem:
     tolerance: float
     film_scale: float
     close: Close = field(metadata={"static": True})
-    preconditioner: Preconditioner = field(metadata={"static": True})
     options: newton.Options = field(default=OPTIONS, metadata={"static": True})
 
 
@@ -98,7 +97,6 @@ class Transient2D(Method):
         self.contact = discretise.smooth_contact(case, self.grid)
         self.outside = discretise.outside_of(case, self.grid)
         self.closure = closure or NewtonsLaw.of(case.motion)
-        self.preconditioner = line_preconditioner if case.motion.flows else point_preconditioner
         self.elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
         time = case.schedule
@@ -115,8 +113,8 @@ class Transient2D(Method):
         c = self.contact_at(0.0)
         if not self.case.starts_apart:
             rolling = steady.steady(self.case)
-            s = rolling.finest
-            work = Work(s.newton, s.krylov, rolling.convolutions)
+            s = steady.settled(self.case, rolling.finest)
+            work = Work(s.newton, s.krylov, rolling.convolutions + s.convolutions)
             return State(0.0, s.approach, 0.0, _fields(c, s.P, s.H), s.status, work, s.outside)
         motion = Motion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
         around, P = self.outside.at(motion), jnp.asarray(self.outside.at_first(motion))
@@ -168,7 +166,6 @@ class Transient2D(Method):
             self.tolerance,
             self.case.film_scale,
             nonlinear.eliminated if line.approach_weight else nonlinear.bordered,
-            self.preconditioner,
         )
         n, k = int(solution.newton), int(solution.krylov)
         approach = float(solution.approach)
@@ -245,7 +242,7 @@ def solve_step(p: StepProblem) -> StepSolution:
         allowed,
         LOAD_SHARE * p.tolerance,
         p.close,
-        p.preconditioner,
+        point_preconditioner,
         p.options,
     )
     s, approach = nonlinear.solve(problem, P, p.approach)
