@@ -207,12 +207,13 @@ def _gap_warning(case: Case) -> str:
 def _domain_warning(case: Case, data: xr.Dataset) -> str:
     if data.sizes["frame"] == 0:
         return ""
-    share = domain.lost_momentum(case, data)
-    if share <= domain.LOST_MOMENTUM:
+    share = domain.uncertain_momentum(case, data)
+    if share <= domain.UNCERTAIN_MOMENTUM:
         return ""
     needed = domain.needed_half_width(case, share)
     radial = ' with solver.method = "radial"' if case.solver.method == "2d" and case.is_axisymmetric else ""
     return (
-        f"the oil outside the domain would take about {min(share, 1.0):.1%} of the ball's momentum: approach, load and "
-        f"restitution are too large by about as much; use solver.half_width >= {needed:g}{radial}"
+        "the momentum that the oil outside the domain takes is uncertain by about "
+        f"{min(share, 1.0):.1%} of the ball's: approach, load and restitution are off by about as much; "
+        f"use solver.half_width >= {needed:g}{radial}"
     )
