@@ -207,11 +207,12 @@ def test_no_load_or_no_flow_is_refused(part) -> None:
         case_of(("barus", 200, 10), 129, Drive(**{part: constant(0.0)}))
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def exact_to_a_millionth() -> dict[float, Rolling]:
     return {M: solved_to(1e-6, M) for M in (20, 200, 1000)}
 
 
+@cache
 def solved_to(tolerance: float, M: float) -> Rolling:
     found = steady.steady(case_of(("roelands", M, 10), 257, tolerance=tolerance))
     assert found.finest.status.ok

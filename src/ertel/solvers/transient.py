@@ -101,7 +101,7 @@ class Transient2D(Method):
     def start(self) -> State:
         """The separated bodies approaching with unit speed, the oil squeezed; or the steady film at T = 0."""
         if not self.case.starts_apart:
-            rolling = steady.steady(self.case)
+            rolling = steady.settled(self.case)
             s = rolling.finest
             work = Work(s.newton, s.krylov, rolling.convolutions)
             return State(0.0, s.approach, 0.0, {"P": s.P, "H": s.H}, s.status, work, s.outside)
@@ -125,7 +125,7 @@ class Transient2D(Method):
         padded = [*levels, *[levels[-1]] * 2][:3]  # one shape, so one compilation, whatever the history
         predict = bdf.interpolation_weights(T, times)
         entrainment = self.case.motion.entrainment(T)
-        around = self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], entrainment))
+        around = self.outside.at(self.motion(levels, T))
         surfaces, line = self.contact_at(T), line.less(around.load)
         solution: StepSolution = yield StepProblem(
             replace(surfaces, gap=surfaces.gap + around.uplift),
@@ -148,6 +148,16 @@ class Transient2D(Method):
         status = Status.CONVERGED if bool(solution.converged) else Status.NEWTON_STALLED
         work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
         return State(T, approach, velocity, solution.fields, status, work, around.load)
+
+    def motion(self, levels: Sequence[State], T: float) -> Motion:
+        """What the oil outside knows of the new level.
+
+        The squeeze of a rolling contact is left out there: with little or no inertia V follows from the film of the
+        same step, and taken from the steps before it would swing up.
+        """
+        loads = [self.carried(level) for level in levels[: outside.NEWEST]]
+        found = outside.predicted(levels, T, loads, self.case.motion.entrainment(T))
+        return found if self.case.starts_apart else found._replace(velocity=0.0)
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
