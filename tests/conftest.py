@@ -1,7 +1,6 @@
 """How the tests run: on the CPU, in double precision, compiled code kept between runs, the same examples every time."""
 
 import os
-from collections.abc import Iterator
 
 import pytest
 from hypothesis import settings
@@ -25,12 +24,10 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("filterwarnings", r"ignore:.*(use solver\.|there is no error estimate):UserWarning")
 
 
-@pytest.fixture(scope="module")
-def nothing_outside() -> Iterator[None]:
+@pytest.fixture
+def nothing_outside(monkeypatch: pytest.MonkeyPatch) -> None:
     """P = 0 at the edge of every grid, as in the reference computations: the oil outside resists nothing."""
     from ertel.physics import far_field  # not above: what it imports reads the environment
 
-    with pytest.MonkeyPatch.context() as patch:
-        for name in ("pressure", "at_first"):
-            patch.setattr(far_field, name, lambda X, Y, *_: 0.0 * X * Y)
-        yield
+    for name in ("pressure", "at_first"):
+        monkeypatch.setattr(far_field, name, lambda X, Y, *_: 0.0 * X * Y)

@@ -208,11 +208,12 @@ def test_no_load_or_no_flow_is_refused(part) -> None:
         case_of(("barus", 200, 10), 129, Drive(**{part: constant(0.0)}))
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def exact_to_a_millionth() -> dict[float, Rolling]:
     return {M: solved_to(1e-6, M) for M in (20, 200, 1000)}
 
 
+@cache
 def solved_to(tolerance: float, M: float, L: float = 10, nodes: int = 257, fluid: str = "roelands") -> Rolling:
     found = steady.steady(case_of((fluid, M, L), nodes, tolerance=tolerance))
     assert found.finest.status.ok

@@ -26,7 +26,7 @@ TIGHT = {"tolerance": 1e-8}
 @cache
 def run(case_id: str, nodes: int) -> Result:
     if case_id == "gentle":
-        return simulate(impact(20, 5, nodes, time={"tolerance": 1e-5}))
+        return simulate(impact(20, 5, nodes, solver={"half_width": 2.0}, time={"tolerance": 1e-5}))
     return simulate(impact(200, 10, nodes))
 
 
@@ -66,6 +66,7 @@ def test_mass_in_an_adaptive_run_is_kept_to_round_off() -> None:
     assert np.all(np.abs(left) <= case.solver.tolerance * (case.film_scale + np.abs(np.asarray(before.H))))
 
 
+@pytest.mark.usefixtures("nothing_outside")
 def test_the_film_is_what_its_pressure_makes_it() -> None:
     method = Transient2D(impact(200, 10, 65))
     now = march(method, 0.02, 60)[0]
@@ -89,7 +90,8 @@ def test_newtons_law_is_kept_by_the_discrete_motion() -> None:
     rates = bdf.derivative_weights([level.T for level in levels[:3]])
     V, a = (sum(w * getattr(o, k) for w, o in zip(rates, levels, strict=False)) for k in ("approach", "velocity"))
     assert levels[0].velocity == pytest.approx(V, rel=1e-12)
-    assert a == pytest.approx(-15 / (8 * np.pi) * float(contact.load(method.contact, levels[0].P)), rel=1e-9)
+    carried = float(contact.load(method.contact, levels[0].P)) + levels[0].outside
+    assert a == pytest.approx(-15 / (8 * np.pi) * carried, rel=1e-9)
 
 
 def orders(values: list[np.ndarray | float]) -> np.ndarray:
@@ -98,6 +100,7 @@ def orders(values: list[np.ndarray | float]) -> np.ndarray:
     return np.log2(np.divide(changes[:-1], changes[1:]))
 
 
+@pytest.mark.usefixtures("nothing_outside")
 def test_second_order_in_space() -> None:
     """H_c, Delta_max and the film inside the contact, at maximum approach on 33, 65, 129 and 257 nodes a side."""
     results = [run("gentle", nodes) for nodes in (33, 65, 129, 257)]
@@ -112,11 +115,16 @@ def test_second_order_in_space() -> None:
 
 
 def fixed_step(step: float) -> Case:
-    return impact(20, 5, 33, solver={"tolerance": 1e-9}, time={"step": step})
+    return impact(20, 5, 33, solver={"tolerance": 1e-9, "half_width": 2.0}, time={"step": step})
 
 
+@pytest.mark.usefixtures("nothing_outside")
 def test_second_order_in_time() -> None:
-    """The same with fixed steps 0.08 ... 0.01; the frame at maximum approach is interpolated to second order too."""
+    """The same with fixed steps 0.04 ... 0.005; the frame at maximum approach is interpolated to second order too.
+
+    The oil outside, left out here and above, would not be: it cavitates from maximum approach on, and its load has a
+    kink there.
+    """
     results = [simulate(fixed_step(step)) for step in (0.04, 0.02, 0.01, 0.005)]
     for name in ("T", "H_c", "Delta", "F"):
         observed = orders([r.summary["max_approach"][name] for r in results])
@@ -176,6 +184,7 @@ def test_what_the_default_tolerance_leaves_is_small_beside_the_error_of_the_grid
         assert abs(float(fine[name] - exact[name])) < 0.1 * discretisation, name
 
 
+@pytest.mark.usefixtures("nothing_outside")
 def test_iterations_do_not_grow_with_the_grid() -> None:
     counts = []
     for nodes in (33, 65, 129, 257):

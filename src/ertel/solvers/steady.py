@@ -6,6 +6,7 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from math import inf
 
 import jax
 import jax.numpy as jnp
@@ -71,17 +72,20 @@ def nested(
         yield solutions[-1]
 
 
-def settled(case: Case, film: GridSolution) -> GridSolution:
-    """The film with the oil outside at the film's own approach; in `nested` it is at that of the first guess.
+def settled(case: Case) -> Rolling:
+    """The steady contact, on its own grid with the oil outside at the contact's own Delta, not at that of the guess.
 
-    Time steps know the approach, so a run in time needs this film to stay steady.
+    Time steps know Delta, so a run in time needs this film to stay steady.
     """
-    c = discretise.contact_of(case, film.grid)
+    *coarser, s = steady(case).solutions
+    c, before = discretise.contact_of(case, s.grid), inf
     for _ in range(SETTLING):
-        before, film = film, solve(case, film.grid, c, film.P, film.approach, TOLERANCE, preconditioner.PRECISION)
-        if not film.status.ok or abs(film.approach - before.approach) < TOLERANCE:
+        if not s.status.ok or abs(s.approach - before) < TOLERANCE:
             break
-    return film
+        again = solve(case, s.grid, c, s.P, s.approach, TOLERANCE, preconditioner.PRECISION)
+        work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
+        before, s = s.approach, replace(again, newton=work[0], krylov=work[1], convolutions=work[2])
+    return Rolling((*coarser, s))
 
 
 def check_motion(case: Case) -> None:

@@ -112,9 +112,9 @@ class Transient2D(Method):
     def _first(self) -> State:
         c = self.contact_at(0.0)
         if not self.case.starts_apart:
-            rolling = steady.steady(self.case)
-            s = steady.settled(self.case, rolling.finest)
-            work = Work(s.newton, s.krylov, rolling.convolutions + s.convolutions)
+            rolling = steady.settled(self.case)
+            s = rolling.finest
+            work = Work(s.newton, s.krylov, rolling.convolutions)
             return State(0.0, s.approach, 0.0, _fields(c, s.P, s.H), s.status, work, s.outside)
         motion = Motion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
         around, P = self.outside.at(motion), jnp.asarray(self.outside.at_first(motion))
@@ -150,8 +150,7 @@ class Transient2D(Method):
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
         padded = [*levels, *[levels[-1]] * 2][:3]  # one shape, so one compilation, whatever the history
         predict = bdf.interpolation_weights(T, times)
-        entrainment = self.case.motion.entrainment(T)
-        around = self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], entrainment))
+        around = self.outside.at(self.motion(levels, T))
         surfaces, line = self.contact_at(T), line.less(around.load)
         solution: StepSolution = yield StepProblem(
             replace(surfaces, gap=surfaces.gap + around.uplift),
@@ -173,6 +172,16 @@ class Transient2D(Method):
         status = Status.CONVERGED if bool(solution.converged) else Status.NEWTON_STALLED
         work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
         return State(T, approach, velocity, solution.fields, status, work, around.load)
+
+    def motion(self, levels: Sequence[State], T: float) -> Motion:
+        """What the oil outside knows of the new level.
+
+        The squeeze of a rolling contact is left out there: with little or no inertia V follows from the film of the
+        same step, and taken from the steps before it would swing up.
+        """
+        loads = [self.carried(level) for level in levels[: outside.NEWEST]]
+        found = outside.predicted(levels, T, loads, self.case.motion.entrainment(T))
+        return found if self.case.starts_apart else found._replace(velocity=0.0)
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
