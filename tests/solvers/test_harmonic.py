@@ -25,6 +25,8 @@ from ertel.solvers import harmonic, steady
 from ertel.solvers.harmonic import Wave
 from ertel.solvers.transient import Transient2D
 
+# the response has no oil outside that takes part
+pytestmark = pytest.mark.usefixtures("nothing_outside")
 P20 = Parameters.from_moes(20, 5)  # a thick film: resolved by few nodes
 WAVE = 1.5  # wavelength: 8 nodes on the small grid
 
