@@ -5,6 +5,7 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 """
 
 from collections.abc import Iterator, Sequence
+from threading import Thread
 
 import jax
 import jax.numpy as jnp
@@ -19,6 +20,7 @@ from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics import multigrid, newton, richardson, stencils
 from ertel.numerics.grid import Grid, check_grid
+from ertel.numerics.programs import Program
 from ertel.numerics.symmetry import folded, total, unfolded
 from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear, preconditioner
@@ -28,9 +30,12 @@ FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next 
 LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
 TOLERANCE = 1e-8  # tolerance of the steady film from which a transient run starts
 AS_EXACT_AS_THE_GRID = 0.1  # the tolerance that leaves about a tenth of the discretisation error (measured, H_c, H_min)
+SMALL = 2 * 65 * 65  # entries of the largest array on a grid that is solved in less time than its program is optimised
 # least: where the tolerance is so loose that the first guess may meet it, one iteration leaves too much
 # Krylov: 3 to 6 are needed, a sharp spike on a fine grid wants all; each keeps its two fields; Newton: likewise, 5 to 7
 OPTIONS = newton.Options(newton_limit=100, newton_least=2, krylov_limit=18, first_reduction=0.1)
+
+_program = Program(nonlinear.solve, SMALL)
 
 
 def steady(case: Case, precision: str = preconditioner.PRECISION) -> Rolling:
@@ -55,6 +60,8 @@ def nested(
     while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
         grids.append(coarser)
     solutions = list(done)
+    if not done:
+        _compile_ahead(case, grids[:-1], tolerance, precision)  # the finest first: the coarse ones are needed at once
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = discretise.contact_of(case, grid)
         if solutions:
@@ -99,8 +106,18 @@ def solve(
     case: Case, grid: Grid, c: Contact, P: Array, approach: float, tolerance: float, precision: str
 ) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach."""
+    s, Delta = _program(problem_of(case, grid, c, tolerance, precision), P, float(approach))
+    status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
+    n, k = int(s.newton), int(s.krylov)
+    work = nonlinear.convolutions(grid, n, k)
+    history = tuple((s.history[: n + 1] * tolerance).tolist())
+    return GridSolution(grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history)
+
+
+def problem_of(case: Case, grid: Grid, c: Contact, tolerance: float, precision: str) -> Problem:
+    """The equations of the steady film on one grid."""
     geometry = discretise.geometry_of(case)
-    problem = Problem(
+    return Problem(
         c,
         multigrid.elasticities(grid, geometry.compliance, precision),
         steady_rate(case.motion.entrainment(0.0)),
@@ -111,9 +128,14 @@ def solve(
         preconditioner.line_preconditioner,
         OPTIONS,
     )
-    s, Delta = nonlinear.solve(problem, P, approach)
-    status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
-    n, k = int(s.newton), int(s.krylov)
-    work = nonlinear.convolutions(grid, n, k)
-    history = tuple((s.history[: n + 1] * tolerance).tolist())
-    return GridSolution(grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history)
+
+
+def _compile_ahead(case: Case, grids: Sequence[Grid], tolerance: float, precision: str) -> None:
+    """Compile the programs of some grids in the background, one after the other."""
+
+    def compile_all() -> None:
+        for grid in grids:
+            c = discretise.contact_of(case, grid)
+            _program.ready(problem_of(case, grid, c, tolerance, precision), jnp.zeros(grid.shape), 0.0)
+
+    Thread(target=compile_all).start()

@@ -24,6 +24,7 @@ from ertel.numerics import bdf, multigrid, newton
 from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Even, check_grid
 from ertel.numerics.multigrid import Elasticity
+from ertel.numerics.programs import Program
 from ertel.numerics.symmetry import total, unfolded
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import Close, Preconditioner, Problem
@@ -169,7 +170,7 @@ class Transient2D(Method):
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
-        return solve_step(problem)
+        return _step_program(problem)
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
@@ -236,3 +237,6 @@ def solve_step(p: StepProblem) -> StepSolution:
     )
     s, approach = nonlinear.solve(problem, P, p.approach)
     return StepSolution(_fields(p.contact, s.P, s.H, s.left / rate.new), approach, s.converged, s.newton, s.krylov)
+
+
+_step_program = Program(solve_step)
