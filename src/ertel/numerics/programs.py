@@ -70,11 +70,24 @@ class Program:
         place = _place(self.function, level, arguments)
         if place and (kept := _read(place, arguments)):
             return kept
-        lowered = self.function.lower(*arguments)
-        compiled = _compile(lowered, {**OPTIONS, "xla_backend_optimization_level": level})
+        function = _renamed(self.function) if place else self.function
+        compiled = _compile(function.lower(*arguments), {**OPTIONS, "xla_backend_optimization_level": level})
         if place:
             _write(place, compiled)
         return compiled
+
+
+def _renamed(function: Any) -> Any:
+    """The same function with a name of its own, so that JAX does not find it in its cache.
+
+    What JAX has loaded from its cache cannot be written again: XLA leaves out some of the machine code.
+    """
+
+    def renamed(*arguments: Any) -> Any:
+        return function(*arguments)
+
+    renamed.__name__ = f"{function.__name__}_{uuid4().hex}"
+    return jax.jit(renamed)
 
 
 def _compile(lowered: Any, options: dict[str, Any]) -> Compiled:

@@ -21,6 +21,7 @@ def extended(field: Array, even: Even, beyond: str = "constant") -> Array:
     return p.at[:, 0].set(p[:, 2]) if even.x else p
 
 
+@partial(jax.jit, static_argnames="even")
 def unfolded(field: Array, even: Even) -> Array:
     """The field on the whole plane."""
     if even.y:

@@ -5,10 +5,12 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 """
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from threading import Thread
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from ertel.model import discretise
@@ -19,7 +21,7 @@ from ertel.model.flow import steady_rate
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics import multigrid, newton, richardson, stencils
-from ertel.numerics.grid import Grid, check_grid
+from ertel.numerics.grid import Even, Grid, check_grid
 from ertel.numerics.programs import Program
 from ertel.numerics.symmetry import folded, total, unfolded
 from ertel.physics.geometry import Geometry
@@ -83,9 +85,13 @@ def check_motion(case: Case) -> None:
 
 def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Array, float]:
     """Pressure and approach of the dry contact under a load in units F*; the pressure is scaled to carry it exactly."""
-    P = jnp.asarray(geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None]))
-    carried = total(P, grid.even) * grid.spacing**2
-    return P * (load * geometry.hertz_load / carried), geometry.dry_approach(load)
+    P = geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None])
+    return _carrying(P, load * geometry.hertz_load / grid.spacing**2, grid.even), geometry.dry_approach(load)
+
+
+@partial(jax.jit, static_argnames="even")
+def _carrying(P: Array, load: float, even: Even) -> Array:
+    return P * (load / total(P, even))
 
 
 def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:
@@ -110,7 +116,7 @@ def solve(
     status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)
-    history = tuple((s.history[: n + 1] * tolerance).tolist())
+    history = tuple((np.asarray(s.history)[: n + 1] * tolerance).tolist())
     return GridSolution(grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history)
 
 
@@ -136,6 +142,6 @@ def _compile_ahead(case: Case, grids: Sequence[Grid], tolerance: float, precisio
     def compile_all() -> None:
         for grid in grids:
             c = discretise.contact_of(case, grid)
-            _program.ready(problem_of(case, grid, c, tolerance, precision), jnp.zeros(grid.shape), 0.0)
+            _program.ready(problem_of(case, grid, c, tolerance, precision), np.zeros(grid.shape), 0.0)
 
     Thread(target=compile_all).start()
