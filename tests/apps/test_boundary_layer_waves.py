@@ -27,9 +27,11 @@ SMALL = replace(
     waves=WavesPlan(
         impacts={(M, L): (WAVE,)},
         grids=(33, 65),
-        rolling=((M, L, 1.0, 65), (M, L, 1.5, 65)),
+        rolling={(M, L): (1.0, 1.5)},
+        rolling_grids=(33, 65),
         twins=((M, L, WAVE, 0.6),),
         twin_grids=(33, 65),
+        marched=(M, L, 1.0, 65),
         shown=(M, L),
     ),
     beyond=BeyondPlan(

@@ -49,6 +49,13 @@ def test_a_v_cycle_contracts_where_the_oil_flows_twice_as_readily_one_way(more: 
     assert contraction(65, c._replace(eps=Pair(*pair))) < 0.8
 
 
+def test_a_v_cycle_contracts_where_diffusion_hardly_exceeds_the_deformation() -> None:
+    """The mobility jumps from nothing to a value at which Jacobi would amplify short waves."""
+    c = rolling_like(65)
+    outside = c.eps.x > 1e-3
+    assert contraction(65, c._replace(eps=Pair(jnp.where(outside, 0.1 * (6.0 / 64) ** 2, 1e-11)))) < 0.8
+
+
 def test_a_uniform_change_has_no_slope() -> None:
     """What the bands of a line leave out must not make a drift of a uniform mass."""
     (elastic,) = multigrid.elasticities(Grid(5, 5, 0.1), COMPLIANCE, "float64")[:1]

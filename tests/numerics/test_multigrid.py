@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from jax import Array
 
 from ertel.numerics import halfspace, multigrid
-from ertel.numerics.grid import Grid
+from ertel.numerics.grid import WHOLE, Grid
 from ertel.numerics.multigrid import Coefficients, GridLevel
 from ertel.numerics.stencils import Pair
 from ertel.physics.geometry import COMPLIANCE
@@ -162,6 +162,17 @@ def test_a_spread_change_deforms_only_nearby() -> None:
     assert fall(multigrid.spread(d)) == pytest.approx(3, abs=0.2)
 
 
+def test_nothing_is_spread_to_where_diffusion_dominates() -> None:
+    """There, a share of a change would leave a residual far larger than the one it removes."""
+    level = levels_of(65, impact_like(65))[0]
+    alone = np.asarray(level.smoother.jacobi) > 0
+    soft = ~alone & (np.asarray(level.coefficients.free) > 0)
+    change = np.asarray(level.smoother.change(jnp.asarray(soft.astype(float))))
+    assert alone.any() and soft.any()
+    assert np.all(change[alone] == 0.0)
+    assert np.any(change[soft] != 0.0)
+
+
 def test_multilevel_integration_is_near_the_sum() -> None:
     """Of the worst there is, a random field, within 0.3; of a smooth one far nearer, and more so on fine grids."""
 
@@ -186,3 +197,11 @@ def test_smooth_prolongation_is_exact_for_cubics_inside() -> None:
     fine = np.linspace(-1, 1, 17)
     found = np.asarray(multigrid.prolong_smooth(jnp.asarray(x[None, :] ** 3 + x[:, None] ** 2)))
     np.testing.assert_allclose(found[2:-2, 2:-2], (fine[None, :] ** 3 + fine[:, None] ** 2)[2:-2, 2:-2], atol=1e-12)
+
+
+def test_lowest_mean_is_a_bound_that_sees_the_neighbourhood() -> None:
+    field = jnp.ones((33, 33)).at[16, 16].set(-100.0)
+    least = np.asarray(multigrid.lowest_mean(field, WHOLE, 2))
+    assert np.all(least <= np.asarray(field))
+    assert np.all(least[14:19, 14:19] < 0) and np.all(least[:8] > 0)
+    np.testing.assert_allclose(multigrid.lowest_mean(jnp.ones((33, 33)), WHOLE, 2)[4:-4, 4:-4], 1.0)

@@ -185,6 +185,19 @@ def test_iterations_do_not_grow_with_the_grid() -> None:
     assert max(counts) < 5
 
 
+def test_a_cavity_grows_and_shrinks_in_few_iterations() -> None:
+    """When the ball turns back, the edge of the cavity passes many nodes in a step: 4 iterations at most, on any grid.
+
+    An edge that advances one node per iteration needs 6 on 129 and 11 on 257 nodes a side.
+    """
+    case = impact(200, 10, 129, time={"until": 2.7})
+    method = Transient2D(case)
+    steps = steps_of(case, method)
+    held = [int(jnp.sum(step.state.levels[0].P[1:-1, 1:-1] == 0)) for step in steps]
+    assert held[0] == 0 and max(np.diff(held)) > 1000  # of 64 x 64 nodes: it ruptures far outside, at once
+    assert max(step.record["newton_iterations"] for step in steps) <= 4
+
+
 def test_one_compilation_serves_every_case_of_a_shape() -> None:
     simulate(impact(50, 5, 33, time={"until": 0.5}))
     before = compiling.count()

@@ -271,6 +271,13 @@ def restrict(fine: Array, even: Even = WHOLE, beyond: str = "constant") -> Array
     return 0.25 * (in_y[:, :-2:2] + 2.0 * in_y[:, 1:-1:2] + in_y[:, 2::2])
 
 
+def lowest_mean(field: Array, even: Even, grids: int) -> Array:
+    """The least of a field's mean values around each node, on this grid and on so many coarser ones."""
+    if grids == 0:
+        return field
+    return jnp.minimum(field, prolong(lowest_mean(restrict(field, even), even, grids - 1)))
+
+
 @jax.jit
 def prolong(coarse: Array) -> Array:
     """Bilinear interpolation to twice as many cells."""

@@ -31,7 +31,7 @@ class Options:
     """
 
     newton_least: int = 1  # not 0: errors of predictions within the tolerance would accumulate from step to step
-    newton_limit: int = 40  # few are needed, but a free boundary may advance over many nodes, one per iteration
+    newton_limit: int = 40
     krylov_limit: int = 16
     krylov_reduction: float = 1e-2
     first_reduction: float = 1e-2
@@ -96,13 +96,17 @@ def solve(
     tolerance: Array | float,
     options: Options = Options(),
     border: Border = NO_BORDER,
+    filled: Map = lambda r: r,
 ) -> Solution:
     """Solve from the first guess P and the matching H = H(P), both of shape (n, n).
 
     partner_change maps a change of P to the change of H.  preconditioner(P, H, free) returns an approximate inverse of
     the Jacobian on the free nodes.  tolerance bounds |r| at every free node.
+
+    filled: from r where P = 0 (0 elsewhere) to a field that is negative at the nodes which the next iteration frees;
+    it may free more nodes than those with r < 0, since the iteration holds them again if P < 0 follows.
     """
-    system = _System(residual, partner_change, preconditioner, tolerance, options, border)
+    system = _System(residual, partner_change, preconditioner, tolerance, options, border, filled)
     zero = jnp.zeros((), jnp.int32)
     s = jnp.asarray(border.s, P.dtype)
     start = system.size(P, H, s)
@@ -125,6 +129,7 @@ class _System:
     tolerance: Array | float
     options: Options
     border: Border
+    filled: Map
 
     def size(self, P: Array, H: Array, s: Array) -> Array:
         """The largest residual in units of the tolerance."""
@@ -156,7 +161,7 @@ class _System:
         """The change that solves the linear equations nearly, and the Krylov iterations that it took."""
         weight = jnp.asarray(self.border.weight, it.P.dtype)
         r, change_of_r = jax.linearize(self.residual, it.P, it.H)
-        free = _free(it.P, r)
+        free = _free(it.P, self.filled(jnp.where(it.P > 0.0, 0.0, r)))
         misfit, change_of_misfit = jax.linearize(self.border.misfit, it.P, it.s)
 
         def jacobian(d: _Pair) -> _Pair:

@@ -24,6 +24,7 @@ from ertel.numerics.grid import Grid
 from ertel.numerics.multigrid import Elasticity
 
 Number = Array | float
+INFLOW = 3.0  # weight of what flows into a cavity: a mean around a node counts the cavity on both sides of the node
 LOAD_WEIGHT = 200.0  # weight of the load misfit relative to the residual: every search keeps the load
 
 
@@ -75,11 +76,23 @@ def solve(problem: Problem, P: Array, approach: Number) -> tuple[newton.Solution
         return contact.residual(problem.contact, P, H, problem.rate)
 
     inverse = partial(problem.preconditioner, problem)
+    fill = partial(filled, problem)
     solution = newton.solve(
-        residual, closed.film_change, inverse, P, closed.H, problem.tolerance, problem.options, closed.border
+        residual, closed.film_change, inverse, P, closed.H, problem.tolerance, problem.options, closed.border, fill
     )
     fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
     return solution._replace(**fields), closed.approach(solution)
+
+
+def filled(problem: Problem, r: Array) -> Array:
+    """Negative where the oil fills a cavity.  r: the residual in the cavity, zero elsewhere.
+
+    At the edge of a cavity r < 0 is oil that flows in; further inside r > 0 is what the cavity takes up.  The oil
+    reaches as far as the two balance: where a mean value of r is negative.  If only the nodes with r < 0 were freed,
+    the edge would move by one node per iteration.
+    """
+    balance = INFLOW * jnp.minimum(r, 0.0) + jnp.maximum(r, 0.0)
+    return multigrid.lowest_mean(balance, problem.contact.even, len(problem.elastic) - 1)
 
 
 def _along_its_flow(problem: Problem) -> Problem:

@@ -54,7 +54,7 @@ def levels(
     one, zero = jnp.ones_like(P), jnp.zeros_like(P)
     (mass, eps), by_P = jax.jvp(laws, (P, H), (one, zero))
     _, by_H = jax.jvp(laws, (P, H), (zero, one))
-    # where the pressure is curved, as at the foot of a spike, this is several times the diagonal of eps alone
+    # where the pressure is curved, as at the foot of a spike, the diagonal is larger by half, or more than doubled
     steepening = -0.5 * stencils.curvature(by_P[1], P, c.even) / c.spacing**2
 
     def balance(mass: Array, eps: Pair, P: Array) -> Array:

@@ -34,8 +34,8 @@ THIN = 0.1  # of the film scale: below this the time error of a film is not take
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 LARGEST_REST = 20.0  # tolerances of time, may be left over in the film of a step: more would rule the size of the steps
-# Krylov: 3 or 4 are needed, and each has its two fields.  Newton: cavitation advances a node in one iteration
-OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
+# Krylov: 3 or 4 are needed, and each has its two fields
+OPTIONS = newton.Options(krylov_limit=10)
 
 
 @register_dataclass
@@ -220,7 +220,7 @@ def solve_step(p: StepProblem) -> StepSolution:
     rate = rate_in_time(p.rates, p.past["mass"][:2], p.flow, p.contact.spacing)
     P = jnp.tensordot(p.predict, P_old, axes=1)
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
-    # A free boundary retreats in one iteration but advances one node per iteration.  So the prediction limits the fall.
+    # So the prediction limits the fall.
     P = jnp.maximum(P, STEEPEST_FALL * P_old[0])
     # a residual r leaves the mass r/rate.new over in this step
     allowed = p.tolerance * rate.new * (p.film_scale + jnp.abs(H_old[0]))

@@ -1,8 +1,11 @@
-"""Checks of Fig. 6: A_d/A_i does not depend on the height of the waves, and hardly on the time steps."""
+"""Checks of Fig. 6: A_d/A_i does not depend on the height of the waves, and hardly on the time steps.
+
+In rolling it is computed without time steps; time steps over waves of finite height lead to the same value.
+"""
 
 from pandas import DataFrame
 
-from ertel.apps.boundary_layers.plans import Plan, half
+from ertel.apps.boundary_layers.plans import Plan
 from ertel.apps.boundary_layers.smooth import Results
 from ertel.apps.boundary_layers.waves import (
     CHECKED,
@@ -11,7 +14,6 @@ from ertel.apps.boundary_layers.waves import (
     check_name,
     impact_name,
     last_wave,
-    rolling_check_name,
     rolling_name,
     wave_name,
 )
@@ -24,7 +26,11 @@ def tables(results: Results, plan: Plan) -> dict[str, DataFrame]:
     M, L = plan.waves.shown
     wavelength, nodes = plan.waves.impacts[M, L][0], plan.waves.grids[0]
     heights = f"Height of the waves: M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {nodes} nodes"
-    return {heights: _by_height(results, plan), "Time steps": _by_step(results, plan)}
+    return {
+        heights: _by_height(results, plan),
+        "Time steps": _by_step(results, plan),
+        "Rolling with and without time steps": _by_marching(results, plan),
+    }
 
 
 def _by_height(results: Results, plan: Plan) -> DataFrame:
@@ -44,10 +50,17 @@ def _by_step(results: Results, plan: Plan) -> DataFrame:
         )
         for wavelength in plan.waves.impacts[M, L]
     ]
-    M, L, wavelength, fine = plan.waves.rolling[-1]
-    nodes = half(fine)
-    (usual, _), (shorter, _) = results[rolling_name(M, L, wavelength, nodes)], results[rolling_check_name(nodes)]
-    return DataFrame([*rows, _row(f"rolling, M = {M:g}, L = {L:g}", wavelength, nodes, usual, shorter)])
+    return DataFrame(rows)
+
+
+def _by_marching(results: Results, plan: Plan) -> DataFrame:
+    M, L, wavelength, nodes = plan.waves.marched
+    own = plan.waves.rolling[M, L] if nodes in plan.waves.rolling_grids else (wavelength,)
+    linear = results[rolling_name(M, L, nodes)][own.index(wavelength)]
+    run = f"M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {nodes} nodes"
+    steps = f"time steps of one cell, A_i = {HEIGHT:g} of the film scale"
+    found = {"without time steps, to first order": linear, steps: results[check_name("marched", plan)]}
+    return DataFrame({"rolling": run, "computed": how, "A_d/A_i": f"{ratio:.4f}"} for how, ratio in found.items())
 
 
 def _ratio(results: Results, name: str, height: float, wavelength: float) -> float:

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from ertel import Parameters, fronts, hertz, waves
-from ertel.apps.boundary_layers.plans import Plan, half
+from ertel.apps.boundary_layers.plans import Plan
 from ertel.apps.boundary_layers.smooth import NAMES, Results, Values, radial_name
 from ertel.apps.boundary_layers.waves import HEIGHT, impact_name, rolling_name, twin_name, wave_name
 
@@ -106,15 +106,13 @@ def _dot(
 
 
 class Rolled(NamedTuple):
-    """A rolling contact.  nodes: of the fine grid; change: of A_d/A_i in the last period, on the fine grid."""
+    """A rolling contact over waves."""
 
     M: float
     L: float
     wavelength: float
-    nodes: int
     nabla2: float
     ratio: Extrapolated
-    change: float
 
 
 class Twin(NamedTuple):
@@ -131,11 +129,11 @@ class Twin(NamedTuple):
 
 def rolled_over(results: Results, plan: Plan) -> Iterator[Rolled]:
     """The rolling contacts."""
-    for M, L, wavelength, nodes in plan.waves.rolling:
-        coarse, _ = results[rolling_name(M, L, wavelength, half(nodes))]
-        fine, change = results[rolling_name(M, L, wavelength, nodes)]
-        nabla2 = Parameters.from_moes(M, L).nabla2(wavelength)
-        yield Rolled(M, L, wavelength, nodes, nabla2, Extrapolated(coarse, fine), change)
+    for (M, L), wavelengths in plan.waves.rolling.items():
+        grids = [results[rolling_name(M, L, nodes)] for nodes in plan.waves.rolling_grids]
+        for wavelength, coarse, fine in zip(wavelengths, *grids, strict=True):
+            nabla2 = Parameters.from_moes(M, L).nabla2(wavelength)
+            yield Rolled(M, L, wavelength, nabla2, Extrapolated(coarse, fine))
 
 
 def curve_of(rolled: list[Rolled]) -> waves.Reduction:
@@ -149,7 +147,7 @@ def twins_of(impacts: list[Dot], results: Results, plan: Plan) -> Iterator[Twin]
     for M, L, wavelength, X in plan.waves.twins:
         own = [dot for dot in impacts if (dot.M, dot.L, dot.wavelength) == (M, L, wavelength)]
         nearest = min(own, key=lambda dot: abs(dot.X - X))
-        (_, coarse, _), (nabla2, fine, _) = (
+        (_, coarse), (nabla2, fine) = (
             results[twin_name(M, L, wavelength, X, nodes)] for nodes in plan.waves.twin_grids
         )
         yield Twin(M, L, wavelength, nearest.X, nabla2, nearest.ratio, Extrapolated(coarse, fine))

@@ -26,17 +26,19 @@ class SmoothPlan:
 class WavesPlan:
     """Isotropic waviness, Figs. 5 and 6.
 
-    impacts: wavelengths for each M, L.  grids: nodes per side of the impacts, coarse and fine.  rolling: M, L,
-    wavelength, and nodes per side of the fine grid; the time steps of the last one are checked.  twins: M, L,
-    wavelength and X of each `rolling_twin`, where X is the place of a wave.  twin_grids: nodes per side of the twins.
+    impacts, rolling: wavelengths for each M, L.  grids, rolling_grids, twin_grids: nodes per side, coarse and fine, of
+    the impacts, of rolling and of the twins.  twins: M, L, wavelength and X of each `rolling_twin`, where X is the
+    place of a wave.  marched: M, L, wavelength and nodes of a rolling contact that is computed by time steps too.
     shown: M, L of Fig. 5 and of the checks.
     """
 
     impacts: Mapping[Moes, Wavelengths]
     grids: tuple[int, int]
-    rolling: tuple[tuple[float, float, float, int], ...]
+    rolling: Mapping[Moes, Wavelengths]
+    rolling_grids: tuple[int, int]
     twins: tuple[tuple[float, float, float, float], ...]
     twin_grids: tuple[int, int]
+    marched: tuple[float, float, float, int]
     shown: Moes = (1000, 10)
 
 
@@ -72,9 +74,11 @@ QUICK = Plan(
     WavesPlan(
         impacts={(200, 10): (0.25, 0.4), (1000, 10): (0.25, 0.4, 0.6), (1000, 5): (0.25, 0.5)},
         grids=(97, 193),
-        rolling=((200, 10, 0.5, 129), (200, 10, 1.0, 129), (1000, 10, 0.5, 129)),
+        rolling={(200, 10): (0.5, 1.0), (1000, 10): (0.5,)},
+        rolling_grids=(129, 257),
         twins=((1000, 10, 0.4, 0.73), (1000, 10, 0.6, 0.5)),
-        twin_grids=(65, 129),
+        twin_grids=(129, 257),
+        marched=(1000, 10, 0.5, 129),
     ),
     BeyondPlan(
         shaped={(1000, 10): (0.25, 0.4)},
@@ -100,28 +104,34 @@ FULL = Plan(
             (2000, 10): (0.2, 0.4, 0.5),
         },
         grids=(257, 513),
-        rolling=(
-            (100, 20, 0.25, 513),
-            (100, 10, 0.4, 513),
-            (200, 10, 0.25, 513),
-            (200, 10, 0.5, 513),
-            (200, 10, 0.75, 257),
-            (200, 10, 1.0, 257),
-            (1000, 10, 0.3, 513),
-            (1000, 10, 0.5, 513),
-            (1000, 10, 0.75, 257),
-            (1000, 10, 1.0, 257),
-        ),
+        rolling={
+            (100, 10): (0.4, 0.8),
+            (100, 20): (0.25,),
+            (200, 10): (0.25, 0.5, 0.75, 1.0),
+            (500, 10): (0.3, 0.6),
+            (1000, 5): (0.5,),
+            (1000, 10): (0.3, 0.5, 0.75, 1.0),
+            (1000, 20): (0.4,),
+            (2000, 10): (0.25, 0.5),
+        },
+        rolling_grids=(513, 1025),
         twins=(
+            (100, 10, 0.4, 0.5),
+            (200, 10, 0.4, 0.6),
+            (500, 10, 0.3, 0.66),
             (500, 10, 0.5, 0.4),
             (500, 10, 0.5, 0.66),
             (1000, 5, 0.5, 0.67),
+            (1000, 10, 0.25, 0.83),
             (1000, 10, 0.4, 0.53),
             (1000, 10, 0.4, 0.73),
             (1000, 10, 0.6, 0.5),
+            (1000, 20, 0.5, 0.7),
+            (2000, 10, 0.4, 0.7),
             (2000, 10, 0.5, 0.67),
         ),
-        twin_grids=(129, 257),
+        twin_grids=(257, 513),
+        marched=(1000, 10, 0.5, 257),
     ),
     BeyondPlan(
         shaped={(200, 10): (0.3, 0.5), (1000, 10): (0.25, 0.4), (1000, 5): (0.25, 0.5)},
@@ -129,7 +139,7 @@ FULL = Plan(
         soft={100: (0.15, 0.3), 500: (0.15, 0.3)},
         grids=(193, 385),
         rolling=((200, 10, 0.5), (200, 10, 1.0), (1000, 10, 0.5), (1000, 10, 1.0)),
-        rolling_grids=(129, 257),
+        rolling_grids=(257, 513),
     ),
 )
 
@@ -139,11 +149,11 @@ def impact_seconds(impacts: int, nodes: int) -> float:
     return 5.0 + impacts * 18.0 * (nodes / 513) ** 2
 
 
-def rolling_seconds(nodes: int) -> float:
-    """Expected duration of a rolling contact: 330 s on 513 nodes, 1/8 of it on half as many (measured, one core)."""
-    return 5.0 + 330.0 * (nodes / 513) ** 3
+def rolling_seconds(waves: int, nodes: int) -> float:
+    """Expected duration of a rolling contact and its response to some waves (measured on 513 nodes, one core)."""
+    return 5.0 + (4.0 + 3.0 * waves) * (nodes / 513) ** 2
 
 
-def half(nodes: int) -> int:
-    """Nodes of the grid with twice the spacing."""
-    return (nodes + 1) // 2
+def marching_seconds(nodes: int) -> float:
+    """Expected duration of a rolling contact in time: 190 s on 513 nodes, 1/8 of it on half as many (one core)."""
+    return 5.0 + 190.0 * (nodes / 513) ** 3

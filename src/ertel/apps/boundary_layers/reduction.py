@@ -24,7 +24,7 @@ from ertel.apps.boundary_layers.dots import (
     twins_of,
 )
 from ertel.apps.boundary_layers.page import Drawn
-from ertel.apps.boundary_layers.plans import Plan, half
+from ertel.apps.boundary_layers.plans import Plan
 from ertel.apps.boundary_layers.smooth import FORMED, Results, new_figure
 from ertel.apps.boundary_layers.waves import check_tasks, impact_tasks, rolling_tasks, twin_tasks
 
@@ -68,9 +68,12 @@ def reduction(results: Results, plan: Plan) -> Drawn:
         f"of {plan.waves.grids[0]} and {plan.waves.grids[1]} nodes per side for a method of second order; the error "
         "bar reaches to the limit of a method of first order.  Horizontal bars on the left: range of nabla2 for three "
         f"speeds of the front at that place (front defined by the {FILM}, by {HALF_HERTZ}, and exact dry law).  "
-        "Squares: rolling over the same waviness, at the centre of the contact, when the film has become periodic, on "
-        "the grids in the table.  Solid line: eq. (15).  Dashed: curve of transverse waviness in a line contact.  "
-        f"Dotted: {_text(found.own)}, fitted to the squares.  Right: nabla2 with radius and pressure of the Hertz "
+        "Squares: rolling over the same waviness, at the centre of the contact, to first order in its height, "
+        f"extrapolated from {plan.waves.rolling_grids[0]} and {plan.waves.rolling_grids[1]} nodes per side.  "
+        "Solid line: eq. (15).  "
+        "Grey: transverse waviness in a line contact, 1/(1 + 0.17 n + 0.03 n^2) of 1997 (dashed) and a later fit, "
+        "1/(1 + 0.125 n + 0.04 n^2) (dotted), n = 0.608 nabla2.  "
+        f"Dash-dotted: {_text(found.own)}, fitted to the squares.  Right: nabla2 with radius and pressure of the Hertz "
         "contact at the moment when the front passed, lambda_bar v/A^4, alpha_bar A, wavelength/A.  Crosses: rolling "
         "at exactly these parameters."
     )
@@ -94,7 +97,7 @@ def _draw(found: Found) -> Figure:
         draw_curves(axes)
         n = np.geomspace(0.3, 30, 200)
         axes.plot(
-            n, found.own.ratio(n), color=plots.ORANGE, linewidth=1.0, linestyle=":", label="fitted to the squares"
+            n, found.own.ratio(n), color=plots.ORANGE, linewidth=1.0, linestyle="-.", label="fitted to the squares"
         )
         _draw_rolled(axes, found.rolled)
     ranges = [(min(dot.local.values()), max(dot.local.values())) for dot in found.last]
@@ -163,7 +166,7 @@ def _impact_data(impacts: Sequence[Dot]) -> DataFrame:
 
 
 def _rolling_data(rolled: Sequence[Rolled]) -> DataFrame:
-    names = ("M", "L", "wavelength", "nabla2", "change")
+    names = ("M", "L", "wavelength", "nabla2")
     return DataFrame({**{name: getattr(r, name) for name in names}, **r.ratio.columns()} for r in rolled)
 
 
@@ -245,11 +248,9 @@ def _rolling_table(rolled: Sequence[Rolled]) -> DataFrame:
     return DataFrame(
         {
             **case_cells(r.M, r.L, r.wavelength),
-            "nodes": f"{half(r.nodes)}, {r.nodes}",
             "nabla2": f"{r.nabla2:.2f}",
             **r.ratio.cells(),
             "(15)": f"{float(amplitude_reduction.ratio_left(r.nabla2)):.3f}",
-            "change in the last period": f"{r.change:.3f}",
         }
         for r in rolled
     )

@@ -26,7 +26,7 @@ from ertel.apps.boundary_layers.page import Drawn
 from ertel.apps.boundary_layers.plans import Plan, rolling_seconds
 from ertel.apps.boundary_layers.reduction import draw_curves
 from ertel.apps.boundary_layers.smooth import Results, Values, new_figure
-from ertel.apps.boundary_layers.waves import HEIGHT, wavy_rolling
+from ertel.apps.boundary_layers.waves import HEIGHT, rolling_response
 
 STYLES = {"transverse": ("o", plots.BLUE), "rings": ("D", plots.GREEN), "longitudinal": ("^", plots.ORANGE)}
 CURVES: Mapping[str, Callable[[ArrayLike], Values]] = {
@@ -64,7 +64,7 @@ def _film_across(case: Case) -> xr.DataArray:
 
 
 def transverse_name(M: float, L: float, wavelength: float, nodes: int) -> str:
-    """Name of the task that is a `wavy_rolling` over transverse waves."""
+    """Name of the task that is a `rolling_response` to transverse waves."""
     return f"transverse_M{M:g}_L{L:g}_{wavelength:g}_{nodes}"
 
 
@@ -81,8 +81,10 @@ def tasks(plan: Plan) -> list[sweep.Task]:
         found += shaped_tasks("shapes", case, shapes, plan.beyond.grids)
     for rolling in plan.beyond.rolling:
         for nodes in plan.beyond.rolling_grids:
-            seconds = rolling_seconds(nodes)
-            found.append(sweep.Task(transverse_name(*rolling, nodes), wavy_rolling, (*rolling, nodes, inf), seconds))
+            M, L, wavelength = rolling
+            seconds = rolling_seconds(1, nodes)
+            transverse = M, L, (wavelength,), nodes, inf
+            found.append(sweep.Task(transverse_name(*rolling, nodes), rolling_response, transverse, seconds))
             found.append(sweep.Task(ridges_name(*rolling, nodes), ridged_rolling, (*rolling, nodes), seconds))
     return found
 
@@ -107,7 +109,7 @@ def rolled_marks(results: Results, plan: Plan) -> Iterator[Mark]:
         nabla2 = Parameters.from_moes(M, L).nabla2(wavelength)
         across = [results[transverse_name(M, L, wavelength, nodes)] for nodes in plan.beyond.rolling_grids]
         along = [results[ridges_name(M, L, wavelength, nodes)] for nodes in plan.beyond.rolling_grids]
-        ratios = {"transverse": Extrapolated(*(ratio for ratio, _ in across)), "longitudinal": Extrapolated(*along)}
+        ratios = {"transverse": Extrapolated(*(ratio for (ratio,) in across)), "longitudinal": Extrapolated(*along)}
         for kind, ratio in ratios.items():
             yield Mark(kind, M, L, wavelength, 0.0, ratio, nabla2, nabla2, nabla2)
 
@@ -124,7 +126,7 @@ def other_waves(results: Results, plan: Plan) -> Drawn:
         "transverse to the motion of the front along Y = 0.  Along X = 0 the front runs along their ridges, so that "
         "they are longitudinal; their amplitude is half the difference between crest and trough at the same radius, "
         "at the place of the last transverse wave.  The waves cos(2 pi r/Lambda) are rings with their crests parallel "
-        "to the front.  Right, rolling: over transverse waves when the film has become periodic, over longitudinal "
+        "to the front.  Right, rolling: over transverse waves to first order in their height, over longitudinal "
         "waves steady.  Curves: (15), for isotropic and for transverse waves; (15) with e nabla2 instead of nabla2, "
         "for longitudinal waves; and the curve of transverse waves in a line contact.  Impact on "
         f"{grids[0]} and {grids[1]} nodes per side, rolling on {rolling[0]} and {rolling[1]}; extrapolation and error "

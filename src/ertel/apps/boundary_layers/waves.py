@@ -1,11 +1,12 @@
 """Waviness in impact and in rolling: the runs of Figs. 5 and 6, and Fig. 5."""
 
 from collections.abc import Mapping, Sequence
-from math import ceil, inf
+from math import ceil
 
 import xarray as xr
 from matplotlib.axes import Axes
 from pandas import DataFrame
+from scipy.interpolate import CubicSpline
 
 from ertel import (
     Case,
@@ -16,17 +17,17 @@ from ertel import (
     parse_case,
     plots,
     respond,
+    respond_in_rolling,
     respond_linearly,
     simulate,
     sweep,
     waves,
 )
 from ertel.apps.boundary_layers.page import Drawn
-from ertel.apps.boundary_layers.plans import Plan, half, impact_seconds, rolling_seconds
+from ertel.apps.boundary_layers.plans import Plan, impact_seconds, marching_seconds, rolling_seconds
 from ertel.apps.boundary_layers.smooth import (
     NO_MAPS,
     Results,
-    Values,
     new_figure,
     radial_name,
     radial_task,
@@ -96,42 +97,54 @@ def wavy_impact(
     return relative.assign_coords(wave=names).drop_attrs().load()
 
 
-def wavy_rolling(
-    M: float, L: float, wavelength: float, nodes: int, across: float | None = None, finer: int = 1
-) -> tuple[float, float]:
-    """A_d/A_i at the centre of a rolling contact, and its change from the last period but one to the last.
+def rolling_response(
+    M: float, L: float, wavelengths: Sequence[float], nodes: int, across: float | None = None
+) -> tuple[float, ...]:
+    """A_d/A_i at the centre of a rolling contact over passing waves, to first order in their height.
 
-    The waves enter the contact behind a front that starts upstream of it.  The run ends when they have passed the
-    centre by 1 a and three wavelengths.  across: wavelength along Y, infinite for transverse waves; by default that
-    along X.  finer: divides the time step.  Raises RuntimeError where the run fails.
+    across: wavelength along Y, infinite for transverse waves; by default that along X.  Raises RuntimeError where a
+    solve fails.
     """
-    start, length = -1.5, 2.0 * 1.5
-    until = -start + 1.0 + 3 * wavelength
-    steps = finer * ceil(wavelength / (length / nodes))
+    case = parse_case({"contact": {"kind": "rolling", "M": M, "L": L}, "solver": {"method": "steady", **_grid(nodes)}})
+    shapes = [Waviness(1.0, wavelength, across or wavelength) for wavelength in wavelengths]
+    data = respond_in_rolling(case, [[Feature(shape)] for shape in shapes])
+    if data.attrs["status"] != "converged":
+        raise RuntimeError(f"rolling over waves, M = {M}, L = {L}, {nodes} nodes: {data.attrs['status']}")
+    return tuple(data["dH_amplitude"].interp(X=0.0, Y=0.0).values.tolist())
+
+
+def _grid(nodes: int) -> dict[str, float]:
+    return {"nodes": nodes, "half_width": 1.75, "inlet": 2.25}
+
+
+def marched_rolling(M: float, L: float, wavelength: float, nodes: int) -> float:
+    """The same ratio by time steps, over waves of finite height: the check of `rolling_response`.
+
+    The waves enter behind a front that starts upstream of the contact.  The run ends when they have passed the centre
+    by 1 a and three wavelengths.  A step is one cell long.  Raises RuntimeError where the run fails.
+    """
+    start, grid = -1.5, _grid(nodes)
+    step = 2 * grid["half_width"] / (nodes - 1)
+    until = step * ceil((-start + 1.0 + 3 * wavelength) / step)
     source = {
         "contact": {"kind": "rolling", "M": M, "L": L},
-        "solver": {"method": "transient", "nodes": nodes, "half_width": 1.75, "inlet": 2.25, "tolerance": 1e-4},
-        "time": {"until": until, "step": wavelength / steps},
+        "solver": {"method": "transient", "tolerance": 1e-4, **grid},
+        "time": {"until": until, "step": step},
         "output": {"interval": until},
     }
     height = HEIGHT * parse_case(source).film_scale
-    wave = {"shape": "waviness", "amplitude": height, "wavelength_x": wavelength, "front": start, "ramp": wavelength}
-    along_y = {} if across == inf else {"wavelength_y": across or wavelength}
-    result = simulate(parse_case({**source, "roughness": [{**wave, **along_y}]}))
+    wave = {"shape": "waviness", "amplitude": height, "wavelength_x": wavelength, "wavelength_y": wavelength}
+    result = simulate(parse_case({**source, "roughness": [{**wave, "front": start, "ramp": wavelength}]}))
     if not result.status.ok:
         raise RuntimeError(f"rolling, M = {M}, L = {L}, wavelength {wavelength}: {result.status.value}")
-    T, H = result.dataset["time"].values, result.dataset["H_c"].values
-    last, before = (_half_range(T, H, until - n * wavelength, wavelength) / height for n in (0, 1))
-    return last, abs(last - before)
+    film = CubicSpline(result.dataset["time"].values, result.dataset["H_c"].values)
+    turns = film.derivative().roots(extrapolate=False)
+    extremes = film(turns[turns > until - wavelength])  # those of the last period, between the steps too
+    return float(extremes.max() - extremes.min()) / 2 / height
 
 
-def _half_range(T: Values, H: Values, end: float, period: float) -> float:
-    during = H[(T > end - period * (1 + 1e-9)) & (T <= end * (1 + 1e-9))]
-    return float(during.max() - during.min()) / 2
-
-
-def rolling_twin(M: float, L: float, wavelength: float, X: float, nodes: int) -> tuple[float, float, float]:
-    """Rolling at the parameters of an impact's front as it passes X: nabla2, and the two results of `wavy_rolling`.
+def rolling_twin(M: float, L: float, wavelength: float, X: float, nodes: int) -> tuple[float, float]:
+    """Rolling at the parameters of an impact's front as it passes X: nabla2, and A_d/A_i.
 
     The surfaces roll with the speed v of the front.  The Hertz contact is that of the impact at this moment, of radius
     X: lambda_bar v/X^4, alpha_bar X, wavelength/X.
@@ -140,7 +153,8 @@ def rolling_twin(M: float, L: float, wavelength: float, X: float, nodes: int) ->
     speed = float(fronts.front(smooth_impact(M, L, solver, NO_MAPS)).speed_at(X))
     p = Parameters.from_moes(M, L)
     local = Parameters(p.lambda_bar * speed / X**4, p.alpha_bar * X)
-    return local.nabla2(wavelength / X), *wavy_rolling(local.M, local.L, wavelength / X, nodes)
+    [ratio] = rolling_response(local.M, local.L, (wavelength / X,), nodes)
+    return local.nabla2(wavelength / X), ratio
 
 
 # -- tasks and their names --------------------------------------------------------------------------------------------
@@ -152,18 +166,13 @@ def impact_name(M: float, L: float, nodes: int) -> str:
 
 
 def check_name(kind: str, plan: Plan) -> str:
-    """Name of one of the `check_tasks`: "heights", "linear" or "steps"."""
+    """Name of one of the `check_tasks`: "heights", "linear", "steps" or "marched"."""
     return f"waves_{kind}_{plan.waves.grids[0]}"
 
 
-def rolling_name(M: float, L: float, wavelength: float, nodes: int) -> str:
-    """Name of the task that is a `wavy_rolling`."""
-    return f"rolling_M{M:g}_L{L:g}_{wavelength:g}_{nodes}"
-
-
-def rolling_check_name(nodes: int) -> str:
-    """Name of the task that is a `wavy_rolling` with shorter time steps."""
-    return f"rolling_steps_{nodes}"
+def rolling_name(M: float, L: float, nodes: int) -> str:
+    """Name of the task that is a `rolling_response` to isotropic waves."""
+    return f"rolling_M{M:g}_L{L:g}_{nodes}"
 
 
 def twin_name(M: float, L: float, wavelength: float, X: float, nodes: int) -> str:
@@ -190,34 +199,31 @@ def check_tasks(plan: Plan) -> list[sweep.Task]:
     usual = tuple((HEIGHT, wavelength) for wavelength in wavelengths)
     others = tuple((height, wavelengths[0]) for height in CHECKED)
     several, one = impact_seconds(len(usual) + 1, nodes), impact_seconds(2, nodes)
-    heights = impact_seconds(len(others) + 1, nodes)
+    heights, marching = impact_seconds(len(others) + 1, nodes), marching_seconds(plan.waves.marched[-1])
     return [
         sweep.Task(check_name("heights", plan), wavy_impact, (M, L, others, nodes), heights),
         sweep.Task(check_name("linear", plan), wavy_impact, (M, L, usual[:1], nodes, True), one),
         sweep.Task(check_name("steps", plan), wavy_impact, (M, L, usual, nodes, False, SHORTER**3), several),
-        _rolling_check(*plan.waves.rolling[-1]),
+        sweep.Task(check_name("marched", plan), marched_rolling, plan.waves.marched, marching),
     ]
 
 
-def _rolling_check(M: float, L: float, wavelength: float, fine: int) -> sweep.Task:
-    nodes = half(fine)
-    arguments = M, L, wavelength, nodes, None, SHORTER
-    return sweep.Task(rolling_check_name(nodes), wavy_rolling, arguments, SHORTER * rolling_seconds(nodes))
-
-
 def rolling_tasks(plan: Plan) -> list[sweep.Task]:
-    """Each rolling contact on both grids."""
+    """Each rolling contact on both grids, and the contact of the check on its grid."""
+    waves = plan.waves
+    M, L, wavelength, nodes = waves.marched
+    runs = {(*case, nodes): lengths for nodes in waves.rolling_grids for case, lengths in waves.rolling.items()}
+    runs.setdefault((M, L, nodes), (wavelength,))
     return [
-        sweep.Task(rolling_name(M, L, wave, nodes), wavy_rolling, (M, L, wave, nodes), rolling_seconds(nodes))
-        for M, L, wave, fine in plan.waves.rolling
-        for nodes in (half(fine), fine)
+        sweep.Task(rolling_name(M, L, nodes), rolling_response, (M, L, own, nodes), rolling_seconds(len(own), nodes))
+        for (M, L, nodes), own in runs.items()
     ]
 
 
 def twin_tasks(plan: Plan) -> list[sweep.Task]:
     """Each rolling twin on both grids."""
     return [
-        sweep.Task(twin_name(*twin, nodes), rolling_twin, (*twin, nodes), 10.0 + rolling_seconds(nodes))
+        sweep.Task(twin_name(*twin, nodes), rolling_twin, (*twin, nodes), 10.0 + rolling_seconds(1, nodes))
         for twin in plan.waves.twins
         for nodes in plan.waves.twin_grids
     ]

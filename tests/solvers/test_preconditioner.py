@@ -1,0 +1,44 @@
+"""The coefficients of the V-cycle, held against the Jacobian that they stand for."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from cases import BARUS, rolled, steady_solver
+
+from ertel.model import discretise
+from ertel.model.approach import balanced
+from ertel.model.contact import Rate
+from ertel.numerics import multigrid, newton, stencils
+from ertel.physics.geometry import CIRCLE
+from ertel.physics.scales import Parameters
+from ertel.solvers import nonlinear, preconditioner, steady
+from ertel.solvers.nonlinear import Problem
+
+
+def test_the_diagonal_knows_how_the_viscosity_changes() -> None:
+    """At the foot of a spike it is larger than with the viscosity held fixed; the film is held fixed here."""
+    case = rolled(Parameters.from_moes(20, 10), BARUS, steady_solver(33))
+    grid = discretise.grid_of(case)
+    film = steady.steady(case).finest
+    problem = Problem(
+        discretise.contact_of(case, grid),
+        multigrid.elasticities(grid, CIRCLE.compliance, "float64"),
+        Rate(0.0, 0.0),
+        0.0,
+        balanced(),
+        1.0,
+        1.0,
+        nonlinear.bordered,
+        preconditioner.point_preconditioner,
+        newton.Options(),
+    )
+    free = jnp.where(film.P > 0.0, 1.0, 0.0)
+    level = preconditioner.levels(problem, film.P, film.H, free, 1.0, multigrid.point_smoother)[0]
+    c = level.coefficients
+    faces = np.asarray(stencils.face_sum(c.eps, grid.even)) / grid.spacing**2
+    steepening = np.asarray(c.steepening) * np.asarray(c.free)
+    foot = np.unravel_index(np.argmax(steepening / faces), faces.shape)
+    assert steepening[foot] > 0.3 * faces[foot]
+    unit = jnp.zeros(grid.shape).at[foot].set(1.0)
+    found = float(level.operator(unit, jnp.zeros(grid.shape))[foot])
+    assert found == pytest.approx(faces[foot] + steepening[foot], rel=1e-9)
