@@ -126,7 +126,7 @@ def _place(function: Any, level: int, arguments: Any) -> Path | None:
     pickler = _ByReference(text)
     pickler.fast = True  # equal objects give equal text, whether they are one object or two
     try:
-        pickler.dump(tree.map(lambda leaf: str(jax.typeof(leaf)) + str(jax.typeof(leaf).weak_type), arguments))
+        pickler.dump(tree.map(lambda leaf: str(jax.typeof(leaf)), arguments))
     except (pickle.PicklingError, AttributeError, TypeError, ValueError):
         return None
     name = f"{function.__module__}.{function.__name__}"
