@@ -48,7 +48,6 @@ Estimate = Annotated[
 def main() -> None:
     """The entry point `ertel`."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the small dense solves lose more than they gain by threads
-    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA reports errors when it loads its own code from the cache
     app()
 
 

@@ -28,7 +28,7 @@ def create(directory: Path, course: Course) -> RunStore:
 def finish(run: RunStore, coarse: Course | None, as_json: bool, quiet: bool) -> None:
     """Continue a run to its end and report; exit with a code if it did not reach its end."""
     check_jax()
-    compiling.keep_on_disk()
+    compiling.start_at_once()
     try:
         summary = _computed(run, coarse, quiet)
     except OSError as error:

@@ -78,10 +78,12 @@ def _listen() -> None:
 def keep_on_disk() -> None:
     """Keep compiled programs in JAX's cache, in `cache_directory` unless the user chose a directory."""
     import jax
+    from jax.experimental.compilation_cache import compilation_cache
 
     if _jax_directory() is None and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
         jax.config.update("jax_compilation_cache_dir", str(cache_directory()))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # the many small ones add up
+        compilation_cache.reset_cache()  # JAX looks for a directory once, at the first compilation
     _replace_unreadable()
 
 

@@ -68,7 +68,7 @@ def _start_worker() -> None:
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    compiling.keep_on_disk()
+    compiling.start_at_once()
 
 
 def _end_with_parent() -> None:
