@@ -1,19 +1,21 @@
 """A run from its new directory to the printed report, with progress bars and Ctrl-C."""
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ertel.apps import tables
 from ertel.apps.exits import FAILED, INTERRUPTED, check_jax, leave, reason_of
 from ertel.apps.interrupts import interruptible
+from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.runs import compiling, store
 from ertel.runs.courses import Course
 from ertel.runs.drive import Gathering, drive
 from ertel.runs.progress import bars, watch
 from ertel.runs.store import CASE, RunStore, StoreError
+from ertel.runs.warm_up import warm_up
 
 
 def create(directory: Path, course: Course) -> RunStore:
@@ -54,6 +56,16 @@ def _half_grid_summary(run: RunStore, coarse: Course, observers: list[Any]) -> M
     if last.status is Status.INTERRUPTED:
         leave(INTERRUPTED, f"interrupted before the first step; {_to_continue(run)}")
     return gathering.result(last).summary
+
+
+def warm_up_all(cases: Sequence[Case]) -> None:
+    """Compile ahead for all cases, with a line for each on stderr."""
+    check_jax()
+    compiling.start_at_once()
+    for number, case in enumerate(cases, start=1):
+        print(f"{number}/{len(cases)}  {case.name or case.kind}: compiling", file=sys.stderr, flush=True)
+        warm_up(case)
+    print(f"Compiled programs are in {compiling.cache_directory()}", file=sys.stderr)
 
 
 def summary_so_far(run: RunStore) -> Mapping[str, Any]:

@@ -13,7 +13,6 @@ All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fi
 from dataclasses import dataclass, field
 
 import jax
-import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 

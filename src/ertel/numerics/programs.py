@@ -152,7 +152,8 @@ def _read(place: Path, arguments: Any) -> Compiled | None:
             return None
         _prepare_lapack()
         structures = tree.structure((arguments, {})), tree.structure(example)
-        return serialize_executable.deserialize_and_load(code, *structures)
+        program: Compiled = serialize_executable.deserialize_and_load(code, *structures)
+        return program
     except Exception:  # cut short, of another version, ...: it is compiled and written again
         return None
 
@@ -166,10 +167,11 @@ def _write(place: Path, compiled: Any) -> None:
         place.parent.mkdir(parents=True, exist_ok=True)
         draft.write_bytes(pickle.dumps((_stamp, code, example)))
         draft.replace(place)
-    draft.unlink(missing_ok=True)
+    with suppress(OSError):
+        draft.unlink(missing_ok=True)
 
 
 @cache
 def _prepare_lapack() -> None:
-    """Load LAPACK.  JAX does so when it lowers a program with a linear solve; a program from the disk is not lowered."""
+    """Load LAPACK.  JAX does so when it lowers a linear solve; a program from the disk is not lowered."""
     jax.jit(jnp.linalg.inv).lower(np.eye(2))

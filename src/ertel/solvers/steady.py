@@ -5,6 +5,7 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 """
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import partial
 from threading import Thread
 
@@ -141,7 +142,8 @@ def _compile_ahead(case: Case, grids: Sequence[Grid], tolerance: float, precisio
 
     def compile_all() -> None:
         for grid in grids:
-            c = discretise.contact_of(case, grid)
-            _program.ready(problem_of(case, grid, c, tolerance, precision), np.zeros(grid.shape), 0.0)
+            with suppress(Exception):  # the run itself meets the error, and says so
+                c = discretise.contact_of(case, grid)
+                _program.ready(problem_of(case, grid, c, tolerance, precision), np.zeros(grid.shape), 0.0)
 
     Thread(target=compile_all).start()
