@@ -161,7 +161,7 @@ class GridSolution:
 
     def whole(self, field: Array) -> Array:
         """P or H on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only."""
-        return unfolded(field, self.grid.even)
+        return unfolded(np.asarray(field), self.grid.even)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,8 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
+from ertel.version import own_sources
+
 # JAX is imported inside the functions, so that its version can be read and judged without it.
 
 EXCLUDED = ("0.10.2", "0.11.0")  # JAX issue 39103
@@ -93,7 +95,6 @@ def start_at_once() -> None:
     For commands: in Python, somebody may replace a constant or a function of ertel, which only tracing notices.
     """
     from ertel.numerics import programs
-    from ertel.runs.sweep import own_sources
 
     keep_on_disk()
     if directory := _jax_directory():

@@ -183,7 +183,7 @@ class Transient2D(Method):
 
     def whole(self, field: Array) -> Array:
         """A field of a level on the whole plane."""
-        return unfolded(field, self.grid.even)
+        return unfolded(np.asarray(field), self.grid.even)  # type: ignore[arg-type]
 
     def error(self, new: State, predicted: Mapping[str, Array]) -> float:
         """That of the mass, in units of film: unlike H it is free of what Newton's iteration leaves over."""
