@@ -110,9 +110,9 @@ class AppendedData:
 
 
 class ReplacedData:
-    """Scalars of every grid and the maps on the finest one so far, all written again by each flush."""
+    """Scalars of every grid and the maps on the finest one so far: written after every grid."""
 
-    flush_interval = 2.0  # the coarse grids take less time to solve than to write
+    flush_interval = 0.0
 
     def __init__(self, course: Course):
         self._course = course
