@@ -8,6 +8,7 @@
 Everything below is imported when it is first used, so that `import ertel` costs nothing.
 """
 
+import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +56,8 @@ if TYPE_CHECKING:
     from ertel.runs.store import run as run
 
     __version__: str
+
+os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA calls it an error when it loads code that it compiled itself
 
 _HOMES = {  # name: module, or module:name there
     "ConfigError": "inputs.case_files",

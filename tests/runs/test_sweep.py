@@ -12,7 +12,8 @@ import pytest
 from executors import Now
 
 from ertel.runs import sweep as sweep_module
-from ertel.runs.sweep import Failure, Task, kept, processes, source_digest, sweep
+from ertel.runs.sweep import Failure, Task, kept, processes, sweep
+from ertel.version import source_digest
 
 HANG = 120  # s: a process that lives longer is taken for one that never ends
 CALLS: list[float] = []

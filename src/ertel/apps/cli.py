@@ -48,7 +48,6 @@ Estimate = Annotated[
 def main() -> None:
     """The entry point `ertel`."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the small dense solves lose more than they gain by threads
-    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA reports errors when it loads its own code from the cache
     app()
 
 
@@ -106,6 +105,35 @@ def resume(directory: RunDirectory, as_json: Json = False, error: Estimate = Fal
         running.report(store, summary, as_json, quiet)
     else:
         running.finish(store, others, as_json, quiet)
+
+
+@app.command("warm-up")
+def warm_up(
+    case_files: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="[CASE.toml]...", help="Case files; default the usual grids.", show_default=False),
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Replace a value of each case, e.g. solver.nodes=129."),
+    ] = None,
+) -> None:
+    """Compile ahead what runs need, once per machine: then they start at once.
+
+    Without case files: steady rolling on up to 257 nodes per side, impact on 129 and 257 nodes per side and on 401
+    nodes along the radius, with a Roelands oil. With case files: their grids, oil laws and kinds of run. Other values
+    of a case may differ later. The programs serve all machines of this processor type that share the home directory,
+    or the directory XDG_CACHE_HOME.
+    """
+    with bad_input():
+        from ertel.apps import running
+        from ertel.inputs.case_files import load_case
+        from ertel.runs.warm_up import usual_cases
+
+        if set_ and not case_files:
+            raise ValueError(f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")
+        cases = [load_case(path, set_ or []) for path in case_files or []] or list(usual_cases())
+    running.warm_up_all(cases)
 
 
 @app.command()

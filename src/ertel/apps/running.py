@@ -1,19 +1,21 @@
 """A run from its new directory to the printed report, with progress bars and Ctrl-C."""
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ertel.apps import tables
 from ertel.apps.exits import FAILED, INTERRUPTED, check_jax, leave, reason_of
 from ertel.apps.interrupts import interruptible
+from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.runs import compiling, store
 from ertel.runs.courses import Course
 from ertel.runs.drive import Gathering, drive
 from ertel.runs.progress import bars, watch
 from ertel.runs.store import CASE, RunStore, StoreError
+from ertel.runs.warm_up import warm_up
 
 
 def create(directory: Path, course: Course) -> RunStore:
@@ -28,7 +30,7 @@ def create(directory: Path, course: Course) -> RunStore:
 def finish(run: RunStore, others: Mapping[str, Course], as_json: bool, quiet: bool) -> None:
     """Continue a run to its end and report; exit with a code if it did not reach its end."""
     check_jax()
-    compiling.keep_on_disk()
+    compiling.start_at_once()
     try:
         summary = _computed(run, others, quiet)
     except OSError as error:
@@ -57,6 +59,16 @@ def _summary_of(run: RunStore, course: Course, observers: list[Any]) -> Mapping[
     if last.status is Status.INTERRUPTED:
         leave(INTERRUPTED, f"interrupted before the first step; {_to_continue(run)}")
     return gathering.result(last).summary
+
+
+def warm_up_all(cases: Sequence[Case]) -> None:
+    """Compile ahead for all cases, with a line for each on stderr."""
+    check_jax()
+    compiling.start_at_once()
+    for number, case in enumerate(cases, start=1):
+        print(f"{number}/{len(cases)}  {case.name or case.kind}: compiling", file=sys.stderr, flush=True)
+        warm_up(case)
+    print(f"Compiled programs are in {compiling.cache_directory()}", file=sys.stderr)
 
 
 def summary_so_far(run: RunStore) -> Mapping[str, Any]:

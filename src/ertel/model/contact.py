@@ -12,7 +12,7 @@ All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fi
 
 from dataclasses import dataclass, field
 
-import jax.numpy as jnp
+import jax
 from jax import Array
 from jax.tree_util import register_dataclass
 
@@ -47,7 +47,7 @@ class Contact:
 
 def smooth_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
     """Two smooth bodies of a geometry."""
-    gap = jnp.asarray(geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
+    gap = jax.device_put(geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
     kernel = halfspace.spectrum(grid, geometry.compliance)
     return Contact(gap, kernel, grid.spacing, lambda_bar, traceable(lubricant), grid.even)
 

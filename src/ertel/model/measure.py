@@ -22,7 +22,7 @@ def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
     """
     row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
     found = _measure(P, H, grid.kept_y, grid.kept_x, row, column, grid.even)
-    H_c, H_min, thin, P_c, P_max, high, fall, load = (float(v) for v in found)
+    H_c, H_min, thin, P_c, P_max, high, fall, load = np.asarray(found).tolist()
     X_min, Y_min = _place(grid, int(thin))
     X_P_max, Y_P_max = _place(grid, int(high))
     films = {"H_c": H_c, "H_min": H_min, "X_min": X_min, "Y_min": Y_min}

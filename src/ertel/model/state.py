@@ -4,6 +4,8 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, TypeVar
 
+import numpy as np
+
 from ertel.model.measure import measure
 from ertel.model.status import Status
 from ertel.numerics import bdf
@@ -66,7 +68,9 @@ def combined(weights: bdf.Weights, values: Sequence[Array]) -> Array:
 def interpolated(levels: Sequence[State], T: float) -> State:
     """The state at a time between or after the levels, by polynomial interpolation; bounded fields stay bounded."""
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
-    fields = {name: combined(weights, [level.fields[name] for level in levels]) for name in levels[0].fields}
+    fields = {
+        name: combined(weights, [np.asarray(level.fields[name]) for level in levels]) for name in levels[0].fields
+    }
     approach, velocity, outside = (
         float(combined(weights, [getattr(level, name) for level in levels]))
         for name in ("approach", "velocity", "outside")
@@ -163,7 +167,7 @@ class GridSolution:
 
     def whole(self, field: Array) -> Array:
         """P or H on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only."""
-        return unfolded(field, self.grid.even)
+        return unfolded(np.asarray(field), self.grid.even)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,8 @@ def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Arr
     compliance: the displacement is this factor times the double integral of P/distance.
     """
     whole = _unit_spectrum(grid.nodes_y, grid.nodes_x) * (compliance * grid.spacing)
-    return jnp.asarray(whole[: grid.nodes_y] if grid.even.y else whole, dtype=dtype)
+    kept = whole[: grid.nodes_y] if grid.even.y else whole
+    return jax.device_put(kept.astype(dtype))  # unlike `jnp.asarray`, this has nothing to compile
 
 
 @partial(jax.jit, static_argnames="even")  # one tracing for each shape

@@ -20,6 +20,7 @@ from typing import NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array, tree
 from jax.tree_util import register_dataclass
 from jax.typing import DTypeLike
@@ -131,8 +132,8 @@ def elasticities(grid: Grid, compliance: float, dtype: str) -> tuple[Elasticity,
 
 def _elasticity(grid: Grid, compliance: float, dtype: str) -> Elasticity:
     near = compliance * halfspace.love_coefficients(4, 4, grid.spacing)
-    spectrum, spacing = halfspace.spectrum(grid, compliance, dtype), jnp.asarray(grid.spacing, dtype)
-    return Elasticity(spectrum, spacing, jnp.asarray(near, dtype), grid.even)
+    spectrum, spacing = halfspace.spectrum(grid, compliance, dtype), jax.device_put(np.asarray(grid.spacing, dtype))
+    return Elasticity(spectrum, spacing, jax.device_put(near.astype(dtype)), grid.even)
 
 
 def point_smoother(elastic: Elasticity, c: Coefficients) -> PointSmoother:

@@ -22,10 +22,11 @@ def extended(field: Array, even: Even, beyond: str = "constant") -> Array:
 
 
 def unfolded(field: Array, even: Even) -> Array:
-    """The field on the whole plane."""
+    """The field on the whole plane, by NumPy or JAX as the field is an array of."""
+    xp = field.__array_namespace__()
     if even.y:
-        field = jnp.concatenate([field[:0:-1], field])
-    return jnp.concatenate([field[:, :0:-1], field], axis=1) if even.x else field
+        field = xp.concatenate([field[:0:-1], field])
+    return xp.concatenate([field[:, :0:-1], field], axis=1) if even.x else field
 
 
 def folded(field: Array, even: Even) -> Array:

@@ -91,7 +91,7 @@ def _sweep_warning(case: Case, data: xr.Dataset) -> str:
 
 
 def _overlap_warning(case: Case, finest: GridSolution) -> str:
-    minimum = float(finest.H.min())
+    minimum = float(np.asarray(finest.H).min())
     if minimum > 0.0:
         return ""
     return f"the surfaces overlap (H = {minimum:.3g}): the grid does not resolve the film; {_use(_doubled(case))}"

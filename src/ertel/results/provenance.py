@@ -3,6 +3,7 @@
 import json
 import platform
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import version
 
 from ertel.model.case import Case
@@ -29,6 +30,7 @@ def provenance(case: Case) -> dict[str, object]:
     }
 
 
+@cache  # reading them takes longer than writing a coarse grid
 def versions() -> dict[str, str]:
     """Versions of the software on which a result may depend."""
     packages = ("jax", "jaxlib", "numpy", "scipy", "xarray", "zarr")

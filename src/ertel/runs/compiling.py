@@ -12,6 +12,8 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
+from ertel.version import own_sources
+
 # JAX is imported inside the functions, so that its version can be read and judged without it.
 
 EXCLUDED = ("0.10.2", "0.11.0")  # JAX issue 39103
@@ -76,13 +78,28 @@ def _listen() -> None:
 
 
 def keep_on_disk() -> None:
-    """Keep compiled programs in `cache_directory`, and replace those that cannot be read."""
+    """Keep compiled programs in JAX's cache, in `cache_directory` unless the user chose a directory."""
     import jax
+    from jax.experimental.compilation_cache import compilation_cache
 
     if _jax_directory() is None and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
         jax.config.update("jax_compilation_cache_dir", str(cache_directory()))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # the many small ones add up
+        compilation_cache.reset_cache()  # JAX looks for a directory once, at the first compilation
     _replace_unreadable()
+
+
+def start_at_once() -> None:
+    """Keep the large programs also so that a process loads them without tracing them (`programs`).
+
+    For commands: in Python, somebody may replace a constant or a function of ertel, which only tracing notices.
+    """
+    from ertel.numerics import programs
+
+    keep_on_disk()
+    if directory := _jax_directory():
+        parts = own_sources(), version("jax"), version("jaxlib"), _processor(), os.environ.get("XLA_FLAGS", "")
+        programs.keep(Path(directory) / "ertel", hashlib.sha256("\0".join(parts).encode()).hexdigest())
 
 
 def cache_directory() -> Path:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -286,8 +286,8 @@ class SteadyCourse:
             found.append(
                 GridSolution(
                     grid=Grid(int(nodes_x), int(nodes_y), spacing, x, y, Even(*(bool(e) for e in even))),
-                    P=jnp.asarray(arrays[f"P_{i}"]),
-                    H=jnp.asarray(arrays[f"H_{i}"]),
+                    P=jax.device_put(arrays[f"P_{i}"]),
+                    H=jax.device_put(arrays[f"H_{i}"]),
                     status=Status(str(arrays["grid_status"][i])),
                     history=tuple(arrays[f"history_{i}"].tolist()),
                     **{name: arrays[name][i].item() for name in COUNTED},

@@ -85,6 +85,7 @@ def simulate(case: Case, progress: bool = False, observers: Sequence[Observer] =
         Its `status` says how the run ended; what a careful colleague would warn of is also given as Python warnings.
     """
     compiling.check_jax()
+    compiling.keep_on_disk()
     course = course_of(case)
     gathering = Gathering(course)
     with progress_bar(course, progress) as shown:

@@ -20,7 +20,9 @@ def bars(shown: bool) -> Any:
 
 def watch(progress: Any, course: Course, label: str = "") -> Callable[[Any], None]:
     """An observer that shows a run in a new bar."""
-    bar = progress.add_task(label or course.case.name or course.case.kind, total=1.0, news="compiling")
+    bar = progress.add_task(
+        label or course.case.name or course.case.kind, total=1.0, news="compiling (once per machine and grid size)"
+    )
 
     def show(item: Any) -> None:
         if item.record:

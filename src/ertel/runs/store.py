@@ -265,6 +265,7 @@ def run(case: Case, directory: str | Path, progress: bool = False, observers: Se
     Raises StoreError where the directory holds another case, or cannot be written.
     """
     compiling.check_jax()
+    compiling.keep_on_disk()
     directory = Path(directory)
     store = RunStore.open(directory) if (directory / CASE).exists() else RunStore.create(directory, case)
     if store.case != case:

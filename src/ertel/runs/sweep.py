@@ -8,7 +8,6 @@ Any `concurrent.futures.Executor` will do, for example that of dask.distributed:
 Results are kept as pickles: use only a directory of your own.
 """
 
-import hashlib
 import logging
 import multiprocessing
 import os
@@ -19,11 +18,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ertel.version import installed_version
+from ertel.version import installed_version, own_sources
 
 _log = logging.getLogger(__name__)
 
@@ -68,7 +66,7 @@ def _start_worker() -> None:
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    compiling.keep_on_disk()
+    compiling.start_at_once()
 
 
 def _end_with_parent() -> None:
@@ -161,23 +159,6 @@ def _stamp(task: Task) -> tuple[object, ...]:
     """What a kept result depends on."""
     function = task.function.__module__, task.function.__qualname__
     return installed_version(), own_sources(), *function, task.arguments
-
-
-@cache
-def own_sources() -> str:
-    """The `source_digest` of ertel itself, read once per process."""
-    return source_digest(Path(__file__).parents[1])
-
-
-def source_digest(directory: Path) -> str:
-    """SHA-256 (hexadecimal) of the relative paths and contents of all Python files in a directory and below it."""
-    digest = hashlib.sha256()
-    files = {path.relative_to(directory).as_posix(): path for path in directory.rglob("*.py")}
-    for name, path in sorted(files.items()):
-        content = path.read_bytes()
-        digest.update(f"{name}\0{len(content)}\0".encode())  # so that no two sets of files give the same bytes
-        digest.update(content)
-    return digest.hexdigest()
 
 
 def _outcome(future: Future[Any]) -> Any:

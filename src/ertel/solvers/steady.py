@@ -5,11 +5,15 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 """
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from math import inf
+from threading import Thread
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from ertel.model import discretise
@@ -20,7 +24,8 @@ from ertel.model.flow import steady_rate
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics import multigrid, newton, richardson, stencils
-from ertel.numerics.grid import Grid, check_grid
+from ertel.numerics.grid import Even, Grid, check_grid
+from ertel.numerics.programs import Program
 from ertel.numerics.symmetry import folded, total, unfolded
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import Geometry
@@ -32,9 +37,12 @@ LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minim
 TOLERANCE = 1e-8  # tolerance of the steady film from which a transient run starts
 SETTLING = 5  # solves at most until the film and the oil outside agree; each leaves about a hundredth
 AS_EXACT_AS_THE_GRID = 0.1  # the tolerance that leaves about a tenth of the discretisation error (measured, H_c, H_min)
+SMALL = 2 * 65 * 65  # entries of the largest array on a grid that is solved in less time than its program is optimised
 # least: where the tolerance is so loose that the first guess may meet it, one iteration leaves too much
 # Krylov: 3 to 6 are needed, a sharp spike on a fine grid wants all; each keeps its two fields; Newton: likewise, 5 to 7
 OPTIONS = newton.Options(newton_limit=100, newton_least=2, krylov_limit=18, first_reduction=0.1)
+
+_program = Program(nonlinear.solve, SMALL)
 
 
 def steady(case: Case, precision: str = preconditioner.PRECISION) -> Rolling:
@@ -59,6 +67,8 @@ def nested(
     while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
         grids.append(coarser)
     solutions = list(done)
+    if not done:
+        _compile_ahead(case, grids[:-1], tolerance, precision)  # the finest first: the coarse ones are needed at once
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = discretise.contact_of(case, grid)
         if solutions:
@@ -99,9 +109,13 @@ def check_motion(case: Case) -> None:
 
 def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Array, float]:
     """Pressure and approach of the dry contact under a load in units F*; the pressure is scaled to carry it exactly."""
-    P = jnp.asarray(geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None]))
-    carried = total(P, grid.even) * grid.spacing**2
-    return P * (load * geometry.hertz_load / carried), geometry.dry_approach(load)
+    P = geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None])
+    return _carrying(P, load * geometry.hertz_load / grid.spacing**2, grid.even), geometry.dry_approach(load)
+
+
+@partial(jax.jit, static_argnames="even")
+def _carrying(P: Array, load: float, even: Even) -> Array:
+    return P * (load / total(P, even))
 
 
 def motion_of(case: Case, approach: float) -> Motion:
@@ -127,24 +141,40 @@ def solve(
     case: Case, grid: Grid, c: Contact, P: Array, approach: float, tolerance: float, precision: str
 ) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside."""
-    geometry = discretise.geometry_of(case)
-    motion = motion_of(case, approach)
-    around = discretise.outside_of(case, grid).at(motion)
+    around = discretise.outside_of(case, grid).at(motion_of(case, approach))
     c, P = replace(c, gap=c.gap + around.uplift), stencils.edged(P, around.edge, c.even)
-    problem = Problem(
+    s, Delta = _program(problem_of(case, grid, c, around.load, tolerance, precision), P, float(approach))
+    status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
+    n, k = int(s.newton), int(s.krylov)
+    work = nonlinear.convolutions(grid, n, k)
+    history = tuple((np.asarray(s.history)[: n + 1] * tolerance).tolist())
+    return GridSolution(grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history, around.load)
+
+
+def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: float, precision: str) -> Problem:
+    """The equations of the steady film on one grid.  outside: the load that the oil outside the grid carries."""
+    geometry = discretise.geometry_of(case)
+    return Problem(
         c,
         multigrid.elasticities(grid, geometry.compliance, precision),
-        steady_rate(motion.entrainment),
-        balanced(motion.load).less(around.load),
+        steady_rate(case.motion.entrainment(0.0)),
+        balanced(case.motion.load(0.0)).less(outside),
         tolerance,
         tolerance / geometry.hertz_load,
         nonlinear.bordered,
         preconditioner.line_preconditioner,
         OPTIONS,
     )
-    s, Delta = nonlinear.solve(problem, P, approach)
-    status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
-    n, k = int(s.newton), int(s.krylov)
-    work = nonlinear.convolutions(grid, n, k)
-    history = tuple((s.history[: n + 1] * tolerance).tolist())
-    return GridSolution(grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history, around.load)
+
+
+def _compile_ahead(case: Case, grids: Sequence[Grid], tolerance: float, precision: str) -> None:
+    """Compile the programs of some grids in the background, one after the other."""
+
+    def compile_all() -> None:
+        for grid in grids:
+            with suppress(Exception):  # the run itself meets the error, and says so
+                c = discretise.contact_of(case, grid)
+                problem = problem_of(case, grid, c, 0.0, tolerance, precision)
+                _program.ready(problem, np.zeros(grid.shape), 0.0)
+
+    Thread(target=compile_all).start()

@@ -24,6 +24,7 @@ from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Even, check_grid
 from ertel.numerics.multigrid import Elasticity
+from ertel.numerics.programs import Program
 from ertel.numerics.symmetry import total, unfolded
 from ertel.physics.far_field import Motion
 from ertel.solvers import nonlinear, steady
@@ -185,7 +186,7 @@ class Transient2D(Method):
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
-        return solve_step(problem)
+        return _step_program(problem)
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
@@ -202,7 +203,7 @@ class Transient2D(Method):
 
     def whole(self, field: Array) -> Array:
         """A field of a level on the whole plane."""
-        return unfolded(field, self.grid.even)
+        return unfolded(np.asarray(field), self.grid.even)  # type: ignore[arg-type]
 
     def error(self, new: State, predicted: Mapping[str, Array]) -> float:
         """That of the mass, in units of film: unlike H it is free of what Newton's iteration leaves over."""
@@ -256,3 +257,6 @@ def solve_step(p: StepProblem) -> StepSolution:
     )
     s, approach = nonlinear.solve(problem, P, p.approach)
     return StepSolution(_fields(p.contact, s.P, s.H, s.left / rate.new), approach, s.converged, s.newton, s.krylov)
+
+
+_step_program = Program(solve_step)

@@ -1,0 +1,47 @@
+"""Compiling ahead: short runs that leave nothing to compile for the run of the same case, or of one like it.
+
+A program depends on the kind of run, the number of nodes, the axes of symmetry and the laws of the oil; not on M, L,
+the constants of the oil, tolerances or times.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from ertel.inputs.case_files import parse_case
+from ertel.model.case import Case
+from ertel.runs import compiling
+from ertel.runs.store import RunStore, compute
+
+STEPS = 4  # the first three have histories of different length
+STEADY, IN_TIME = 257, 129  # nodes per side: the largest of the usual grids
+USUAL = (
+    {"name": f"steady rolling, 33 to {STEADY}", "contact": {"kind": "rolling"}, "solver": {"nodes": STEADY}},
+    {"name": f"impact, {IN_TIME}", "contact": {"kind": "impact"}, "solver": {"method": "2d", "nodes": IN_TIME}},
+    {"name": f"impact, {STEADY}", "contact": {"kind": "impact"}, "solver": {"method": "2d", "nodes": STEADY}},
+    {"name": "impact, radial, 401", "contact": {"kind": "impact"}, "solver": {"method": "radial", "nodes": 401}},
+)
+OIL = {"viscosity": "roelands", "density": "dowson-higginson", "eta0": "40 mPa*s", "alpha": "22 / GPa"}
+
+
+def usual_cases() -> Iterator[Case]:
+    """Smooth contacts on the usual grids, with the usual laws of the oil."""
+    for case in USUAL:
+        yield parse_case({**case, "contact": {**case["contact"], "M": 200, "L": 10}, "lubricant": OIL})  # type: ignore[dict-item]
+
+
+def warm_up(case: Case) -> int:
+    """Compile what a run of the case needs: the number of programs that were compiled or fetched from the disk.
+
+    A steady case is run to its end, a run in time for a few steps; the results are deleted.
+    """
+    before = compiling.count()
+    steps = iter(range(STEPS))
+
+    def enough(item: Any) -> bool:
+        return not case.is_steady and next(steps, None) is None
+
+    with TemporaryDirectory() as directory:
+        compute(RunStore.create(Path(directory) / "run", case), [enough])
+    return compiling.count() - before

@@ -1,0 +1,135 @@
+"""Compiled programs: one for each kind of arguments, shared by threads, and loaded from the disk without tracing."""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax.tree_util import register_dataclass
+
+from ertel.numerics import programs
+from ertel.numerics.grid import Even
+from ertel.numerics.multigrid import Elasticity
+from ertel.numerics.programs import Program
+
+traced: list[str] = []
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Outside:
+    """A record that is not of ertel."""
+
+    spacing: float
+
+
+@jax.jit
+def scaled(record, x):
+    traced.append("scaled")
+    return {"x": getattr(record, "spacing", record) * x}, jnp.linalg.inv(x)
+
+
+@pytest.fixture(autouse=True)
+def nothing_traced():
+    traced.clear()
+    scaled.clear_cache()
+
+
+@pytest.fixture
+def kept(tmp_path, monkeypatch):
+    """A directory in which programs are kept, with the stamp "one"."""
+    monkeypatch.setattr(programs, "_directory", None)
+    monkeypatch.setattr(programs, "_stamp", "")
+    programs.keep(tmp_path, "one")
+    return tmp_path
+
+
+X = np.array([[2.0, 1.0], [0.0, 4.0]])
+
+
+def new_process():
+    """A new process knows no program and no tracing."""
+    scaled.clear_cache()
+    return Program(scaled)
+
+
+def assert_right(answer, factor=3.0):
+    assert np.allclose(answer[0]["x"], factor * X, rtol=1e-15)
+    assert np.allclose(answer[1] @ X, np.eye(2), atol=1e-15)
+
+
+def test_a_program_computes_what_its_function_computes_and_is_traced_once_per_kind():
+    program = Program(scaled)
+    for factor in (3.0, 5.0):
+        assert_right(program(factor, X), factor)
+    assert traced == ["scaled"]
+    program(3.0, X.astype("float32"))
+    assert len(traced) == 2
+
+
+def test_threads_share_a_program():
+    program = Program(scaled)
+    with ThreadPoolExecutor(4) as pool:
+        made = list(pool.map(lambda _: program.ready(3.0, X), range(8)))
+    assert all(each is made[0] for each in made)
+    assert traced == ["scaled"]
+
+
+def test_an_error_reaches_all_and_is_not_remembered():
+    program = Program(scaled)
+    for _ in range(2):
+        with pytest.raises(ValueError, match="must have shape"):
+            program(3.0, X[0])  # no matrix
+    assert len(traced) == 2
+
+
+def test_a_kept_program_is_not_traced_again(kept):
+    first = new_process()(3.0, X)
+    again = new_process()(3.0, X)
+    assert traced == ["scaled"]
+    assert all(np.array_equal(a, b) for a, b in zip(jax.tree.leaves(first), jax.tree.leaves(again), strict=True))
+    assert_right(again)
+
+
+def test_a_program_is_made_again_for_another_stamp_and_for_a_file_cut_short(kept):
+    new_process()(3.0, X)
+    programs.keep(kept, "two")
+    assert_right(new_process()(3.0, X))
+    assert len(traced) == 2
+    (file,) = kept.iterdir()
+    file.write_bytes(file.read_bytes()[:1000])
+    assert_right(new_process()(3.0, X))
+    assert len(traced) == 3
+    assert_right(new_process()(3.0, X))
+    assert len(traced) == 3
+
+
+def test_static_data_and_types_of_numbers_have_programs_of_their_own(kept):
+    record = Elasticity(X, 3.0, X)
+    for factor in (record, replace(record, even=Even(y=True)), 3.0, np.float64(3.0)):
+        assert_right(new_process()(factor, X))
+    assert len(list(kept.iterdir())) == len(traced) == 4
+
+
+def test_code_from_outside_is_not_kept_because_its_changes_go_unnoticed(kept):
+    new_process()(Outside(3.0), X)
+    assert list(kept.iterdir()) == []
+
+
+def test_a_directory_that_cannot_be_written_does_no_harm(kept):
+    (kept / "file").write_text("")
+    programs.keep(kept / "file" / "below", "one")
+    assert_right(new_process()(3.0, X))
+
+
+def test_an_option_that_xla_does_not_know_is_left_out(monkeypatch):
+    monkeypatch.setattr(programs, "OPTIONS", {"xla_cpu_no_such_option": True})
+    assert_right(Program(scaled)(3.0, X))
+
+
+def test_small_programs_are_close_to_the_optimised_ones():
+    plain, optimised = Program(scaled, small=X.size)(3.0, X), Program(scaled)(3.0, X)
+    for a, b in zip(jax.tree.leaves(plain), jax.tree.leaves(optimised), strict=True):
+        assert np.allclose(a, b, rtol=1e-15)

@@ -1,0 +1,92 @@
+"""Compiling ahead: what it covers, what it leaves to a run, and what is told meanwhile."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from cases import ertel_
+
+import ertel
+from ertel.runs import warm_up
+from ertel.runs.progress import watch
+
+ROLLING = '[contact]\nkind = "rolling"\nM = 100\nL = 5\n[solver]\nnodes = 65\n'
+IMPACT = (
+    '[contact]\nM = 200\nL = 10\n[solver]\nmethod = "2d"\nnodes = 33\n[time]\ntolerance = 0.01\nuntil = "rebound"\n'
+)
+RUN = """
+import json, sys
+import jax
+from pathlib import Path
+from ertel.apps.cli import app
+events = []
+jax.monitoring.register_event_listener(lambda event, **_: events.append(event.rpartition("/")[2]))
+jax.monitoring.register_event_duration_secs_listener(
+    lambda event, seconds, **more: events.append(f"{event.rpartition('/')[2]} {more.get('fun_name')}")
+)
+for name in sys.argv[1:]:
+    app(["run", name, "--out", name + ".run", "--quiet"], standalone_mode=False)
+print(json.dumps(events))
+"""
+
+
+def in_a_process(cache: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    kept = {key: value for key, value in os.environ.items() if not key.startswith(("JAX_COMP", "JAX_PERS"))}
+    environment = {**kept, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), "XDG_CACHE_HOME": str(cache)}
+    return subprocess.run(
+        [sys.executable, *arguments], capture_output=True, text=True, check=True, env=environment, cwd=cache
+    )
+
+
+def test_a_run_after_the_warm_up_compiles_nothing_and_traces_no_solver(tmp_path):
+    for name, text in (("rolling.toml", ROLLING), ("impact.toml", IMPACT)):
+        (tmp_path / name).write_text(text)
+    told = in_a_process(tmp_path, "-m", "ertel", "warm-up", "rolling.toml", "impact.toml").stderr.splitlines()
+    assert [line.partition(":")[0] for line in told[:2]] == ["1/2  rolling", "2/2  impact"]
+    events = json.loads(in_a_process(tmp_path, "-c", RUN, "rolling.toml", "impact.toml").stdout.splitlines()[-1])
+    assert "cache_hits" in events
+    assert "cache_misses" not in events
+    assert [event for event in events if event.startswith("backend_compile") and "solve" in event] == []
+
+
+def test_the_usual_grids_are_those_of_the_documents():
+    cases = list(warm_up.usual_cases())
+    assert [(case.kind, case.solver.method, case.solver.nodes) for case in cases] == [
+        ("rolling", "steady", 257),
+        ("impact", "2d", 129),
+        ("impact", "2d", 257),
+        ("impact", "radial", 401),
+    ]
+
+
+def test_a_change_without_a_case_is_refused():
+    done = ertel_("warm-up", "--set", "solver.nodes=33", code=2)
+    assert done.stderr == "ertel: --set solver.nodes=33: needs a case file; without one the usual grids are compiled\n"
+
+
+def test_the_progress_bar_says_what_takes_the_time(monkeypatch):
+    said = []
+    bars = SimpleNamespace(add_task=lambda name, total, news: said.append((name, news)))
+    watch(bars, SimpleNamespace(case=SimpleNamespace(name="ball", kind="impact")))
+    assert said == [("ball", "compiling (once per machine and grid size)")]
+
+
+@pytest.mark.parametrize("chosen", [True, False])
+def test_python_users_keep_programs_unless_they_chose_a_directory(tmp_path, chosen):
+    own = tmp_path / "own"
+    code = f"""
+import jax
+if {chosen}:
+    jax.config.update("jax_compilation_cache_dir", {str(own)!r})
+jax.jit(lambda x: x + 1)(1.0)  # JAX decides about its cache here
+import ertel
+ertel.simulate(ertel.impact(M=20, L=5, method="radial", nodes=17, until=0.02))
+print(jax.config.jax_compilation_cache_dir)
+"""
+    directory = Path(in_a_process(tmp_path, "-c", code).stdout.strip())
+    assert directory == own if chosen else directory.is_relative_to(tmp_path / "ertel")
+    assert chosen or list(directory.glob("*-cache"))
