@@ -22,7 +22,7 @@ from ertel.runs.drive import simulate
 from ertel.runs.stepping import Step
 from ertel.runs.sweep import Failure
 
-TIGHT = {"tolerance": 1e-8}
+TIGHT = {"tolerance": 1e-8, "half_width": 2.0}  # the default width depends on M
 
 
 def three(until: tuple[float, ...] = (1.5, 1.1, 1.3)) -> list[Case]:
