@@ -115,8 +115,11 @@ def test_the_error_of_a_transient_run(here):
     fine = json.loads(ertel_("run", "transient.toml", "--set", "solver.nodes=65", "--error", "--json").stdout)
     coarse = json.loads(ertel_("run", "transient.toml", "--json").stdout)
     for name in ("H_c", "H_min"):
-        assert fine[f"{name}_error"] == pytest.approx(abs(fine[name] - coarse[name]) / 3)
-        assert fine[f"{name}_extrapolated"] == pytest.approx(fine[name] + (fine[name] - coarse[name]) / 3)
+        parts = fine["error_estimate"][name]
+        assert parts["grid"] == pytest.approx((fine[name] - coarse[name]) / 3)
+        sizes = {part: abs(parts[part]) for part in ("grid", "time", "domain")}
+        assert fine[f"{name}_error"] == pytest.approx(sum(size**2 for size in sizes.values()) ** 0.5)
+        assert parts["dominant"] == max(sizes, key=sizes.get)
 
 
 def test_a_transient_run_resumed(here):
