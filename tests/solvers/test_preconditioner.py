@@ -7,7 +7,7 @@ from cases import BARUS, rolled, steady_solver
 
 from ertel.model import discretise
 from ertel.model.approach import balanced
-from ertel.model.contact import Rate
+from ertel.model.flow import Rate
 from ertel.numerics import multigrid, newton, stencils
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.scales import Parameters
@@ -24,7 +24,6 @@ def test_the_diagonal_knows_how_the_viscosity_changes() -> None:
         discretise.contact_of(case, grid),
         multigrid.elasticities(grid, CIRCLE.compliance, "float64"),
         Rate(0.0, 0.0),
-        0.0,
         balanced(),
         1.0,
         1.0,
