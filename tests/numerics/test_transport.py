@@ -1,5 +1,6 @@
 """Fields carried along X: exact cases, direction, ends, and what a wave loses."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -7,7 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from ertel.numerics.transport import POINTS, carried
+from ertel.numerics import transport
+from ertel.numerics.transport import POINTS
+
+carried = jax.jit(transport.carried)
 
 NODES = np.arange(65.0)
 MIDDLE = slice(24, 41)  # far enough from the ends

@@ -226,9 +226,9 @@ def test_the_work_to_a_residual_of_a_millionth(M: float, bound: float, exact_to_
     assert exact_to_a_millionth[M].convolutions <= bound
 
 
-@pytest.mark.parametrize(("M", "bound"), [(20, 33), (200, 30), (1000, 28)])
+@pytest.mark.parametrize(("M", "bound"), [(20, 33), (200, 32), (1000, 28)])
 def test_the_work_to_what_the_grid_is_worth(M: float, bound: float, exact_to_a_millionth) -> None:
-    """30, 27 and 26 convolutions; what is left is less than a tenth of the error that the grid makes anyhow."""
+    """31, 30 and 26 convolutions; what is left is less than a tenth of the error that the grid makes anyhow."""
     exact, found = exact_to_a_millionth[M], solved_to(steady.AS_EXACT_AS_THE_GRID, M)
     assert found.convolutions <= bound
     for film in ("H_c", "H_min"):

@@ -27,7 +27,7 @@ class Solver:
     fold: compute on a half or a quarter of the plane if the case is symmetric.
     tolerance: tolerance of the discrete equations.  In a time step it is a film thickness in units of the expected film
     thickness (`Case.film_scale`), and 20 time.tolerance at most.  What a step leaves over, the next step makes good, so
-    it does not add up.  For a steady contact it is the residual of Reynolds' equation; 0.04 takes less than
+    it does not add up.  For a steady contact it is the residual of Reynolds' equation; 0.03 takes less than
     half the work and leaves at most about a tenth of the grid's own error in H_c and H_min, enough for a sweep.
     """
 

@@ -37,7 +37,7 @@ LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minim
 TOLERANCE = 1e-8  # tolerance of the steady film from which a transient run starts
 SETTLING = 5  # solves at most until the film and the oil outside agree; each leaves about a hundredth
 # leaves a tenth of the discretisation error at most (measured, H_c, H_min)
-AS_EXACT_AS_THE_GRID = 0.04
+AS_EXACT_AS_THE_GRID = 0.03
 SMALL = 2 * 65 * 65  # entries of the largest array on a grid that is solved in less time than its program is optimised
 # least: where the tolerance is so loose that the first guess may meet it, one iteration leaves too much
 # Krylov: 3 to 6 are needed, a sharp spike on a fine grid wants all; each keeps its two fields; Newton: likewise, 5 to 7
