@@ -226,11 +226,20 @@ def test_the_work_to_a_residual_of_a_millionth(M: float, bound: float, exact_to_
     assert exact_to_a_millionth[M].convolutions <= bound
 
 
-@pytest.mark.parametrize(("M", "bound"), [(20, 33), (200, 32), (1000, 28)])
-def test_the_work_to_what_the_grid_is_worth(M: float, bound: float, exact_to_a_millionth) -> None:
-    """31, 30 and 26 convolutions; what is left is less than a tenth of the error that the grid makes anyhow."""
+MORE = pytest.mark.xfail(strict=True, reason="31 and 30 with the smoother that suits fine grids; 21 and 25 before")
+
+
+@pytest.mark.parametrize(
+    ("M", "bound"), [pytest.param(20, 25, marks=MORE), pytest.param(200, 28, marks=MORE), (1000, 28)]
+)
+def test_the_work_to_what_the_grid_is_worth(M: float, bound: float) -> None:
+    """In convolutions on the finest grid, all grids together: 31, 30 and 26."""
+    assert solved_to(steady.AS_EXACT_AS_THE_GRID, M).convolutions <= bound
+
+
+@pytest.mark.parametrize("M", [20, 200, 1000])
+def test_what_is_left_is_less_than_a_tenth_of_the_error_of_the_grid(M: float, exact_to_a_millionth) -> None:
     exact, found = exact_to_a_millionth[M], solved_to(steady.AS_EXACT_AS_THE_GRID, M)
-    assert found.convolutions <= bound
     for film in ("H_c", "H_min"):
         discretisation = exact.extrapolate(film).error
         assert abs(found.finest.measure()[film] - exact.finest.measure()[film]) < 0.1 * discretisation

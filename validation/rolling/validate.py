@@ -3,7 +3,7 @@
     python validation/rolling/validate.py [reference] [limits] [cavity] [waves] [--nodes N]
 
 Times on two cores, once compiled: reference 5 minutes, limits 3, cavity 1 on 257 nodes (8 on 513),
-waves 6 on 513.
+waves 2 with --nodes 257.
 The reference numbers are read from ../shared/reference beside the checkout (or from ERTEL_REFERENCE); they stay there.
 """
 

@@ -82,12 +82,16 @@ def _sweep_warning(case: Case, data: xr.Dataset) -> str:
     cells = length * (case.solver.nodes - 1) / (2 * case.solver.half_width)
     if cells >= CELLS_IN_FRONT or length == 0:
         return ""
-    needed = (case.solver.nodes - 1) * CELLS_IN_FRONT / cells + 1
     return (
         f"the film is not resolved in the inlet ({cells:.1f} cells across the pressure sweep "
         f"sqrt(alpha_bar lambda_bar U) = {length:.3g} a, about {CELLS_IN_FRONT:.0f} are needed): the films are too "
-        f"thin by roughly {min(7 * (CELLS_IN_FRONT / cells) ** 2, 50) / 100:.0%}; {_use(needed)}"
+        f"thin by roughly {min(7 * (CELLS_IN_FRONT / cells) ** 2, 50) / 100:.0%}; {_resolve(case, cells)}"
     )
+
+
+def _resolve(case: Case, cells: float) -> str:
+    """What to use so that `CELLS_IN_FRONT` cells lie across the sweep in place of these."""
+    return _use((case.solver.nodes - 1) * CELLS_IN_FRONT / cells + 1)
 
 
 def _overlap_warning(case: Case, finest: GridSolution) -> str:
@@ -186,11 +190,10 @@ def _front_warning(case: Case, data: xr.Dataset) -> str:
     cells = front_length(case) / spacing
     if cells >= CELLS_IN_FRONT:
         return ""
-    needed = (case.solver.nodes - 1) * CELLS_IN_FRONT / cells + 1
     return (
         f"the film is not resolved at the front ({cells:.1f} cells across the pressure sweep "
         f"sqrt(alpha_bar lambda_bar dA/dT) = {front_length(case):.3g} a* at X = {FRONT_POSITION}, about "
-        f"{CELLS_IN_FRONT:.0f} are needed): H_min is uncertain; {_use(needed)}"
+        f"{CELLS_IN_FRONT:.0f} are needed): H_min is uncertain; {_resolve(case, cells)}"
     )
 
 

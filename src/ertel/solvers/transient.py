@@ -47,8 +47,7 @@ class StepProblem:
     past: fields of the last three levels, newest first, each of shape (3, n, n).  predict, rates: weights of the
     prediction and of the time derivative (for the new level, and the last two), both of shape (3,).  flow: how the oil
     moves, None where it stays.  approach: the predicted Delta.  edge: P on the edge of the grid, zero inside.  elastic:
-    the deformation operators of the
-    preconditioner's grids.
+    the deformation operators of the preconditioner's grids.
     """
 
     contact: Contact
