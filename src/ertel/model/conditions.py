@@ -11,7 +11,7 @@ from math import inf
 from typing import Annotated, Literal, NamedTuple
 
 from ertel.model.records import checked, named, show
-from ertel.physics import scales
+from ertel.physics import bodies, scales
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.units import (
@@ -210,11 +210,11 @@ class Conditions:
         """The SI value of one unit of each dimensionless quantity; None for a dimensionless contact."""
         if not self.is_physical:
             return None
-        R = named("contact", scales.reduced_radius, self.radius or self.radius_1, self.radius_2 or inf)
-        E_prime = self.E_prime or named("contact", scales.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
+        R = named("contact", bodies.reduced_radius, self.radius or self.radius_1, self.radius_2 or inf)
+        E_prime = self.E_prime or named("contact", bodies.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
         if self.kind == "rolling":
             return named("contact", scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime)
-        speed = self.speed or named("contact", scales.drop_speed, self.drop_height)
+        speed = self.speed or named("contact", bodies.drop_speed, self.drop_height)
         return named("contact", scales.impact_scales, R, self.ball_mass, speed, E_prime)
 
     @property
@@ -223,7 +223,7 @@ class Conditions:
         if not any(key in self.given for keys in BALL for key in keys):
             return 0.0
         self._only_one(BALL)
-        return self.mass or named("contact", scales.sphere_mass, self.radius or self.radius_1, self.ball_density)
+        return self.mass or named("contact", bodies.sphere_mass, self.radius or self.radius_1, self.ball_density)
 
     @property
     def speeds(self) -> Speeds:

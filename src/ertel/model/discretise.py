@@ -38,7 +38,7 @@ def geometry_of(case: Case) -> Geometry:
 
 def outside_of(case: Case, grid: Grid) -> Outside:
     """The oil outside the grid."""
-    return outside.around_grid(grid, case.parameters.lambda_bar, geometry_of(case).compliance)
+    return outside.around_grid(grid, case.parameters.lambda_bar, geometry_of(case))
 
 
 def smooth_contact(case: Case, grid: Grid) -> Contact:
