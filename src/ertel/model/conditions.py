@@ -7,21 +7,25 @@ input in SI.  Each physical quantity must be given in exactly one of the allowed
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from math import inf
+from math import inf, isclose
 from typing import Annotated, Literal, NamedTuple
 
 from ertel.model.records import checked, named, show
 from ertel.physics import bodies, scales
+from ertel.physics.ellipse import LARGEST_RATIO, LEAST_RATIO
+from ertel.physics.geometry import Geometry, geometry
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.units import (
     ABOVE_ZERO,
+    ANGLE,
     DENSITY,
     FINITE,
     LENGTH,
     LOAD,
     MASS,
     NOT_NEGATIVE,
+    RADIUS,
     SPEED,
     STRESS,
     VELOCITY,
@@ -34,10 +38,15 @@ Kind = Literal["impact", "rolling"]
 KINDS: tuple[Kind, ...] = ("impact", "rolling")
 POISSON = Bounds(gt=-1, le=0.5)
 
+HALF_TURN = 180.0  # degrees
+ROUND_OFF = 1e-12  # by which the radii of a circular contact may differ
+
 Keys = tuple[str, ...]
 MOES: Keys = ("M", "L")
 BARS: Keys = ("lambda_bar", "alpha_bar")
-RADII = (("radius",), ("radius_1", "radius_2"))
+RADII_X, RADII_Y = ("radius_x_1", "radius_x_2"), ("radius_y_1", "radius_y_2")
+PAIRS: Keys = (*RADII_X, *RADII_Y)  # a radius that is left out is that of a plane
+RADII = (("radius",), ("radius_1", "radius_2"), ("radius_x", "radius_y"), PAIRS)
 BALL = (("mass",), ("ball_density",))
 FALL = (("speed",), ("drop_height",))
 TRACK = (("mean_speed",), ("speed_1", "speed_2"))
@@ -50,13 +59,15 @@ OPTIONAL: Mapping[Kind, Keys] = {
     "impact": ("mean_speed", "slide_to_roll"),
     "rolling": ("mass", "ball_density", "slide_to_roll"),
 }
+RATIO = Bounds(ge=LEAST_RATIO, le=LARGEST_RATIO)
 PHYSICAL: Mapping[Kind, Keys] = {
     kind: (*(key for group in groups for keys in group for key in keys), *OPTIONAL[kind])
     for kind, groups in NEEDED.items()
 }
+RADII_TEXT = "radius (or radius_1 and radius_2; radius_x and radius_y; radius_x_1, radius_y_1, radius_x_2, radius_y_2)"
 PHYSICAL_TEXT: Mapping[Kind, str] = {
-    "impact": "radius (or two radii), mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
-    "rolling": "radius (or two radii), load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
+    "impact": f"{RADII_TEXT}, mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
+    "rolling": f"{RADII_TEXT}, load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
 }
 FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and what to use instead
     "impact": {
@@ -89,8 +100,16 @@ class Conditions:
         Moes' load and lubricant parameters; or
     lambda_bar, alpha_bar : float
         the paper's parameters, eqs. (8), (12); or physical input:
+    radius_ratio : float
+        R_x/R_y of a dimensionless elliptical contact, from 1/100 to 100; 1 if left out.
     radius, radius_1, radius_2 : float
         Radius (m) of a ball on a plane, or the radii of two balls; in an impact the first one moves.
+    radius_x, radius_y : float
+        Reduced radii (m) of an elliptical contact along its principal axes x and y.
+    radius_x_1, radius_y_1, radius_x_2, radius_y_2 : float
+        Principal radii (m) of both bodies along the same axes: negative where concave, left out where plane.
+    entrainment_angle : float
+        From the axis x to the direction of entrainment, in degrees, -180 to 180; 0 if left out.
     E_prime, E1, nu1, E2, nu2 : float
         Reduced modulus (Pa), or Young's moduli (Pa) and Poisson's ratios.
     mass, ball_density : float
@@ -110,9 +129,17 @@ class Conditions:
     L: Annotated[float | None, NOT_NEGATIVE] = None
     lambda_bar: Annotated[float | None, ABOVE_ZERO] = None
     alpha_bar: Annotated[float | None, NOT_NEGATIVE] = None
+    radius_ratio: Annotated[float | None, RATIO] = None
     radius: Annotated[float | None, LENGTH] = None
     radius_1: Annotated[float | None, LENGTH] = None
     radius_2: Annotated[float | None, LENGTH] = None
+    radius_x: Annotated[float | None, LENGTH] = None
+    radius_y: Annotated[float | None, LENGTH] = None
+    radius_x_1: Annotated[float | None, RADIUS] = None
+    radius_y_1: Annotated[float | None, RADIUS] = None
+    radius_x_2: Annotated[float | None, RADIUS] = None
+    radius_y_2: Annotated[float | None, RADIUS] = None
+    entrainment_angle: Annotated[float | None, ANGLE] = None
     mass: Annotated[float | None, MASS] = None
     ball_density: Annotated[float | None, DENSITY] = None
     speed: Annotated[float | None, SPEED] = None
@@ -132,11 +159,16 @@ class Conditions:
         if self.kind not in KINDS:
             raise ValueError(f"contact.kind = {show(self.kind)}: allowed: 'impact' or 'rolling'")
         checked(self, "contact")
+        if self.entrainment_angle is not None and not abs(self.entrainment_angle) <= HALF_TURN:
+            raise ValueError(f"{self.entry('entrainment_angle')}: must be from -180 deg to 180 deg")
         route = self._route()
         if route in (MOES, BARS):
             return
         for alternatives in NEEDED[self.kind]:
-            self._complete(self._only_one(alternatives))
+            keys = self._only_one(alternatives)
+            if keys != PAIRS:
+                self._complete(keys)
+        self._check_radii()
         self._check_speeds()
 
     def __repr__(self) -> str:
@@ -167,6 +199,10 @@ class Conditions:
             if key in self.given:
                 article = "an impact" if self.kind == "impact" else "a rolling contact"
                 raise ValueError(f'{self.entry(key)}: not for {article} (contact.kind = "{self.kind}"): {instead}')
+        if self.radius_ratio is not None and any(key in self.given for key in PHYSICAL[self.kind]):
+            raise ValueError(
+                f"{self.entry('radius_ratio')}: belongs to dimensionless cases; give radius_x and radius_y"
+            )
         if "slide_to_roll" in self.given and any(key in self.given for key in (*MOES, *BARS)):
             raise ValueError(f"{self.entry('slide_to_roll')}: in a dimensionless case write motion.slide_to_roll")
         return self._only_one((MOES, BARS, PHYSICAL[self.kind]), PHYSICAL_TEXT[self.kind])
@@ -189,6 +225,27 @@ class Conditions:
             present = next(key for key in keys if key in self.given)
             raise ValueError(f"contact.{missing[0]}: missing; {self.entry(present)} needs " + " and ".join(keys))
 
+    def _check_radii(self) -> None:
+        """The bodies must touch at a point: the curvatures of both add up to more than zero along x and along y."""
+        for keys in (RADII_X, RADII_Y) if any(key in self.given for key in PAIRS) else ():
+            zero = next((key for key in keys if getattr(self, key) == 0), None)
+            if zero:
+                raise ValueError(f"{self.entry(zero)}: must not be zero; leave it out for a plane")
+            if not 0 < self._reduced(keys) < inf:
+                given = " and ".join(self.entry(key) for key in keys if key in self.given)
+                raise ValueError(
+                    f"{given or f'contact.{keys[0]}: missing'}: the curvatures 1/{keys[0]} + 1/{keys[1]} must add up "
+                    "to more than zero, otherwise there is no contact at a point"
+                )
+        R_x, R_y = self.radii
+        if not LEAST_RATIO <= R_x / R_y <= LARGEST_RATIO:
+            raise ValueError(
+                f"contact: the reduced radii {R_x:g} m along x and {R_y:g} m along y have the ratio {R_x / R_y:g}; "
+                "allowed: from 1/100 to 100"
+            )
+        if not self.is_ball and self.ball_density is not None:
+            raise ValueError(f"{self.entry('ball_density')}: the moving body is not a ball; give contact.mass")
+
     def _check_speeds(self) -> None:
         both = self.speed_1 is not None and self.speed_2 is not None
         if both and self.slide_to_roll is not None:
@@ -210,12 +267,51 @@ class Conditions:
         """The SI value of one unit of each dimensionless quantity; None for a dimensionless contact."""
         if not self.is_physical:
             return None
-        R = named("contact", bodies.reduced_radius, self.radius or self.radius_1, self.radius_2 or inf)
+        R = self.radii[0]
         E_prime = self.E_prime or named("contact", bodies.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
         if self.kind == "rolling":
-            return named("contact", scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime)
+            return named(
+                "contact", scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime, self.ratio
+            )
         speed = self.speed or named("contact", bodies.drop_speed, self.drop_height)
-        return named("contact", scales.impact_scales, R, self.ball_mass, speed, E_prime)
+        return named("contact", scales.impact_scales, R, self.ball_mass, speed, E_prime, self.ratio)
+
+    @property
+    def is_ball(self) -> bool:
+        """Whether the bodies are balls, or a ball and a plane."""
+        return self.radius is not None or self.radius_1 is not None
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """The reduced radii (m) of a physical contact along x and along y."""
+        if self.is_ball:
+            R = named("contact", bodies.reduced_radius, self.radius or self.radius_1, self.radius_2 or inf)
+            return R, R
+        if self.radius_x is not None and self.radius_y is not None:
+            return self.radius_x, self.radius_y
+        return self._reduced(RADII_X), self._reduced(RADII_Y)
+
+    def _reduced(self, keys: Keys) -> float:
+        first, second = (getattr(self, key) or inf for key in keys)
+        return bodies.conforming_radius(first, second)
+
+    @property
+    def ratio(self) -> float:
+        """R_x/R_y."""
+        if not self.is_physical:
+            return self.radius_ratio or 1.0
+        R_x, R_y = self.radii
+        return 1.0 if isclose(R_x, R_y, rel_tol=ROUND_OFF) else R_x / R_y
+
+    @property
+    def angle(self) -> float:
+        """From the axis x to the direction of entrainment, in degrees."""
+        return self.entrainment_angle or 0.0
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        """The undeformed gap and the constants of the dry contact."""
+        return geometry(self.ratio, self.angle)
 
     @property
     def ball_mass(self) -> float:
@@ -246,4 +342,4 @@ class Conditions:
         if not (oil.is_isoviscous and first in self.given):
             self._complete(route)
         make = Parameters.from_moes if route is MOES else Parameters
-        return named("contact", make, getattr(self, first), value or 0.0)
+        return named("contact", make, getattr(self, first), value or 0.0, self.ratio)

@@ -189,6 +189,11 @@ class Scales:
         return self.ellipse.approach * self.film
 
     @property
+    def force(self) -> float:
+        """Unit of the double integral of P (N): a^2 p_h."""
+        return self.a**2 * self.p_h
+
+    @property
     def load(self) -> float:
         """Unit of the load F (N): the Hertz load F* = (2 pi/3) a a_y p_h."""
         return self.ellipse.load * self.a**2 * self.p_h

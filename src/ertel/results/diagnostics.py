@@ -178,9 +178,13 @@ def _film_warning(case: Case, data: xr.Dataset) -> str:
 
 
 def front_length(case: Case) -> float:
-    """Length of the front's pressure sweep sqrt(alpha_bar lambda_bar dA/dT) in a*, at X = 0.9 of the dry impact."""
+    """Length of the front's pressure sweep sqrt(alpha_bar lambda_bar dA/dT) in a*, at X = 0.9 of the dry impact.
+
+    The dry impact of an ellipsoid takes longer by the dry approach in a*^2/R.
+    """
     p = case.parameters
-    return float(np.sqrt(max(p.alpha_bar, 1.0) * p.lambda_bar * hertz.front_speed(FRONT_POSITION)))
+    speed = hertz.front_speed(FRONT_POSITION) / p.ellipse.approach
+    return float(np.sqrt(max(p.alpha_bar, 1.0) * p.lambda_bar * speed))
 
 
 def _front_warning(case: Case, data: xr.Dataset) -> str:

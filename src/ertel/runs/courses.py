@@ -239,7 +239,7 @@ class GridStep:
             return {}
         s = self.solutions[-1]
         work = {"newton_iterations": s.newton, "krylov_iterations": s.krylov, "residual": s.residual}
-        return {**s.measure(), **work, "nodes": s.grid.nodes}
+        return {**s.measure(), **work, "nodes": s.grid.nodes_x, "nodes_y": s.grid.nodes_y}
 
 
 class SteadyCourse:
@@ -268,7 +268,7 @@ class SteadyCourse:
     def news(self, item: GridStep) -> str:
         r = item.record
         work = f"{r['newton_iterations']} Newton, {r['krylov_iterations']} Krylov"
-        return f"{r['nodes']} x {r['nodes']}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
+        return f"{r['nodes']} x {r['nodes_y']}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
 
     def to_arrays(self, item: GridStep) -> dict[str, NDArray[Any]]:
         solutions = item.solutions

@@ -35,7 +35,7 @@ UNITS = {
     "a*": "$a^*$", "a*^2/R": "$a^{*2}/R$", "p_h*": "$p_h^*$", "F*": "$F^*$", "a*/t0": "$a^*/t_0$", "t0": "$t_0$",
     "a": "$a$", "a^2/R": "$a^2/R$", "p_h": "$p_h$", "F": "$F$", "u_m": "$u_m$",
 }  # fmt: skip
-MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so far from its centre
+MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure: where there is less, the film carries nothing to speak of
 
 
@@ -145,9 +145,15 @@ def map_of(dataset: xr.Dataset, name: str, frame: int | None = None) -> Field:
     return Field(x, x, np.interp(np.hypot(x[:, None], x[None, :]), r, values))
 
 
-def extent(x: Values, P: Values) -> float:
-    """How far from the centre a profile is shown."""
-    return min(MARGIN * reach(x, P), WIDEST)
+def extent(dataset: xr.Dataset, x: Values, P: Values) -> float:
+    """How far from the centre a profile along x is shown."""
+    return min(MARGIN * reach(x, P), WIDEST * stored.geometry(dataset).extent[0])
+
+
+def stretch(dataset: xr.Dataset) -> float:
+    """How many times as far the dry contact reaches along y as along x."""
+    along, across = stored.geometry(dataset).extent
+    return across / along
 
 
 def reach(x: Values, P: Values) -> float:
@@ -157,18 +163,18 @@ def reach(x: Values, P: Values) -> float:
     return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch
 
 
-def film_inside(x: Values, P: Values, H: Values) -> float:
-    """The maximum film thickness well inside the contact, of a profile."""
-    return float(H[np.abs(x) < 0.8 * min(reach(x, P), 1.0)].max())
+def film_inside(dataset: xr.Dataset, x: Values, P: Values, H: Values) -> float:
+    """The maximum film thickness well inside the contact, of a profile along x."""
+    return float(H[np.abs(x) < 0.8 * min(reach(x, P), stored.geometry(dataset).extent[0])].max())
 
 
 def draw_map(axes: Axes, dataset: xr.Dataset, field: Field, side: float, z: Scale, steps: Values, colours: str) -> None:
-    """Colours and contour lines at `steps` (as shown) up to `side` from the centre.
+    """Colours and contour lines at `steps` (as shown) up to `side` from the centre along x.
 
-    What is above the highest step has its colour.
+    Along y as far as suits the shape of the contact.  What is above the highest step has its colour.
     """
     across = lateral(dataset)
-    columns, rows = np.abs(field.x) <= side, np.abs(field.y) <= side
+    columns, rows = np.abs(field.x) <= side, np.abs(field.y) <= side * stretch(dataset)
     x, y, shown = (
         field.x[columns] * across.factor,
         field.y[rows] * across.factor,

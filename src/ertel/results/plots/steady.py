@@ -12,8 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ertel.numerics.richardson import Extrapolation, extrapolate
-from ertel.physics import hertz
-from ertel.physics.geometry import HERTZ_LOAD
 from ertel.results.plots import stored
 from ertel.results.plots.drawing import (
     BLUE,
@@ -34,6 +32,7 @@ from ertel.results.plots.drawing import (
     map_of,
     named,
     scale,
+    stretch,
     title,
 )
 from ertel.results.plots.roughness import draw_band, draw_contours, set_height
@@ -89,7 +88,13 @@ def draw_spike(axes: Axes, dataset: xr.Dataset) -> None:
 def _side(dataset: xr.Dataset) -> float:
     """How far from the centre the contact is shown."""
     field = map_of(dataset, "P")
-    return extent(field.x, field.values.max(axis=0))
+    return extent(dataset, field.x, field.values.max(axis=0))
+
+
+def _dry_pressure(dataset: xr.Dataset, X: Values, Y: Values) -> Values:
+    """Hertz' pressure under the load of the contact."""
+    geometry = stored.geometry(dataset)
+    return np.asarray(geometry.dry_pressure(float(dataset["load"].values[-1]) / geometry.hertz_load, X, Y))
 
 
 def _flow(dataset: xr.Dataset) -> float:
@@ -105,13 +110,13 @@ def draw_midline(axes: Axes, dataset: xr.Dataset, along: str) -> None:
     H, P = section["H"].values, section["P"].values
     across, h = lateral(dataset), scale(dataset, "H", float(dataset["H_c"].values[-1]))
     p, right = scale(dataset, "P", float(P.max())), axes.twinx()
-    radius = float(dataset["load"].values[-1] / HERTZ_LOAD) ** (1 / 3)
-    right.plot(x * across.factor, hertz.pressure(x, radius) * p.factor, color=GREY, linewidth=0.8, linestyle="--")
+    dry = _dry_pressure(dataset, *((x, 0 * x) if along == "x" else (0 * x, x)))
+    right.plot(x * across.factor, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across.factor, P * p.factor, color=ORANGE)
     axes.plot(x * across.factor, H * h.factor, color=BLUE)
-    side = _side(dataset) * across.factor
+    side = _side(dataset) * (1.0 if along == "x" else stretch(dataset)) * across.factor
     axes.set(xlim=(-side, min(side, x[-1] * across.factor)), xlabel=axis_label(dataset, along))
-    top = 1.1 * max(float(P.max()), radius) * p.factor
+    top = 1.1 * max(float(P.max()), float(dry.max())) * p.factor
     rough = draw_band(axes, dataset, 0.0, x, 4.0 * float(dataset["H_c"].values[-1]) * h.factor, along)
     set_height(right, top, rough)
     for scaled, z, colour in ((axes, h, BLUE), (right, p, ORANGE)):
