@@ -334,7 +334,7 @@ CHANGES: list[Change] = [
         (
             {"contact": {"kind": "rolling", **OF_AN_ELLIPSE, **radii}, "lubricant": LUBRICANT},
             f"contact.{key}",
-            "0.025 m",
+            "0.015 m",
         )
         for radii, keys in [
             ({"radius_x": "0.01 m", "radius_y": "0.02 m"}, ("radius_x", "radius_y")),

@@ -311,7 +311,7 @@ def _solver_of(
         half_width, inlet = CENTRED_HALF_WIDTH, None
     if contact.kind == "impact" and "half_width" not in written:
         rules.check_oil(oil, contact.scales)
-        half_width = half_width_at(half_width, contact.parameters(oil).M_BH)
+        half_width = half_width_at(half_width, contact.parameters(oil).as_ball.M)
     found = replace(found, half_width=half_width, inlet=inlet)
     if method != "radial":
         found = extents.suited(found, contact.geometry)

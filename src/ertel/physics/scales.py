@@ -121,6 +121,11 @@ class Parameters:
         return 16 / (15 * self.lambda_bar) * e.approach / e.kappa * (1 + D) * sqrt(D) / 2
 
     @property
+    def as_ball(self) -> "Parameters":
+        """The ball with this Stokes number and alpha_bar: as much of its load is carried by the oil far away."""
+        return Parameters(16 / (15 * self.stokes), self.alpha_bar)
+
+    @property
     def trapped_film(self) -> float:
         """Scale of the film thickness that an impact traps, in units a^2/R.
 
