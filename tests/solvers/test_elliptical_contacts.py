@@ -1,6 +1,7 @@
 """Elliptical contacts solved: exchange of the axes, the circle as a limit, reversed flow, work, rolling resistance."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import pi
 from typing import Any
 
@@ -11,11 +12,14 @@ from cases import march, parse_case
 from ertel.model import discretise
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
+from ertel.model.sections import Drive
 from ertel.model.state import GridSolution, State
 from ertel.numerics.symmetry import unfolded
 from ertel.physics.ellipse import hertz_ellipse
 from ertel.physics.geometry import CIRCLE, Ellipse
+from ertel.physics.surfaces import Feature, Waviness
 from ertel.runs.comparisons import comparisons
+from ertel.runs.response import respond, respond_in_rolling, respond_linearly
 from ertel.solvers import steady
 from ertel.solvers.transient import Transient2D
 
@@ -126,3 +130,44 @@ def test_runs_for_the_error_keep_the_spacing_and_widen_the_domain(angle: float) 
     assert (half.spacing, wide.spacing) == pytest.approx((2 * own.spacing, 2 * own.spacing))
     assert (half.x[0], half.x[-1], half.y[-1]) == pytest.approx((own.x[0], own.x[-1], own.y[-1]))
     assert wide.x[0] < 1.3 * half.x[0] and wide.x[-1] > half.x[-1] and wide.y[-1] > 1.3 * half.y[-1]
+
+
+# -- in time, and responses -------------------------------------------------------------------------------------------
+
+WAVES = Waviness(1.0, 1.5, 1.5)
+
+
+def at_rest(*features: Feature) -> Case:
+    """Surface 1, of which the waves are, at rest under an ellipse at an angle."""
+    return replace(rolled(33, 35.0), drive=Drive(slide_to_roll=-2.0), roughness=features)
+
+
+def test_a_steady_film_stays_as_it_is() -> None:
+    case = parse_case({**rolled(33, 35.0).to_data(), "solver": {"method": "transient", "nodes": 33}})
+    first, *_, last = march(Transient2D(case), 0.1, 3)[::-1]
+    assert np.asarray(last.H) == pytest.approx(np.asarray(first.H), abs=2e-5)
+    assert last.approach == pytest.approx(first.approach, abs=2e-5)
+
+
+def test_the_response_to_waves_is_the_change_of_the_steady_film() -> None:
+    """But for the oil outside: it follows Delta in the steady film, and is left as it is in the response."""
+    A = 1e-4
+    high, low = (steady.steady(at_rest(Feature(replace(WAVES, amplitude=height)))).finest for height in (A, -A))
+    found = respond_in_rolling(at_rest(), [[Feature(WAVES)]])
+    change = found["dH_amplitude"][0].values * np.cos(found["dH_phase"][0].values)
+    assert np.abs(high.whole((high.H - low.H) / (2 * A)) - change).max() < 5e-4
+
+
+def test_the_tangent_linear_impact_is_the_limit_of_the_finite_ones() -> None:
+    A = 1e-4
+    case = case_of(
+        "impact",
+        {"M": 200, "L": 10, "radius_ratio": D},
+        solver={"nodes": 33, "tolerance": 1e-7},
+        time={"step": 0.05, "start_approach": -0.3, "until": 0.5},
+        output={"interval": 0.5},
+    )
+    linear = respond_linearly(case, [[Feature(WAVES)]])
+    both = respond(case, [[], [Feature(replace(WAVES, amplitude=A))], [Feature(replace(WAVES, amplitude=-A))]])
+    finite = (both.dH[1] - both.dH[2]).values / (2 * A)
+    assert np.abs(linear.dH[0].values - finite).max() < 1e-3 * np.abs(finite).max()

@@ -110,6 +110,10 @@ def title(dataset: xr.Dataset) -> list[str]:
     a, kind = dataset.attrs, KINDS[dataset.attrs["kind"]]
     name = str(a["title"]).partition(", M = ")[0].replace("_", " ")  # the conditions say M and L of a case without name
     conditions = [f"{name[:1].upper()}{name[1:]}", f"$M$ = {a['M']:.4g}", f"$L$ = {a['L']:.3g}"]
+    if "radius_ratio" in a:
+        conditions.append(f"$R_x/R_y$ = {a['radius_ratio']:.3g}")
+    if a.get("entrainment_angle"):
+        conditions.append(f"angle {a['entrainment_angle']:.3g}°")
     if kind.names_sliding and (sliding := stored.slide_to_roll(dataset)):
         conditions.append(f"slide-to-roll {sliding:.3g}")
     if not is_physical(dataset):

@@ -97,6 +97,12 @@ def _dry_pressure(dataset: xr.Dataset, X: Values, Y: Values) -> Values:
     return np.asarray(geometry.dry_pressure(float(dataset["load"].values[-1]) / geometry.hertz_load, X, Y))
 
 
+def _nodes(dataset: xr.Dataset, along: int) -> str:
+    """The nodes of a grid: 65², or 65 x 97."""
+    X, Y = dataset.sizes["X"], dataset.sizes["Y"]
+    return f"{along}²" if X == Y else f"{along} x {round((along - 1) * (Y - 1) / (X - 1)) + 1}"
+
+
 def _flow(dataset: xr.Dataset) -> float:
     """+1 where the oil goes to the right: pressure reaches far upstream, and ends soon behind the contact."""
     X = dataset["X"].values
@@ -131,7 +137,9 @@ def draw_convergence(axes: Axes, dataset: xr.Dataset) -> None:
     grids = dataset["grid"].values
     for nodes, colour, history in zip(grids, _shades(len(grids)), dataset["history"].values, strict=True):
         known = history[np.isfinite(history)]
-        axes.semilogy(np.arange(len(known)), known, "o-", color=colour, markersize=3.5, label=f"{int(nodes)}²")
+        axes.semilogy(
+            np.arange(len(known)), known, "o-", color=colour, markersize=3.5, label=_nodes(dataset, int(nodes))
+        )
     tolerance = stored.tolerance(dataset)
     axes.axhline(tolerance, color="black", linewidth=0.8, linestyle=":", label="tolerance")
     axes.set(xlabel="Newton iteration", ylabel="maximum residual", title="Convergence on each grid")
@@ -157,7 +165,7 @@ def draw_grids(axes: Axes, dataset: xr.Dataset) -> None:
         axes.plot(place[-1:], [film.extrapolated * z.factor], marker, color=colour, markerfacecolor="white")
         axes.axhline(film.extrapolated * z.factor, color=colour, linewidth=0.8, linestyle="--")
         top = max(top, float(np.nanmax([*film.values, film.extrapolated])) * z.factor)
-    axes.set_xticks(place, [*(f"{nodes}²" for nodes in grids), "∞"])
+    axes.set_xticks(place, [*(_nodes(dataset, nodes) for nodes in grids), "∞"])
     axes.set(xlabel="nodes (∞: extrapolated)", ylabel=f"film thickness ({z.unit})", ylim=(0.0, 1.4 * top))
     axes.set_title("Film on each grid with its error estimate")
     axes.legend(loc="upper left", frameon=False, fontsize="small")
