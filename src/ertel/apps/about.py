@@ -23,7 +23,7 @@ def about() -> dict[str, str]:
         **{name: _version(package) for name, package in PACKAGES.items()},
         "known faults": compiling.wrong_version(_version("jaxlib")) or "none in this version of JAX",
         "devices": devices(),
-        "compile cache": str(compiling.cache_directory()),
+        "compile cache": str(compiling.cache_directory() or "none: there is no home directory"),
         "citation": CITATION.format(version=ertel.__version__),
     }
 
