@@ -6,7 +6,6 @@ Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing wr
 (143 by SIGTERM, 129 by SIGHUP).
 """
 
-import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from enum import StrEnum
@@ -220,7 +219,7 @@ def params(given: Mapping[str, object], as_json: Json = False) -> None:
 
         content = parameter_summary(case_of_flags(given))
     if as_json:
-        print(json.dumps(content, indent=2))
+        output.print_json(content)
     else:
         from ertel.apps import tables
 
@@ -255,7 +254,7 @@ def film(
             raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
         found = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if as_json:
-        print(json.dumps(tables.films_as_data(case, found), indent=2))
+        output.print_json(tables.films_as_data(case, found))
     else:
         console = tables.console()
         console.print(tables.film_table(case, found, {}))

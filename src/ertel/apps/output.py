@@ -6,6 +6,7 @@ A closed or full standard output does not stop a command: what it computes is ke
 import codecs
 import errno
 import io
+import json
 import os
 import sys
 from collections.abc import Iterator
@@ -13,15 +14,7 @@ from contextlib import contextmanager
 from typing import Any, TextIO
 
 LONGEST = 2000  # characters of a message
-SPELLED = {
-    "µ": "u",
-    "Δ": "Delta",
-    "→": "->",
-    "±": "+-",
-    "²": "^2",
-    "∞": "inf",
-    "…": "...",
-}  # for terminals without them
+SPELLED = {"µ": "u", "Δ": "Delta", "→": "->", "±": "+-", "²": "^2", "∞": "inf"}  # where a terminal cannot show them
 ERRORS = "ertel.spelled"
 QUIET = (errno.EPIPE, errno.EBADF)  # nobody listens any more: `ertel ... | head -1`
 
@@ -43,6 +36,11 @@ def short(text: str) -> str:
 def say(message: str) -> None:
     """Print a message on stderr."""
     print(printable(short(message)), file=sys.stderr, flush=True)
+
+
+def print_json(content: Any) -> None:
+    """Print data as JSON, in ASCII: every terminal takes it, and it reads back as the same data."""
+    print(json.dumps(content, indent=2, allow_nan=False))
 
 
 def _spelled(error: UnicodeError) -> tuple[str, int]:

@@ -1,7 +1,5 @@
 """A run from its new directory to the printed report, with progress bars and signals."""
 
-import json
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,7 +9,7 @@ from typing import Any
 from ertel.apps import tables
 from ertel.apps.exits import FAILED, bad_input, leave, reason_of
 from ertel.apps.interrupts import Stop, interruptible
-from ertel.apps.output import say
+from ertel.apps.output import print_json, say
 from ertel.apps.paths import in_shell, shown
 from ertel.model.case import Case
 from ertel.model.status import Status
@@ -193,7 +191,7 @@ def _with_error(run: RunStore, summary: Mapping[str, Any], compared: Mapping[str
 def report(run: RunStore, summary: Mapping[str, Any], wishes: Wishes) -> None:
     """Print a summary in the form that the user asked for."""
     if wishes.as_json:
-        sys.stdout.write(store.to_json(summary))
+        print_json(summary)
     elif not wishes.quiet:
         out = tables.console()
         tables.print_summary(out, run.case, summary)
