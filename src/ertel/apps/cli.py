@@ -317,6 +317,7 @@ def _make_page(names: list[str], quick: bool, out: Path, jobs: int, quiet: bool)
     if not quiet:
         output.say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
     with bars(not quiet) as progress, processes(jobs) as executor:
+        compiling.devices()  # or no run can begin
         bar = progress.add_task("runs", total=runs, news="")
 
         def on_done(task: Any, _: object) -> None:

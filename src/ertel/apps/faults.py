@@ -1,6 +1,5 @@
 """Every error of a command as one sentence on stderr and an exit code; a traceback only in a file."""
 
-import os
 import sys
 import tempfile
 import traceback
@@ -18,7 +17,6 @@ from ertel.apps.interrupts import Interrupted, raised
 from ertel.apps.output import say
 
 WrongUsage: Any = typer.BadParameter.__base__  # of all errors in flags and arguments
-NO_DEVICE = ("Unable to initialize backend", "Unknown backend")  # how JAX begins its messages
 
 
 class Commands(TyperGroup):
@@ -72,25 +70,20 @@ def _usage(error: Any) -> str:
 def _judged(error: Exception) -> tuple[int, str]:
     """The exit code and the sentence of an error that a command did not expect."""
     from ertel.inputs.messages import ConfigError
-    from ertel.runs import memory
+    from ertel.runs import compiling, memory
     from ertel.runs.store import StoreError
 
-    if isinstance(error, ConfigError | StoreError):
+    if isinstance(error, ConfigError | StoreError | compiling.NoDevice):
         return BAD_INPUT, str(error)
-    if isinstance(error, RuntimeError) and str(error).startswith(NO_DEVICE):
-        return BAD_INPUT, no_device(error)
     if memory.is_exhausted(error):
         return FAILED, "out of memory"
     if isinstance(error, OSError):
         return FAILED, f"{error.filename or 'input or output'}: {reason_of(error)}"
+    try:
+        compiling.devices()
+    except compiling.NoDevice as cause:
+        return BAD_INPUT, str(cause)
     return FAILED, f"internal error, {type(error).__name__}: {error}; {_where(error)}"
-
-
-def no_device(error: Exception) -> str:
-    """The sentence for a platform that JAX does not find."""
-    chosen = os.environ.get("JAX_PLATFORMS", "")
-    first = str(error).splitlines()[0]
-    return f"JAX_PLATFORMS={chosen}: JAX cannot compute there ({first}); unset it, or set JAX_PLATFORMS=cpu"
 
 
 def _where(error: Exception) -> str:

@@ -81,11 +81,9 @@ def warm_up_all(cases: Sequence[Case]) -> None:
 
 
 def _prepare() -> None:
-    """Check that JAX computes here, and let it load what is compiled.  Raises RuntimeError if it finds no device."""
-    import jax
-
+    """Check that JAX computes here, and let it load what is compiled.  Raises NoDevice."""
     compiling.check_jax()
-    jax.devices()
+    compiling.devices()
     compiling.start_at_once()
 
 

@@ -54,6 +54,28 @@ def check_jax(tell: Callable[[str], object] | None = None) -> None:
             warnings.warn(message, RuntimeWarning, stacklevel=2)
 
 
+# -- devices ----------------------------------------------------------------------------------------------------------
+
+
+class NoDevice(RuntimeError):
+    """JAX finds no device to compute on."""
+
+
+def devices() -> list[Any]:
+    """The devices that JAX computes on.  Raises NoDevice."""
+    import jax
+
+    try:
+        return jax.devices()
+    except Exception as error:  # of several kinds, an AssertionError among them
+        chosen = os.environ.get("JAX_PLATFORMS")
+        if not chosen:
+            raise NoDevice(f"JAX finds no device to compute on: {error}") from error
+        raise NoDevice(
+            f"JAX_PLATFORMS={chosen}: JAX finds no such device here; unset it, or set JAX_PLATFORMS=cpu"
+        ) from error
+
+
 # -- counting ---------------------------------------------------------------------------------------------------------
 
 

@@ -12,6 +12,7 @@ from contextlib import suppress
 
 from ertel.model import discretise
 from ertel.model.case import Case
+from ertel.runs import compiling
 
 BASE = 0.55e9  # Python, JAX and the compiler
 ARRAYS, ARRAYS_WITH_STEADY = 150, 210  # a run of rolling contains the steady film
@@ -41,9 +42,7 @@ def _maps(case: Case) -> float:
 
 def available() -> float:
     """The memory in bytes of the device that JAX computes on; 0 where it is not known."""
-    import jax
-
-    if limit := (jax.devices()[0].memory_stats() or {}).get("bytes_limit"):
+    if limit := (compiling.devices()[0].memory_stats() or {}).get("bytes_limit"):
         return float(limit)
     with suppress(AttributeError, ValueError, OSError):  # not on Windows
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
