@@ -10,6 +10,8 @@ def local_path(text: str | Path) -> Path:
     """A path as a user writes it, made absolute; ~ is the home directory.  Raises BadParameter if it cannot be."""
     if not str(text):
         raise typer.BadParameter("must not be empty")
+    if "://" in str(text):
+        raise typer.BadParameter(f"{text}: must be a path on this machine, not an address")
     try:
         return Path(text).expanduser().absolute()
     except (RuntimeError, OSError) as error:  # no such home directory, or no working directory any more
