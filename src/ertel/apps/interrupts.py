@@ -6,20 +6,22 @@ The exit code is 128 + the number of the signal.
 import os
 import signal
 import socket
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Thread
+from threading import Thread, Timer
 from types import FrameType
+from typing import Any
 
 SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
 class Interrupted(KeyboardInterrupt):
-    """A signal asked the program to end.  code: the exit code."""
+    """A signal asked the program to end.  number: of the signal.  code: the exit code."""
 
     def __init__(self, number: int = signal.SIGINT):
         super().__init__(number)
-        self.code = 128 + number
+        self.number, self.code = number, 128 + number
 
 
 class Stop:
@@ -38,8 +40,26 @@ def raised() -> Iterator[None]:
     def on_signal(number: int, frame: FrameType | None) -> None:
         raise Interrupted(number)
 
-    with _handled(on_signal):
+    with _handled(on_signal), _never_lost():
         yield
+
+
+@contextmanager
+def _never_lost() -> Iterator[None]:
+    """Raise a signal again that came in a destructor or another place where Python ignores exceptions."""
+    before = sys.unraisablehook
+
+    def hook(unraisable: Any) -> None:
+        if isinstance(unraisable.exc_value, Interrupted):
+            Timer(0.01, signal.raise_signal, [unraisable.exc_value.number]).start()
+        else:
+            before(unraisable)
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from ertel.runs import compiling, memory, store
 from ertel.runs.courses import Course, course_of
 from ertel.runs.drive import Gathering, drive
 from ertel.runs.progress import bars, watch
-from ertel.runs.store import CASE, SUMMARY, Damaged, RunStore, StoreError, Taken
+from ertel.runs.store import CASE, CHECKPOINT, SUMMARY, Damaged, RunStore, StoreError, Taken
 from ertel.runs.warm_up import warm_up
 
 
@@ -94,13 +94,21 @@ def _prepare() -> None:
 def opened(directory: Path) -> Iterator[RunStore]:
     """The store of a run; errors of the directory are reported with advice."""
     with bad_input():
+        run = RunStore.open(directory)
         try:
-            yield RunStore.open(directory)
+            yield run
         except Damaged as error:
-            again = f"ertel run {in_shell(directory / CASE)}"
-            whole = f"ertel resume {in_shell(directory)}"
-            advice = f"to write it again: {whole}" if error.path.name == SUMMARY else f"to compute it again: {again}"
-            raise StoreError(f"{error}; {advice}") from error
+            raise StoreError(f"{error}: {_to_repair(run, error.path)}") from error
+
+
+def _to_repair(run: RunStore, damaged: Path) -> str:
+    """The command that makes good what is damaged."""
+    to_resume = f"ertel resume {in_shell(run.directory)}"
+    if damaged.name == CHECKPOINT:
+        return f"rm {in_shell(damaged)}; {to_resume}"
+    if damaged.name == SUMMARY or run.case.is_steady:
+        return to_resume
+    return f"ertel run {in_shell(run.directory / CASE)}"
 
 
 def _create(directory: Path | None, course: Course) -> RunStore:
