@@ -31,7 +31,7 @@ class Commands(TyperGroup):
         """Read the arguments, run the command, and exit."""
         run = partial(super().main, *arguments, **{**keywords, "standalone_mode": False})
         try:
-            with raised(), _warnings_said(), as_sentences():
+            with as_sentences(), raised(), _warnings_said():
                 code = run()
         except typer.Exit as end:
             code = end.exit_code
