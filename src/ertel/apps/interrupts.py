@@ -51,7 +51,7 @@ def _never_lost() -> Iterator[None]:
 
     def hook(unraisable: Any) -> None:
         if isinstance(unraisable.exc_value, Interrupted):
-            Timer(0.01, signal.raise_signal, [unraisable.exc_value.number]).start()
+            Timer(0.01, os.kill, [os.getpid(), unraisable.exc_value.number]).start()
         else:
             before(unraisable)
 
