@@ -7,9 +7,9 @@ import os
 import signal
 import socket
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Thread, Timer
 from types import FrameType
 from typing import Any
 
@@ -37,11 +37,17 @@ class Stop:
 def raised() -> Iterator[None]:
     """Signals raise `Interrupted` where the program is."""
 
+    complaints = threading.excepthook
+
     def on_signal(number: int, frame: FrameType | None) -> None:
+        threading.excepthook = lambda _: None  # a pool's thread complains of workers that are ended
         raise Interrupted(number)
 
-    with _handled(on_signal), _never_lost():
-        yield
+    try:
+        with _handled(on_signal), _never_lost():
+            yield
+    finally:
+        threading.excepthook = complaints
 
 
 @contextmanager
@@ -51,7 +57,7 @@ def _never_lost() -> Iterator[None]:
 
     def hook(unraisable: Any) -> None:
         if isinstance(unraisable.exc_value, Interrupted):
-            Timer(0.01, os.kill, [os.getpid(), unraisable.exc_value.number]).start()
+            threading.Timer(0.01, os.kill, [os.getpid(), unraisable.exc_value.number]).start()
         else:
             before(unraisable)
 
@@ -97,7 +103,7 @@ def _second_ends() -> Iterator[None]:
     listener, sender = socket.socketpair()
     sender.setblocking(False)
     before = signal.set_wakeup_fd(sender.fileno(), warn_on_full_buffer=False)
-    Thread(target=_end_at_second, args=(listener,), daemon=True).start()
+    threading.Thread(target=_end_at_second, args=(listener,), daemon=True).start()
     try:
         yield
     finally:
