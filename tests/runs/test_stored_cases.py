@@ -157,7 +157,9 @@ def test_the_run_directory_of_an_older_version_is_refused(run):
     del root["attributes"]["checksum"]
     path.write_text(json.dumps(root))
     for read in (ertel.open, lambda path: ertel.run(parse_case(CASE), path)):
-        with pytest.raises(StoreError, match=r"zarr\.json: is damaged \(it has no checksum; older versions wrote none\); "):
+        with pytest.raises(
+            StoreError, match=r"zarr\.json: is damaged \(it has no checksum; older versions wrote none\); "
+        ):
             read(run)
 
 

@@ -10,6 +10,7 @@ import os
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -158,4 +159,9 @@ def _lock(handle: int, directory: Path) -> None:
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         said = f"{directory}: cannot be locked ({reason}); see to it that no other process computes this run"
-        warnings.warn(said, RuntimeWarning, stacklevel=2)
+        _warn_once(said)
+
+
+@cache
+def _warn_once(sentence: str) -> None:
+    warnings.warn(sentence, RuntimeWarning, stacklevel=2)
