@@ -1,6 +1,7 @@
 """Damaged run directories: what is read is what was written, or the damaged file is named; nothing in between."""
 
 import io
+import itertools
 import json
 import pickle
 import random
@@ -20,6 +21,7 @@ from cases import physics, stop_after
 import ertel
 from ertel.inputs.case_files import parse_case
 from ertel.model.case import Case
+from ertel.runs import checked_zarr
 from ertel.runs.store import Damaged, RunStore, StoreError, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
@@ -82,19 +84,24 @@ class Runs:
         return True
 
 
-@pytest.fixture(scope="module", params=KINDS)
-def runs(request, tmp_path_factory):
-    return Runs(tmp_path_factory.mktemp(request.param), *KINDS[request.param])
-
-
 @pytest.fixture(scope="module")
-def impact(tmp_path_factory):
-    return Runs(tmp_path_factory.mktemp("impact"), *KINDS["impact"])
+def kinds(tmp_path_factory):
+    return {kind: Runs(tmp_path_factory.mktemp(kind), *made_of) for kind, made_of in KINDS.items()}
 
 
-@pytest.fixture(scope="module")
-def steady(tmp_path_factory):
-    return Runs(tmp_path_factory.mktemp("steady"), *KINDS["steady"])
+@pytest.fixture(params=KINDS)
+def runs(request, kinds):
+    return kinds[request.param]
+
+
+@pytest.fixture
+def impact(kinds):
+    return kinds["impact"]
+
+
+@pytest.fixture
+def steady(kinds):
+    return kinds["steady"]
 
 
 @pytest.fixture
@@ -112,15 +119,20 @@ def flip(file: Path, chance: random.Random) -> bytes:
     return whole
 
 
+def any_file(directory: Path, chance: random.Random) -> Path:
+    """Any file of a run, of each kind equally often."""
+    kinds = ("*.*", "run.zarr/zarr.json", "run.zarr/*/zarr.json", "run.zarr/*/c/**/*")
+    return chance.choice([file for file in sorted(directory.glob(chance.choice(kinds))) if file.is_file()])
+
+
 # -- any bit of any file ----------------------------------------------------------------------------------------------
 
 
 def test_no_flipped_bit_is_silent_in_a_finished_run(runs, copy):
     directory, chance = copy(runs.finished), random.Random(1)
-    files = sorted(file for file in directory.rglob("*") if file.is_file() and file.stat().st_size)
     seen = []
-    for _ in range(80):
-        file = chance.choice(files)
+    for _ in range(60):
+        file = any_file(directory, chance)
         before = flip(file, chance)
         seen.append(runs.unchanged(runs.read, directory))
         file.write_bytes(before)
@@ -129,9 +141,9 @@ def test_no_flipped_bit_is_silent_in_a_finished_run(runs, copy):
 
 def test_no_flipped_bit_is_silent_in_a_resumed_run(runs, copy, tmp_path):
     chance, seen = random.Random(2), []
-    for number in range(24):
+    for number in range(12):
         directory = Path(shutil.copytree(runs.cut, tmp_path / str(number)))
-        flip(chance.choice(sorted(file for file in directory.rglob("*") if file.is_file())), chance)
+        flip(any_file(directory, chance), chance)
         seen.append(runs.unchanged(runs.resume, directory))
         shutil.rmtree(directory)
     assert True in seen and False in seen
@@ -298,6 +310,21 @@ def test_data_older_than_the_checkpoint_are_refused(impact, copy):
     (directory.parent / "new" / "run.zarr").rename(directory / "run.zarr")
     with pytest.raises(Damaged, match=r"run\.zarr: is damaged \(holds fewer rows than the checkpoint counts\)"):
         compute(RunStore.open(directory))
+
+
+def test_data_that_are_replaced_while_they_are_read(steady, copy, monkeypatch):
+    """By the process that computes them, grid by grid."""
+    data, read, attempts = copy(steady.finished) / "run.zarr", checked_zarr._read, itertools.count()
+
+    def replaced(path, advice):
+        if next(attempts) == 0:
+            checked_zarr.update_attributes(data, {"title": "the next grid"}, advice)
+            raise Damaged(path, "chunks are missing", advice)
+        return read(path, advice)
+
+    monkeypatch.setattr(checked_zarr, "_read", replaced)
+    assert RunStore.open(data.parent).dataset().attrs["title"] == "the next grid"
+    assert next(attempts) == 2
 
 
 def test_steady_data_are_written_again_from_the_checkpoint(steady, copy):

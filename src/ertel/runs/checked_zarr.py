@@ -99,7 +99,7 @@ def read_root(path: Path, advice: str) -> Root:
     """The metadata of all arrays.  Raises Damaged, with the advice, where the file is missing or damaged."""
     try:
         text = (path / ROOT).read_bytes()
-    except FileNotFoundError as error:
+    except (FileNotFoundError, NotADirectoryError) as error:
         raise Damaged(path / ROOT, "missing", advice) from error
     with reading(path / ROOT, advice):
         return unsealed(text, "attributes")
@@ -138,11 +138,13 @@ def with_rows(root: Root, rows: Mapping[str, int]) -> Root:
 
 def delete_uncounted(path: Path, root: Root) -> None:
     """Delete the chunks that have only rows that the metadata do not count, and what a killed process left."""
+    for file in path.rglob("*.partial"):
+        file.unlink()
     for name, metadata in _metadata(root).items():
         chunk = metadata["chunk_grid"]["configuration"]["chunk_shape"][0]
         kept = ceil(metadata["shape"][0] / chunk)
         for file in (path / name / "c").glob("*"):
-            if not file.name.isdigit() or int(file.name) >= kept:
+            if int(file.name) >= kept:
                 shutil.rmtree(file) if file.is_dir() else file.unlink()
 
 

@@ -128,7 +128,8 @@ def reading(path: Path, advice: str) -> Iterator[None]:
 
 
 def _one_line(error: Exception) -> str:
-    return (str(error).strip() or type(error).__name__).splitlines()[0][:200].rstrip(".")
+    said = (str(error).strip() or type(error).__name__).splitlines()[0]
+    return said.split(". ")[0][:200].rstrip(".")
 
 
 # -- locks ------------------------------------------------------------------------------------------------------------
