@@ -9,7 +9,7 @@ import jax
 import pytest
 from cases import ertel_, names
 
-from ertel.apps import output, running
+from ertel.apps import running
 from ertel.apps.interrupts import SIGNALS
 from ertel.inputs import case_files
 from ertel.runs import memory, store
@@ -108,13 +108,6 @@ def test_messages_are_short_and_without_control_characters(here, arguments):
         sentence = said(ertel_(*(word.format(long) for word in arguments), code=2))
         assert len(sentence) < 3000
         assert all(c.isprintable() for c in sentence.rstrip("\n"))
-
-
-def test_tables_show_no_control_characters(capsys):
-    from ertel.apps import tables
-
-    tables.console().print("a\x1b[31mb")
-    assert capsys.readouterr().out == "a\\x1b[31mb\n"
 
 
 def test_usage_errors_are_sentences(here):
@@ -343,11 +336,3 @@ def test_directories_without_a_run(here, command):
     (here / "empty").mkdir()
     for path in ("empty", "none", "case.toml", "x" * 5000):
         assert said(ertel_(command, path, code=2))
-
-
-def test_json_reads_back_in_any_terminal(capsys):
-    content = {"name": "Öl\x1b µ"}
-    output.print_json(content)
-    printed = capsys.readouterr().out
-    assert printed.isascii()
-    assert json.loads(printed) == content

@@ -15,7 +15,7 @@ from typing import Annotated, Any
 import typer
 
 from ertel.apps import interrupts, output
-from ertel.apps.exits import FAILED, bad_input, leave
+from ertel.apps.exits import FAILED, bad_input, leave, reason_of
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
 from ertel.apps.paths import local_path, shown
@@ -173,7 +173,8 @@ def plot(
 
     with running.opened(directory) as run:
         data = run.dataset()
-        figures = {name: draw(data, **options) for name, draw, options in _at(figures_of(data), at)}
+        with bad_input():
+            figures = {name: draw(data, **options) for name, draw, options in _at(figures_of(data), at)}
         target = out or directory / "plots"
         target.mkdir(parents=True, exist_ok=True)
         for name, figure in figures.items():
@@ -300,6 +301,8 @@ def paper(
         page, missing = _make_page(names, quick, out, jobs, quiet)
     except interrupts.Interrupted as error:
         leave(error.code, "interrupted; the same command continues")
+    except OSError as error:
+        leave(FAILED, f"cannot write to {shown(out)}: {reason_of(error)}; the same command continues")
     print(output.printable(shown(page)))
     if missing:
         leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))

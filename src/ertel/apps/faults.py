@@ -78,7 +78,7 @@ def _judged(error: Exception) -> tuple[int, str]:
     if memory.is_exhausted(error):
         return FAILED, "out of memory"
     if isinstance(error, OSError):
-        return FAILED, f"{error.filename or 'input or output'}: {reason_of(error)}"
+        return BAD_INPUT, f"{error.filename or 'input or output'}: {reason_of(error)}"
     try:
         compiling.devices()
     except compiling.NoDevice as cause:

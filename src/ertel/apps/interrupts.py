@@ -14,6 +14,7 @@ from types import FrameType
 from typing import Any
 
 SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+HANGUP = getattr(signal, "SIGHUP", None)
 
 
 class Interrupted(KeyboardInterrupt):
@@ -99,7 +100,10 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
 
 @contextmanager
 def _second_ends() -> Iterator[None]:
-    """End the process at the second signal.  A thread listens, because handlers wait while compiled code runs."""
+    """End the process at the second signal.  A thread listens, because handlers wait while compiled code runs.
+
+    A second SIGHUP does not count: a terminal that is closed and its shell both send one.
+    """
     listener, sender = socket.socketpair()
     sender.setblocking(False)
     before = signal.set_wakeup_fd(sender.fileno(), warn_on_full_buffer=False)
@@ -115,6 +119,8 @@ def _end_at_second(listener: socket.socket) -> None:
     with listener:
         listener.recv(1)
         second = listener.recv(1)  # nothing at the end of the block above
+        while second and second[0] == HANGUP:
+            second = listener.recv(1)
     if second:
         if os.isatty(2):
             os.write(2, b"\x1b[?25h\n")  # show the cursor, which a progress bar hides
