@@ -158,7 +158,7 @@ def cases(draw: st.DrawFn) -> Case:
         drive,
         features if timed else tuple(filter(still, features)),
         draw(times(kind, physical, drive)) if timed else None,
-        draw(st.one_of(st.none(), st.builds(Output, amounts(physical, sizes(), "s")))) if timed else None,
+        draw(st.one_of(st.none(), st.builds(Output, amounts(physical, sizes(2.0), "s")))) if timed else None,
         draw(st.sampled_from(["", "a name"])),
     )
 
@@ -191,7 +191,7 @@ def times(draw: st.DrawFn, kind: str, physical: bool, drive: Drive | None) -> Ti
         draw(st.one_of(st.none(), st.floats(-3, -0.1))) if kind == "impact" else None,
         draw(st.one_of(*ends)),
         draw(st.floats(1e-9, 0.9)),
-        draw(st.one_of(st.none(), moments)),
+        draw(st.one_of(st.none(), amounts(physical, sizes(0.1), "s"))),
     )
     return draw(st.sampled_from([None, time]))
 

@@ -173,8 +173,8 @@ def _check(value: Any, mark: Unit | Bounds, place: str) -> None:
     if isinstance(number, bool) or not isinstance(number, int | float):
         raise ValueError(f"{place} = {show(value)}: must be a number")
     if complaint := mark.complaint(number):
-        is_si = isinstance(mark, Unit) and not mark.scale
-        raise ValueError(f"{place} = {_shown_si(number, mark.unit) if is_si else show(value)}: {complaint}")
+        shown = _shown_si(number, mark.unit) if isinstance(mark, Unit) and not mark.scale else show(value)
+        raise ValueError(f"{place} = {shown}: {complaint}")
 
 
 def _shown_si(number: float, unit: str) -> str:
@@ -267,7 +267,10 @@ def _over(amount: Any, mark: object, scales: Scales | None, place: str) -> float
     if scales is None:
         raise ValueError(f"{place} = {show(amount)}: must be a plain number: a dimensionless case has no {amount.unit}")
     assert isinstance(mark, Unit)
-    return amount.value / float(getattr(scales, mark.scale))
+    found: float = amount.value / getattr(scales, mark.scale)
+    if complaint := mark.complaint(found):
+        raise ValueError(f"{place} = {show(amount)}: is {found:g} {mark.own} in this contact; {complaint}")
+    return found
 
 
 def scaled_all(records: Sequence[T], scales: Scales | None, place: str) -> tuple[T, ...]:
