@@ -164,7 +164,10 @@ balls = st.fixed_dictionaries(
 )
 oils = st.fixed_dictionaries(
     {"eta0": positive.filter(lambda eta: eta > 1e-4).map(lambda eta: f"{eta!r} Pa*s"), "alpha": st.just("20 / GPa")},
-    optional={"viscosity": st.sampled_from(["roelands", "barus"]), "reference": st.text(max_size=10).filter(str.isprintable)},
+    optional={
+        "viscosity": st.sampled_from(["roelands", "barus"]),
+        "reference": st.text(max_size=10).filter(str.isprintable),
+    },
 )
 moes = st.fixed_dictionaries({"M": st.floats(1, 1e5), "L": st.floats(0.1, 50)})
 solvers = st.fixed_dictionaries(

@@ -208,7 +208,7 @@ def test_a_value_that_its_mark_does_not_allow_is_refused(record, message) -> Non
 def test_a_complaint_is_about_the_field_of_the_place() -> None:
     with pytest.raises(ValueError, match=r"^signal\.period = 0.0: must be above zero"):
         named("signal", Oscillation, 1.0, 0.1, 0.0)
-    with pytest.raises(ValueError, match="^contact: has numbers too large or too small to compute with"):
+    with pytest.raises(ValueError, match=r"^contact: has numbers too large or too small to compute with"):
         named("contact", lambda: 1 / 0)
 
 

@@ -8,7 +8,7 @@ from decimal import Decimal
 from functools import lru_cache
 from typing import Any
 
-from ertel.physics.units import Amount, Quantity, Unit
+from ertel.physics.units import Amount, Bounds, Quantity, Unit
 
 LONGEST = 60  # characters of a quantity
 
@@ -57,6 +57,15 @@ def _split(value: object) -> tuple[str, str]:
         return "", ""
     unit = text[match.end() :].lstrip()
     return match[0], f"1{unit}" if unit.startswith("/") else unit
+
+
+def parse_number(value: object, bounds: Bounds) -> float:
+    """A plain number within bounds; an int stays an int if the number must be whole."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError("must be an integer" if bounds.whole else "must be a number")
+    if complaint := bounds.complaint(value):
+        raise ValueError(complaint)
+    return value if bounds.whole else float(value)
 
 
 def parse_amount(value: object, unit: Unit) -> Amount | None:

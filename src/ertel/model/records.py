@@ -54,7 +54,7 @@ def _plain(value: Any, mark: object = None) -> Any:
             return first if start == 0.0 and not rest else [[_plain(T), v] for T, v in value.points]
         case Oscillation():
             return data_of(value)
-    raise ValueError(f"{show(value)}: cannot be written down; allowed: numbers, texts, signals, and records with a name")
+    raise ValueError(f"{show(value)}: cannot be written down; allowed: numbers, texts, signals, records with a name")
 
 
 def law_data(law: object, laws: Registry) -> Any:
@@ -217,6 +217,11 @@ def _shown(value: object, room: int) -> str:
         return f"(an integer of about {int(value.bit_length() * log10(2))} digits)"
     part = value[:room] if isinstance(value, str | bytes) else str(value) if isinstance(value, Quantity) else value
     return printable(json.dumps(part, default=str, ensure_ascii=False))
+
+
+def shortened(text: str) -> str:
+    """A text of any origin for a message: its beginning and its end."""
+    return printable(text if len(text) <= SHOWN else f"{text[: SHOWN // 2]} ... {text[-SHOWN // 2 :]}")
 
 
 def show_key(key: object) -> str:

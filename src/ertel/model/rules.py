@@ -69,11 +69,11 @@ def check_oil(oil: Oil, scales: Scales | None) -> None:
 
 def check_scales(scales: Scales | None, parameters: Parameters) -> None:
     """What follows from the contact must be of a sane size, like its values."""
-    found = {**(vars(scales) if scales else {}), **vars(parameters)}
-    for name, value in found.items():
-        complaint = NOT_NEGATIVE.complaint(value) if name == "alpha_bar" else ABOVE_ZERO.complaint(value)
+    for name, value in {**(vars(scales) if scales else {}), **vars(parameters)}.items():
+        complaint = (NOT_NEGATIVE if name == "alpha_bar" else ABOVE_ZERO).complaint(value)
         if complaint:
-            raise ValueError(f"contact: its values together give {name} = {value:g}, which {complaint}; check their units")
+            given = f"its values together give {name} = {show(value)}"
+            raise ValueError(f"contact: {given}, which {complaint}; check their units")
 
 
 def check_pressure_scale(oil: Oil, scales: Scales | None, parameters: Parameters) -> None:
@@ -154,8 +154,8 @@ def check_schedule(time: Time, output: Output, solver: Solver, schedule: Schedul
     size = maps * 2 * 8 * nodes  # film and pressure in double precision
     if maps > MOST_MAPS or size > LARGEST_OUTPUT:
         raise ValueError(
-            f"output.interval = {show(output.interval)}: gives {maps:.3g} maps with {size / 1e9:.3g} GB; allowed: {MOST_MAPS:g} maps "
-            f"and {LARGEST_OUTPUT / 1e9:g} GB, so take a longer interval or fewer nodes"
+            f"output.interval = {show(output.interval)}: gives {maps:.3g} maps with {size / 1e9:.3g} GB; at most "
+            f"{MOST_MAPS:g} and {LARGEST_OUTPUT / 1e9:g} GB are allowed, take a longer interval or fewer nodes"
         )
 
 
