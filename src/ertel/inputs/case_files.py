@@ -68,8 +68,9 @@ def _as_written(text: str, written: Any, read: Mapping[str, Any]) -> str:
 
 
 LARGEST_FILE = 1_000_000  # bytes: thousands of points of a signal
-NAME = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
-LONG_KEY = re.compile(rf"(?<![\w-])(?:{NAME}[ \t]*+\.[ \t]*+){{20}}")  # tomllib's time is quadratic in its parts
+# A dotted key of many parts: the time that tomllib takes for it goes with the square of their number.
+_NAME = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
+LONG_KEY = re.compile(rf"(?<![\w-])(?:{_NAME}[ \t]*+\.[ \t]*+){{20}}")
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -92,22 +93,27 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def _read_text(path: Path, name: str) -> str:
-    try:
-        if not (path.is_file() or path.is_dir()) and path.exists():
-            raise ConfigError(f"{name} is a pipe or a device; must be a regular file")
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-    except (OSError, ValueError) as error:  # ValueError: a path with a null character
-        said = getattr(error, "strerror", None) or str(error)
-        raise ConfigError(f"cannot read {name}: {said.lower()}") from error
+    content = _read_bytes(path, name)
     if len(content) > LARGEST_FILE:
         raise ConfigError(f"{name} is too large; must have at most {LARGEST_FILE / 1e6:g} MB")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ConfigError(
-            f"{name} is not valid TOML: must be text in UTF-8, but byte {error.start + 1} is not"
-        ) from error
+        wrong = f"byte {error.start + 1} is not"
+        raise ConfigError(f"{name} is not valid TOML: must be text in UTF-8, but {wrong}") from error
+
+
+def _read_bytes(path: Path, name: str) -> bytes:
+    """The content of a file, or as much of it as shows that it is too large."""
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise ConfigError(f"{name} is a pipe or a device; must be a regular file")
+    try:
+        with path.open("rb") as file:
+            return file.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise ConfigError(f"cannot read {name}: {(error.strerror or str(error)).lower()}") from error
+    except ValueError as error:
+        raise ConfigError(f"cannot read {name}: its name contains a null character") from error
 
 
 def to_toml(case: Case) -> str:

@@ -49,7 +49,7 @@ from ertel.physics.lubricant import ALPHA, Lubricant, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import Quantity, plain
+from ertel.physics.units import plain
 
 SCHEMA = 1  # of the layout of case files
 USUAL_OIL, USUAL_SOLVER = Oil(), SOLVERS["2d"]
@@ -319,9 +319,9 @@ def _reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:
     """Whether the entrainment speed changes sign during a run in time."""
     if drive.entrainment is None:
         return False
-    until = ROLLING_UNTIL if time is None or time.until is None or isinstance(time.until, str) else time.until
-    end = until.value / contact.scales.t0 if isinstance(until, Quantity) and contact.scales else until
+    until = None if time is None else scaled(time, contact.scales, "time").until
+    end = ROLLING_UNTIL if until is None or isinstance(until, str) else plain(until)
     signal = scaled(drive, contact.scales, "motion").entrainment
     assert signal is not None
-    least, most = signal.range(plain(end))
+    least, most = signal.range(end)
     return least < 0 < most
