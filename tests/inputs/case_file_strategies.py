@@ -187,11 +187,11 @@ def spoiled(draw: st.DrawFn) -> Data:
         if how == "drop":
             del holder[key]
         elif how == "value":
-            holder[key] = draw(anything)
+            holder[key] = deepcopy(draw(anything))
         elif how == "wrap":
             holder[key] = draw(st.sampled_from([[holder[key]], {"value": holder[key]}, [holder[key]] * 2]))
         elif isinstance(holder, dict):
-            holder[draw(new_keys)] = holder.pop(key) if how == "rename" else draw(anything)
+            holder[draw(new_keys)] = holder.pop(key) if how == "rename" else deepcopy(draw(anything))
     return data
 
 
