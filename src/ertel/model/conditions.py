@@ -4,15 +4,15 @@ The contact is given in one of three ways: by Moes' M and L, by the paper's lamb
 input in SI.  Each physical quantity must be given in exactly one of the allowed ways.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from math import inf, isclose
-from typing import Annotated, Literal, NamedTuple
+from math import isclose
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from ertel.model.records import checked, named, show
+from ertel.model import radii
+from ertel.model.records import checked, show
 from ertel.physics import bodies, scales
-from ertel.physics.ellipse import LARGEST_RATIO, LEAST_RATIO
 from ertel.physics.geometry import Geometry, geometry
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters, Scales
@@ -34,6 +34,7 @@ from ertel.physics.units import (
     marks,
 )
 
+T = TypeVar("T")
 Kind = Literal["impact", "rolling"]
 KINDS: tuple[Kind, ...] = ("impact", "rolling")
 POISSON = Bounds(gt=-1, le=0.5)
@@ -44,30 +45,25 @@ ROUND_OFF = 1e-12  # by which the radii of a circular contact may differ
 Keys = tuple[str, ...]
 MOES: Keys = ("M", "L")
 BARS: Keys = ("lambda_bar", "alpha_bar")
-RADII_X, RADII_Y = ("radius_x_1", "radius_x_2"), ("radius_y_1", "radius_y_2")
-PAIRS: Keys = (*RADII_X, *RADII_Y)  # a radius that is left out is that of a plane
-RADII = (("radius",), ("radius_1", "radius_2"), ("radius_x", "radius_y"), PAIRS)
 BALL = (("mass",), ("ball_density",))
 FALL = (("speed",), ("drop_height",))
 TRACK = (("mean_speed",), ("speed_1", "speed_2"))
 ELASTICITY = (("E_prime",), ("E1", "nu1", "E2", "nu2"))
 NEEDED: Mapping[Kind, tuple[tuple[Keys, ...], ...]] = {
-    "impact": (RADII, BALL, FALL, ELASTICITY),
-    "rolling": (RADII, (("load",),), TRACK, ELASTICITY),
+    "impact": (radii.WAYS, BALL, FALL, ELASTICITY),
+    "rolling": (radii.WAYS, (("load",),), TRACK, ELASTICITY),
 }
 OPTIONAL: Mapping[Kind, Keys] = {
     "impact": ("mean_speed", "slide_to_roll"),
     "rolling": ("mass", "ball_density", "slide_to_roll"),
 }
-RATIO = Bounds(ge=LEAST_RATIO, le=LARGEST_RATIO)
 PHYSICAL: Mapping[Kind, Keys] = {
     kind: (*(key for group in groups for keys in group for key in keys), *OPTIONAL[kind])
     for kind, groups in NEEDED.items()
 }
-RADII_TEXT = "radius (or radius_1 and radius_2; radius_x and radius_y; radius_x_1, radius_y_1, radius_x_2, radius_y_2)"
 PHYSICAL_TEXT: Mapping[Kind, str] = {
-    "impact": f"{RADII_TEXT}, mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
-    "rolling": f"{RADII_TEXT}, load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
+    "impact": f"{radii.TEXT}, mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
+    "rolling": f"{radii.TEXT}, load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
 }
 FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and what to use instead
     "impact": {
@@ -129,7 +125,7 @@ class Conditions:
     L: Annotated[float | None, NOT_NEGATIVE] = None
     lambda_bar: Annotated[float | None, ABOVE_ZERO] = None
     alpha_bar: Annotated[float | None, NOT_NEGATIVE] = None
-    radius_ratio: Annotated[float | None, RATIO] = None
+    radius_ratio: Annotated[float | None, radii.RATIO] = None
     radius: Annotated[float | None, LENGTH] = None
     radius_1: Annotated[float | None, LENGTH] = None
     radius_2: Annotated[float | None, LENGTH] = None
@@ -166,9 +162,9 @@ class Conditions:
             return
         for alternatives in NEEDED[self.kind]:
             keys = self._only_one(alternatives)
-            if keys != PAIRS:
+            if keys != radii.PAIRS:
                 self._complete(keys)
-        self._check_radii()
+        radii.check(self)
         self._check_speeds()
 
     def __repr__(self) -> str:
@@ -225,27 +221,6 @@ class Conditions:
             present = next(key for key in keys if key in self.given)
             raise ValueError(f"contact.{missing[0]}: missing; {self.entry(present)} needs " + " and ".join(keys))
 
-    def _check_radii(self) -> None:
-        """The bodies must touch at a point: the curvatures of both add up to more than zero along x and along y."""
-        for keys in (RADII_X, RADII_Y) if any(key in self.given for key in PAIRS) else ():
-            zero = next((key for key in keys if getattr(self, key) == 0), None)
-            if zero:
-                raise ValueError(f"{self.entry(zero)}: must not be zero; leave it out for a plane")
-            if not 0 < self._reduced(keys) < inf:
-                given = " and ".join(self.entry(key) for key in keys if key in self.given)
-                raise ValueError(
-                    f"{given or f'contact.{keys[0]}: missing'}: the curvatures 1/{keys[0]} + 1/{keys[1]} must add up "
-                    "to more than zero, otherwise there is no contact at a point"
-                )
-        R_x, R_y = self.radii
-        if not LEAST_RATIO <= R_x / R_y <= LARGEST_RATIO:
-            raise ValueError(
-                f"contact: the reduced radii {R_x:g} m along x and {R_y:g} m along y have the ratio {R_x / R_y:g}; "
-                "allowed: from 1/100 to 100"
-            )
-        if not self.is_ball and self.ball_density is not None:
-            raise ValueError(f"{self.entry('ball_density')}: the moving body is not a ball; give contact.mass")
-
     def _check_speeds(self) -> None:
         both = self.speed_1 is not None and self.speed_2 is not None
         if both and self.slide_to_roll is not None:
@@ -267,14 +242,12 @@ class Conditions:
         """The SI value of one unit of each dimensionless quantity; None for a dimensionless contact."""
         if not self.is_physical:
             return None
-        R = self.radii[0]
-        E_prime = self.E_prime or named("contact", bodies.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
+        R, _ = radii.reduced(self)
+        E_prime = self.E_prime or _following(bodies.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
         if self.kind == "rolling":
-            return named(
-                "contact", scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime, self.ratio
-            )
-        speed = self.speed or named("contact", bodies.drop_speed, self.drop_height)
-        return named("contact", scales.impact_scales, R, self.ball_mass, speed, E_prime, self.ratio)
+            return _following(scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime, self.ratio)
+        speed = self.speed or _following(bodies.drop_speed, self.drop_height)
+        return _following(scales.impact_scales, R, self.ball_mass, speed, E_prime, self.ratio)
 
     @property
     def is_ball(self) -> bool:
@@ -282,25 +255,11 @@ class Conditions:
         return self.radius is not None or self.radius_1 is not None
 
     @property
-    def radii(self) -> tuple[float, float]:
-        """The reduced radii (m) of a physical contact along x and along y."""
-        if self.is_ball:
-            R = named("contact", bodies.reduced_radius, self.radius or self.radius_1, self.radius_2 or inf)
-            return R, R
-        if self.radius_x is not None and self.radius_y is not None:
-            return self.radius_x, self.radius_y
-        return self._reduced(RADII_X), self._reduced(RADII_Y)
-
-    def _reduced(self, keys: Keys) -> float:
-        first, second = (getattr(self, key) or inf for key in keys)
-        return bodies.conforming_radius(first, second)
-
-    @property
     def ratio(self) -> float:
         """R_x/R_y."""
         if not self.is_physical:
             return self.radius_ratio or 1.0
-        R_x, R_y = self.radii
+        R_x, R_y = radii.reduced(self)
         return 1.0 if isclose(R_x, R_y, rel_tol=ROUND_OFF) else R_x / R_y
 
     @property
@@ -319,7 +278,7 @@ class Conditions:
         if not any(key in self.given for keys in BALL for key in keys):
             return 0.0
         self._only_one(BALL)
-        return self.mass or named("contact", bodies.sphere_mass, self.radius or self.radius_1, self.ball_density)
+        return self.mass or _following(bodies.sphere_mass, self.radius or self.radius_1, self.ball_density)
 
     @property
     def speeds(self) -> Speeds:
@@ -334,7 +293,7 @@ class Conditions:
     def parameters(self, oil: Oil) -> Parameters:
         """lambda_bar and alpha_bar; alpha_bar is zero if the viscosity does not depend on pressure."""
         if self.scales:
-            return named("contact", scales.parameters, self.scales, oil.eta0, 0.0 if oil.is_isoviscous else oil.alpha)
+            return _following(scales.parameters, self.scales, oil.eta0, 0.0 if oil.is_isoviscous else oil.alpha)
         first, second = route = self._route()
         value = getattr(self, second)
         if oil.is_isoviscous and value:
@@ -342,4 +301,14 @@ class Conditions:
         if not (oil.is_isoviscous and first in self.given):
             self._complete(route)
         make = Parameters.from_moes if route is MOES else Parameters
-        return named("contact", make, getattr(self, first), value or 0.0, self.ratio)
+        return _following(make, getattr(self, first), value or 0.0, self.ratio)
+
+
+def _following(law: Callable[..., T], *values: Any) -> T:
+    """What follows by a law from values that are allowed one by one, but may be too far apart together."""
+    try:
+        return law(*values)
+    except ArithmeticError as error:
+        raise ValueError("contact: its values together are too large or too small; check their units") from error
+    except ValueError as error:
+        raise ValueError(f"contact: its values together give {error}; check their units") from error
