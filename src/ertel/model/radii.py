@@ -57,7 +57,7 @@ def check(contact: Given) -> None:
             f"contact: the reduced radii {R_x:g} m along x and {R_y:g} m along y have the ratio {R_x / R_y:g}; "
             "allowed: from 1/100 to 100"
         )
-    if not contact.is_ball and contact.ball_density is not None:
+    if not contact.is_ball and "ball_density" in contact.given:
         raise ValueError(f"{contact.entry('ball_density')}: the moving body is not a ball; give contact.mass")
 
 

@@ -57,9 +57,11 @@ def _inlet_warning(case: Case, P: xr.DataArray, T: float) -> str:
     With M = 10 to 1000, L = 0 to 10 and the edge at 2.75 and 4.5 the films were thinner than with the edge at 9, by 0.2
     to 0.7 of the pressure there (p_h) where that is above 0.02.
     """
-    s = case.solver
-    upstream = -(s.inlet or s.half_width) if case.motion.entrainment(T) >= 0 else s.inlet or s.half_width
-    halfway = float(P.sel(Y=0.0, method="nearest").sel(X=upstream / 2, method="nearest"))
+    s, reach, unit = case.solver, case.geometry.extent[0], case.geometry.smaller
+    inlet = 1 + ((s.inlet or s.half_width) - reach) / unit  # of a circle whose edge is as far from the contact
+    place = reach + (inlet / 2 - 1) * unit
+    upstream = -place if case.motion.entrainment(T) >= 0 else place
+    halfway = float(P.sel(Y=0.0, method="nearest").sel(X=upstream, method="nearest"))
     if halfway <= INLET_PRESSURE:
         return ""
     return (

@@ -36,6 +36,7 @@ UNITS = {
     "a": "$a$", "a^2/R": "$a^2/R$", "p_h": "$p_h$", "F": "$F$", "u_m": "$u_m$",
 }  # fmt: skip
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
+LONG = 2.0  # ratio of the sides from which a map is long
 LOADED = 0.02  # of the maximum pressure: where there is less, the film carries nothing to speak of
 
 
@@ -189,8 +190,16 @@ def draw_map(axes: Axes, dataset: xr.Dataset, field: Field, side: float, z: Scal
     if shown.min() < steps[-1] and shown.max() > steps[1]:
         axes.contour(x, y, shown, levels=steps[1:], colors="black", linewidths=0.4, alpha=0.6)
     axes.set(xlabel=axis_label(dataset, "x"), ylabel=axis_label(dataset, "y"), aspect="equal")
+    _thin_ticks(axes, stretch(dataset))
     extend = "max" if shown.max() > steps[-1] else "neither"
     figure_of(axes).colorbar(image, ax=axes, label=z.label, extend=extend)
+
+
+def _thin_ticks(axes: Axes, stretch: float) -> None:
+    """Few ticks on the short axis of a long map."""
+    short = axes.xaxis if stretch > 1 else axes.yaxis
+    if max(stretch, 1 / stretch) > LONG:
+        short.set_major_locator(MaxNLocator(2))
 
 
 def draw_film(axes: Axes, dataset: xr.Dataset, field: Field, side: float, top: float, lines: int = 10) -> None:
