@@ -15,7 +15,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ertel.apps.exits import FAILED, INTERRUPTED, bad_input, check_jax, leave
+from ertel.apps.exits import FAILED, INTERRUPTED, bad_input, check_jax, leave, reason_of
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
 
 app = typer.Typer(
@@ -291,6 +291,8 @@ def paper(
         page, missing = _make_page(names, quick, out, jobs, quiet)
     except KeyboardInterrupt:
         leave(INTERRUPTED, "interrupted; the same command continues")
+    except OSError as error:
+        leave(FAILED, f"cannot write to {out}: {reason_of(error)}; what is done is kept, the same command continues")
     print(page)
     if missing:
         leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))
