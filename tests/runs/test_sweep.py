@@ -267,7 +267,7 @@ def rest_of_output(parent: subprocess.Popen[str]) -> str:
 
 def test_an_interrupt_ends_the_workers_and_keeps_what_is_done(tmp_path: Path):
     parent = started(tmp_path / "interrupted.py", INTERRUPTED, str(tmp_path / "kept"))
-    assert rest_of_output(parent).splitlines()[-1] == "interrupted"
+    assert rest_of_output(parent).endswith("interrupted\n")  # the worker may have been ended within its own line
     assert parent.returncode == 0
     assert kept([Task("short", double, (1,)), Task("long", never_ends)], tmp_path / "kept") == {"short": 2}
 

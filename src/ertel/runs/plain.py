@@ -8,7 +8,7 @@ which each list, dict, array and Dataset is named as such; the arrays stand besi
 import hashlib
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -72,28 +72,20 @@ def _encoded(content: Any, arrays: list[NDArray[Any]]) -> Any:
             return {"dict": {key: _encoded(value, arrays) for key, value in content.items()}}
         case xr.Dataset():
             return {"dataset": _encoded(content.to_dict(data="array"), arrays)}
-    raise TypeError(f"a {type(content).__name__} cannot be kept: must be numbers, texts, lists, dicts, arrays, Datasets")
+    raise TypeError(f"a {type(content).__name__} cannot be kept: use numbers, texts, lists, dicts, arrays, Datasets")
 
 
 def _decoded(content: Any, arrays: Mapping[str, NDArray[Any]]) -> Any:
     if not isinstance(content, Mapping):
         return content
     [(kind, value)] = content.items()
-    readers = {"array": _array, "list": _list, "dict": _dict, "dataset": _dataset}
-    return readers[kind](value, arrays)
-
-
-def _array(number: int, arrays: Mapping[str, NDArray[Any]]) -> NDArray[Any]:
-    return arrays[str(number)]
-
-
-def _list(values: Sequence[Any], arrays: Mapping[str, NDArray[Any]]) -> list[Any]:
-    return [_decoded(value, arrays) for value in values]
-
-
-def _dict(values: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    return {key: _decoded(value, arrays) for key, value in values.items()}
-
-
-def _dataset(content: Any, arrays: Mapping[str, NDArray[Any]]) -> xr.Dataset:
-    return xr.Dataset.from_dict(_decoded(content, arrays))
+    match kind:
+        case "array":
+            return arrays[str(value)]
+        case "list":
+            return [_decoded(each, arrays) for each in value]
+        case "dict":
+            return {key: _decoded(each, arrays) for key, each in value.items()}
+        case "dataset":
+            return xr.Dataset.from_dict(_decoded(value, arrays))
+    raise ValueError(f"{kind}: must be array, list, dict or dataset")
