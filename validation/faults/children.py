@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ertel.apps.cli import main
+from ertel.__main__ import main
 from ertel.runs.store import RunStore, open_run
 
 KILLED = 137
@@ -86,8 +86,8 @@ class Ended:
 
     @property
     def traceback(self) -> bool:
-        """Whether it ended with a traceback."""
-        return "Traceback (most recent call last)" in self.said
+        """Whether it ended with a traceback, shown or written to a file."""
+        return "Traceback (most recent call last)" in self.said or "internal error" in self.said
 
     @property
     def one_sentence(self) -> bool:
