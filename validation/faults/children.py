@@ -104,7 +104,7 @@ def command(
     inside: the directory whose changes count.  judge: the run whose fingerprint is wanted afterwards.  killed_after:
     seconds after which the child is killed, 0 for never.
     """
-    return in_child(lambda tell: _run(tell, arguments, inside, fault or Fault(), judge), killed_after)[0]
+    return in_child(lambda tell: run_watched(tell, arguments, inside, fault or Fault(), judge), killed_after)[0]
 
 
 def in_child(work: Callable[[Callable[..., None]], None], killed_after: float = 0) -> list[Ended]:
@@ -171,9 +171,10 @@ def _told(text: str) -> list[Ended]:
 # -- inside the child -------------------------------------------------------------------------------------------------
 
 
-def _run(
+def run_watched(
     tell: Callable[..., None], arguments: Sequence[str], inside: Path, fault: Fault, judge: Path | None = None
 ) -> None:
+    """Run a command with a fault and tell how it ended."""
     _tell_of_flushes(tell)
     changes = _watch(inside, fault)
     if fault.limit:

@@ -15,7 +15,9 @@ from typing import Any
 
 import jax
 import numpy as np
+from typer.testing import CliRunner
 
+from ertel.apps.cli import app
 from ertel.inputs.case_files import load_case
 from ertel.runs import arrays
 from ertel.runs.courses import course_of
@@ -105,6 +107,7 @@ def record(chosen: dict[str, Kind]) -> None:
             compute(store, [lambda item: True])
             compute(RunStore.open(store.directory))
             open_run(store.directory)
+            CliRunner().invoke(app, ["show", str(store.directory)])  # imports what commands need
             for other in course.comparisons.values() if "--error" in kind.flags else ():
                 drive(other)
     Remembered.recording = False
