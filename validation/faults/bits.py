@@ -9,10 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from children import Ended, Fault, called, fingerprint, in_child, plain, run_watched, terminate
-from kills import Known, Outcome, Trial, judged, undisturbed
-from kinds import Kind
-
-from ertel.runs import arrays
+from kills import Known, Outcome, Trial, judged
 
 WAYS = {"bit flipped": 0.9, "cut short": 0.05, "deleted": 0.05}
 
@@ -28,15 +25,11 @@ class Stored:
     found: dict[str, str]
 
 
-def prepared(kind: Kind, place: Path) -> list[Stored]:
-    """A finished run and one that was interrupted halfway."""
-    known = undisturbed(kind, place)
-    half = place / "half"
-    half.mkdir()
-    trial = Trial(known, half)
-    trial.go(Fault(terminate, known.operations // 2))
-    arrays.AppendedData.flush_interval = 5.0  # as usual: the resumes of this campaign are not disturbed
-    return [_stored(f"{kind.name}, finished", place / "run", known), _stored(f"{kind.name}, half", trial.run, known)]
+def prepared(known: Known, place: Path) -> list[Stored]:
+    """The finished run, and one that was interrupted halfway."""
+    half, name = Trial(known, place), known.kind.name
+    half.go(Fault(terminate, known.operations // 2))
+    return [_stored(f"{name}, finished", known.run, known), _stored(f"{name}, half", half.run, known)]
 
 
 def _stored(name: str, run: Path, known: Known) -> Stored:
@@ -114,7 +107,9 @@ def _judged(stored: Stored, copy: Path) -> list[Outcome]:
 
 def _answer(what: str, ended: Ended, same: Callable[[], bool]) -> Outcome:
     if ended.failure or ended.traceback:
-        return Outcome("hung" if ended.failure == "hung" else "traceback", f"{what}: {ended.failure}{ended.said}"[-2000:])
+        return Outcome(
+            "hung" if ended.failure == "hung" else "traceback", f"{what}: {ended.failure}{ended.said}"[-2000:]
+        )
     if ended.code:
         word = "refused damage" if ended.code in (1, 2) and ended.one_sentence else "no sentence"
         return Outcome(word, f"{what}: exit code {ended.code}: {ended.said}")

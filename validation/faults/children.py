@@ -71,7 +71,8 @@ def disk_full(event: str, path: str, flags: int) -> None:
 class Ended:
     """How a command ended.  code: its exit code, negative for a signal; text: what it printed; said: on stderr.
 
-    operations: changes of files.  flushed, resumed: steps or grids in the last complete flush, and those from which a resume went on.
+    operations: changes of files.  flushed: steps or grids in the last complete flush.  resumed: those from which a
+    resume went on.
     found: the `fingerprint` of what it left, if asked for.
     """
 
@@ -97,7 +98,11 @@ class Ended:
 
 
 def command(
-    arguments: Sequence[str], inside: Path, fault: Fault | None = None, judge: Path | None = None, killed_after: float = 0
+    arguments: Sequence[str],
+    inside: Path,
+    fault: Fault | None = None,
+    judge: Path | None = None,
+    killed_after: float = 0,
 ) -> Ended:
     """Run a command in a child.
 
@@ -222,7 +227,7 @@ def _watch(inside: Path, fault: Fault) -> list[int]:
         if not path.startswith(root):
             return
         seen[0] += 1
-        if fault.act and (seen[0] == fault.n or fault.lasts and seen[0] > fault.n):
+        if fault.act and (seen[0] == fault.n or (fault.lasts and seen[0] > fault.n)):
             busy[0] = True
             try:
                 fault.act(event, path, flags)

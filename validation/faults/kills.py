@@ -2,12 +2,15 @@
 
 import random
 import shutil
+import subprocess
+import sys
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from children import KILLED, Ended, Fault, command, die, die_torn, disk_full, terminate
-from kinds import Kind
+from children import KILLED, Ended, Fault, command, die, die_torn, disk_full, fingerprint, in_child, terminate
+from kinds import Kind, flush_every
 
 STOPPED = (143, -15)  # exit codes after SIGTERM
 LIMITS = (1000, 30_000)  # bytes: smaller and larger than the files of a small run
@@ -18,10 +21,10 @@ class Known:
     """What is known of an undisturbed run.  operations: changes of files; seconds: its duration."""
 
     kind: Kind
+    run: Path
     operations: int
     seconds: float
     found: dict[str, str]
-    files: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -75,16 +78,13 @@ def judged(ended: Ended, known: Known) -> tuple[str, str]:
 
 
 def undisturbed(kind: Kind, place: Path) -> Known:
-    """The run without a fault.  Raises RuntimeError where it fails."""
-    import time
-
-    started = time.monotonic()
-    run = place / "run"
+    """The run without a fault, with a flush after every step.  Raises RuntimeError where it fails."""
+    flush_every(0.0)
+    started, run = time.monotonic(), place / "run"
     ended = command(["run", str(kind.case), "--out", str(run), *kind.flags], place, judge=run)
     if ended.code or ended.failure:
         raise RuntimeError(f"{kind.name}: {ended.said} {ended.failure}")
-    files = frozenset(path.relative_to(run).as_posix() for path in run.rglob("*"))
-    return Known(kind, ended.operations, time.monotonic() - started, ended.found, files)
+    return Known(kind, run, ended.operations, time.monotonic() - started, ended.found)
 
 
 # -- ways to disturb a run --------------------------------------------------------------------------------------------
@@ -151,12 +151,36 @@ def _refusing(trial: Trial, fault: Fault) -> Outcome:
     return trial.last()
 
 
+def real_processes(trial: Trial, dice: random.Random) -> Outcome:
+    """Kill `python -m ertel run` at a random time, and let another process resume it."""
+    case, run = str(trial.known.kind.case), str(trial.run)
+    patience = dice.uniform(1.0, 15.0)
+    first = _process("run", case, "--out", run, *trial.known.kind.flags, patience=patience)
+    trial.kills += first.code == -9
+    trial.steps.append(f"killed after {patience:.1f} s" if trial.kills else "not killed")
+    start = ["resume", run] if trial.run.exists() else ["run", case, "--out", run]
+    ended = _process(*start, *trial.known.kind.flags, patience=600.0)
+    if not ended.code:
+        ended.found = in_child(lambda tell: tell(found=fingerprint(trial.run), text=""))[0].found
+    word, why = judged(ended, trial.known)
+    return Outcome(word, f"{why} ({', '.join(trial.steps)})", trial.kills)
+
+
+def _process(*arguments: str, patience: float) -> Ended:
+    with subprocess.Popen([sys.executable, "-m", "ertel", *arguments], stderr=subprocess.PIPE, text=True) as process:
+        try:
+            said = process.communicate(timeout=patience)[1]
+        except subprocess.TimeoutExpired:
+            process.kill()
+            said = process.communicate()[1]
+    return Ended(process.returncode, said=said)
+
+
+PROCESSES = {"SIGKILL": real_processes}
 DISKS: dict[str, Callable[[Trial, random.Random], Outcome]] = {"disk full": full_disk, "files too large": short_files}
 
 
-def tried(
-    way: Callable[[Trial, random.Random], Outcome], known: Known, place: Path, dice: random.Random
-) -> Outcome:
+def tried(way: Callable[[Trial, random.Random], Outcome], known: Known, place: Path, dice: random.Random) -> Outcome:
     """One trial in a new directory, which is deleted where all went well."""
     place.mkdir(parents=True)
     outcome = way(Trial(known, place), dice)

@@ -94,9 +94,13 @@ def kinds(directory: Path, names: list[str]) -> dict[str, Kind]:
 NAMES = [*CASES, "error"]
 
 
+def flush_every(seconds: float) -> None:
+    """How often runs in time are written, here and in the children."""
+    arrays.AppendedData.flush_interval = seconds
+
+
 def record(chosen: dict[str, Kind]) -> None:
-    """Run everything once, also in two parts, and remember all solves.  Every step is flushed from here on."""
-    arrays.AppendedData.flush_interval = 0.0
+    """Run everything once, also in two parts, and remember all solves."""
     jax.config.update("jax_cpu_enable_async_dispatch", False)  # a child by fork has not the threads of its parent
     for module, name in SOLVES:
         setattr(module, name, Remembered(getattr(module, name)))
