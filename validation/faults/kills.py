@@ -13,6 +13,7 @@ from children import KILLED, Ended, Fault, command, die, die_torn, disk_full, fi
 from kinds import Kind, flush_every
 
 STOPPED = (143, -15)  # exit codes after SIGTERM
+EDGE = 20  # changes of files at the beginning and at the end of a run that are tried more often
 LIMITS = (1000, 30_000)  # bytes: smaller and larger than the files of a small run
 
 
@@ -120,7 +121,10 @@ def killed_at_a_time(trial: Trial, dice: random.Random) -> Outcome:
 
 
 def _end(dice: random.Random, operations: int) -> Fault:
-    return Fault(die_torn if dice.random() < 0.3 else die, dice.randint(1, max(operations, 1)))
+    """Death anywhere in a run; more often near its end, where the outcome is written, and at its very beginning."""
+    early, late = min(EDGE, operations), max(operations - EDGE, 0)
+    ranges = dice.choices([(1, operations), (late + 1, operations), (1, early)], [0.6, 0.25, 0.15])[0]
+    return Fault(die_torn if dice.random() < 0.3 else die, dice.randint(*ranges))
 
 
 KILLS: dict[str, Callable[[Trial, random.Random], Outcome]] = {
