@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 from zarr.storage import LocalStore
 
+from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.results import dataset
 from ertel.results.provenance import provenance
@@ -26,12 +27,10 @@ WRITTEN = "store_written"  # in a checkpoint: how many rows of the arrays belong
 class Data(Protocol):
     """The arrays of a run.
 
-    flush_interval: seconds between flushes; a killed run loses at most this much.  advice: what helps where the arrays
-    are damaged.
+    flush_interval: seconds between flushes; a killed run loses at most this much.
     """
 
     flush_interval: float
-    advice: str
 
     def create(self, path: Path) -> None:
         """Write the arrays of a run that has not started."""
@@ -60,6 +59,11 @@ class Data(Protocol):
 def data_of(course: Course) -> Data:
     """How the data of a course are written."""
     return ReplacedData(course) if isinstance(course, SteadyCourse) else AppendedData(course)
+
+
+def advice_of(case: Case) -> str:
+    """What helps where the data of a case are damaged."""
+    return (ReplacedData if case.is_steady else AppendedData).advice
 
 
 class AppendedData:

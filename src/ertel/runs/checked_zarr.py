@@ -26,7 +26,8 @@ from zarr.storage import LocalStore
 from ertel.runs.files import Damaged, reading, replace, sealed, unsealed
 
 ROOT = "zarr.json"
-CHUNKS = {"time": 4096, "frame": 1}  # rows of a chunk; along the other dimensions it is as long as the array
+GROWING = ("time", "frame")  # the dimensions along which rows are appended
+ROWS = 4096  # of numbers in a chunk; each map is a chunk of its own
 NO_NUMBER = -1  # what a missing chunk of integers holds
 THREADS = 8  # waiting for the disk together takes a tenth of the time
 FORMAT: Final = 3  # of Zarr; earlier ones may hold pickles
@@ -52,7 +53,7 @@ def write(store: LocalStore, data: xr.Dataset) -> None:
             array = group.create_array(
                 str(name),
                 shape=variable.shape,
-                chunks=tuple(CHUNKS.get(str(dim), max(n, 1)) for dim, n in variable.sizes.items()),
+                chunks=_chunks(variable),
                 dtype=variable.dtype,
                 fill_value=nan if variable.dtype.kind == "f" else NO_NUMBER,
                 compressors=[ZstdCodec(), Crc32cCodec()],
@@ -63,6 +64,11 @@ def write(store: LocalStore, data: xr.Dataset) -> None:
                 array[...] = variable.values
         zarr.consolidate_metadata(store, zarr_format=FORMAT)
     write_root(store.root, json.loads((store.root / ROOT).read_bytes()))
+
+
+def _chunks(variable: xr.Variable) -> tuple[int, ...]:
+    rows = ROWS if variable.ndim == 1 else 1
+    return tuple(rows if dim in GROWING else max(n, 1) for dim, n in variable.sizes.items())
 
 
 def append(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -93,7 +99,7 @@ def read_root(path: Path, advice: str) -> Root:
     """The metadata of all arrays.  Raises Damaged, with the advice, where the file is missing or damaged."""
     try:
         text = (path / ROOT).read_bytes()
-    except FileNotFoundError as error:
+    except (FileNotFoundError, NotADirectoryError) as error:
         raise Damaged(path / ROOT, "missing", advice) from error
     with reading(path / ROOT, advice):
         return unsealed(text, "attributes")
@@ -118,7 +124,7 @@ def _metadata(root: Root) -> dict[str, dict[str, Any]]:
 
 def rows_of(root: Root) -> dict[str, int]:
     """How many rows readers see, by dimension."""
-    return {dimension: _metadata(root)[dimension]["shape"][0] for dimension in CHUNKS}
+    return {dimension: _metadata(root)[dimension]["shape"][0] for dimension in GROWING}
 
 
 def with_rows(root: Root, rows: Mapping[str, int]) -> Root:
@@ -132,11 +138,13 @@ def with_rows(root: Root, rows: Mapping[str, int]) -> Root:
 
 def delete_uncounted(path: Path, root: Root) -> None:
     """Delete the chunks that have only rows that the metadata do not count, and what a killed process left."""
+    for file in path.rglob("*.partial"):
+        file.unlink()
     for name, metadata in _metadata(root).items():
         chunk = metadata["chunk_grid"]["configuration"]["chunk_shape"][0]
         kept = ceil(metadata["shape"][0] / chunk)
         for file in (path / name / "c").glob("*"):
-            if not file.name.isdigit() or int(file.name) >= kept:
+            if int(file.name) >= kept:
                 shutil.rmtree(file) if file.is_dir() else file.unlink()
 
 

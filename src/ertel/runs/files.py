@@ -10,6 +10,7 @@ import os
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -127,7 +128,8 @@ def reading(path: Path, advice: str) -> Iterator[None]:
 
 
 def _one_line(error: Exception) -> str:
-    return (str(error).strip() or type(error).__name__).splitlines()[0][:200].rstrip(".")
+    said = (str(error).strip() or type(error).__name__).splitlines()[0]
+    return said.split(". ")[0][:200].rstrip(".")
 
 
 # -- locks ------------------------------------------------------------------------------------------------------------
@@ -158,4 +160,9 @@ def _lock(handle: int, directory: Path) -> None:
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         said = f"{directory}: cannot be locked ({reason}); see to it that no other process computes this run"
-        warnings.warn(said, RuntimeWarning, stacklevel=2)
+        _warn_once(said)
+
+
+@cache
+def _warn_once(sentence: str) -> None:
+    warnings.warn(sentence, RuntimeWarning, stacklevel=2)

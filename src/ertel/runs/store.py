@@ -18,6 +18,7 @@ import json
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
+from functools import cached_property
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,7 @@ from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.results.result import Result
 from ertel.runs import checked_zarr, compiling, directories
-from ertel.runs.arrays import Data, data_of
+from ertel.runs.arrays import Data, advice_of, data_of
 from ertel.runs.courses import Course, Item, course_of
 from ertel.runs.directories import CASE as CASE
 from ertel.runs.directories import Taken as Taken
@@ -48,7 +49,6 @@ class RunStore:
     def __init__(self, directory: Path, case: Case, course: Course | None = None):
         self.directory, self.case = directory, case
         self._course = course
-        self._writer: Data | None = None
         self._started = self._flushed = time.monotonic()
         self._seconds_before = 0.0  # of computing, before this process took over
         self._item: Any = None  # the last one taken and not yet written
@@ -78,7 +78,7 @@ class RunStore:
         return store
 
     def _draft(self) -> AbstractContextManager[Path]:
-        return directories.draft(self.directory, self.case, lambda path: data_of(self.course).create(path / DATA))
+        return directories.draft(self.directory, self.case, lambda path: self._writer.create(path / DATA))
 
     @classmethod
     def open(cls, directory: Path) -> "RunStore":
@@ -98,9 +98,17 @@ class RunStore:
             self._course = course_of(self.case)
         return self._course
 
+    @cached_property
+    def _writer(self) -> Data:
+        return data_of(self.course)
+
     @property
     def _data(self) -> Path:
         return self.directory / DATA
+
+    @property
+    def _advice(self) -> str:
+        return advice_of(self.case)
 
     @property
     def seconds(self) -> float:
@@ -130,7 +138,6 @@ class RunStore:
 
     def __call__(self, item: Item) -> None:
         """Add one item; the items are written at intervals."""
-        assert self._writer is not None, "a run is resumed before it is continued"
         self._writer.take(item)
         self._item = item
         if time.monotonic() - self._flushed > self._writer.flush_interval:
@@ -138,7 +145,7 @@ class RunStore:
 
     def flush(self) -> None:
         """Write the items taken since the last flush, then the checkpoint."""
-        if self._item is None or self._writer is None:
+        if self._item is None:
             return
         item, self._item = self._item, None
         known = self._writer.flush(self._data)
@@ -168,10 +175,8 @@ class RunStore:
         """
         checkpoint = self._read_checkpoint()
         item = self._item_of(checkpoint)
-        writer = data_of(self.course)
-        writer.restore(self._data, checkpoint, item)
+        self._writer.restore(self._data, checkpoint, item)
         (self.directory / SUMMARY).unlink(missing_ok=True)
-        self._writer = writer
         self._seconds_before = float(checkpoint.get("store_seconds", 0.0))
         self._started = self._flushed = time.monotonic()
         return item
@@ -209,10 +214,6 @@ class RunStore:
         except Damaged:
             return
         directories.require_same(self.directory, attributes["digest"], json.loads(attributes["case"]), self.case)
-
-    @property
-    def _advice(self) -> str:
-        return data_of(self.course).advice
 
     def dataset(self) -> xr.Dataset:
         """The run as far as it has been written.  Raises Damaged."""
