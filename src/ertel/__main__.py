@@ -4,12 +4,13 @@ import sys
 
 
 def main() -> None:
-    """The command line; Ctrl-C while it is imported ends it without a traceback."""
+    """The command line; Ctrl-C before it listens to signals ends it without a traceback."""
     try:
         from ertel.apps import cli
+
+        cli.main()
     except KeyboardInterrupt:
         sys.exit(130)
-    cli.main()
 
 
 if __name__ == "__main__":

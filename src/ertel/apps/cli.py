@@ -173,7 +173,8 @@ def plot(
 
     with running.opened(directory) as run:
         data = run.dataset()
-        figures = {name: draw(data, **options) for name, draw, options in _at(figures_of(data), at)}
+        with bad_input():
+            figures = {name: draw(data, **options) for name, draw, options in _at(figures_of(data), at)}
         target = out or directory / "plots"
         target.mkdir(parents=True, exist_ok=True)
         for name, figure in figures.items():
@@ -301,8 +302,7 @@ def paper(
     except interrupts.Interrupted as error:
         leave(error.code, "interrupted; the same command continues")
     except OSError as error:
-        reason = f"{reason_of(error)}; what is done is kept, the same command continues"
-        leave(FAILED, f"cannot write to {shown(out)}: {reason}")
+        leave(FAILED, f"cannot write to {shown(out)}: {reason_of(error)}; the same command continues")
     print(output.printable(shown(page)))
     if missing:
         leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))

@@ -31,7 +31,7 @@ class Commands(TyperGroup):
         """Read the arguments, run the command, and exit."""
         run = partial(super().main, *arguments, **{**keywords, "standalone_mode": False})
         try:
-            with raised(), _warnings_said(), as_sentences():
+            with as_sentences(), raised(), _warnings_said():
                 code = run()
         except typer.Exit as end:
             code = end.exit_code
@@ -78,7 +78,7 @@ def _judged(error: Exception) -> tuple[int, str]:
     if memory.is_exhausted(error):
         return FAILED, "out of memory"
     if isinstance(error, OSError):
-        return FAILED, f"{error.filename or 'input or output'}: {reason_of(error)}"
+        return BAD_INPUT, f"{error.filename or 'input or output'}: {reason_of(error)}"
     try:
         compiling.devices()
     except compiling.NoDevice as cause:

@@ -7,13 +7,14 @@ import os
 import signal
 import socket
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Thread, Timer
 from types import FrameType
 from typing import Any
 
 SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+HANGUP = getattr(signal, "SIGHUP", None)
 
 
 class Interrupted(KeyboardInterrupt):
@@ -37,11 +38,17 @@ class Stop:
 def raised() -> Iterator[None]:
     """Signals raise `Interrupted` where the program is."""
 
+    complaints = threading.excepthook
+
     def on_signal(number: int, frame: FrameType | None) -> None:
+        threading.excepthook = lambda _: None  # a pool's thread complains of workers that are ended
         raise Interrupted(number)
 
-    with _handled(on_signal), _never_lost():
-        yield
+    try:
+        with _handled(on_signal), _never_lost():
+            yield
+    finally:
+        threading.excepthook = complaints
 
 
 @contextmanager
@@ -51,7 +58,7 @@ def _never_lost() -> Iterator[None]:
 
     def hook(unraisable: Any) -> None:
         if isinstance(unraisable.exc_value, Interrupted):
-            Timer(0.01, signal.raise_signal, [unraisable.exc_value.number]).start()
+            threading.Timer(0.01, os.kill, [os.getpid(), unraisable.exc_value.number]).start()
         else:
             before(unraisable)
 
@@ -93,11 +100,14 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
 
 @contextmanager
 def _second_ends() -> Iterator[None]:
-    """End the process at the second signal.  A thread listens, because handlers wait while compiled code runs."""
+    """End the process at the second signal.  A thread listens, because handlers wait while compiled code runs.
+
+    A second SIGHUP does not count: a terminal that is closed and its shell both send one.
+    """
     listener, sender = socket.socketpair()
     sender.setblocking(False)
     before = signal.set_wakeup_fd(sender.fileno(), warn_on_full_buffer=False)
-    Thread(target=_end_at_second, args=(listener,), daemon=True).start()
+    threading.Thread(target=_end_at_second, args=(listener,), daemon=True).start()
     try:
         yield
     finally:
@@ -109,6 +119,8 @@ def _end_at_second(listener: socket.socket) -> None:
     with listener:
         listener.recv(1)
         second = listener.recv(1)  # nothing at the end of the block above
+        while second and second[0] == HANGUP:
+            second = listener.recv(1)
     if second:
         if os.isatty(2):
             os.write(2, b"\x1b[?25h\n")  # show the cursor, which a progress bar hides

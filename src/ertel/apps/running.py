@@ -92,13 +92,12 @@ def _prepare() -> None:
 
 @contextmanager
 def opened(directory: Path) -> Iterator[RunStore]:
-    """The store of a run; errors of the directory are reported with advice."""
-    with bad_input():
-        run = RunStore.open(directory)
-        try:
-            yield run
-        except Damaged as error:
-            raise StoreError(f"{error}: {_to_repair(run, error.path)}") from error
+    """The store of a run.  Raises StoreError, where it is damaged with the command that repairs it."""
+    run = RunStore.open(directory)
+    try:
+        yield run
+    except Damaged as error:
+        raise StoreError(f"{error}: {_to_repair(run, error.path)}") from error
 
 
 def _to_repair(run: RunStore, damaged: Path) -> str:

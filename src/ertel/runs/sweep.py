@@ -57,7 +57,6 @@ def processes(jobs: int) -> Iterator[Executor]:
         try:
             yield pool
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)  # or its thread complains of the workers that are ended
             for worker in set(multiprocessing.active_children()) - others:
                 worker.terminate()
             raise
