@@ -26,12 +26,12 @@ from ertel.physics.motion import Oscillation
 from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.units import Bounds, Unit, marks
 
-LONGEST_MESSAGE = 500
+LONGEST_MESSAGE = 600  # a key and its value at 100 each, and the list of the keys of [contact]
 Data = dict[str, Any]
 
 # -- values -----------------------------------------------------------------------------------------------------------
 
-USUAL = {  # sizes of quantities, in SI
+USUAL = {  # sizes of quantities, in SI; of other units 0.1 to 10
     **{"m": (1e-4, 0.1), "kg": (1e-3, 10.0), "kg/m^3": (1e3, 2e4), "m/s": (0.01, 10.0), "N": (1.0, 1e3)},
     **{"Pa": (1e8, 1e12), "Pa*s": (1e-3, 1.0), "1/Pa": (1e-9, 1e-7), "s": (1e-5, 1e-2)},
 }
@@ -72,7 +72,7 @@ anything: st.SearchStrategy[Any] = st.one_of(
 
 def quantities(unit: Unit) -> st.SearchStrategy[str]:
     """Quantities of a usual size in the SI unit."""
-    return st.floats(*USUAL[unit.unit]).map(lambda value: f"{value!r} {unit.unit}")
+    return st.floats(*USUAL.get(unit.unit, (0.1, 10.0))).map(lambda value: f"{value!r} {unit.unit}")
 
 
 def numbers(bounds: Bounds) -> st.SearchStrategy[Any]:
@@ -187,11 +187,11 @@ def spoiled(draw: st.DrawFn) -> Data:
         if how == "drop":
             del holder[key]
         elif how == "value":
-            holder[key] = draw(anything)
+            holder[key] = deepcopy(draw(anything))
         elif how == "wrap":
             holder[key] = draw(st.sampled_from([[holder[key]], {"value": holder[key]}, [holder[key]] * 2]))
         elif isinstance(holder, dict):
-            holder[draw(new_keys)] = holder.pop(key) if how == "rename" else draw(anything)
+            holder[draw(new_keys)] = holder.pop(key) if how == "rename" else deepcopy(draw(anything))
     return data
 
 

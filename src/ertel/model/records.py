@@ -194,6 +194,8 @@ def named(place: str, function: Callable[..., T], *arguments: Any, text: str = "
         raise ValueError(message if message.startswith(f"{place}.") else f"{place}.{message}") from error
 
 
+# -- showing, in messages ---------------------------------------------------------------------------------------------
+
 SHOWN = 100  # characters of a value in a message
 BARE_KEY = re.compile(r"[\w-]{1,40}")
 

@@ -17,7 +17,7 @@ from ertel.physics.units import ABOVE_ZERO, FINITE, LARGEST, NOT_NEGATIVE, Quant
 LONGEST_NAME = 100  # bytes: a file name may have 255, and a run's directory has temporary ones made of it
 LONGEST_TEXT = 1000  # characters of the source of an oil's data
 LONGEST_RUN = 1e5  # t0; an impact lasts about 3
-MOST_STEPS = 1e6  # of a fixed length
+MOST_STEPS = 1e7  # of a fixed length
 LONGEST_IMPACT = 10.0  # t0 from first touch to an event, for the number of maps
 MOST_MAPS = 1e5
 LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
