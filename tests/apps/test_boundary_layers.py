@@ -138,7 +138,7 @@ def test_a_full_disk_is_said_in_one_sentence(small, tmp_path, monkeypatch):
     monkeypatch.setattr(figures, "make", full)
     done = CliRunner().invoke(app, ["paper", "fig1", "--quick", "--out", str(tmp_path), "--jobs", "1", "--quiet"])
     assert (done.exit_code, done.stdout) == (1, "")
-    reason = "no space left on device; what is done is kept, the same command continues"
+    reason = "no space left on device; the same command continues"
     assert done.stderr == f"ertel: cannot write to {tmp_path}: {reason}\n"
 
 
