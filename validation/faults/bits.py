@@ -11,6 +11,7 @@ from typing import Any
 from children import Ended, Fault, called, fingerprint, in_child, plain, run_watched, terminate
 from kills import Known, Outcome, Trial, judged
 
+SUMMARY = "summary.json"
 WAYS = {"bit flipped": 0.9, "cut short": 0.05, "deleted": 0.05}
 
 
@@ -59,7 +60,7 @@ def way(dice: random.Random) -> str:
 
 
 def tried(stored: Stored, how: str, place: Path, dice: random.Random) -> Outcome:
-    """One damage to a copy of a stored run."""
+    """One kind of damage to a copy of a stored run."""
     place.mkdir(parents=True)
     copy = place / "run"
     shutil.copytree(stored.run, copy)
@@ -72,7 +73,10 @@ def tried(stored: Stored, how: str, place: Path, dice: random.Random) -> Outcome
 
 def damage(run: Path, how: str, dice: random.Random) -> str:
     """Damage one file; what was done, in words."""
-    file = dice.choice(sorted(path for path in run.rglob("*") if path.is_file() and path.stat().st_size))
+    files = sorted(path for path in run.rglob("*") if path.is_file() and path.stat().st_size)
+    if how == "deleted":
+        files.remove(run / SUMMARY)  # without it the run is one that was killed before its end
+    file = dice.choice(files)
     name, content = file.relative_to(run), bytearray(file.read_bytes())
     bit = dice.randrange(8 * len(content))
     if how == "deleted":

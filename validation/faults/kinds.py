@@ -27,12 +27,12 @@ from ertel.solvers import radial, steady, transient
 
 SOLVES = ((radial, "solve"), (transient, "_step_program"), (steady, "_program"))
 WAVES = '[[roughness]]\nshape = "waviness"\namplitude = 0.01\nwavelength_x = 1.0\nwavelength_y = 1.0\n'
-MAPS = "[output]\ninterval = 0.05\n"
+MAPS = "[output]\ninterval = 0.02\n"
 CASES = {
-    "radial": '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "radial"\nnodes = 33\n[time]\nuntil = 0.1\n' + MAPS,
-    "2d": '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "2d"\nnodes = 33\n[time]\nuntil = 0.1\n' + MAPS,
+    "radial": '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "radial"\nnodes = 33\n[time]\nuntil = 0.05\n' + MAPS,
+    "2d": '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "2d"\nnodes = 33\n[time]\nuntil = 0.05\n' + MAPS,
     "rolling": '[contact]\nkind = "rolling"\nM = 20\nL = 5\n[solver]\nmethod = "transient"\nnodes = 33\n'
-    "[time]\nuntil = 0.2\nstep = 0.05\n" + MAPS + WAVES,
+    "[time]\nuntil = 0.1\nstep = 0.025\n" + MAPS + WAVES,
     "steady": '[contact]\nkind = "rolling"\nM = 20\nL = 5\n[solver]\nnodes = 65\n',
 }
 
