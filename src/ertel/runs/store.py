@@ -36,6 +36,7 @@ from ertel.model.case import Case
 from ertel.model.records import show
 from ertel.model.status import Status
 from ertel.results.result import Result
+from ertel.results.summary import attributes
 from ertel.runs import compiling
 from ertel.runs.arrays import attributes_in, commit, data_of, old_of, open_arrays
 from ertel.runs.courses import Course, Item, course_of
@@ -146,8 +147,7 @@ class RunStore:
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Write the remaining items and the summary of the run."""
         self.flush()
-        plain = {key: value for key, value in summary.items() if isinstance(value, str | int | float)}
-        open_arrays(self._data).attrs.update(plain)
+        open_arrays(self._data).attrs.update(attributes(summary))
         commit(self._data)
         draft = (self.directory / SUMMARY).with_suffix(".partial")
         draft.write_text(to_json(summary), encoding="utf-8")

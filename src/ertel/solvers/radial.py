@@ -19,13 +19,16 @@ from jax import Array
 from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
-from ertel.model import outside
+from ertel.model import budget, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
+from ertel.model.budget import Film
 from ertel.model.case import Case
 from ertel.model.pytrees import traceable
 from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf
+from ertel.numerics.integrals import Disc
+from ertel.numerics.stencils import Pair
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
@@ -235,6 +238,7 @@ class RadialImpact(Method):
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
         self.start_approach = case.schedule.start_approach
         self.coordinates = {"r": np.asarray(self.mesh.r)}
+        self.disc = Disc.of(self.coordinates["r"])
 
     def start(self) -> State:
         """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
@@ -292,6 +296,14 @@ class RadialImpact(Method):
         peak = {"P_max": float(P[i]), "X_P_max": float(r[i]), "Y_P_max": 0.0, "P_fall": float(fall)}
         return {"F": F, "P_c": float(P[0]), **peak, **films}
 
+    def budget(self, levels: Sequence[State]) -> dict[str, float]:
+        """See `Method.budget`."""
+        new, *past = levels
+        rates = bdf.derivative_weights([level.T for level in levels[:3]])
+        eq = self.equations(past, rates, ClosureLine(1.0, 0.0, new.approach))
+        found = _integrals(self.disc, eq, new.P, new.H, new.approach)
+        return budget.terms(found, new.velocity, self.carried(new) * CIRCLE.hertz_load, CIRCLE.hertz_load)
+
     def whole(self, field: Array) -> Array:
         """The field itself."""
         return field
@@ -305,6 +317,14 @@ class RadialImpact(Method):
         pressed = np.asarray(self.mesh.volume) * np.asarray(P)
         difference = 1 - np.asarray(H_predicted) / np.asarray(H)
         return float(np.sqrt(pressed @ difference**2 / max(pressed.sum(), np.finfo(float).tiny)))
+
+
+@jax.jit
+def _integrals(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> dict[str, Array]:
+    """The terms of the budgets after a step."""
+    eps, _ = eq.flow.mobility(eq.oil.density(P), eq.oil.viscosity(P), H, eq.lambda_bar)
+    deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
+    return budget.integrals(disc, eq.oil, Film(P, H, Pair(eps), deformation, residual(eq, P, H), 0.0, 0.0))
 
 
 def predicted_pressure(levels: Sequence[State], T: float) -> Array:
