@@ -1,4 +1,4 @@
-"""Integrals of fields over a grid and along its edge, all of second order.
+"""Integrals of fields over a grid and along its edge, of second order.
 
 A space knows where its nodes are; fields have the shape of its arrays, and `edge` makes one line of the values on the
 edge.  `Plane` is a rectangle of square cells, `Disc` a radial grid.  Both end at the outermost nodes.
@@ -12,8 +12,11 @@ import numpy as np
 from jax import Array
 from jax.tree_util import register_dataclass
 
+from ertel.numerics.bdf import derivative_weights
 from ertel.numerics.grid import Even, Grid
 from ertel.numerics.stencils import Pair
+
+SLOPE = (11 / 6, -3.0, 3 / 2, -1 / 3)  # weights of the nodes from the edge inwards for the slope towards the edge
 
 
 class Space(Protocol):
@@ -32,7 +35,7 @@ class Space(Protocol):
         ...
 
     def flow_out(self, c: Pair, f: Array) -> Array:
-        """- c df/dn on the edge, n pointing outwards."""
+        """- c df/dn on the edge, n pointing outwards; of third order, lest it be the largest error on coarse grids."""
         ...
 
     def along_x(self, f: Array) -> Array:
@@ -74,8 +77,8 @@ class Plane:
         return self._line(f, f, 0)
 
     def flow_out(self, c: Pair, f: Array) -> Array:
-        at, inward, next_inward = (self._line(f, f, k) for k in range(3))
-        return -self._line(c.x, c.y, 0) * (3.0 * at - 4.0 * inward + next_inward) / (2.0 * self.spacing)
+        slope = sum(weight * self._line(f, f, depth) for depth, weight in enumerate(SLOPE))
+        return -self._line(c.x, c.y, 0) * slope / self.spacing
 
     def along_x(self, f: Array) -> Array:
         low = -f[:, 0] if not self.even.x else f[:0, 0]
@@ -108,7 +111,7 @@ class Disc:
     """A disc with nodes at r, from 0 outwards; fields have shape (n,).
 
     weights: of the double integral.  faces: 2 pi r/(difference of r) halfway between the nodes.  slope: weights of the
-    last three nodes, outermost first, for the derivative along r at the edge.
+    last four nodes, outermost first, for the derivative along r at the edge.
     """
 
     weights: Array
@@ -123,8 +126,7 @@ class Disc:
         falling, rising = h * (2 * r[:-1] + r[1:]) / 6, h * (r[:-1] + 2 * r[1:]) / 6
         weights = 2 * np.pi * (np.pad(falling, (0, 1)) + np.pad(rising, (1, 0)))
         faces = np.pi * (r[1:] + r[:-1]) / h
-        near, far = h[-1], h[-1] + h[-2]
-        slope = np.array([1 / near + 1 / far, -far / (near * h[-2]), near / (far * h[-2])])
+        slope = derivative_weights(r[:-5:-1].tolist())
         return cls(jnp.asarray(weights), jnp.asarray(faces), jnp.asarray(slope), float(2 * np.pi * r[-1]))
 
     def total(self, f: Array) -> Array:
@@ -137,7 +139,7 @@ class Disc:
         return f[-1:]
 
     def flow_out(self, c: Pair, f: Array) -> Array:
-        return -c.x[-1:] * jnp.sum(self.slope * f[:-4:-1])
+        return -c.x[-1:] * jnp.sum(self.slope * f[:-5:-1])
 
     def along_x(self, f: Array) -> Array:
         return jnp.zeros(1)

@@ -47,20 +47,20 @@ def budget_warnings(case: Case, found: Budgets) -> list[str]:
     open_ones = {name: terms["imbalance"] or 0.0 for name, terms in found.items()}
     return [
         f"the budget of {name} does not close, by {share:.1%} ({LARGE_IMBALANCE:.0%} is allowed): {BUDGETS[name]}; "
-        f"{_finer(case, name)}"
+        f"{_closing(case, name)}"
         for name, share in open_ones.items()
         if share > LARGE_IMBALANCE
     ]
 
 
-def _finer(case: Case, name: str) -> str:
-    """What closes a budget: a finer grid, unless it is an integral over time only; shorter steps."""
+def _closing(case: Case, name: str) -> str:
+    """What closes a budget: a finer grid, unless it is an integral over time only, and shorter steps."""
+    grid = _use(_doubled(case))
+    if case.is_steady:
+        return f"use solver.tolerance <= {case.solver.tolerance / 10:g}" if name == "momentum" else grid
     time = case.schedule
     steps = f"time.step <= {time.step / 2:g}" if time.step else f"time.tolerance <= {time.tolerance / 4:g}"
-    wanted = [] if name == "momentum" else [_use(_doubled(case))]
-    if not case.is_steady:
-        wanted.append(steps if wanted else f"use {steps}")
-    return " and ".join(wanted) or f"use solver.tolerance <= {case.solver.tolerance / 10:g}"
+    return f"use {steps}" if name == "momentum" else f"{grid} and {steps}"
 
 
 def _spoken(said: Sequence[str]) -> list[str]:

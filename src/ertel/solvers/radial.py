@@ -28,6 +28,7 @@ from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc
+from ertel.numerics.programs import Program
 from ertel.numerics.stencils import Pair
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
@@ -301,7 +302,7 @@ class RadialImpact(Method):
         new, *past = levels
         rates = bdf.derivative_weights([level.T for level in levels[:3]])
         eq = self.equations(past, rates, ClosureLine(1.0, 0.0, new.approach))
-        found = _integrals(self.disc, eq, new.P, new.H, new.approach)
+        found = _integrals_program(self.disc, eq, new.P, new.H, new.approach)
         return budget.terms(found, new.velocity, self.carried(new) * CIRCLE.hertz_load, CIRCLE.hertz_load)
 
     def whole(self, field: Array) -> Array:
@@ -319,12 +320,14 @@ class RadialImpact(Method):
         return float(np.sqrt(pressed @ difference**2 / max(pressed.sum(), np.finfo(float).tiny)))
 
 
-@jax.jit
 def _integrals(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> dict[str, Array]:
     """The terms of the budgets after a step."""
     eps, _ = eq.flow.mobility(eq.oil.density(P), eq.oil.viscosity(P), H, eq.lambda_bar)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     return budget.integrals(disc, eq.oil, Film(P, H, Pair(eps), deformation, residual(eq, P, H), 0.0, 0.0))
+
+
+_integrals_program = Program(jax.jit(_integrals), budget.ANY_SIZE)
 
 
 def predicted_pressure(levels: Sequence[State], T: float) -> Array:

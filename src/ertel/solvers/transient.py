@@ -206,7 +206,7 @@ class Transient2D(Method):
         flow = self.flow(new.T, [*times, times[-1]][:2])
         gap_change = discretise.gap_change(self.case, self.grid, new.T)
         c = self.contact_at(new.T)
-        found = _integrals(self.space, c, new.P, new.H, new.approach, masses, rates, flow, gap_change)
+        found = _integrals_program(self.space, c, new.P, new.H, new.approach, masses, rates, flow, gap_change)
         scale = self.geometry.hertz_load
         return budget.terms(found, new.velocity, self.carried(new) * scale, scale)
 
@@ -280,7 +280,6 @@ def solve_step(p: StepProblem) -> StepSolution:
 _step_program = Program(solve_step)
 
 
-@jax.jit
 def _integrals(
     space: Plane,
     c: Contact,
@@ -296,3 +295,6 @@ def _integrals(
     change = rate_in_time(rates, masses[1:], flow, c.spacing).of(masses[0], c.spacing)
     U = 0.0 if flow is None else flow.entrainment
     return budget.integrals(space, c.lubricant, budget.film_of(c, P, H, approach, change, U, gap_change))
+
+
+_integrals_program = Program(jax.jit(_integrals), budget.ANY_SIZE)
