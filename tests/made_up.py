@@ -74,6 +74,7 @@ class Solved:
     values: dict[str, float]
     history: tuple[float, ...]
     approach: float = 1.0
+    outside: float = 0.0
     residual: float = 1e-9
     newton: int = 3
     krylov: int = 9

@@ -12,15 +12,16 @@ H = -Delta + G + D has the gap G (with the roughness) and the deformation D.  Th
 
     F V = d/dT [E_solids + E_oil] + dissipation - surface power + outside power
 
-* E_solids = 1/2 integral of P D: elastic energy of the solids.
+* E_solids = 1/2 integral of P D: elastic energy of the solids.  D has the uplift by the oil outside.  The energy that
+  its pressure shares with that on the grid, 1/2 uplift times load, comes on top.
 * E_oil = integral of (rho h - P) H: elastic energy of the compressed oil.
 * dissipation = integral of eps grad P.grad h: viscous, of the Poiseuille flow.  Sliding of the surfaces dissipates too,
   exactly what it takes to drive it; both are left out.
 * surface power = - integral of P DG/DT: what the moving surfaces do on the film, by rolling (- U P dG/dX, whose sum is
   the hydrodynamic rolling resistance) and by roughness that moves relative to the flow.  Where the gap closes the film
   takes power from the surfaces, where it opens it gives most of it back.
-* outside power: what goes to the oil outside the grid, V times its load and the flow through the edge,
-  integral of h rho q.n + U (rho h - P) H n_x.
+* outside power: what goes to the oil outside the grid, V times its load less the uplift times the rate of the load on
+  the grid, and with the flow through the edge, integral of h rho q.n + U (rho h - P) H n_x.
 
 With the kinetic energy of the ball, inertia V dV/dT = (w - F) V, the work of the applied load w and of the surfaces is
 stored, dissipated, or lost to the outside.  Energies are in units F* delta*, powers in F* delta*/t0.  Mass is in
@@ -44,6 +45,7 @@ from ertel.model.state import GridSolution
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import Program
 from ertel.numerics.stencils import Pair, diffusion, inside
+from ertel.physics.far_field import Motion
 from ertel.physics.lubricant import Lubricant
 
 Number = Array | float
@@ -97,13 +99,19 @@ def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
     }
 
 
-def terms(found: Mapping[str, Array], velocity: float, carried: float, hertz_load: float) -> dict[str, float]:
-    """`MASSES` and `ENERGIES` in their units, from `integrals`.
+class Around(NamedTuple):
+    """The oil outside the grid: its load, its uplift of the grid, and the rate of change of the load on the grid."""
 
-    carried: the load of all oil, of which the outside has what is not on the grid.
-    """
+    load: float
+    uplift: float
+    grid_load_rate: float = 0.0
+
+
+def terms(found: Mapping[str, Array], velocity: float, around: Around, hertz_load: float) -> dict[str, float]:
+    """`MASSES` and `ENERGIES` in their units, from `integrals`, with what the oil outside adds."""
     plain = {name: float(value) for name, value in jax.device_get(found).items()}
-    plain["outside_power"] += velocity * (carried - plain["load"])
+    plain["elastic_energy"] += around.uplift * plain["load"] / 2
+    plain["outside_power"] += velocity * around.load - around.uplift * around.grid_load_rate
     return {name: plain[name] / (hertz_load if name in ENERGIES else 1.0) for name in (*MASSES, *ENERGIES)}
 
 
@@ -112,7 +120,9 @@ def steady(case: Case, s: GridSolution) -> dict[str, float]:
     c, U = discretise.contact_of(case, s.grid), case.motion.entrainment(0.0)
     gap_change = discretise.gap_change(case, s.grid, 0.0)
     found = _steady_program(Plane.of(s.grid), c, jnp.asarray(s.P), jnp.asarray(s.H), s.approach, U, gap_change)
-    return terms(found, 0.0, 0.0, discretise.geometry_of(case).hertz_load)
+    motion = Motion(s.approach, 0.0, case.motion.load(0.0), U)
+    around = Around(s.outside, discretise.outside_of(case, s.grid).at(motion).uplift)
+    return terms(found, 0.0, around, discretise.geometry_of(case).hertz_load)
 
 
 def _steady(

@@ -14,6 +14,7 @@ from jax.tree_util import register_dataclass
 
 from ertel.model import budget, contact, discretise, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
+from ertel.model.budget import Around
 from ertel.model.case import Case
 from ertel.model.contact import Contact
 from ertel.model.flow import Flow, rate_in_time
@@ -200,15 +201,17 @@ class Transient2D(Method):
     def budget(self, levels: Sequence[State]) -> dict[str, float]:
         """See `Method.budget`."""
         new, *past = levels
-        times = [level.T for level in past]
+        times, scale = [level.T for level in past], self.geometry.hertz_load
+        rates = bdf.derivative_weights([new.T, *times[:2]])
         masses = stacked([new, *padded(past)[:2]])["mass"]
-        rates = _pad(bdf.derivative_weights([new.T, *times[:2]]))
         flow = self.flow(new.T, [*times, times[-1]][:2])
         gap_change = discretise.gap_change(self.case, self.grid, new.T)
         c = self.contact_at(new.T)
-        found = _integrals_program(self.space, c, new.P, new.H, new.approach, masses, rates, flow, gap_change)
-        scale = self.geometry.hertz_load
-        return budget.terms(found, new.velocity, self.carried(new) * scale, scale)
+        found = _integrals_program(self.space, c, new.P, new.H, new.approach, masses, _pad(rates), flow, gap_change)
+        loads = [self.carried(level) * scale - level.outside for level in levels]
+        beyond = self.carried(new) * scale - float(found["load"])  # half a cell around the grid counts as outside
+        around = Around(beyond, self.outside.at(self.motion(past, new.T)).uplift, float(rates @ loads))
+        return budget.terms(found, new.velocity, around, scale)
 
     def carried(self, level: State) -> float:
         """F, with the load of the oil outside, in units of Hertz' load."""
