@@ -29,7 +29,7 @@ class Commands(TyperGroup):
 
     def main(self, *arguments: Any, standalone_mode: bool = True, **keywords: Any) -> Any:
         """Read the arguments, run the command, and exit; where it does not stand alone, return the exit code."""
-        run = partial(super().main, *arguments, standalone_mode=False, **keywords)
+        run = partial(super().main, *arguments, **{**keywords, "standalone_mode": False})
         try:
             with as_sentences(), raised(), _warnings_said():
                 code = run()
