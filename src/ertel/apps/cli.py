@@ -249,7 +249,9 @@ def film(
         from ertel.results.summary import films
 
         if case_file and given:
-            raise ValueError(f"{case_file} and {flag_of(next(iter(given)))} are given together; give only one of them")
+            raise ValueError(
+                f"{shown(case_file)} and {flag_of(next(iter(given)))} are given together; give only one of them"
+            )
         case = load_case(case_file) if case_file else case_of_flags({"kind": "rolling", **given})
         if case.starts_apart:
             raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
