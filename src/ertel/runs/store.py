@@ -318,10 +318,3 @@ def open_run(directory: str | Path) -> Result:
 def to_json(summary: Mapping[str, Any]) -> str:
     """A summary as the text of summary.json."""
     return json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def unused_directory(case: Case, parent: Path = Path("runs")) -> Path:
-    """runs/NAME, or runs/NAME-2, ... : the first that does not exist."""
-    name = case.name or case.kind
-    candidates = (parent / (name if number == 1 else f"{name}-{number}") for number in range(1, 100_000))
-    return next(path for path in candidates if not path.exists())
