@@ -16,6 +16,7 @@ Exit code 0: nothing was silent, no flushed step was lost, no traceback.  A fail
 import argparse
 import os
 import random
+import signal
 import sys
 import time
 from collections import Counter
@@ -39,6 +40,7 @@ Campaign = Iterator[tuple[int, str, str, Outcome]]  # number of the trial, kind 
 def main() -> int:
     """Run the campaigns that the command line asks for."""
     asked = _arguments()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background, too
     place = Path(mkdtemp(prefix="faults-"))
     print(f"{asked.count} trials each, seed {asked.seed}, kinds {' '.join(asked.kinds)}, in {place}", flush=True)
     chosen = kinds.kinds(place, asked.kinds)
