@@ -11,7 +11,6 @@
 All data of an oil, with their sources and ranges, are in `oils.get("squalane")`.
 """
 
-from dataclasses import replace
 from typing import Any
 
 from ertel.inputs.library import oil as get
@@ -22,7 +21,7 @@ from ertel.inputs.quantities import parse_quantity
 from ertel.model.records import show
 from ertel.physics.lubricant import Oil
 from ertel.physics.oils import NamedOil, Sourced
-from ertel.physics.pressure_rules import SoKlaus
+from ertel.physics.pressure_rules import PowerOfViscosity, SoKlaus
 from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, Walther
 from ertel.physics.units import COMPLIANCE, DENSITY, EXPANSION, KINEMATIC_VISCOSITY, Unit
 
@@ -84,21 +83,16 @@ def data_sheet(
     except ValueError as error:
         raise ConfigError(str(error)) from error
     own_expansion = None if expansion is None else _si("expansion", expansion, EXPANSION)
-    source = reference or "data sheet."
-    found = _at(
-        NamedOil(
-            "the data sheet",
-            reference,
-            _whole(viscosity, f"ASTM D341 from {source}"),
-            _whole(Expansion(_si("density", density, DENSITY), own_expansion), source),
-            _whole(SoKlaus(), "So and Klaus' correlation (ASLE Trans 1980;23:409)."),
-        ),
-        temperature,
+    sheet = NamedOil(
+        reference or "data sheet",
+        "an oil from its data sheet",
+        _whole(viscosity, "ASTM D341."),
+        _whole(Expansion(_si("density", density, DENSITY), own_expansion), "data sheet."),
+        _whole(SoKlaus(), "So and Klaus' correlation (ASLE Trans 1980;23:409-421).")
+        if alpha is None
+        else _whole(PowerOfViscosity(_si("alpha", alpha, COMPLIANCE), 1.0, 0.0), "alpha as given."),
     )
-    if alpha is None:
-        return found
-    stated = found.reference.partition(" Pressure: ")[0]
-    return replace(found, alpha=_si("alpha", alpha, COMPLIANCE), reference=f"{stated} Pressure: alpha as given.")
+    return _at(sheet, temperature)
 
 
 def _whole(data: Any, source: str) -> Sourced[Any]:
@@ -113,8 +107,8 @@ def _at(oil: NamedOil, temperature: Number) -> Oil:
     try:
         return oil.at(T)
     except ValueError as error:
-        said = str(error).partition(": ")[2]
-        raise ConfigError(f"temperature = {show(temperature)}: {said}") from error
+        message = str(error).replace(f"temperature = {T:g} K", f"temperature = {show(temperature)}")
+        raise ConfigError(message) from error
 
 
 def _si(name: str, value: Number, unit: Unit) -> float:

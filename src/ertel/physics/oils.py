@@ -111,7 +111,7 @@ class NamedOil:
         if not coldest <= T <= hottest:
             raise ValueError(
                 f"temperature = {T:g} K: must be between {celsius(coldest)} and {celsius(hottest)}, the range of the "
-                f"data of {self.name}"
+                f"data ({self.name})"
             )
         laws = self.pressure_laws_at(T)
         return Oil(laws.viscosity, laws.density, self.viscosity_at(T), laws.alpha, reference=self._reference(T))

@@ -17,6 +17,7 @@ from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, FINITE, SHARE, STRESS, T
 STRESS_PER_KELVIN = Unit("Pa/K", "226 kPa/K", signed=True)
 SIGNED_STRESS = Unit("Pa", "-22.8 MPa", signed=True)
 NOT_ABOVE_ZERO = Bounds(le=0)
+FLATTEST, STEEPEST = 2.8, 4.5  # slopes of ASTM D341 of mineral oils; those of the comparison below are 3.2 to 4.3
 
 
 class Ambient(NamedTuple):
@@ -38,7 +39,7 @@ class PressureLaws(NamedTuple):
 
 @dataclass(frozen=True)
 class SoKlaus:
-    """So and Klaus' correlation for mineral oils, from the data sheet alone; the pressure law is Roelands'.
+    """So and Klaus' correlation for mineral oils, from two viscosities and the density; the pressure law is Roelands'.
 
     10^8 alpha = 1.216 + 4.143 (lg nu)^3.0627 + 2.848e-4 b^5.1903 (lg nu)^1.5976 - 3.999 (lg nu)^3.0975 rho^0.1162, with
     alpha in 1/Pa, the kinematic viscosity nu in mm^2/s and the density rho in g/cm^3 at the temperature of interest,
@@ -53,9 +54,18 @@ class SoKlaus:
     """
 
     def at(self, oil: Ambient) -> PressureLaws:
-        """The laws at the temperature of the oil.  Raises ValueError if its viscosity is not given by ASTM D341."""
+        """The laws at the temperature of the oil.
+
+        Raises ValueError if its viscosity is not given by ASTM D341, or if its slope is not that of a mineral oil:
+        the correlation has its fifth power.
+        """
         if not isinstance(oil.law, Walther):
             raise ValueError("pressure: So and Klaus' correlation needs the slope of ASTM D341")
+        if not FLATTEST <= oil.law.slope <= STEEPEST:
+            raise ValueError(
+                f"{oil.law}: their slope by ASTM D341 is {oil.law.slope:.2f}; So and Klaus' correlation for alpha is "
+                f"for {FLATTEST} to {STEEPEST}, mineral oils; give alpha"
+            )
         return PressureLaws(so_klaus(oil.law.kinematic(oil.T), oil.law.slope, oil.density))
 
 

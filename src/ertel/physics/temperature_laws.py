@@ -33,10 +33,10 @@ class Walther:
 
     def __post_init__(self) -> None:
         if not THIN <= self.nu100 < self.nu40 < 1.0:
-            raise ValueError(
-                f"nu40 = {_mm2(self.nu40)} and nu100 = {_mm2(self.nu100)}: must be nu40 > nu100 >= 2 mm^2/s; write "
-                'them with their unit, "68 mm^2/s"'
-            )
+            raise ValueError(f'{self}: must be nu40 > nu100 >= 2 mm^2/s; write them with their unit, "68 mm^2/s"')
+
+    def __str__(self) -> str:
+        return f"nu40 = {_mm2(self.nu40)} and nu100 = {_mm2(self.nu100)}"
 
     @property
     def slope(self) -> float:

@@ -1,7 +1,8 @@
 """The library of oils and materials: data files, and how they are read.
 
 A data file is TOML.  Each of its tables gives data of one kind, their `source`, the temperatures `coldest` and
-`hottest` between which they are valid, and often a `note` on their accuracy.  What has no trustworthy source is left out of the file.
+`hottest` between which they are valid, and often a `note` on their accuracy.  What has
+no trustworthy source is left out of the file.
 """
 
 import re
