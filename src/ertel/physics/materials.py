@@ -1,7 +1,7 @@
 """Materials of the two bodies: elasticity for the contact, thermal data for its heating."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from ertel.physics.oils import Sourced, ThermalData
 from ertel.physics.scales import reduced_modulus
@@ -12,6 +12,7 @@ from ertel.physics.units import DENSITY, STRESS, Bounds
 class Elasticity:
     """Young's modulus E (Pa), Poisson's ratio nu and density (kg/m^3)."""
 
+    title: ClassVar[str] = "isotropic"
     E: Annotated[float, STRESS]
     nu: Annotated[float, Bounds(gt=-1, le=0.5)]
     density: Annotated[float, DENSITY]

@@ -6,7 +6,7 @@ None.  The oils themselves are data files, see `inputs.library`.
 
 from dataclasses import dataclass
 from math import log
-from typing import Annotated, Generic, TypeVar
+from typing import Annotated, ClassVar, Generic, TypeVar
 
 from ertel.physics.lubricant import Oil
 from ertel.physics.pressure_rules import Ambient, PressureLaws, PressureRule
@@ -38,6 +38,7 @@ class Sourced(Generic[Data]):
 class Carreau:
     """Shear thinning by the Carreau law: stress G (Pa) at which it begins, and exponent n."""
 
+    title: ClassVar[str] = "Carreau's law"
     G: Annotated[float, STRESS]
     n: Annotated[float, Bounds(gt=0, le=1)]
 
@@ -46,6 +47,7 @@ class Carreau:
 class LimitingStress:
     """Limiting shear stress Lambda p."""
 
+    title: ClassVar[str] = "Lambda p"
     Lambda: Annotated[float, ABOVE_ZERO]
 
 
@@ -53,6 +55,7 @@ class LimitingStress:
 class ThermalData:
     """Thermal conductivity (W/(m K)) and heat capacity (J/(kg K)) at ambient pressure."""
 
+    title: ClassVar[str] = "at ambient pressure"
     conductivity: Annotated[float, CONDUCTIVITY]
     heat_capacity: Annotated[float, HEAT_CAPACITY]
 

@@ -7,16 +7,16 @@ a record with constants of its own.
 
 from dataclasses import dataclass
 from math import exp, log10
-from typing import Annotated, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.pressure_laws import Doolittle, Modulus, Tait
 from ertel.physics.temperature_laws import ViscosityOfTemperature, Walther
-from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, FINITE, SHARE, STRESS, TEMPERATURE, VISCOSITY, Bounds, Unit
+from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, FINITE, SHARE, STRESS, TEMPERATURE, VISCOSITY, Unit
 
 STRESS_PER_KELVIN = Unit("Pa/K", "226 kPa/K", signed=True)
 SIGNED_STRESS = Unit("Pa", "-22.8 MPa", signed=True)
-NOT_ABOVE_ZERO = Bounds(le=0)
+PER_KELVIN = Unit("1/K", "-1.4e-3 / K", signed=True)
 FLATTEST, STEEPEST = 2.8, 4.5  # slopes of ASTM D341 of mineral oils; those of the comparison below are 3.2 to 4.3
 
 
@@ -53,6 +53,8 @@ class SoKlaus:
     Source: So BYC, Klaus EE. Viscosity-pressure correlation of liquids. ASLE Trans 1980;23:409-421.
     """
 
+    title: ClassVar[str] = "alpha by So and Klaus' correlation, Roelands' law"
+
     def at(self, oil: Ambient) -> PressureLaws:
         """The laws at the temperature of the oil.
 
@@ -84,6 +86,7 @@ class PowerOfViscosity:
     J Synth Lubr 2001;18:51-79, who take a power of the kinematic viscosity.
     """
 
+    title: ClassVar[str] = "alpha as a power of the viscosity, Roelands' law"
     alpha_1: Annotated[float, COMPLIANCE]
     eta_1: Annotated[float, VISCOSITY]
     exponent: Annotated[float, FINITE]
@@ -100,10 +103,11 @@ class ModulusOfTemperature:
     Source: Arana A et al. Proc Inst Mech Eng J 2019;233:303.
     """
 
+    title: ClassVar[str] = "modulus law"
     a1: Annotated[float, SIGNED_STRESS]
     a2: Annotated[float, STRESS_PER_KELVIN]
     b1: Annotated[float, FINITE]
-    b2: Annotated[float, FINITE]  # 1/K
+    b2: Annotated[float, PER_KELVIN]
 
     def at(self, oil: Ambient) -> PressureLaws:
         """The laws at the temperature of the oil.  Raises ValueError where a1 + a2 T is not above zero."""
@@ -120,11 +124,12 @@ class DoolittleOfTemperature:
     R is the occupied share of the volume, K0 the bulk modulus, both at ambient pressure; B and K0' are constant.
     """
 
+    title: ClassVar[str] = "Doolittle's law, density by Tait's"
     B: Annotated[float, ABOVE_ZERO]
     R_ref: Annotated[float, SHARE]
-    R_slope: Annotated[float, NOT_ABOVE_ZERO]  # 1/K
+    R_slope: Annotated[float, PER_KELVIN]
     K0_ref: Annotated[float, STRESS]
-    K0_rate: Annotated[float, FINITE]  # 1/K
+    K0_rate: Annotated[float, PER_KELVIN]
     K0_prime: Annotated[float, ABOVE_ZERO]
     T_ref: Annotated[float, TEMPERATURE]
 

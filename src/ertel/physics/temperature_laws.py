@@ -5,7 +5,7 @@ All temperatures are absolute (K) and all quantities in SI; kinematic viscositie
 
 from dataclasses import dataclass
 from math import exp, log, log10
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from ertel.physics.units import DENSITY, EXPANSION, KINEMATIC_VISCOSITY, TEMPERATURE, VISCOSITY
 
@@ -28,6 +28,7 @@ class Walther:
     Source: ASTM D341, Standard Practice for Viscosity-Temperature Equations and Charts for Liquid Petroleum.
     """
 
+    title: ClassVar[str] = "ASTM D341"
     nu40: Annotated[float, KINEMATIC_VISCOSITY]
     nu100: Annotated[float, KINEMATIC_VISCOSITY]
 
@@ -78,6 +79,7 @@ class Vogel:
     Raises ValueError for temperatures or viscosities in another order, or if no law of this form passes through them.
     """
 
+    title: ClassVar[str] = "Vogel's law"
     T1: Annotated[float, TEMPERATURE]
     T2: Annotated[float, TEMPERATURE]
     T3: Annotated[float, TEMPERATURE]
@@ -128,6 +130,7 @@ class Expansion:
     K1 = 0.34878 for degF is 0.6278 kg/m^3/K; its base temperature is 15.56 degC, which changes the density by 0.04 %.
     """
 
+    title: ClassVar[str] = "expansion by API MPMS 11.1"
     density: Annotated[float, DENSITY]
     expansion: Annotated[float | None, EXPANSION] = None
 
