@@ -35,7 +35,15 @@ def test_keywords_are_the_keys_of_case_files(function, kind):
     if kind == "rolling":
         expected -= {"start_approach"}  # of an impact
     parameters = inspect.signature(function).parameters
-    assert set(parameters) == expected | {"oil", "motion", "roughness", "name"}
+    assert set(parameters) == expected | {
+        "oil",
+        "temperature",
+        "material_1",
+        "material_2",
+        "motion",
+        "roughness",
+        "name",
+    }
     assert all(p.kind is inspect.Parameter.KEYWORD_ONLY for p in parameters.values())
 
 

@@ -16,7 +16,7 @@ from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Un
 from ertel.results.variables import with_prefix
 
 WARM, HOT = 313.15, 373.15  # K, the temperatures of data sheets
-CAPTION = "(eta0 in mPa s, alpha in 1/GPa; ertel oils NAME: all data, their sources and ranges)"
+CAPTION = "(eta0 in mPa s, alpha in 1/GPa, at 40 and 100 degC; ertel oils NAME: all data, with source and range)"
 TITLES = {"shear": "shear thinning", "limiting_stress": "limiting stress"}
 
 
@@ -33,7 +33,7 @@ def print_library(out: Console) -> None:
     """The oils at 40 and 100 degC, and the materials."""
     table = Table("oil", box=None, pad_edge=False, caption=CAPTION)
     table.columns[0].no_wrap = True
-    for column in ("eta0 at 40", "at 100 degC", "alpha at 40", "at 100 degC", "range"):
+    for column in ("eta0 at 40", "at 100", "alpha at 40", "at 100", "valid"):
         table.add_column(column, justify="right", no_wrap=True)
     for name in oils.names():
         oil = oils.get(name)

@@ -10,6 +10,7 @@ from typing import Any
 
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.messages import ConfigError
+from ertel.inputs.names import MATERIAL_KEYS
 from ertel.inputs.quantities import parse_amount, parse_quantity
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
@@ -18,7 +19,7 @@ from ertel.model.sections import Output, Solver, Time
 from ertel.physics import lubricant
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.surfaces import Feature, Shape
-from ertel.physics.units import HEIGHT, TIME, Quantity, Unit, marks
+from ertel.physics.units import HEIGHT, TEMPERATURE, TIME, Quantity, Unit, marks
 
 Number = float | str  # SI, or a text with a unit
 Roughness = Sequence[Feature | Shape | Mapping[str, Any]]
@@ -91,7 +92,10 @@ def impact(
     nu1: float | None = None,
     E2: Number | None = None,
     nu2: float | None = None,
-    oil: lubricant.Oil | None = None,
+    material_1: str | None = None,
+    material_2: str | None = None,
+    oil: lubricant.Oil | str | None = None,
+    temperature: Number | None = None,
     method: str | None = None,
     nodes: int | None = None,
     half_width: float | None = None,
@@ -121,8 +125,13 @@ def impact(
         Mean speed of the surfaces along x (m/s) and (u1 - u2)/u_m: a track that moves under the ball.
     E_prime, E1, nu1, E2, nu2 : float or str
         Reduced modulus (Pa), or Young's moduli (Pa) and Poisson's ratios.
-    oil : Oil
-        Required for a physical contact; the default of a dimensionless contact is a typical mineral oil.
+    material_1, material_2 : str
+        Or the names of the materials, "steel", see `ertel.materials`; the first one also gives the ball its density.
+    oil : Oil or str
+        Required for a physical contact; the default of a dimensionless contact is a typical mineral oil.  Or the name
+        of an oil, "squalane", see `ertel.oils`, with its
+    temperature : float or str
+        Temperature in the inlet (K, or "40 degC").
     method : "2d" or "radial"
         On a square grid, or along the radius (smooth impacts, fast).
     nodes, half_width, inlet, tolerance, fold
@@ -169,7 +178,10 @@ def rolling(
     nu1: float | None = None,
     E2: Number | None = None,
     nu2: float | None = None,
-    oil: lubricant.Oil | None = None,
+    material_1: str | None = None,
+    material_2: str | None = None,
+    oil: lubricant.Oil | str | None = None,
+    temperature: Number | None = None,
     method: str | None = None,
     nodes: int | None = None,
     half_width: float | None = None,
@@ -188,8 +200,9 @@ def rolling(
 
     Parameters
     ----------
-    M, L, lambda_bar, alpha_bar, radius, radius_1, radius_2, E_prime, E1, nu1, E2, nu2, oil, roughness, name
-        As for `impact`.
+    M, L, lambda_bar, alpha_bar, radius, radius_1, radius_2, E_prime, E1, nu1, E2, nu2, roughness, name
+    material_1, material_2, oil, temperature
+        As for `impact`; a material gives no density here, because a ball without one has no inertia.
     load : float or str
         Static load (N).
     mean_speed, slide_to_roll, speed_1, speed_2 : float or str
@@ -221,7 +234,7 @@ def _case(kind: str, given: Mapping[str, Any]) -> Case:
     sections: dict[str, Any] = {
         "name": given["name"],
         "contact": {"kind": kind, **_conditions(wanted)},
-        "lubricant": oil_data(wanted["oil"]) if "oil" in wanted else None,
+        "lubricant": _lubricant(wanted),
         "solver": {f.name: wanted[f.name] for f in fields(Solver) if f.name in wanted},
         "motion": wanted.get("motion"),
         "roughness": tables,
@@ -235,13 +248,23 @@ def _case(kind: str, given: Mapping[str, Any]) -> Case:
         raise ConfigError(str(error)) from error
 
 
+def _lubricant(wanted: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The section [lubricant] of an oil, or of the name of an oil and its temperature."""
+    oil = wanted.get("oil")
+    data = oil_data(oil) if isinstance(oil, lubricant.Oil) else {} if oil is None else {"oil": oil}
+    if "temperature" in wanted:
+        data["temperature"] = _with_unit(wanted["temperature"], TEMPERATURE)
+    return data or None
+
+
 TIME_KEYS = (*(f.name for f in fields(Time) if f.name != "tolerance"), "time_tolerance")
 
 
 def _conditions(wanted: Mapping[str, Any]) -> dict[str, Any]:
     """The keys of [contact], numbers of quantities with their SI unit."""
     kinds = marks(Conditions)
-    found = {f.name: wanted[f.name] for f in fields(Conditions) if f.name in wanted}
+    names = (*MATERIAL_KEYS, *(f.name for f in fields(Conditions)))
+    found = {name: wanted[name] for name in names if name in wanted}
     return {key: _with_unit(value, kinds.get(key)) for key, value in found.items()}
 
 

@@ -99,7 +99,7 @@ def _names(folder: str) -> tuple[str, ...]:
 
 def _read(folder: str, name: str, known: Mapping[str, tuple[str, Any]]) -> tuple[str, dict[str, Any]]:
     """The text of a data file and its tables, by field of the record."""
-    if name not in _names(folder):
+    if not isinstance(name, str) or name not in _names(folder):
         raise ConfigError(f"{folder.removesuffix('s')} = {show(name)}: allowed: {', '.join(_names(folder))}")
     data = tomllib.loads((files(__name__) / folder / f"{name}.toml").read_text(encoding="utf-8"))
     text = data.pop("text")
