@@ -6,7 +6,7 @@
 >>> round(oils.at("squalane", "40 degC").eta0, 4)
 0.0149
 >>> round(oils.data_sheet(nu40="68 mm^2/s", nu100="8.6 mm^2/s", density=880, temperature="60 degC").eta0, 4)
-0.0241
+0.0243
 
 All data of an oil, with their sources and ranges, are in `oils.get("squalane")`.
 """
