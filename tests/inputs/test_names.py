@@ -102,6 +102,7 @@ def test_the_temperature_of_a_case_file_can_be_replaced():
     [
         ({**NAMED, "oil": "squalan"}, r'^lubricant.oil = "squalan": allowed: iso-vg-100, .*squalane$'),
         ({**NAMED, "oil": 7}, r"^lubricant.oil = 7: allowed: iso-vg-100, .*squalane$"),
+        ({**NAMED, "oil": ["squalane"]}, r'^lubricant.oil = \["squalane"\]: allowed: iso-vg-100, .*squalane$'),
         (
             {**NAMED, "temperature": "120 degC"},
             r'^lubricant.temperature = "120 degC": must be between 25 degC and 100 degC, the range .*\(squalane\)$',

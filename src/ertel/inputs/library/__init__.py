@@ -55,16 +55,24 @@ def material_names() -> tuple[str, ...]:
     return _names("materials")
 
 
-@cache
 def oil(name: str) -> NamedOil:
     """An oil of the library.  Raises ConfigError for a name that is not there."""
+    return _oil(_known("oil", name, oil_names()))
+
+
+def material(name: str) -> Material:
+    """A material of the library.  Raises ConfigError for a name that is not there."""
+    return _material(_known("material", name, material_names()))
+
+
+@cache
+def _oil(name: str) -> NamedOil:
     text, tables = _read("oils", name, OIL_TABLES)
     return NamedOil(name, text, **tables)
 
 
 @cache
-def material(name: str) -> Material:
-    """A material of the library.  Raises ConfigError for a name that is not there."""
+def _material(name: str) -> Material:
     text, tables = _read("materials", name, MATERIAL_TABLES)
     return Material(name, text, **tables)
 
@@ -97,10 +105,14 @@ def _names(folder: str) -> tuple[str, ...]:
     return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
 
 
+def _known(noun: str, name: object, names: tuple[str, ...]) -> str:
+    if not isinstance(name, str) or name not in names:
+        raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(names)}")
+    return name
+
+
 def _read(folder: str, name: str, known: Mapping[str, tuple[str, Any]]) -> tuple[str, dict[str, Any]]:
     """The text of a data file and its tables, by field of the record."""
-    if not isinstance(name, str) or name not in _names(folder):
-        raise ConfigError(f"{folder.removesuffix('s')} = {show(name)}: allowed: {', '.join(_names(folder))}")
     data = tomllib.loads((files(__name__) / folder / f"{name}.toml").read_text(encoding="utf-8"))
     text = data.pop("text")
     return text, {known[key][0]: _sourced(table, known[key][1]) for key, table in data.items()}
