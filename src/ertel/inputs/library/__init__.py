@@ -42,6 +42,7 @@ MATERIAL_TABLES: Mapping[str, tuple[str, Any]] = {
     "elasticity": ("elasticity", Elasticity),
     "thermal": ("thermal", ThermalData),
 }
+HOTTER_THAN_ANY = 1e4  # K
 _TEMPERATURE = re.compile(r"\s*([+-]?[0-9]{1,4}(?:\.[0-9]{1,6})?)\s*(degC|°C|K)\s*")
 
 
@@ -87,7 +88,7 @@ def parse_temperature(value: object) -> float:
     >>> parse_temperature("40 degC")
     313.15
     """
-    if isinstance(value, int | float) and not isinstance(value, bool) and value > 0:
+    if isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < HOTTER_THAN_ANY:
         return float(value)
     match = _TEMPERATURE.fullmatch(value) if isinstance(value, str) else None
     kelvin = round(float(match[1]) + (0.0 if match[2] == "K" else ZERO_CELSIUS), 6) if match else 0.0
