@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
+from ertel.apps.output import printable
 from ertel.results.key_numbers import extreme_lines
 from ertel.results.kinds import KINDS, Errors
 
@@ -14,9 +15,17 @@ if TYPE_CHECKING:
     from ertel.physics.film_formulas import Film
 
 
+class PlainConsole(Console):
+    """A console that shows control characters in texts as escapes."""
+
+    def print(self, *objects: Any, **options: Any) -> None:
+        """Print as rich does."""
+        super().print(*(printable(item) if isinstance(item, str) else item for item in objects), **options)
+
+
 def console() -> Console:
     """The console for tables: stdout, without markup."""
-    return Console(highlight=False, markup=False, soft_wrap=True)
+    return PlainConsole(highlight=False, markup=False, soft_wrap=True)
 
 
 # -- a run ------------------------------------------------------------------------------------------------------------

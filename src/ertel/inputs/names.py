@@ -44,13 +44,13 @@ def _lubricant(written: Mapping[str, Any]) -> dict[str, Any]:
             f"temperature = {show(written['temperature'])}: needs lubricant.oil, one of {', '.join(oils.names())}; or "
             "give eta0 and alpha at the temperature of the inlet instead"
         )
-    if "temperature" in written and not isinstance(written["temperature"], str):
-        raise ConfigError(
-            f'temperature = {show(written["temperature"])}: must be a temperature with its unit, such as "40 degC"'
-        )
+    oil = oils.get(written["oil"])
     if "temperature" not in written:
-        raise ConfigError(f'temperature: missing; oil = {show(written["oil"])} needs it, for example "40 degC"')
-    known = oil_data(oils.at(written["oil"], written["temperature"]))
+        raise ConfigError(f'temperature: missing; oil = "{oil.name}" needs it, for example "40 degC"')
+    temperature = written["temperature"]
+    if not isinstance(temperature, str):
+        raise ConfigError(f'temperature = {show(temperature)}: must be a temperature with its unit, such as "40 degC"')
+    known = oil_data(oils.at(oil.name, temperature))
     if any(key in given for key in OF_PRESSURE) and not isinstance(known["viscosity"], str):
         known["viscosity"] = "roelands"
     if given and "reference" not in given:

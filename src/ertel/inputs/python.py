@@ -8,18 +8,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
+import numpy as np
+
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.names import MATERIAL_KEYS
-from ertel.inputs.quantities import parse_amount, parse_quantity
+from ertel.inputs.quantities import parse_quantity
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
-from ertel.model.records import oil_data
+from ertel.model.records import checked, oil_data, show
 from ertel.model.sections import Output, Solver, Time
 from ertel.physics import lubricant
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.surfaces import Feature, Shape
-from ertel.physics.units import HEIGHT, TEMPERATURE, TIME, Quantity, Unit, marks
+from ertel.physics.units import HEIGHT, LARGEST, TEMPERATURE, TIME, Quantity, Unit, marks
 
 Number = float | str  # SI, or a text with a unit
 Roughness = Sequence[Feature | Shape | Mapping[str, Any]]
@@ -57,19 +59,23 @@ def Oil(  # reads as the record that it makes
     given = {"eta0": eta0, "alpha": alpha, "p0": p0}
     kinds = marks(lubricant.Oil)
     si = {name: _si(f"oil.{name}", value, kinds[name]) for name, value in given.items()}
-    return lubricant.Oil(viscosity, density, si["eta0"], si["alpha"], si["p0"] or p0, z, reference)  # type: ignore[arg-type]
+    try:
+        oil = lubricant.Oil(viscosity, density, si["eta0"], si["alpha"], si["p0"] or p0, _plain(z), reference)  # type: ignore[arg-type]
+        return checked(oil, "oil")
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
 
 
 def quantity(text: str) -> Quantity:
     """A length or a time with its unit, for records of roughness and signals: quantity("20 nm"), quantity("5 ms")."""
     for unit in (HEIGHT, TIME):
         try:
-            found = parse_amount(text, unit)
+            found = parse_quantity(_plain(text), unit)
         except ValueError:
             continue
-        assert isinstance(found, Quantity)
-        return found
-    raise ValueError(f"text = {text!r}: must be a length or a time with its unit, such as '20 nm' or '5 ms'")
+        if found is not None:
+            return Quantity(found, unit.unit)
+    raise ConfigError(f"text = {show(text)}: must be a length or a time with its unit, such as '20 nm' or '5 ms'")
 
 
 def impact(
@@ -228,9 +234,13 @@ def rolling(
 
 def _case(kind: str, given: Mapping[str, Any]) -> Case:
     """The case of keyword arguments, read in the same way as a case file."""
-    wanted = {key: value for key, value in given.items() if value is not None}
+    wanted = {key: _plain(value) for key, value in given.items() if value is not None}
+    if not isinstance(wanted.get("oil"), lubricant.Oil | str | None):
+        raise ConfigError(
+            f"oil = {show(wanted['oil'])}: must be made by Oil(eta0=..., alpha=...), or the name of an oil"
+        )
     time = {"tolerance" if key == "time_tolerance" else key: wanted[key] for key in TIME_KEYS if key in wanted}
-    records, tables = _sorted(given["roughness"])
+    records, tables = _sorted(wanted["roughness"])
     sections: dict[str, Any] = {
         "name": given["name"],
         "contact": {"kind": kind, **_conditions(wanted)},
@@ -257,6 +267,19 @@ def _lubricant(wanted: Mapping[str, Any]) -> dict[str, Any] | None:
     return data or None
 
 
+def _plain(value: Any) -> Any:
+    """NumPy's scalars as numbers, and a pint quantity as a text; also inside of lists and tables."""
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return value.item()
+    if hasattr(value, "magnitude") and hasattr(value, "units"):
+        return f"{_plain(value.magnitude)!r} {value.units}"
+    return value
+
+
 TIME_KEYS = (*(f.name for f in fields(Time) if f.name != "tolerance"), "time_tolerance")
 
 
@@ -269,20 +292,24 @@ def _conditions(wanted: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _with_unit(value: Any, mark: object) -> Any:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return f"{float(value)!r} {mark.unit}" if isinstance(mark, Unit) and is_number else value
+    if not isinstance(mark, Unit) or isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    shown = repr(float(value)) if isinstance(value, float) or abs(value) <= LARGEST else show(value)
+    return f"{shown} {mark.unit}"
 
 
 def _si(place: str, value: Number | None, mark: object) -> float | None:
     assert isinstance(mark, Unit)
     try:
-        return parse_quantity(_with_unit(value, mark), mark)
+        return parse_quantity(_with_unit(_plain(value), mark), mark)
     except ValueError as error:
-        raise ConfigError(f"{place} = {value!r}: {error}") from error
+        raise ConfigError(f"{place} = {show(value)}: {error}") from error
 
 
 def _sorted(roughness: Roughness) -> tuple[list[Feature], list[dict[str, Any]]]:
     """Records as features, and tables."""
+    if isinstance(roughness, str | Mapping) or not isinstance(roughness, Sequence):
+        raise ConfigError(f"roughness = {show(roughness)}: must be a list of shapes, features or tables")
     records: list[Feature] = []
     tables: list[dict[str, Any]] = []
     for item in roughness:

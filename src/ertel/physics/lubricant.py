@@ -222,10 +222,10 @@ def _check_law(field_name: str, law: object, laws: Registry) -> None:
     if isinstance(law, str):
         able = [name for name in laws if hasattr(laws[name], "of")]
         if law in laws and law not in able:
-            raise ValueError(f'{field_name} = "{law}": has data of its own; give them as {{ law = "{law}", ... }}')
+            raise ValueError(f'{field_name} = "{law:.60}": has data of its own; give them as {{ law = "{law}", ... }}')
         if law not in able:
             allowed = " or ".join([", ".join(repr(n) for n in able[:-1]), repr(able[-1])])
-            raise ValueError(f'{field_name} = "{law}": allowed: {allowed}')
+            raise ValueError(f'{field_name} = "{law:.60}": allowed: {allowed}')
     else:
         laws.name_of(law)
 

@@ -43,7 +43,9 @@ MATERIAL_TABLES: Mapping[str, tuple[str, Any]] = {
     "thermal": ("thermal", ThermalData),
 }
 HOTTER_THAN_ANY = 1e4  # K
-_TEMPERATURE = re.compile(r"\s*([+-]?[0-9]{1,4}(?:\.[0-9]{1,6})?)\s*(degC|°C|K)\s*")
+_TEMPERATURE = re.compile(
+    r"\s*([+-]?[0-9]{1,4}(?:\.[0-9]{1,6})?)\s*(degC|°C|degree_Celsius|K|kelvin)\s*"
+)  # also as pint writes them
 
 
 def oil_names() -> tuple[str, ...]:
@@ -91,7 +93,7 @@ def parse_temperature(value: object) -> float:
     if isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < HOTTER_THAN_ANY:
         return float(value)
     match = _TEMPERATURE.fullmatch(value) if isinstance(value, str) else None
-    kelvin = round(float(match[1]) + (0.0 if match[2] == "K" else ZERO_CELSIUS), 6) if match else 0.0
+    kelvin = round(float(match[1]) + (0.0 if match[2] in ("K", "kelvin") else ZERO_CELSIUS), 6) if match else 0.0
     if not kelvin > 0:
         raise ValueError('must be a temperature with its unit, "40 degC" or "313.15 K"')
     return kelvin
