@@ -3,6 +3,7 @@
 import tomllib
 from typing import Any
 
+import pint
 import pytest
 
 import ertel
@@ -46,6 +47,7 @@ def test_python_and_case_files_mean_the_same():
     case = case_of()
     assert ertel.rolling(**named, temperature="40 degC") == case
     assert ertel.rolling(**named, temperature=313.15) == case
+    assert ertel.rolling(**named, temperature=pint.UnitRegistry().Quantity(40.0, "degC")) == case
     assert ertel.rolling(**{**named, "oil": oils.at("squalane", "40 degC")}) == case
 
 

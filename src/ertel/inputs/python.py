@@ -236,9 +236,8 @@ def _case(kind: str, given: Mapping[str, Any]) -> Case:
     """The case of keyword arguments, read in the same way as a case file."""
     wanted = {key: _plain(value) for key, value in given.items() if value is not None}
     if not isinstance(wanted.get("oil"), lubricant.Oil | str | None):
-        raise ConfigError(
-            f"oil = {show(wanted['oil'])}: must be made by Oil(eta0=..., alpha=...), or the name of an oil"
-        )
+        said = show(wanted["oil"])
+        raise ConfigError(f"oil = {said}: must be made by Oil(eta0=..., alpha=...), or be the name of an oil")
     time = {"tolerance" if key == "time_tolerance" else key: wanted[key] for key in TIME_KEYS if key in wanted}
     records, tables = _sorted(wanted["roughness"])
     sections: dict[str, Any] = {

@@ -43,9 +43,8 @@ MATERIAL_TABLES: Mapping[str, tuple[str, Any]] = {
     "thermal": ("thermal", ThermalData),
 }
 HOTTER_THAN_ANY = 1e4  # K
-_TEMPERATURE = re.compile(
-    r"\s*([+-]?[0-9]{1,4}(?:\.[0-9]{1,6})?)\s*(degC|°C|degree_Celsius|K|kelvin)\s*"
-)  # also as pint writes them
+UNITS = "degC|°C|degree_Celsius|K|kelvin"  # also as pint writes them
+_TEMPERATURE = re.compile(rf"\s*([+-]?[0-9]{{1,4}}(?:\.[0-9]{{1,6}})?)\s*({UNITS})\s*")
 
 
 def oil_names() -> tuple[str, ...]:
