@@ -51,7 +51,10 @@ def main() -> int:
         path.write_bytes(content)
         start = time.monotonic()
         found = outcome_of(path)
-        slowest = max(slowest, (time.monotonic() - start, content))
+        taken = time.monotonic() - start
+        slowest = max(slowest, (taken, content))
+        if taken > LONGEST:  # what reads a value may have caught the alarm and called it wrong input
+            found = f"FAILED: takes {taken:.0f} s"
         counts[found.partition("\n")[0]] += 1
         if found.startswith("FAILED"):
             kept = folder / f"failure-{counts.total()}.toml"
