@@ -294,6 +294,7 @@ def test_no_home(here, monkeypatch):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(Path, "home", home)
     assert "none: there is no home directory" in ertel_("about").stdout
+    assert "set XDG_CACHE_HOME" in said(ertel_("warm-up", code=2))
     ertel_("run", "case.toml", "-q")
 
 

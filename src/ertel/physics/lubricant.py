@@ -28,6 +28,7 @@ ALPHA = 2.2e-8  # 1/Pa, pressure-viscosity coefficient of a typical mineral oil
 ETA0 = 0.04  # Pa s, viscosity at ambient pressure
 P0_ROELANDS = 1.96e8  # Pa, Roelands' pressure constant
 DENSITY_PRESSURE = 5.9e8  # Pa, Dowson and Higginson's constant
+_GAUSS = [((1 + x) / 2, w / 2) for x, w in zip(*np.polynomial.legendre.leggauss(8), strict=True)]  # on [0, 1]
 
 
 class Viscosity(Protocol):
@@ -147,6 +148,14 @@ class Lubricant:
     def density(self, P: Array) -> Array:
         """rho/rho0 at P = p/p_h; same shape as P."""
         return self.density_law.density(self.p_h * P)
+
+    def enthalpy(self, P: Array) -> Array:
+        """The integral of dP/(rho/rho0) from 0 to P, by Gauss' rule: the work that brings a unit of oil to P."""
+        return P * sum(weight / self.density(share * P) for share, weight in _GAUSS)
+
+    def compression(self, P: Array) -> Array:
+        """The elastic energy of a unit of volume at P: density * enthalpy - P, zero for an incompressible oil."""
+        return self.density(P) * self.enthalpy(P) - P
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ import xarray as xr
 from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.results.result import Result
+from ertel.results.summary import attributes
 from ertel.runs import checked_zarr, compiling, directories
 from ertel.runs.arrays import Data, advice_of, data_of
 from ertel.runs.courses import Course, Item, course_of
@@ -162,8 +163,7 @@ class RunStore:
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Write the remaining items and the summary of the run."""
         self.flush()
-        plain = {key: value for key, value in summary.items() if isinstance(value, str | int | float)}
-        checked_zarr.update_attributes(self._data, plain, self._advice)
+        checked_zarr.update_attributes(self._data, attributes(summary), self._advice)
         replace(self.directory / SUMMARY, sealed({**summary, "digest": self.case.digest}))
 
     # -- reading ------------------------------------------------------------------------------------------------------
