@@ -18,6 +18,8 @@ from dataclasses import dataclass, field, replace
 from math import log
 from typing import Annotated, Any, ClassVar, Protocol
 
+import numpy as np
+
 from ertel.physics.pressure_laws import arrays_of
 from ertel.physics.registry import DENSITY_LAWS, VISCOSITY_LAWS, Registry
 from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, STRESS, VISCOSITY
