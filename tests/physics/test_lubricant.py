@@ -29,6 +29,7 @@ from ertel.physics.lubricant import (
     Viscosity,
     roelands_exponent,
 )
+from ertel.physics.pressure_laws import Doolittle, Modulus, Tait
 
 P = np.linspace(0.0, 1.5, 16)
 ALPHA_BAR = st.floats(0.5, 40.0)
@@ -41,8 +42,14 @@ def roelands_of(p_h: float, alpha: float = ALPHA, eta0: float = ETA0, p0: float 
     return Roelands(alpha * p_h, roelands_exponent(alpha, eta0, p0), p0 / p_h)
 
 
-VISCOSITIES = [Isoviscous(), Barus(12.0), roelands_of(1e9)]
-DENSITIES = [Incompressible(), DowsonHigginson(DENSITY_PRESSURE / 1e9)]
+VISCOSITIES = [
+    Isoviscous(),
+    Barus(12.0),
+    roelands_of(1e9),
+    Modulus(1 / 20, 0.03),
+    Doolittle(5.258, 0.6633, 1.312, 11.74),
+]
+DENSITIES = [Incompressible(), DowsonHigginson(DENSITY_PRESSURE / 1e9), Tait(1.312, 11.74)]
 
 
 @given(ALPHA_BAR, Z, P_RATIO)

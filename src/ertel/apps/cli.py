@@ -265,6 +265,26 @@ def film(
 
 
 @app.command()
+def oils(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="An oil or a material.", show_default=False)
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Print the oils and materials that case files know by name, or all data of one with their sources."""
+    from ertel.apps import oils, tables
+
+    with bad_input():
+        entry = oils.find(name) if name else None
+    if as_json:
+        output.print_json(oils.as_data(entry) if entry else oils.library_data())
+    elif entry:
+        oils.print_entry(tables.console(), entry)
+    else:
+        oils.print_library(tables.console())
+
+
+@app.command()
 def about() -> None:
     """Print versions, devices and how to cite ertel."""
     from ertel.apps import tables

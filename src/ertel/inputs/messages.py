@@ -27,7 +27,6 @@ NOT_THERE = {
     "radius_x_2": "ertel solves circular contacts only; elliptical contacts are not supported",
     "radius_y_2": "ertel solves circular contacts only; elliptical contacts are not supported",
     "ellipticity": "ertel solves circular contacts only; elliptical contacts are not supported",
-    "temperature": "ertel is isothermal; give eta0 and alpha at the temperature of the inlet",
     "tau0": "ertel's oils are Newtonian; shear thinning is not supported",
     "eyring": "ertel's oils are Newtonian; shear thinning is not supported",
     "rheology": "ertel's oils are Newtonian; shear thinning is not supported",

@@ -20,6 +20,7 @@ from typing import Annotated, Any, ClassVar, Protocol
 
 import numpy as np
 
+from ertel.physics.pressure_laws import arrays_of
 from ertel.physics.registry import DENSITY_LAWS, VISCOSITY_LAWS, Registry
 from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, STRESS, VISCOSITY
 
@@ -52,7 +53,7 @@ class Isoviscous:
     reference: ClassVar[str] = "constant viscosity"
 
     def viscosity(self, p: Array) -> Array:
-        return _of_arrays(p).ones_like(p)
+        return arrays_of(p).ones_like(p)
 
     @classmethod
     def of(cls, oil: "Oil") -> "Isoviscous":
@@ -70,7 +71,7 @@ class Barus:
     )
 
     def viscosity(self, p: Array) -> Array:
-        return _of_arrays(p).exp(self.alpha * p)
+        return arrays_of(p).exp(self.alpha * p)
 
     @classmethod
     def of(cls, oil: "Oil") -> "Barus":
@@ -91,7 +92,7 @@ class Roelands:
     )
 
     def viscosity(self, p: Array) -> Array:
-        xp = _of_arrays(p)
+        xp = arrays_of(p)
         power = xp.exp(self.z * xp.log(1.0 + p / self.p0))  # the derivative of this form needs no second power
         return xp.exp(self.alpha * self.p0 / self.z * (power - 1.0))
 
@@ -110,7 +111,7 @@ class Incompressible:
     reference: ClassVar[str] = "constant density"
 
     def density(self, p: Array) -> Array:
-        return _of_arrays(p).ones_like(p)
+        return arrays_of(p).ones_like(p)
 
     @classmethod
     def of(cls, oil: "Oil") -> "Incompressible":
@@ -245,8 +246,3 @@ def _needed(oil: Oil, name: str) -> float:
     if value is None:
         raise ValueError(f"{name}: missing; this viscosity law needs it")
     return float(value)
-
-
-def _of_arrays(p: Array) -> Any:
-    """The namespace of an array's own functions: NumPy's or JAX's."""
-    return p.__array_namespace__() if hasattr(p, "__array_namespace__") else np
