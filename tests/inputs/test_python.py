@@ -37,7 +37,15 @@ def test_keywords_are_the_keys_of_case_files(function, kind):
     if kind == "rolling":
         expected -= {"start_approach"}  # of an impact
     parameters = inspect.signature(function).parameters
-    assert set(parameters) == expected | {"oil", "motion", "roughness", "name"}
+    assert set(parameters) == expected | {
+        "oil",
+        "temperature",
+        "material_1",
+        "material_2",
+        "motion",
+        "roughness",
+        "name",
+    }
     assert all(p.kind is inspect.Parameter.KEYWORD_ONLY for p in parameters.values())
 
 
@@ -212,7 +220,8 @@ def test_numbers_of_numpy_and_quantities_of_pint_are_numbers():
         ({"motion": {"load": np.ones((2, 2))}}, "motion.load = "),
         ({"roughness": [ertel.Spot(np.ones(2), 0.1)]}, 'roughness[1].radius = "[1. 1.]": must be a number'),
         ({"roughness": 5}, "roughness = 5: must be a list of shapes, features or tables"),
-        ({"oil": "oil"}, 'oil = "oil": must be made by Oil(eta0=..., alpha=...)'),
+        ({"oil": "oil"}, 'lubricant.oil = "oil": allowed: iso-vg-100, '),
+        ({"oil": 5}, "oil = 5: must be made by Oil(eta0=..., alpha=...), or be the name of an oil"),
         ({"radius": 10**400}, "contact.radius = "),
         ({"radius": 1e-300}, 'contact.radius = "1e-300 m": must be between 1e-30 and 1e+30 m'),
         ({"radius": 1e-30, "speed": 1e30}, "contact: its values together give "),

@@ -144,7 +144,7 @@ def test_an_oil_reads_back(oil) -> None:
 
 def test_a_law_with_data_of_its_own_is_a_table() -> None:
     assert oil_data(Oil(Barus(2e-8)))["viscosity"] == {"law": "barus", "alpha": "2e-08 1/Pa"}
-    with pytest.raises(ValueError, match=r'^oil\.viscosity\.law = "tar": allowed: isoviscous, barus, roelands'):
+    with pytest.raises(ValueError, match=r'^oil\.viscosity\.law = "tar": allowed: .*isoviscous, barus, roelands'):
         law_of({"law": "tar"}, VISCOSITY_LAWS, "oil.viscosity")
     with pytest.raises(ValueError, match=r'^oil\.viscosity\.alpha = "-2e-08 1/Pa": must be finite and above zero'):
         law_of({"law": "barus", "alpha": "-2e-8 1/Pa"}, VISCOSITY_LAWS, "oil.viscosity")

@@ -69,7 +69,8 @@ def test_the_example_of_a_unit_reads_as_such_a_quantity(name: str) -> None:
     pint = pytest.importorskip("pint")
     mark = ALL_UNITS[name]
     number, _, unit = mark.example.partition(" ")
-    quantity = float(number) * pint.UnitRegistry()(f"1{unit}" if unit.startswith("/") else unit)
+    registry = pint.UnitRegistry()
+    quantity = registry.Quantity(float(number), registry.parse_units(f"1{unit}" if unit.startswith("/") else unit))
     assert mark.allows(quantity.to(mark.unit).magnitude)
 
 

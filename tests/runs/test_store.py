@@ -17,7 +17,7 @@ from cases import physics, stop_after
 import ertel
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.model.status import Status
-from ertel.runs import checked_zarr, store
+from ertel.runs import checked_zarr
 from ertel.runs.arrays import AppendedData
 from ertel.runs.courses import ImpactCourse, method_of
 from ertel.runs.drive import simulate
@@ -322,10 +322,3 @@ def test_nothing_computed_yet(tmp_path, case):
     assert run.dataset().sizes["time"] == 0
     with pytest.raises(StoreError, match="nothing is computed yet"):
         run.summary_so_far()
-
-
-def test_unused_directory(tmp_path, case):
-    assert store.unused_directory(case, tmp_path) == tmp_path / "small"
-    (tmp_path / "small").mkdir()
-    (tmp_path / "small-2").mkdir()
-    assert store.unused_directory(case, tmp_path) == tmp_path / "small-3"

@@ -32,6 +32,7 @@ def test_the_next_free_name(tmp_path):
     assert sorted(path.name for path in (tmp_path / "runs").iterdir()) == taken
 
 
+@pytest.mark.filterwarnings("ignore:Consolidated metadata is currently not part")  # filters are not those of a thread
 def test_many_runs_at_once_take_different_names(tmp_path):
     """Of four, two were refused."""
     together, made = threading.Barrier(4), []

@@ -249,7 +249,9 @@ def film(
         from ertel.results.summary import films
 
         if case_file and given:
-            raise ValueError(f"{case_file} and {flag_of(next(iter(given)))} are given together; give only one of them")
+            raise ValueError(
+                f"{shown(case_file)} and {flag_of(next(iter(given)))} are given together; give only one of them"
+            )
         case = load_case(case_file) if case_file else case_of_flags({"kind": "rolling", **given})
         if case.starts_apart:
             raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
@@ -260,6 +262,26 @@ def film(
         console = tables.console()
         console.print(tables.film_table(case, found, {}))
         tables.print_sources(console, found)
+
+
+@app.command()
+def oils(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="An oil or a material.", show_default=False)
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Print the oils and materials that case files know by name, or all data of one with their sources."""
+    from ertel.apps import oils, tables
+
+    with bad_input():
+        entry = oils.find(name) if name else None
+    if as_json:
+        output.print_json(oils.as_data(entry) if entry else oils.library_data())
+    elif entry:
+        oils.print_entry(tables.console(), entry)
+    else:
+        oils.print_library(tables.console())
 
 
 @app.command()

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, NoReturn
+from typing import Any
 
 import typer
 from typer.core import TyperGroup
@@ -27,15 +27,17 @@ class Commands(TyperGroup):
         with as_sentences():
             return super().invoke(ctx)
 
-    def main(self, *arguments: Any, **keywords: Any) -> NoReturn:
-        """Read the arguments, run the command, and exit."""
+    def main(self, *arguments: Any, standalone_mode: bool = True, **keywords: Any) -> Any:
+        """Read the arguments, run the command, and exit; where it does not stand alone, return the exit code."""
         run = partial(super().main, *arguments, **{**keywords, "standalone_mode": False})
         try:
             with as_sentences(), raised(), _warnings_said():
                 code = run()
         except typer.Exit as end:
             code = end.exit_code
-        sys.exit(code or 0)
+        if standalone_mode:
+            sys.exit(code or 0)
+        return code
 
 
 @contextmanager

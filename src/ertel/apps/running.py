@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ertel.apps import tables
-from ertel.apps.exits import FAILED, bad_input, leave, reason_of
+from ertel.apps.exits import BAD_INPUT, FAILED, bad_input, leave, reason_of
 from ertel.apps.interrupts import Stop, interruptible
 from ertel.apps.output import print_json, say
 from ertel.apps.paths import in_shell, shown
@@ -72,12 +72,15 @@ def show(directory: Path, as_json: bool) -> None:
 
 def warm_up_all(cases: Sequence[Case]) -> None:
     """Compile ahead for all cases, with a line for each on stderr."""
+    directory = compiling.cache_directory()
+    if directory is None:
+        leave(BAD_INPUT, "compiled programs cannot be kept without a home directory; set XDG_CACHE_HOME to a directory")
     _prepare()
     for number, case in enumerate(cases, start=1):
         say(f"{number}/{len(cases)}  {case.name or case.kind}: compiling")
         with _within_memory(case):
             warm_up(case)
-    say(f"Compiled programs are in {compiling.cache_directory()}")
+    say(f"Compiled programs are in {directory}")
 
 
 def _prepare() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from ertel.inputs.messages import ConfigError, message
+from ertel.inputs.names import without_names
 from ertel.inputs.schema import case_file, keys_of, plain, section_of
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
@@ -46,8 +47,9 @@ def parse_case(data: Mapping[str, object]) -> Case:
     if "contact" not in data:
         keys = ", ".join(keys_of(section_of(Conditions)))
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
+    data = without_names(data)
     try:
-        read = plain(case_file().model_validate(dict(data)))
+        read = plain(case_file().model_validate(data))
     except ValidationError as error:
         raise ConfigError(message(error)) from error
     try:

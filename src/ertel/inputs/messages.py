@@ -21,7 +21,6 @@ class ConfigError(ValueError):
 # keys that a tribologist may try and that ertel does not support, with an explanation
 NOT_THERE = {
     "ellipticity": "give radius_ratio = R_x/R_y, or the radii radius_x and radius_y",
-    "temperature": "ertel is isothermal; give eta0 and alpha at the temperature of the inlet",
     "tau0": "ertel's oils are Newtonian; shear thinning is not supported",
     "eyring": "ertel's oils are Newtonian; shear thinning is not supported",
     "rheology": "ertel's oils are Newtonian; shear thinning is not supported",

@@ -12,6 +12,7 @@ import numpy as np
 
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.messages import ConfigError
+from ertel.inputs.names import MATERIAL_KEYS
 from ertel.inputs.quantities import parse_quantity
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
@@ -20,7 +21,7 @@ from ertel.model.sections import Output, Solver, Time
 from ertel.physics import lubricant
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.surfaces import Feature, Shape
-from ertel.physics.units import HEIGHT, LARGEST, TIME, Quantity, Unit, marks
+from ertel.physics.units import HEIGHT, LARGEST, TEMPERATURE, TIME, Quantity, Unit, marks
 
 Number = float | str  # SI, or a text with a unit
 Roughness = Sequence[Feature | Shape | Mapping[str, Any]]
@@ -105,7 +106,10 @@ def impact(
     nu1: float | None = None,
     E2: Number | None = None,
     nu2: float | None = None,
-    oil: lubricant.Oil | None = None,
+    material_1: str | None = None,
+    material_2: str | None = None,
+    oil: lubricant.Oil | str | None = None,
+    temperature: Number | None = None,
     method: str | None = None,
     nodes: int | None = None,
     half_width: float | None = None,
@@ -141,8 +145,13 @@ def impact(
         Mean speed of the surfaces along x (m/s) and (u1 - u2)/u_m: a track that moves under the ball.
     E_prime, E1, nu1, E2, nu2 : float or str
         Reduced modulus (Pa), or Young's moduli (Pa) and Poisson's ratios.
-    oil : Oil
-        Required for a physical contact; the default of a dimensionless contact is a typical mineral oil.
+    material_1, material_2 : str
+        Or the names of the materials, "steel", see `ertel.materials`; the first one also gives the ball its density.
+    oil : Oil or str
+        Required for a physical contact; the default of a dimensionless contact is a typical mineral oil.  Or the name
+        of an oil, "squalane", see `ertel.oils`, with its
+    temperature : float or str
+        Temperature in the inlet (K, or "40 degC").
     method : "2d" or "radial"
         On a square grid, or along the radius (smooth impacts, fast).
     nodes, half_width, half_width_y, inlet, tolerance, fold
@@ -197,7 +206,10 @@ def rolling(
     nu1: float | None = None,
     E2: Number | None = None,
     nu2: float | None = None,
-    oil: lubricant.Oil | None = None,
+    material_1: str | None = None,
+    material_2: str | None = None,
+    oil: lubricant.Oil | str | None = None,
+    temperature: Number | None = None,
     method: str | None = None,
     nodes: int | None = None,
     half_width: float | None = None,
@@ -217,10 +229,10 @@ def rolling(
 
     Parameters
     ----------
-    M, L, lambda_bar, alpha_bar, radius_ratio, E_prime, E1, nu1, E2, nu2, oil, roughness, name
-        As for `impact`.
+    M, L, lambda_bar, alpha_bar, radius_ratio, E_prime, E1, nu1, E2, nu2, roughness, name
     radius, radius_1, radius_2, radius_x, radius_y, radius_x_1, radius_y_1, radius_x_2, radius_y_2, entrainment_angle
-        As for `impact`.
+    material_1, material_2, oil, temperature
+        As for `impact`; a material gives no density here, because a ball without one has no inertia.
     load : float or str
         Static load (N).
     mean_speed, slide_to_roll, speed_1, speed_2 : float or str
@@ -247,14 +259,15 @@ def rolling(
 def _case(kind: str, given: Mapping[str, Any]) -> Case:
     """The case of keyword arguments, read in the same way as a case file."""
     wanted = {key: _plain(value) for key, value in given.items() if value is not None}
-    if not isinstance(wanted.get("oil"), lubricant.Oil | None):
-        raise ConfigError(f"oil = {show(wanted['oil'])}: must be made by Oil(eta0=..., alpha=...)")
+    if not isinstance(wanted.get("oil"), lubricant.Oil | str | None):
+        said = show(wanted["oil"])
+        raise ConfigError(f"oil = {said}: must be made by Oil(eta0=..., alpha=...), or be the name of an oil")
     time = {"tolerance" if key == "time_tolerance" else key: wanted[key] for key in TIME_KEYS if key in wanted}
     records, tables = _sorted(wanted["roughness"])
     sections: dict[str, Any] = {
         "name": given["name"],
         "contact": {"kind": kind, **_conditions(wanted)},
-        "lubricant": oil_data(wanted["oil"]) if "oil" in wanted else None,
+        "lubricant": _lubricant(wanted),
         "solver": {f.name: wanted[f.name] for f in fields(Solver) if f.name in wanted},
         "motion": wanted.get("motion"),
         "roughness": tables,
@@ -266,6 +279,15 @@ def _case(kind: str, given: Mapping[str, Any]) -> Case:
         return replace(case, roughness=(*case.roughness, *records)) if records else case
     except ValueError as error:
         raise ConfigError(str(error)) from error
+
+
+def _lubricant(wanted: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The section [lubricant] of an oil, or of the name of an oil and its temperature."""
+    oil = wanted.get("oil")
+    data = oil_data(oil) if isinstance(oil, lubricant.Oil) else {} if oil is None else {"oil": oil}
+    if "temperature" in wanted:
+        data["temperature"] = _with_unit(wanted["temperature"], TEMPERATURE)
+    return data or None
 
 
 def _plain(value: Any) -> Any:
@@ -287,7 +309,8 @@ TIME_KEYS = (*(f.name for f in fields(Time) if f.name != "tolerance"), "time_tol
 def _conditions(wanted: Mapping[str, Any]) -> dict[str, Any]:
     """The keys of [contact], numbers of quantities with their SI unit."""
     kinds = marks(Conditions)
-    found = {f.name: wanted[f.name] for f in fields(Conditions) if f.name in wanted}
+    names = (*MATERIAL_KEYS, *(f.name for f in fields(Conditions)))
+    found = {name: wanted[name] for name in names if name in wanted}
     return {key: _with_unit(value, kinds.get(key)) for key, value in found.items()}
 
 

@@ -21,6 +21,7 @@ from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS, Registr
 from ertel.physics.units import DURATION, FINITE, TIME, Bounds, Quantity, Unit, marks
 
 NUMBER, POINTS, TABLE, NAME = "<number>", "<points>", "<table>", "<name>"  # tags, no part of a field's name
+NAMED = {"Contact": ("material_1", "material_2"), "Lubricant": ("oil", "temperature")}  # see inputs.names
 UNKNOWN_KEY = "unknown_key"  # the type of an error; its context: key, value and known keys
 SIGNAL_TEXT = "a number, an array of [T, value], or a table { mean, amplitude, period, phase }"
 SETTINGS = ConfigDict(strict=True, frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True)
@@ -182,4 +183,4 @@ def plain(value: object) -> Any:
 
 def keys_of(model: type[BaseModel]) -> list[str]:
     """The keys of a section, as they are written."""
-    return [field.alias or key for key, field in model.model_fields.items()]
+    return [*NAMED.get(model.__name__, ()), *(field.alias or key for key, field in model.model_fields.items())]

@@ -29,6 +29,7 @@ import xarray as xr
 from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.results.result import Result
+from ertel.results.summary import attributes
 from ertel.runs import checked_zarr, compiling, directories
 from ertel.runs.arrays import Data, advice_of, data_of
 from ertel.runs.courses import Course, Item, course_of
@@ -162,8 +163,7 @@ class RunStore:
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Write the remaining items and the summary of the run."""
         self.flush()
-        plain = {key: value for key, value in summary.items() if isinstance(value, str | int | float)}
-        checked_zarr.update_attributes(self._data, plain, self._advice)
+        checked_zarr.update_attributes(self._data, attributes(summary), self._advice)
         replace(self.directory / SUMMARY, sealed({**summary, "digest": self.case.digest}))
 
     # -- reading ------------------------------------------------------------------------------------------------------
@@ -318,10 +318,3 @@ def open_run(directory: str | Path) -> Result:
 def to_json(summary: Mapping[str, Any]) -> str:
     """A summary as the text of summary.json."""
     return json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def unused_directory(case: Case, parent: Path = Path("runs")) -> Path:
-    """runs/NAME, or runs/NAME-2, ... : the first that does not exist."""
-    name = case.name or case.kind
-    candidates = (parent / (name if number == 1 else f"{name}-{number}") for number in range(1, 100_000))
-    return next(path for path in candidates if not path.exists())
