@@ -138,7 +138,8 @@ def nodes_across(nodes: int, ratio: float) -> int:
     Multigrid can coarsen both sides equally often, down to a few nodes on the shorter one, and the middle is a node of
     every grid.
     """
-    cells, wanted = nodes - 1, ratio * (nodes - 1)
+    cells = nodes - 1
+    wanted = max(ratio * cells, COARSE_ENOUGH - 1)
     unit = 2
     while cells % (2 * unit) == 0 and min(cells, wanted) / unit >= COARSE_ENOUGH - 1:
         unit *= 2
@@ -151,8 +152,9 @@ def check_grid(grid: Grid) -> None:
     coarsest = grid.hierarchy()[-1]
     if coarsest.size > LARGEST_RECTANGLE:
         raise ValueError(
-            f"nodes_x = {grid.nodes_x}, nodes_y = {grid.nodes_y}: the coarsest grid has {coarsest.nodes_x} x "
-            f"{coarsest.nodes_y} nodes; must be {LARGEST_RECTANGLE} at most, so take counts less different"
+            f"nodes = {grid.nodes_x} x {grid.nodes_y}: the coarsest grid that multigrid can make has "
+            f"{coarsest.nodes_x} x {coarsest.nodes_y} nodes; must be {LARGEST_RECTANGLE} at most, so take 2^k + 1 "
+            "nodes or sides less different"
         )
 
 

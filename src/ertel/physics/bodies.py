@@ -5,7 +5,7 @@ All functions take and return SI units.
 
 from math import inf, pi, sqrt
 
-from ertel.physics.scales import require_positive
+from ertel.physics.checks import require_positive
 
 
 def reduced_modulus(E1: float, nu1: float, E2: float, nu2: float) -> float:

@@ -23,25 +23,14 @@ All functions take and return SI units.
 """
 
 from dataclasses import astuple, dataclass, fields
-from math import cbrt, inf, isfinite, pi, sqrt
+from math import cbrt, inf, pi, sqrt
 from typing import NamedTuple
 
+from ertel.physics.checks import require_not_negative, require_positive
 from ertel.physics.ellipse import HertzEllipse, hertz_ellipse
 from ertel.physics.geometry import FREE_BALL_INERTIA
 
 ISOVISCOUS_FILM = 0.3135  # H_c / sqrt(lambda_bar) at the maximum of an isoviscous impact (computed)
-
-
-def require_positive(name: str, value: float) -> None:
-    """Raise ValueError unless value is finite and above zero."""
-    if not (isfinite(value) and value > 0):
-        raise ValueError(f"{name} = {value}: must be finite and above zero")
-
-
-def require_not_negative(name: str, value: float) -> None:
-    """Raise ValueError unless value is finite and not below zero."""
-    if not (isfinite(value) and value >= 0):
-        raise ValueError(f"{name} = {value}: must be finite and not below zero")
 
 
 def _fourth_root(value: float) -> float:
@@ -230,12 +219,12 @@ class Scales:
 
     @property
     def energy(self) -> float:
-        """Unit of energy (J): F* delta*; m v0^2/2 of an impact is 2/5 of it."""
+        """Unit of energy (J): F* a^2/R; m v0^2/2 of a ball's impact is 2/5 of it."""
         return self.load * self.film
 
     @property
     def power(self) -> float:
-        """Unit of power (W): F* delta*/t0."""
+        """Unit of power (W): F* a^2/(R t0)."""
         return self.energy / self.t0
 
     @property

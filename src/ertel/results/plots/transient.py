@@ -60,17 +60,23 @@ PLACE: Mapping[Kind, MomentPanel] = {IMPACT: draw_front, ROLLING: draw_minimum_f
 def draw_film_map(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     """Film thickness at the chosen moment, with contour lines at equal steps as an interferometer shows them."""
     P, H = p.P[p.chosen], p.H[p.chosen]
-    field, side = map_of(dataset, "H", p.chosen), extent(dataset, p.x, P)
-    draw_film(axes, dataset, field, side, 1.5 * film_inside(dataset, p.x, P, H))
+    top = 1.5 * film_inside(dataset, p.x, P, H)
+    draw_film(axes, dataset, map_of(dataset, "H", p.chosen), _side(dataset, p.chosen), top)
     draw_contours(axes, dataset, p.time)
     draw_flow(axes, entrainment(dataset, p.time))
 
 
 def draw_pressure_map(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     """Pressure at the chosen moment, with contour lines at equal steps."""
-    draw_pressure(axes, dataset, map_of(dataset, "P", p.chosen), extent(dataset, p.x, p.P[p.chosen]))
+    draw_pressure(axes, dataset, map_of(dataset, "P", p.chosen), _side(dataset, p.chosen))
     draw_contours(axes, dataset, p.time)
     draw_flow(axes, entrainment(dataset, p.time))
+
+
+def _side(dataset: xr.Dataset, frame: int) -> float:
+    """How far from the centre a map is shown along x."""
+    field = map_of(dataset, "P", frame)
+    return extent(dataset, field.x, field.values.max(axis=0))
 
 
 def draw_film_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
