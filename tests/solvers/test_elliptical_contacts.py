@@ -122,6 +122,24 @@ def test_the_work_does_not_grow_with_the_ellipticity() -> None:
         assert iterations(ratio) < 1.5 * circle
 
 
+def test_rolling_resistance() -> None:
+    """1/2 of the double integral of H dP/dX is near 7.5/(kappa M_BH) (Biboulet and Houpert 2010).
+
+    With the length of the inlet it goes on rising, as its logarithm (`validation/contacts`).
+    """
+    case = rolled(65, ratio=0.25, M=240.5, L=10.0)
+    coarse, fine = (_resistance(s) for s in steady.steady(case).solutions)
+    p = case.parameters
+    limit = 7.5 / (p.ellipse.kappa * p.M_BH)
+    assert p.M_BH == pytest.approx(100, rel=1e-2)
+    assert fine + (fine - coarse) / 3 == pytest.approx(limit, rel=0.12)
+
+
+def _resistance(s: GridSolution) -> float:
+    slope = np.gradient(whole(s, "P"), s.grid.spacing, axis=1)
+    return float(0.5 * (whole(s) * slope).sum() * s.grid.spacing**2)
+
+
 @pytest.mark.parametrize("angle", [0.0, 35.0])
 def test_runs_for_the_error_keep_the_spacing_and_widen_the_domain(angle: float) -> None:
     case = rolled(65, angle)

@@ -96,7 +96,7 @@ def resistance(nodes: int) -> str:
 def _long_inlet(D: float, M_BH: float, inlet: float, nodes: int) -> Case:
     """With Barus' oil, L = 10; the spacing is that of the inlet 4.5."""
     e = case(100.0, 10.0, D, nodes, BARUS).parameters.ellipse
-    cells = {4.5: nodes - 1, 9.0: 3 * (nodes - 1) // 2, 18.0: 5 * (nodes - 1) // 2}[inlet]
+    cells = {4.5: nodes - 1, 9.0: 7 * (nodes - 1) // 4, 18.0: 13 * (nodes - 1) // 4}[inlet]
     length = 6.0 * cells / (nodes - 1)
     inlet = length * round(inlet / length * 16) / 16
     return case(M_BH / (e.beta**0.25 * e.kappa), 10.0, D, cells + 1, BARUS, half_width=length / 2, inlet=inlet)
