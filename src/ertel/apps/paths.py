@@ -27,5 +27,6 @@ def shown(path: Path) -> str:
 
 
 def in_shell(path: Path) -> str:
-    """A path as a word of a command."""
-    return shlex.quote(shown(path))
+    """A path as a word of a command; one that begins with - would be read as a flag."""
+    word = shown(path)
+    return shlex.quote(f"./{word}" if word.startswith("-") else word)
