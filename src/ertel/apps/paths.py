@@ -10,7 +10,7 @@ def local_path(text: str | Path) -> Path:
     """A path as a user writes it, made absolute; ~ is the home directory.  Raises BadParameter if it cannot be."""
     if not str(text):
         raise typer.BadParameter("must not be empty")
-    if "://" in str(text):
+    if "://" in str(text) or "::" in str(text):  # xarray and others read a::b as two addresses
         raise typer.BadParameter(f"{text}: must be a path on this machine, not an address")
     try:
         return Path(text).expanduser().absolute()
