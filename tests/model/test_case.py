@@ -559,17 +559,17 @@ REFUSED: list[Refusal] = [
     (
         impact(),
         {"output": Output(1e-9)},
-        "output.interval = 1e-09: gives 1.1e+10 maps with 1.16e+07 GB; at most 100000 and 100 GB are allowed, take a ",
+        "output.interval = 1e-09: gives 2.47e+09 maps with 2.61e+06 GB; at most 100000 and 100 GB are allowed, take a ",
     ),
     (
         impact(solver=Solver(nodes=4097)),
-        {"output": Output(0.01)},
-        "output.interval = 0.01: gives 1.1e+03 maps with 295 GB",
+        {"output": Output(0.005)},
+        "output.interval = 0.005: gives 494 maps with 133 GB",
     ),
     (
         PHYSICAL,
-        {"output": Output(Quantity(1e-9, "s"))},
-        'output.interval = "1e-09 s": gives 4.18e+05 maps',
+        {"output": Output(Quantity(1e-10, "s"))},
+        'output.interval = "1e-10 s": gives 9.39e+05 maps',
     ),
     # name and source
     *[

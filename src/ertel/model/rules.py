@@ -19,7 +19,6 @@ LONGEST_NAME = 100  # bytes: a file name may have 255, and a run's directory has
 LONGEST_TEXT = 1000  # characters of the source of an oil's data
 LONGEST_RUN = 1e5  # t0; an impact lasts about 3
 MOST_STEPS = 1e7  # of a fixed length
-LONGEST_IMPACT = 10.0  # t0 from first touch to an event, for the number of maps
 MOST_MAPS = 1e5
 LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
 FEWEST_NODES = 17
@@ -141,8 +140,7 @@ def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | N
 
 def check_schedule(time: Time, output: Output, solver: Solver, schedule: Schedule) -> None:
     """A run must end after a reasonable number of steps, with maps that fit on a disk."""
-    until = schedule.until
-    end = LONGEST_IMPACT - schedule.start_approach if isinstance(until, str) else until
+    end = schedule.duration
     if end > LONGEST_RUN:
         raise ValueError(f"time.until = {show(time.until)}: is {end:g} t0; must be at most {LONGEST_RUN:g} t0")
     if schedule.step and end / schedule.step > MOST_STEPS:

@@ -6,6 +6,7 @@ from math import ceil
 from typing import Annotated, Literal, NamedTuple
 
 from ertel.model.conditions import Kind
+from ertel.physics import hertz
 from ertel.physics.motion import Signal
 from ertel.physics.units import DURATION, FINITE, NOT_NEGATIVE, SHARE, Amount, Bounds
 
@@ -111,3 +112,14 @@ class Schedule(NamedTuple):
     tolerance: float
     step: float | None
     interval: float
+
+    @property
+    def duration(self) -> float:
+        """T at the end of the run; of an event about, as if the impact were dry."""
+        match self.until:
+            case "max-approach":
+                return hertz.HALF_CONTACT_TIME - self.start_approach
+            case "rebound":
+                return hertz.CONTACT_TIME - 2 * self.start_approach
+            case until:
+                return until

@@ -140,13 +140,9 @@ class TransientCourse(ABC):
     def fraction(self, item: Step) -> float:
         if not item.record:
             return 0.0
-        T, start, until = item.record["T"], self.case.schedule.start_approach, self.case.schedule.until
-        if not isinstance(until, str):
-            return min(T / until, 1.0)
-        touch, half, whole = -start, 1.47 - start, 2.95 - 2 * start
-        if until == "rebound":
-            return min(T / whole, 1.0)
-        return 1.0 if item.record["V"] <= 0 else min(T / half, 1.0) if T > touch else T / half
+        if self.case.schedule.until == "max-approach" and item.record["V"] <= 0:
+            return 1.0
+        return min(item.record["T"] / self.case.schedule.duration, 1.0)
 
     def news(self, item: Step) -> str:
         record, counts = item.record, item.state.counts

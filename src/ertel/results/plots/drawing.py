@@ -43,6 +43,10 @@ LOADED = 0.02  # of the maximum pressure: where there is less, the film carries 
 # -- units and labels -------------------------------------------------------------------------------------------------
 
 
+class NoFigure(ValueError):
+    """A run has no such figure, no such moment, or nothing to draw yet."""
+
+
 class Draw(Protocol):
     """Draws a run; `at` is a time in t0 or an event."""
 

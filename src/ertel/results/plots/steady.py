@@ -20,6 +20,7 @@ from ertel.results.plots.drawing import (
     ORDERED_COLOURS,
     At,
     Figures,
+    NoFigure,
     Panel,
     Values,
     axis_label,
@@ -207,9 +208,9 @@ def convergence(dataset: xr.Dataset, at: At = None) -> Figure:
 
 def _of(dataset: xr.Dataset, at: At, rows: list[list[Panel]]) -> Figure:
     if at is not None:
-        raise ValueError(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
+        raise NoFigure(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
     if not dataset.sizes["grid"]:
-        raise ValueError("dataset: has no solution yet, there is nothing to draw")
+        raise NoFigure("dataset: has no solution yet, there is nothing to draw")
     dataset = dataset.load()
     films = [_with_error(dataset, name) for name in ("H_c", "H_min")]
     return compose(dataset, rows, [*title(dataset), *films])
