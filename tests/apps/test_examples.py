@@ -79,7 +79,7 @@ def test_case_files_load(path: Path) -> None:
 @pytest.mark.filterwarnings("ignore:H_min is uncertain:UserWarning")
 def test_squalane() -> None:
     """An oil and materials by name give a film near Nijenbanning, Venner and Moes' formula, which has its M and L."""
-    case = load_case(EXAMPLES / "squalane.toml", ["solver.nodes=33"])
+    case = load_case(EXAMPLES / "squalane.toml", ["solver.nodes=65"])
     summary = ertel.simulate(case).summary
     assert summary["status"] == "converged"
     assert summary["H_c_extrapolated"] == pytest.approx(case.film_scale, rel=0.15)
