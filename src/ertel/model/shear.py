@@ -29,6 +29,7 @@ import numpy as np
 from jax import Array
 from jax.custom_derivatives import SymbolicZero
 
+from ertel.numerics.pointwise import TINY, Matrix, Tensor, divided, dot, length, product, square, times, transposed
 from ertel.physics.fluidity import Fluidity
 
 NODES = 8  # across the film, even
@@ -36,9 +37,6 @@ SPREAD = 10.0  # growth of ln(phi) towards a wall over half the film at which th
 PLAIN = 1e-6  # a spread that stands for none
 TOLERANCE = 1e-5  # of the last change of tau_m in units of the stress at the walls; the error is about its square
 LIMIT = 40  # of Newton iterations
-TINY = 1e-150  # length of a vector that stands for zero
-
-Tensor = tuple[Array, Array, Array]  # symmetric, components xx, xy, yy
 
 
 class Shear(NamedTuple):
@@ -66,8 +64,8 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> Sh
 
 
 def dissipation(found: Shear, sliding: Array, gradient: Array) -> Array:
-    """Heat per area over h/eta, in Pa^2, shape (...): the mean over the film of phi tau^2, from sliding and pressure."""
-    return _dot(found.stress, sliding) + _dot(found.flux, gradient)
+    """Heat per area over h/eta, in Pa^2, shape (...): the mean of phi tau^2 across the film."""
+    return dot(found.stress, sliding) + dot(found.flux, gradient)
 
 
 class Mobility(NamedTuple):
@@ -89,10 +87,10 @@ def secant_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Arra
     t, nodes = found.stress, _nodes(law, pressure, found.stress, gradient)
     zeta, weight = nodes
     phi, slope = _both(law, pressure, t, gradient, zeta)
-    across = _dot(t, gradient)
+    across = dot(t, gradient)
     # |tau+|^2 - |tau-|^2 = 4 zeta tau_m . g; where it is too small for a quotient, the mean slope by |tau|^2 serves
     difference = 4.0 * zeta * across
-    size = _square(t)[None] + zeta**2 * _square(gradient)[None]
+    size = square(t)[None] + zeta**2 * square(gradient)[None]
     apart = jnp.abs(difference) > 1e-6 * size
     quotient = (phi[0] - phi[1]) / jnp.where(apart, difference, 1.0)
     by_square = jnp.where(apart, quotient, 0.25 * (slope[0] + slope[1]))
@@ -119,9 +117,9 @@ def _nodes(law: Fluidity, pressure: Array, stress: Array, gradient: Array) -> No
     zeta = asinh(z sinh c)/(2 c) with Gauss nodes z in (-1, 1): Gauss's own for c = 0.  c grows with the rate of growth
     of ln(phi) at the wall with the larger stress.
     """
-    wall = stress + jnp.where(_dot(stress, gradient) >= 0.0, 0.5, -0.5) * gradient
-    phi, slope = _fluidity(law, pressure, _length(wall))
-    growth = slope / phi * jnp.abs(_dot(wall, gradient)) / 2.0
+    wall = stress + jnp.where(dot(stress, gradient) >= 0.0, 0.5, -0.5) * gradient
+    phi, slope = _fluidity(law, pressure, length(wall))
+    growth = slope / phi * jnp.abs(dot(wall, gradient)) / 2.0
     c = jnp.maximum(growth / SPREAD, PLAIN)[None]
     z, w = _gauss(pressure.ndim)
     moved = z * jnp.sinh(c)
@@ -130,7 +128,8 @@ def _nodes(law: Fluidity, pressure: Array, stress: Array, gradient: Array) -> No
 
 def _gauss(ndim: int) -> tuple[Any, Any]:
     """Gauss's nodes in (0, 1) and weights, for fields of so many dimensions."""
-    return tuple(half[NODES // 2 :].reshape(-1, *[1] * ndim) for half in np.polynomial.legendre.leggauss(NODES))
+    z, weight = (both[NODES // 2 :].reshape(-1, *[1] * ndim) for both in np.polynomial.legendre.leggauss(NODES))
+    return z, weight
 
 
 def _fluidity(law: Fluidity, pressure: Array, size: Array) -> tuple[Array, Array]:
@@ -141,8 +140,8 @@ def _fluidity(law: Fluidity, pressure: Array, size: Array) -> tuple[Array, Array
 
 def _both(law: Fluidity, pressure: Array, t: Array, g: Array, zeta: Array) -> tuple[Array, Array]:
     """phi and phi'/|tau| at + zeta and at - zeta, each of shape (2, NODES/2, ...)."""
-    square, along = (_square(t) + zeta**2 * _square(g), 2.0 * zeta * _dot(t, g))
-    size = jnp.sqrt(jnp.maximum(jnp.stack([square + along, square - along]), TINY**2))
+    mean, along = square(t) + zeta**2 * square(g), 2.0 * zeta * dot(t, g)
+    size = jnp.sqrt(jnp.maximum(jnp.stack([mean + along, mean - along]), TINY**2))
     return _fluidity(law, pressure, size)
 
 
@@ -226,11 +225,11 @@ def _solved(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> 
         t = it.stress + it.change
         s0, s1, A = _slid(law, pressure, t, gradient, nodes)
         now, unbent = _bent(law, pressure, (s0 * t + s1 * gradient) / resting)
-        residual = _length(aim - now)
+        residual = length(aim - now)
         better = residual < it.residual
-        change = jnp.where(better, _divided(A, resting * unbent(aim - now)), 0.5 * it.change)
+        change = jnp.where(better, divided(A, resting * unbent(aim - now)), 0.5 * it.change)
         stress = jnp.where(better, t, it.stress)
-        left = jnp.max(_length(change) / (_length(stress) + _length(gradient)))
+        left = jnp.max(length(change) / (length(stress) + length(gradient)))
         return _Iterate(stress, change, jnp.where(better, residual, it.residual), left, it.iterations + 1)
 
     far = jnp.full_like(pressure, jnp.inf)
@@ -240,21 +239,22 @@ def _solved(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> 
 
 
 def _resting(law: Fluidity, pressure: Array, gradient: Array) -> Array:
-    """The integral of d(phi tau)/dtau along the gradient, without sliding; (sinh S)/S for Eyring with S = |g|/2 tau0."""
+    """The integral of d(phi tau)/dtau along the gradient, without sliding: (sinh Sigma)/Sigma for Eyring's law."""
     z, weight = _gauss(pressure.ndim)
-    size = 0.5 * z * _length(gradient)
+    size = 0.5 * z * length(gradient)
     phi, slope = _fluidity(law, pressure, size)
-    return jnp.sum(weight * (phi + slope * size**2), axis=0)
+    resting: Array = jnp.sum(weight * (phi + slope * size**2), axis=0)
+    return resting
 
 
 def _bent(law: Fluidity, pressure: Array, v: Array) -> tuple[Array, Any]:
     """psi(v) = stress(|v|) v/|v|, and the map from a change of psi to the change of v."""
-    size = _length(v)
+    size = length(v)
     stress, slope = jax.jvp(lambda x: law.stress(x, pressure), (size,), (jnp.ones_like(size),))
     axis = v / size
 
     def unbent(change: Array) -> Array:
-        along = _dot(axis, change) * axis
+        along = dot(axis, change) * axis
         return along / slope + (change - along) * (size / stress)
 
     return stress * axis, unbent
@@ -266,15 +266,16 @@ def _bent(law: Fluidity, pressure: Array, v: Array) -> tuple[Array, Any]:
 @jax.custom_jvp
 def _attached(oil: Any, sliding: Array, gradient: Array, stress: Array, nodes: Nodes) -> tuple[Array, Array]:
     """tau_m and Q.  oil: the law and the pressure.  stress: the solution for these arguments, whose changes follow."""
-    m = _moments(*oil, stress, gradient, nodes)
+    law, pressure = oil
+    m = _moments(law, pressure, stress, gradient, nodes)
     return stress, m.s1 * stress + m.s2 * gradient
 
 
 @partial(_attached.defjvp, symbolic_zeros=True)
 def _change(primals: Any, tangents: Any) -> Any:
-    oil, sliding, gradient, t, nodes = primals
+    oil, _, gradient, t, nodes = primals
     found = _attached(*primals)
-    A, by_sliding, by_gradient = _derivative(*oil, t, gradient, nodes)
+    A, by_sliding, by_gradient = _derivative(oil[0], oil[1], t, gradient, nodes)
     d_oil, ds, dg = (jax.tree.map(_given, part, is_leaf=_is_zero) for part in tangents[:3])
     missing = ds
     extra = jnp.zeros_like(t)
@@ -282,23 +283,24 @@ def _change(primals: Any, tangents: Any) -> Any:
         flow = partial(_integrals, t=t, gradient=gradient, nodes=nodes)
         _, (slid, extra) = jax.jvp(flow, (oil,), (d_oil,))
         missing = ds - slid
-    d_stress = _divided(A, missing) - _product(_transposed(by_sliding), dg)
-    d_flux = _product(by_sliding, missing) + _times(by_gradient, dg) + extra
+    d_stress = divided(A, missing) - product(transposed(by_sliding), dg)
+    d_flux = product(by_sliding, missing) + times(by_gradient, dg) + extra
     return found, (d_stress, d_flux)
 
 
 def _integrals(oil: Any, t: Array, gradient: Array, nodes: Nodes) -> tuple[Array, Array]:
     """The sliding and the flux of a given middle stress."""
     zeta, weight = nodes
-    phi, _ = _both(*oil, t, gradient, zeta)
+    law, pressure = oil
+    phi, _ = _both(law, pressure, t, gradient, zeta)
     s0, s1, s2 = (_paired(weight * zeta**k, phi, k) for k in range(3))
     return s0 * t + s1 * gradient, s1 * t + s2 * gradient
 
 
-def _derivative(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> tuple[Tensor, "_Matrix", Tensor]:
+def _derivative(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> tuple[Tensor, Matrix, Tensor]:
     """A, C A^-1 and D - C A^-1 C."""
     m = _moments(law, pressure, t, g, nodes)
-    columns = _divided(m.A, jnp.stack(m.C[:2])), _divided(m.A, jnp.stack(m.C[1:]))  # of A^-1 C
+    columns = divided(m.A, jnp.stack(m.C[:2])), divided(m.A, jnp.stack(m.C[1:]))  # of A^-1 C
     share = columns[0][0], columns[0][1], columns[1][0], columns[1][1]  # its transpose C A^-1, row by row
     xx = m.D[0] - (share[0] * m.C[0] + share[1] * m.C[1])
     xy = m.D[1] - (share[0] * m.C[1] + share[1] * m.C[2])
@@ -312,41 +314,3 @@ def _is_zero(tangent: Any) -> bool:
 
 def _given(tangent: Any) -> Any:
     return jnp.zeros(tangent.shape, tangent.dtype) if _is_zero(tangent) else tangent
-
-
-# -- vectors and tensors at every node --------------------------------------------------------------------------------
-
-_Matrix = tuple[Array, Array, Array, Array]  # components xx, xy, yx, yy
-
-
-def _dot(a: Array, b: Array) -> Array:
-    return a[0] * b[0] + a[1] * b[1]
-
-
-def _square(a: Array) -> Array:
-    return _dot(a, a)
-
-
-def _length(a: Array) -> Array:
-    return jnp.sqrt(jnp.maximum(_square(a), TINY**2))
-
-
-def _times(tensor: Tensor, a: Array) -> Array:
-    xx, xy, yy = tensor
-    return jnp.stack([xx * a[0] + xy * a[1], xy * a[0] + yy * a[1]])
-
-
-def _divided(tensor: Tensor, a: Array) -> Array:
-    """The solution v of tensor v = a."""
-    xx, xy, yy = tensor
-    determinant = xx * yy - xy**2
-    return jnp.stack([yy * a[0] - xy * a[1], xx * a[1] - xy * a[0]]) / determinant
-
-
-def _product(matrix: _Matrix, a: Array) -> Array:
-    xx, xy, yx, yy = matrix
-    return jnp.stack([xx * a[0] + xy * a[1], yx * a[0] + yy * a[1]])
-
-
-def _transposed(matrix: _Matrix) -> _Matrix:
-    return matrix[0], matrix[2], matrix[1], matrix[3]

@@ -74,8 +74,7 @@ class ReeEyring:
 
     tau0: Annotated[float, STRESS]
     reference: ClassVar[str] = (
-        "Johnson KL, Tevaarwerk JL. Shear behaviour of elastohydrodynamic oil films. Proc R Soc Lond A "
-        "1977;356:215-236"
+        "Johnson KL, Tevaarwerk JL. Shear behaviour of elastohydrodynamic oil films. Proc R Soc Lond A 1977;356:215-236"
     )
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
@@ -104,7 +103,8 @@ class Carreau:
     )
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
-        return (1.0 + (stress / self.G) ** 2) ** (0.5 * (1.0 / self.n - 1.0))
+        xp = _of_arrays(stress)  # the derivative of this form needs no second power
+        return xp.exp(0.5 * (1.0 / self.n - 1.0) * xp.log(1.0 + (stress / self.G) ** 2))
 
     def stress(self, rate: Array, pressure: Array) -> Array:
         """The form in the shear rate."""
@@ -125,8 +125,9 @@ class CarreauYasuda:
     )
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
-        x = _of_arrays(stress).maximum(stress / self.G, ALMOST_ZERO)
-        return (1.0 + x**self.a) ** ((1.0 / self.n - 1.0) / self.a)
+        xp = _of_arrays(stress)
+        power = xp.exp(self.a * xp.log(xp.maximum(stress / self.G, ALMOST_ZERO)))
+        return xp.exp((1.0 / self.n - 1.0) / self.a * xp.log(1.0 + power))
 
     def stress(self, rate: Array, pressure: Array) -> Array:
         """The form in the shear rate."""
