@@ -74,14 +74,14 @@ def test_a_limited_newtonian_oil_has_the_law_of_gecim_and_winer_below_its_limit(
     assert law.limit(-1e8) == 4e6
     tau = np.array([0.1, 0.5, 0.9, 0.97]) * limit
     assert_allclose(law.fluidity(tau, 1e9) * tau, limit * np.arctanh(tau / limit), rtol=1e-13)
-    assert_allclose(law.stress(limit * np.arctanh(tau / limit), 1e9), tau, rtol=0.2)
+    assert_allclose(law.stress(limit * np.arctanh(tau / limit), 1e9), tau, rtol=1e-12)
 
 
 def test_the_exponential_part_joins_with_value_slope_and_curvature() -> None:
     law = Limited(NewtonianOil(), 0.05, ambient=1.0, sharpness=0.1)
     rate = lambda u: law.fluidity(u, 0.0) * u  # noqa: E731
     below, above = 0.9 - 1e-7, 0.9 + 1e-7
-    slope, bend = jax.grad(rate), jax.grad(jax.grad(rate))
+    slope, bend = (lambda u, of=of: float(of(u)) for of in (jax.grad(rate), jax.grad(jax.grad(rate))))
     assert rate(above) == pytest.approx(rate(below), rel=1e-5)
     assert slope(above) == pytest.approx(slope(below), rel=1e-5)
     assert bend(above) == pytest.approx(bend(below), rel=1e-4)

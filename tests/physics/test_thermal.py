@@ -1,5 +1,6 @@
-"""Inlet shear heating, the film's temperatures and the flash temperature, against the design's tables and closed forms."""
+"""Inlet shear heating, the film's temperatures and the flash temperature, against tables and closed forms."""
 
+import itertools
 from math import log, pi, sqrt
 
 import numpy as np
@@ -128,7 +129,7 @@ def error_of_uniform(n: int) -> float:
 
 def test_order_two_behind_the_edge_of_a_uniform_source() -> None:
     errors = [error_of_uniform(n) for n in (16, 32, 64, 128)]
-    orders = [log(coarse / fine) / log(2) for coarse, fine in zip(errors, errors[1:], strict=False)]
+    orders = [log(coarse / fine) / log(2) for coarse, fine in itertools.pairwise(errors)]
     assert errors[-1] < 1e-5 and min(orders) > 1.9
 
 
@@ -139,7 +140,7 @@ def test_order_two_for_a_smooth_source() -> None:
 
     exact = last(4096)
     errors = [abs(last(n) - exact) for n in (16, 32, 64)]
-    assert min(log(coarse / fine) / log(2) for coarse, fine in zip(errors, errors[1:], strict=False)) > 1.9
+    assert min(log(coarse / fine) / log(2) for coarse, fine in itertools.pairwise(errors)) > 1.9
 
 
 def test_a_surface_that_moves_back_is_heated_from_the_other_side() -> None:
@@ -158,7 +159,8 @@ def test_equal_surfaces_take_half_each() -> None:
     heat, film = np.ones((2, 20)), np.full((2, 20), 1e-7)
     into = response(STEEL, 1.0, 20, 1e-5)
     first, second = partition(heat, film, 0.14, into, into)
-    assert_allclose(first, 0.5) and assert_allclose(second, 0.5)
+    assert_allclose(first, 0.5)
+    assert_allclose(second, 0.5)
 
 
 @pytest.mark.parametrize("speed", [1.0, -1.0])

@@ -188,8 +188,9 @@ class Limited:
         y = rate / limit
         above = xp.maximum(y - xp.atanh(end), 0.0)
         slipping = limit * (xp.minimum(xp.tanh(y), end) + xp.log1p(2.0 * end * above) / growth)
-        thinning = self.law.stress(rate, pressure)
-        return slipping * (1.0 + (slipping / xp.maximum(thinning, NO_STRESS)) ** 4) ** -0.25
+        steep = xp.maximum(rate, NO_STRESS)
+        thinning = steep / xp.maximum(self.law.stress(rate, pressure), NO_STRESS)
+        return rate * (thinning**4 + (steep / xp.maximum(slipping, NO_STRESS)) ** 4 - 1.0) ** -0.25
 
     def _end(self, xp: Any) -> tuple[Array, Array]:
         """u1, where the exponential begins, and its growth k."""
