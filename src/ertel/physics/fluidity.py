@@ -161,7 +161,7 @@ class Limited:
     law: Fluidity
     slope: Annotated[float, ABOVE_ZERO]
     ambient: Annotated[float, STRESS] = 4e6
-    sharpness: Annotated[float, SHARE] = 0.02
+    sharpness: Annotated[float, SHARE] = 0.05
     reference: ClassVar[str] = (
         "Gecim B, Winer WO. Lubricant limiting shear stress effect on EHD film thickness. J Lubr Technol "
         "1980;102:213-220; Bair S, Winer WO. A rheological model for elastohydrodynamic contacts based on primary "
