@@ -73,6 +73,8 @@ class Solved:
     H: np.ndarray
     values: dict[str, float]
     history: tuple[float, ...]
+    approach: float = 1.0
+    outside: float = 0.0
     residual: float = 1e-9
     newton: int = 3
     krylov: int = 9
@@ -90,7 +92,7 @@ def solutions(case: Case, flow: float = 1.0) -> tuple[Solved, ...]:
     solved = []
     histories = [(1.0, 1e-3, 1e-9), (1.0, 1e-2, 1e-5, 1e-9), (1.0, 1e-4, 2e-9)]
     for nodes, H_c, H_min, past in zip(NODES, H_C, H_MIN, histories, strict=True):
-        grid = grid_of(replace(case, solver=replace(case.solver, nodes=nodes)))
+        grid = grid_of(replace(case, solver=replace(case.solver, nodes=nodes, fold=False)))
         values = dict.fromkeys(variables.MEASURED, 1.0)
         values |= {"H_c": float(H_c), "H_min": float(H_min), "load": 2 * np.pi / 3}
         solved.append(Solved(grid, *fields(np.asarray(grid.x), np.asarray(grid.y), H_c, flow), values, past))

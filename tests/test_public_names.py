@@ -37,6 +37,8 @@ PROMISED = {
         "respond_in_rolling",
         "waves",
         "hertz",
+        "materials",
+        "oils",
         "to_si",
     ),
 }

@@ -13,6 +13,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ertel.inputs import materials as materials
+    from ertel.inputs import oils as oils
     from ertel.inputs.case_files import ConfigError as ConfigError
     from ertel.inputs.case_files import load_case as load_case
     from ertel.inputs.case_files import parse_case as parse_case
@@ -100,6 +102,8 @@ _MODULES = {
     "amplitude_reduction": "physics.amplitude_reduction",
     "formulas": "physics.film_formulas",
     "hertz": "physics.hertz",
+    "materials": "inputs.materials",
+    "oils": "inputs.oils",
     "units": "physics.units",
     "fronts": "results.fronts",
     "plots": "results.plots",

@@ -1,6 +1,8 @@
 """The figures of the paper: the page, the command, and Figs. 1 to 4 from small runs."""
 
 import ast
+import errno
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -127,6 +129,17 @@ def test_command(small, tmp_path):
     done = runner.invoke(app, ["paper", "fig1", "--quick", "--out", str(tmp_path), "--jobs", "1", "--quiet"])
     assert done.exit_code == 0 and done.stdout.strip() == str(tmp_path / "fig1.html")
     assert runner.invoke(app, ["paper", "fig9", "--out", str(tmp_path)]).exit_code == 2
+
+
+def test_a_full_disk_is_said_in_one_sentence(small, tmp_path, monkeypatch):
+    def full(*arguments: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(figures, "make", full)
+    done = CliRunner().invoke(app, ["paper", "fig1", "--quick", "--out", str(tmp_path), "--jobs", "1", "--quiet"])
+    assert (done.exit_code, done.stdout) == (1, "")
+    reason = "no space left on device; the same command continues"
+    assert done.stderr == f"ertel: cannot write to {tmp_path}: {reason}\n"
 
 
 @pytest.mark.parametrize("plan", [QUICK, FULL])

@@ -6,6 +6,7 @@ from types import ModuleType
 
 import pytest
 
+import ertel
 from ertel.inputs.case_files import load_case
 from ertel.model.sections import METHODS
 
@@ -72,6 +73,15 @@ def test_case_files_mean_what_they_always_did(name: str) -> None:
 def test_case_files_load(path: Path) -> None:
     case = load_case(path)
     assert case.solver.method in METHODS[case.kind]
+
+
+@pytest.mark.filterwarnings("ignore:H_min is uncertain:UserWarning")
+def test_squalane() -> None:
+    """An oil and materials by name give a film near Nijenbanning, Venner and Moes' formula, which has its M and L."""
+    case = load_case(EXAMPLES / "squalane.toml", ["solver.nodes=65"])
+    summary = ertel.simulate(case).summary
+    assert summary["status"] == "converged"
+    assert summary["H_c_extrapolated"] == pytest.approx(case.film_scale, rel=0.15)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning:own_lubricant")

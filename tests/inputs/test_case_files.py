@@ -1,6 +1,8 @@
 """Case files: what they may say, what they mean, and what is said about the ones that may not."""
 
+import os
 import tomllib
+from datetime import date
 from math import isclose, pi
 from pathlib import Path
 
@@ -10,6 +12,7 @@ from hypothesis import strategies as st
 
 from ertel.inputs.case_files import ConfigError, apply_overrides, load_case, parse_case, to_toml
 from ertel.model.case import Case
+from ertel.model.records import show
 from ertel.model.sections import Output, Solver, Time
 from ertel.physics import lubricant, scales
 
@@ -164,7 +167,10 @@ balls = st.fixed_dictionaries(
 )
 oils = st.fixed_dictionaries(
     {"eta0": positive.filter(lambda eta: eta > 1e-4).map(lambda eta: f"{eta!r} Pa*s"), "alpha": st.just("20 / GPa")},
-    optional={"viscosity": st.sampled_from(["roelands", "barus"]), "reference": st.text(max_size=10)},
+    optional={
+        "viscosity": st.sampled_from(["roelands", "barus"]),
+        "reference": st.text(max_size=10).filter(str.isprintable),
+    },
 )
 moes = st.fixed_dictionaries({"M": st.floats(1, 1e5), "L": st.floats(0.1, 50)})
 solvers = st.fixed_dictionaries(
@@ -352,3 +358,119 @@ def test_not_toml(tmp_path, content):
     path.write_bytes(content)
     with pytest.raises(ConfigError, match="not valid TOML"):
         load_case(path)
+
+
+def read(tmp_path: Path, content: bytes, name: str = "case.toml") -> Case:
+    (tmp_path / name).write_bytes(content)
+    return load_case(tmp_path / name)
+
+
+SMALL = b"[contact]\nM = 1000\nL = 10\n"
+
+
+@pytest.mark.parametrize("content", [b"\xef\xbb\xbf" + SMALL, SMALL.replace(b"\n", b"\r\n")], ids=["mark", "windows"])
+def test_a_byte_order_mark_and_lines_of_windows_are_read(tmp_path, content):
+    assert read(tmp_path, content) == parse_case({"contact": MOES})
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (SMALL.decode().encode("utf-16"), "must be text in UTF-8, but byte 1 is not"),
+        (b"\x00" + SMALL, "is not valid TOML"),
+        (SMALL + b"x = " + b"[" * 900 + b"]" * 900, "arrays or tables are nested hundreds of times"),
+        (SMALL + b"x = " + b"{a=" * 900 + b"1" + b"}" * 900, "arrays or tables are nested hundreds of times"),
+        (b"x = 1" + b"0" * 5000 + b"\n" + SMALL, "an integer has thousands of digits"),
+        (b".".join([b"a"] * 100_000) + b" = 1", "a key has more than 20 parts"),
+        (b'"a" . ' * 100_000 + b"a = 1", "a key has more than 20 parts"),
+        (SMALL + b"#" * 10**6, "is too large; must have at most 1 MB"),
+        (b"[" + b"a" * 900_000 + b"]\n[" + b"a" * 900_000 + b"]", "is too large"),
+        (b"[" + b"a" * 400_000 + b"]\n[" + b"a" * 400_000 + b"]", "Cannot declare ("),
+    ],
+    ids=["utf-16", "null", "arrays", "tables", "digits", "key", "quoted key", "large", "larger", "long key"],
+)
+def test_what_is_no_case_file_is_said_shortly(tmp_path, content, said):
+    with pytest.raises(ConfigError) as caught:
+        read(tmp_path, content)
+    message = str(caught.value).replace(str(tmp_path), "")
+    assert said in message
+    assert len(message) < 250 and message.isprintable()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a POSIX system")
+def test_a_pipe_or_a_device_is_refused_and_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe.toml")
+    for path in (tmp_path / "pipe.toml", Path("/dev/zero")):
+        with pytest.raises(ConfigError, match="is a pipe or a device; must be a regular file"):
+            load_case(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("my ball.toml", "my ball"),
+        (".case.toml", "case"),
+        ("a:b.toml", "a_b"),
+        ("\x1b[1m.toml", "_[1m"),
+        ("...toml", ""),
+    ],
+)
+def test_a_case_without_a_name_is_called_as_its_file_is(tmp_path, name, expected):
+    assert read(tmp_path, SMALL, name).name == expected
+
+
+def test_a_name_cannot_lead_out_of_the_directory_of_runs(tmp_path):
+    with pytest.raises(ConfigError, match=r'^name = "\.\./\.\./evil": must be a plain file name: '):
+        read(tmp_path, b'name = "../../evil"\n' + SMALL)
+
+
+# -- hostile values ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("key", ["<number>", "<points>", "<table>", "<name>", "", "a.b", "two\nlines", "k" * 10**6])
+@pytest.mark.parametrize("place", ["", "contact", "lubricant", "solver", "motion", "time", "output"])
+def test_any_unknown_key_is_named(place, key):
+    message = complaint(**({place: {**(MOES if place == "contact" else {}), key: 1}} if place else {key: 1}))
+    quoted = show(key)
+    assert message.startswith(f"{place}.{quoted} = 1: unknown key" if place else f"{quoted} = 1: unknown key")
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "x" * 10**7,
+        ["x" * 10**6] * 10,
+        {"k" * 10**6: 1},
+        10**400,
+        -(10**400),
+        [[[]]],
+        "\x1b[31m\u202e",
+        date(2020, 1, 1),
+    ],
+    ids=["text", "list", "table", "digits", "negative", "nested", "escape", "date"],
+)
+@pytest.mark.parametrize(
+    "place",
+    [
+        *("contact.M", "lubricant.eta0", "lubricant.viscosity", "lubricant.reference", "solver.nodes", "solver.method"),
+        *("solver.fold", "motion.load", "motion.entrainment", "time.until", "time.step", "output.interval", "name"),
+        *("contact", "lubricant", "solver", "motion", "roughness", "time", "output", "schema"),
+    ],
+)
+def test_messages_stay_short_and_printable(place, value):
+    section, _, key = place.partition(".")
+    message = complaint(**{section: {**(MOES if section == "contact" else {}), key: value} if key else value})
+    assert message.startswith(section)
+    assert len(message) < 600 and message.isprintable()
+
+
+def test_true_is_no_number_one():
+    spot = {"shape": "spot", "radius": 1, "height": 1, "surface": True}
+    assert complaint(roughness=[spot]) == "roughness[1].surface = true: allowed: 1 or 2"
+    assert complaint(schema=True) == "schema = true: allowed: 1"
+
+
+def test_an_override_is_one_value():
+    """What followed in further lines was silently left out."""
+    assert apply_overrides({}, ["solver.nodes=65\n[time]\nuntil=1"])["solver"]["nodes"] == "65\n[time]\nuntil=1"
+    assert apply_overrides({}, ["solver.nodes=" + "[" * 900 + "]" * 900])["solver"]["nodes"].startswith("[[[")

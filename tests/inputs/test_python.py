@@ -3,6 +3,8 @@
 import inspect
 from dataclasses import fields
 
+import numpy as np
+import pint
 import pytest
 
 import ertel
@@ -35,7 +37,15 @@ def test_keywords_are_the_keys_of_case_files(function, kind):
     if kind == "rolling":
         expected -= {"start_approach"}  # of an impact
     parameters = inspect.signature(function).parameters
-    assert set(parameters) == expected | {"oil", "motion", "roughness", "name"}
+    assert set(parameters) == expected | {
+        "oil",
+        "temperature",
+        "material_1",
+        "material_2",
+        "motion",
+        "roughness",
+        "name",
+    }
     assert all(p.kind is inspect.Parameter.KEYWORD_ONLY for p in parameters.values())
 
 
@@ -114,7 +124,7 @@ def test_laws_scale_themselves():
 def test_quantities_for_records():
     assert ertel.quantity("20 nm") == Quantity(2e-8, "m")
     assert ertel.quantity("5 ms") == Quantity(5e-3, "s")
-    with pytest.raises(ValueError, match="text = '5 kg': must be a length or a time"):
+    with pytest.raises(ValueError, match='text = "5 kg": must be a length or a time'):
         ertel.quantity("5 kg")
 
 
@@ -156,7 +166,7 @@ def test_refused(function, given, said):
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"eta0": "18.6 mPa"}, "oil.eta0 = '18.6 mPa': has the wrong dimension"),
+        ({"eta0": "18.6 mPa"}, 'oil.eta0 = "18.6 mPa": has the wrong dimension'),
         ({"alpha": -1e-8}, "oil.alpha = -1e-08: must be a quantity above zero"),
         ({"viscosity": "baras"}, "viscosity = \"baras\": allowed: 'isoviscous', 'barus' or 'roelands'"),
     ],
@@ -189,3 +199,64 @@ def test_what_ertel_does_not_do_is_said(key):
                 }
             )
         assert NOT_THERE[key] in str(caught.value)
+
+
+# -- NumPy and pint ---------------------------------------------------------------------------------------------------
+
+
+def test_numbers_of_numpy_and_quantities_of_pint_are_numbers():
+    registry = pint.UnitRegistry()
+    numbers = {**IN_SI, "radius": registry.Quantity(10, "mm"), "ball_density": np.int64(7850), "speed": np.float64(0.1)}
+    case = ertel.impact(**numbers, oil=ertel.Oil(np.float64(0.0186), np.float64(20e-9)), nodes=np.int64(129))
+    assert case == ertel.impact(**IN_SI, oil=OIL, nodes=129)
+    assert case.to_data() == ertel.impact(**IN_SI, oil=OIL, nodes=129).to_data()
+    assert ertel.quantity(registry.Quantity(20, "nm")) == Quantity(2e-8, "m")
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"radius": np.ones(2)}, 'contact.radius = "[1. 1.]": must be a quantity above zero'),
+        ({"nodes": np.ones(2)}, 'solver.nodes = "[1. 1.]": must be an integer'),
+        ({"motion": {"load": np.ones((2, 2))}}, "motion.load = "),
+        ({"roughness": [ertel.Spot(np.ones(2), 0.1)]}, 'roughness[1].radius = "[1. 1.]": must be a number'),
+        ({"roughness": 5}, "roughness = 5: must be a list of shapes, features or tables"),
+        ({"oil": "oil"}, 'lubricant.oil = "oil": allowed: iso-vg-100, '),
+        ({"oil": 5}, "oil = 5: must be made by Oil(eta0=..., alpha=...), or be the name of an oil"),
+        ({"radius": 10**400}, "contact.radius = "),
+        ({"radius": 1e-300}, 'contact.radius = "1e-300 m": must be between 1e-30 and 1e+30 m'),
+        ({"radius": 1e-30, "speed": 1e30}, "contact: its values together give "),
+        ({"interval": 1e-9}, "output.interval = 1e-09: gives 1.1e+10 maps"),
+        ({"name": "../../evil"}, 'name = "../../evil": must be a plain file name'),
+    ],
+    ids=str,
+)
+def test_absurd_input_is_refused_in_the_same_sentences(given, said):
+    with pytest.raises(ConfigError) as caught:
+        ertel.impact(**{**IN_SI, "oil": OIL, **given})
+    assert str(caught.value).startswith(said)
+    assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"eta0": np.ones(2)}, 'oil.eta0 = "[1. 1.]": must be a quantity above zero'),
+        ({"eta0": "1 m**(9**9**9)"}, 'oil.eta0 = "1 m**(9**9**9)": has an unknown unit'),
+        ({"z": np.ones(2)}, 'oil.z = "[1. 1.]": must be a number'),
+        ({"z": 10**400}, "oil.z = (an integer of about 400 digits): must be between 1e-30 and 1e+30"),
+        ({"viscosity": "\x1b" * 10**6}, "viscosity = "),
+    ],
+    ids=lambda value: str(value)[:40],
+)
+def test_an_absurd_oil_is_refused(given, said):
+    with pytest.raises(ConfigError) as caught:
+        ertel.Oil(**{"eta0": 0.0186, "alpha": 20e-9, **given})
+    assert str(caught.value).startswith(said)
+    assert len(str(caught.value)) < 400 and str(caught.value).isprintable()
+
+
+def test_a_text_that_is_no_quantity_is_refused():
+    for text in (5, "x" * 10**6, "\x1b"):
+        with pytest.raises(ConfigError, match=r"^text = .*: must be a length or a time"):
+            ertel.quantity(text)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.inputs.quantities import parse_amount, parse_quantity
-from ertel.physics.units import LENGTH, POSITION, WIDTH, Quantity
+from ertel.physics.units import COMPLIANCE, LENGTH, POSITION, WIDTH, Quantity
 
 
 @pytest.mark.parametrize(
@@ -39,6 +39,46 @@ def test_an_amount_is_a_number_or_a_quantity():
     for value in (0, -1.0, inf, True, [1]):
         with pytest.raises(ValueError, match="must be a number above zero, in units a, or a quantity such as"):
             parse_amount(value, WIDTH)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "1 m**(9**9**9)",
+        "1 m^9^9",
+        "1 m*9**9**9",
+        " " * 3000,
+        "1" + " " * 3000 + "m",
+        "1 " + "m" * 10**6,
+        "9" * 400 + " m",
+        "1 km**99/mm**98",
+        "1 parsec**30/m**29",
+        "1e-99999999999999999999 m",
+    ],
+    ids=lambda text: text[:20],
+)
+def test_what_would_hang_is_refused(text):
+    with pytest.raises(ValueError, match=r"must be a quantity above zero|has an unknown unit"):
+        parse_quantity(text, LENGTH)
+
+
+@pytest.mark.parametrize("text", ["1e300 m", "1e-300 m", "1e31 m", "1e22 Gm"])
+def test_sizes_are_bounded(text):
+    with pytest.raises(ValueError, match=r"^must be between 1e-30 and 1e\+30 m$"):
+        parse_quantity(text, LENGTH)
+
+
+@pytest.mark.parametrize("value", [10**400, 1e31, 1e-31])
+def test_sizes_of_amounts_are_bounded(value):
+    with pytest.raises(ValueError, match=r"^must be between 1e-30 and 1e\+30, in units a$"):
+        parse_amount(value, WIDTH)
+
+
+@pytest.mark.parametrize(
+    "text", ["22/(GPa)", "22 GPa**-1", "22 (GPa)^(-1)", "22 µm·mm/N", "22e-9 m²/N", "22 /(kN/mm^2)"]
+)
+def test_units_may_have_powers_and_parentheses(text):
+    assert isclose(parse_quantity(text, COMPLIANCE) or 0.0, 22e-9, rel_tol=1e-12)
 
 
 @given(st.text(max_size=12))

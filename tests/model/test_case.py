@@ -158,7 +158,7 @@ def cases(draw: st.DrawFn) -> Case:
         drive,
         features if timed else tuple(filter(still, features)),
         draw(times(kind, physical, drive)) if timed else None,
-        draw(st.one_of(st.none(), st.builds(Output, amounts(physical, sizes(), "s")))) if timed else None,
+        draw(st.one_of(st.none(), st.builds(Output, amounts(physical, sizes(2.0), "s")))) if timed else None,
         draw(st.sampled_from(["", "a name"])),
     )
 
@@ -191,7 +191,7 @@ def times(draw: st.DrawFn, kind: str, physical: bool, drive: Drive | None) -> Ti
         draw(st.one_of(st.none(), st.floats(-3, -0.1))) if kind == "impact" else None,
         draw(st.one_of(*ends)),
         draw(st.floats(1e-9, 0.9)),
-        draw(st.one_of(st.none(), moments)),
+        draw(st.one_of(st.none(), amounts(physical, sizes(0.1), "s"))),
     )
     return draw(st.sampled_from([None, time]))
 
@@ -534,6 +534,61 @@ REFUSED: list[Refusal] = [
         {"drive": Drive(load=constant(1.0))},
         'time.until = "rebound": a ball under a load may never leave; give a time',
     ),
+    (impact(), {"time": Time(until=1e9)}, "time.until = 1000000000.0: is 1e+09 t0; must be at most 100000 t0"),
+    (IN_TIME, {"time": Time(until=10.0, step=1e-9)}, "time.step = 1e-09: needs 1e+10 steps; must be at least 1e-06 t0"),
+    (
+        impact(),
+        {"output": Output(1e-9)},
+        "output.interval = 1e-09: gives 1.1e+10 maps with 1.16e+07 GB; at most 100000 and 100 GB are allowed, take a ",
+    ),
+    (
+        impact(solver=Solver(nodes=4097)),
+        {"output": Output(0.01)},
+        "output.interval = 0.01: gives 1.1e+03 maps with 295 GB",
+    ),
+    (
+        PHYSICAL,
+        {"output": Output(Quantity(1e-9, "s"))},
+        'output.interval = "1e-09 s": gives 4.18e+05 maps',
+    ),
+    # name and source
+    *[
+        (impact(), {"name": name}, f"name = {shown}: must be a plain file name: ")
+        for name, shown in {
+            "../../evil": '"../../evil"',
+            "/tmp/evil": '"/tmp/evil"',
+            "a\\b": '"a\\\\b"',
+            "run::1": '"run::1"',
+            ".": '"."',
+            "..": '".."',
+            ".hidden": '".hidden"',
+            "\x1b[31mred": '"\\u001b[31mred"',
+            "\u202etxt": '"\\u202etxt"',
+            "two\nlines": '"two\\nlines"',
+            "µ" * 51: f'"{"µ" * 51}"',
+            5: "5",
+        }.items()
+    ],
+    (
+        impact(),
+        {"oil": replace(OIL, reference="\x1b]0;title")},
+        'lubricant.reference = "\\u001b]0;title": must be one line',
+    ),
+    # sizes
+    (impact(), {"contact": Conditions(M=1e30, L=10.0)}, "contact: its values together give lambda_bar = 1.0"),
+    (PHYSICAL, {"contact": Conditions(**{**BALL, "radius": 1e-30, "speed": 1e30})}, "contact: its values together "),
+    (
+        impact(),
+        {"solver": Solver(half_width=1e9)},
+        "solver.half_width = 1000000000.0: must be less than or equal to 1000",
+    ),
+    (impact(), {"time": Time(-1e9)}, "time.start_approach = -1000000000.0: must be greater than or equal to -1000"),
+    (impact(), {"roughness": (Feature(Spot(1e-300, 0.1)),)}, "roughness[1].radius = 1e-300: must be between 1e-30 and"),
+    (
+        PHYSICAL,
+        {"roughness": (Feature(Spot(Quantity(1e30, "m"), 0.1)),)},
+        'roughness[1].radius = "1e+30 m": is 5.13076e+33 a in this contact; must be between',
+    ),
     # motion
     (STEADY, {"drive": Drive(load=constant(0.0))}, "motion.load: is 0 at T = 0; must be above zero there"),
     (STEADY, {"drive": Drive(entrainment=constant(0.0))}, "motion.entrainment: is 0 at T = 0"),
@@ -598,6 +653,23 @@ def test_every_rule_is_kept_by_replace_too(case, changes, message) -> None:
         replace(case, **changes)
     assert str(caught.value).startswith(message)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("values", [{"M": 1e300, "L": 10.0}, {"M": 10**400, "L": 10.0}, {"M": 200.0, "L": 1e31}])
+def test_numbers_of_an_absurd_size_are_refused(values) -> None:
+    with pytest.raises(ValueError, match=r"^contact\.[ML] = .*: must be between"):
+        Conditions(**values)
+
+
+@pytest.mark.parametrize("name", ["", "ball", "Kugel 2 (schnell)", "a_b-c.d", "x" * 100, "µ" * 50])
+def test_a_plain_file_name_is_a_name(name) -> None:
+    assert impact(name=name).name == name
+
+
+def test_an_end_in_seconds_is_refused_in_a_dimensionless_rolling_case() -> None:
+    data = {"contact": {"kind": "rolling", **MOES}, "solver": {"method": "transient"}, "time": {"until": "0.1 s"}}
+    with pytest.raises(ValueError, match=r'^time\.until = "0\.1 s": must be a plain number'):
+        Case.from_data({**data, "motion": {"entrainment": 2.0}})
 
 
 def test_reading_refuses_what_it_does_not_know() -> None:

@@ -106,6 +106,25 @@ def test_a_program_is_made_again_for_another_stamp_and_for_a_file_cut_short(kept
     assert len(traced) == 3
 
 
+def test_a_program_with_a_flipped_bit_is_compiled_again(kept):
+    new_process()(3.0, X)
+    (file,) = kept.iterdir()
+    whole = file.read_bytes()
+    places = np.linspace(0, len(whole) - 1, 20).astype(int)
+    for place in places:
+        file.write_bytes(whole[:place] + bytes([whole[place] ^ 16]) + whole[place + 1 :])
+        assert programs._read(file) is None, f"byte {place} of {len(whole)}"
+    file.write_bytes(whole)
+    assert_right(programs._read(file)(3.0, X))
+
+
+def test_a_kept_program_runs_no_other_code(kept):
+    """What it names is looked up in ertel alone."""
+    for kind in ("os.system", "ertel.runs.store.run"):
+        with pytest.raises(ValueError, match="must be a named tuple of ertel"):
+            programs._example({kind: [0]})
+
+
 def test_static_data_and_types_of_numbers_have_programs_of_their_own(kept):
     record = Elasticity(X, 3.0, X)
     for factor in (record, replace(record, even=Even(y=True)), 3.0, np.float64(3.0)):

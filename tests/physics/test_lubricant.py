@@ -29,6 +29,7 @@ from ertel.physics.lubricant import (
     Viscosity,
     roelands_exponent,
 )
+from ertel.physics.pressure_laws import Doolittle, Modulus, Tait
 
 P = np.linspace(0.0, 1.5, 16)
 ALPHA_BAR = st.floats(0.5, 40.0)
@@ -41,8 +42,14 @@ def roelands_of(p_h: float, alpha: float = ALPHA, eta0: float = ETA0, p0: float 
     return Roelands(alpha * p_h, roelands_exponent(alpha, eta0, p0), p0 / p_h)
 
 
-VISCOSITIES = [Isoviscous(), Barus(12.0), roelands_of(1e9)]
-DENSITIES = [Incompressible(), DowsonHigginson(DENSITY_PRESSURE / 1e9)]
+VISCOSITIES = [
+    Isoviscous(),
+    Barus(12.0),
+    roelands_of(1e9),
+    Modulus(1 / 20, 0.03),
+    Doolittle(5.258, 0.6633, 1.312, 11.74),
+]
+DENSITIES = [Incompressible(), DowsonHigginson(DENSITY_PRESSURE / 1e9), Tait(1.312, 11.74)]
 
 
 @given(ALPHA_BAR, Z, P_RATIO)
@@ -265,3 +272,20 @@ def test_a_law_that_is_not_registered_is_refused():
 
 def test_the_source_of_the_data_takes_no_part_in_equality():
     assert Oil(eta0=0.04, reference="one") == Oil(eta0=0.04, reference="another")
+
+
+def test_the_enthalpy_of_a_compressible_oil_is_the_integral_of_its_specific_volume() -> None:
+    """Also in closed form: 1/rho = (1 + s)/(1 + 1.34 s), s = p/p1."""
+    oil = Lubricant(Isoviscous(), DowsonHigginson(), 1.2e9)
+    s = oil.p_h * P / DENSITY_PRESSURE
+    exact = (s / 1.34 + (1 - 1 / 1.34) * np.log1p(1.34 * s) / 1.34) * DENSITY_PRESSURE / oil.p_h
+    assert_allclose(oil.enthalpy(P), exact, rtol=1e-6)
+    small = oil.compression(np.array([1e-4]))  # P^2/(2 K), K = p1/(0.34 p_h)
+    assert_allclose(small, 1e-8 / 2 * 0.34 * oil.p_h / DENSITY_PRESSURE, rtol=1e-3)
+    assert np.all(np.diff(oil.compression(P)) > 0)
+
+
+def test_an_incompressible_oil_stores_no_energy() -> None:
+    oil = Lubricant(Isoviscous(), Incompressible())
+    assert_allclose(oil.enthalpy(P), P, rtol=1e-14)
+    assert_allclose(oil.compression(P), 0.0, atol=1e-15)

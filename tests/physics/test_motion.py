@@ -49,7 +49,7 @@ def test_a_polyline_is_constant_outside_its_points() -> None:
 
 @pytest.mark.parametrize("points", [(), ((1.0, 0.0), (1.0, 1.0)), ((2.0, 0.0), (1.0, 1.0))])
 def test_a_polyline_needs_rising_times(points) -> None:
-    with pytest.raises(ValueError, match=r"^points = .*rising T"):
+    with pytest.raises(ValueError, match=r"^points: .*rising T"):
         Polyline(points)
 
 

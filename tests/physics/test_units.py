@@ -69,18 +69,22 @@ def test_the_example_of_a_unit_reads_as_such_a_quantity(name: str) -> None:
     pint = pytest.importorskip("pint")
     mark = ALL_UNITS[name]
     number, _, unit = mark.example.partition(" ")
-    quantity = float(number) * pint.UnitRegistry()(f"1{unit}" if unit.startswith("/") else unit)
+    registry = pint.UnitRegistry()
+    quantity = registry.Quantity(float(number), registry.parse_units(f"1{unit}" if unit.startswith("/") else unit))
     assert mark.allows(quantity.to(mark.unit).magnitude)
 
 
 @pytest.mark.parametrize(
     ("bounds", "value", "complaint"),
     [
-        (FINITE, -1e300, ""),
+        (FINITE, -1e30, ""),
+        (FINITE, -1e31, "must be between -1e+30 and 1e+30"),
+        (FINITE, 10**400, "must be between -1e+30 and 1e+30"),  # more digits than a float can hold
         (FINITE, nan, "must be a finite number"),
         (ABOVE_ZERO, inf, "must be a finite number"),
         (ABOVE_ZERO, 0.0, "must be greater than 0"),
-        (ABOVE_ZERO, 1e-300, ""),
+        (ABOVE_ZERO, 1e-30, ""),
+        (ABOVE_ZERO, 1e-300, "must be between 1e-30 and 1e+30"),
         (NOT_NEGATIVE, 0.0, ""),
         (NOT_NEGATIVE, -1.0, "must be greater than or equal to 0"),
         (SHARE, 1.0, "must be less than 1"),
@@ -93,6 +97,23 @@ def test_the_example_of_a_unit_reads_as_such_a_quantity(name: str) -> None:
 )
 def test_bounds_say_what_is_wrong(bounds: Bounds, value: float, complaint: str) -> None:
     assert bounds.complaint(value) == complaint
+
+
+@pytest.mark.parametrize(
+    ("mark", "value", "complaint"),
+    [
+        (LENGTH, 0.01, ""),
+        (LENGTH, 0.0, "must be finite and above zero"),
+        (LENGTH, nan, "must be finite and above zero"),
+        (LENGTH, 1e-300, "must be between 1e-30 and 1e+30"),
+        (LENGTH, 10**400, "must be between 1e-30 and 1e+30"),
+        (POSITION, -1e31, "must be between -1e+30 and 1e+30"),
+        (POSITION, -inf, "must be finite"),
+        (POSITION, 0.0, ""),
+    ],
+)
+def test_units_say_what_is_wrong(mark: Unit, value: float, complaint: str) -> None:
+    assert mark.complaint(value) == complaint
 
 
 def test_a_quantity_shows_its_number_to_the_last_bit() -> None:

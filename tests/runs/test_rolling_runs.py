@@ -16,7 +16,7 @@ from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.results import diagnostics, variables
 from ertel.results.provenance import provenance
-from ertel.runs import arrays
+from ertel.runs import checked_zarr
 from ertel.runs.arrays import ReplacedData
 from ertel.runs.drive import simulate
 from ertel.runs.store import RunStore, StoreError, compute
@@ -191,10 +191,15 @@ class Killed(BaseException):
     """Nobody catches it, like SIGKILL."""
 
 
-PLACES = [(arrays, "commit"), (ReplacedData, "_write"), (RunStore, "_write_checkpoint"), (Path, "rename")]
+PLACES = [
+    (checked_zarr, "write_root"),
+    (ReplacedData, "_write"),
+    (RunStore, "_write_checkpoint"),
+    (Path, "rename"),
+    (Path, "replace"),
+]
 
 
-@pytest.mark.filterwarnings("ignore:Failed to open Zarr store with consolidated metadata")
 @pytest.mark.parametrize(("place", "name"), PLACES)
 @pytest.mark.parametrize("when", ["before", "after"])
 @pytest.mark.parametrize("count", [1, 2, 3, 4])

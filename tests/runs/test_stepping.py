@@ -11,6 +11,7 @@ from ertel.model.sections import SOLVERS, Drive, Output, Time
 from ertel.model.state import Method, State, Stepping
 from ertel.physics.motion import Oscillation, Polyline, Signal
 from ertel.physics.scales import Parameters
+from ertel.results.variables import BUDGET
 from ertel.runs.drive import Gathering, drive
 
 PULSE = Polyline(((0.0, 1.0), (1.0, 1.0), (1.02, 3.0), (1.04, 1.0)))
@@ -40,6 +41,9 @@ class LikeTheLoad(Method):
     def measure(self, level: State) -> dict[str, float]:
         names = ("F", "P_c", "P_max", "X_P_max", "Y_P_max", "P_fall", "H_c", "H_min", "X_min", "Y_min")
         return dict.fromkeys(names, float(level.H[0, 0]))
+
+    def budget(self, levels: Sequence[State]) -> dict[str, float]:
+        return dict.fromkeys(BUDGET, 0.0)
 
     def whole(self, field: object) -> object:
         return field

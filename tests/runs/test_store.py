@@ -17,7 +17,7 @@ from cases import physics, stop_after
 import ertel
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.model.status import Status
-from ertel.runs import arrays, store
+from ertel.runs import checked_zarr
 from ertel.runs.arrays import AppendedData
 from ertel.runs.courses import ImpactCourse, method_of
 from ertel.runs.drive import simulate
@@ -90,15 +90,15 @@ def test_frames_are_at_their_times(uninterrupted, case):
 def test_a_flush_writes_once_however_many_steps_there_are(tmp_path, monkeypatch, case):
     """It costs far less than the seconds between two of them: what is appended does not grow with the run."""
     run = RunStore.create(tmp_path / "run", case)
-    extended, extend = [], AppendedData._extend
+    appended, append = [], checked_zarr.append
 
-    def counting(self, path, dimension, values):
-        extended.append(len(values.get(dimension, ())))
-        extend(self, path, dimension, values)
+    def counting(path, arrays):
+        appended.append(len(arrays.get("time", ())))
+        append(path, arrays)
 
-    monkeypatch.setattr(AppendedData, "_extend", counting)
+    monkeypatch.setattr(checked_zarr, "append", counting)
     summary = compute(run)
-    assert sum(extended[::2]) == summary["steps"] > len(extended) / 2
+    assert sum(appended) == summary["steps"] > len(appended)
 
 
 # -- interrupted ------------------------------------------------------------------------------------------------------
@@ -159,8 +159,9 @@ class Killed(BaseException):
 def deaths():
     """Where a run can die: the functions that a flush calls, before and after each, sooner or later."""
     places = [
-        (arrays, "commit"),
-        (AppendedData, "_extend"),
+        (checked_zarr, "append"),
+        (checked_zarr, "write_root"),
+        (Path, "replace"),
         (RunStore, "_write_checkpoint"),
         (ImpactCourse, "to_arrays"),
     ]
@@ -321,10 +322,3 @@ def test_nothing_computed_yet(tmp_path, case):
     assert run.dataset().sizes["time"] == 0
     with pytest.raises(StoreError, match="nothing is computed yet"):
         run.summary_so_far()
-
-
-def test_unused_directory(tmp_path, case):
-    assert store.unused_directory(case, tmp_path) == tmp_path / "small"
-    (tmp_path / "small").mkdir()
-    (tmp_path / "small-2").mkdir()
-    assert store.unused_directory(case, tmp_path) == tmp_path / "small-3"

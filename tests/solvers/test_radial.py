@@ -21,6 +21,7 @@ from ertel.model.sections import Solver, Time
 from ertel.model.state import State
 from ertel.model.status import Status
 from ertel.numerics import bdf
+from ertel.numerics.integrals import disc_weights
 from ertel.physics import geometry, hertz
 from ertel.physics.lubricant import Oil
 from ertel.physics.registry import VISCOSITY_LAWS
@@ -144,9 +145,9 @@ def test_the_kernel_is_of_second_order_for_a_smooth_pressure() -> None:
 
 def test_the_load_is_exact_for_a_cone_and_right_for_hertz() -> None:
     r = radial.radii(65, 3.0)
-    assert radial.load_weights(r) @ (1 - r / 3.0) == pytest.approx(pi * 3.0**2 / 3, rel=1e-13)
+    assert disc_weights(r) @ (1 - r / 3.0) == pytest.approx(pi * 3.0**2 / 3, rel=1e-13)
     r = radial.radii(513, 3.0)
-    assert radial.load_weights(r) @ hertz.pressure(r) == pytest.approx(geometry.HERTZ_LOAD, rel=1e-4)
+    assert disc_weights(r) @ hertz.pressure(r) == pytest.approx(geometry.HERTZ_LOAD, rel=1e-4)
 
 
 # -- the equations ----------------------------------------------------------------------------------------------------

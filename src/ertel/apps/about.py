@@ -23,7 +23,7 @@ def about() -> dict[str, str]:
         **{name: _version(package) for name, package in PACKAGES.items()},
         "known faults": compiling.wrong_version(_version("jaxlib")) or "none in this version of JAX",
         "devices": devices(),
-        "compile cache": str(compiling.cache_directory()),
+        "compile cache": str(compiling.cache_directory() or "none: there is no home directory"),
         "citation": CITATION.format(version=ertel.__version__),
     }
 
@@ -31,10 +31,8 @@ def about() -> dict[str, str]:
 def devices() -> str:
     """The devices that JAX computes on."""
     try:
-        import jax
-
-        found = [device.device_kind for device in jax.devices()]
-    except (ImportError, RuntimeError) as error:
+        found = [device.device_kind for device in compiling.devices()]
+    except (ImportError, compiling.NoDevice) as error:
         return f"none: {error}"
     return ", ".join(f"{kind} ({os.cpu_count()} cores)" if kind == "cpu" else kind for kind in found)
 

@@ -2,12 +2,11 @@
 
 Commands import what they need inside, so that `ertel --help` and `ertel params` answer at once.
 
-Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing written; 130 interrupted, can be resumed.
+Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing written; 130 interrupted, can be resumed
+(143 by SIGTERM, 129 by SIGHUP).
 """
 
-import json
 import os
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from enum import StrEnum
 from pathlib import Path
@@ -15,12 +14,15 @@ from typing import Annotated, Any
 
 import typer
 
-from ertel.apps.exits import FAILED, INTERRUPTED, bad_input, check_jax, leave
+from ertel.apps import interrupts, output
+from ertel.apps.exits import FAILED, bad_input, leave, reason_of
+from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
+from ertel.apps.paths import local_path, shown
 
 app = typer.Typer(
+    cls=Commands,
     help="Elastohydrodynamic lubrication of point contacts: a ball hits an oiled surface, or rolls and slides on it.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -35,8 +37,12 @@ class Format(StrEnum):
     pdf = "pdf"
 
 
-CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file; see examples/.", show_default=False)]
-RunDirectory = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a run.", show_default=False)]
+CaseFile = Annotated[
+    Path, typer.Argument(parser=local_path, metavar="CASE.toml", help="Case file; see examples/.", show_default=False)
+]
+RunDirectory = Annotated[
+    Path, typer.Argument(parser=local_path, metavar="DIR", help="Directory of a run.", show_default=False)
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
 Estimate = Annotated[
@@ -48,16 +54,21 @@ Estimate = Annotated[
 def main() -> None:
     """The entry point `ertel`."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the small dense solves lose more than they gain by threads
-    app()
+    with output.never_failing():
+        app()
 
 
 @app.callback(invoke_without_command=True)
-def _options(version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False) -> None:
+def _options(
+    ctx: typer.Context, version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False
+) -> None:
     if version:
         import ertel
 
         print(f"ertel {ertel.__version__}")
         raise typer.Exit
+    if ctx.invoked_subcommand is None:
+        print(ctx.get_help())
 
 
 # -- runs -------------------------------------------------------------------------------------------------------------
@@ -67,7 +78,10 @@ def _options(version: Annotated[bool, typer.Option("--version", help="Print the 
 def run(
     case_file: CaseFile,
     out: Annotated[
-        Path | None, typer.Option(help="New directory for the run; default runs/NAME.", show_default=False)
+        Path | None,
+        typer.Option(
+            parser=local_path, metavar="DIR", help="New directory for the run; default runs/NAME.", show_default=False
+        ),
     ] = None,
     set_: Annotated[
         list[str] | None,
@@ -81,37 +95,29 @@ def run(
     with bad_input():
         from ertel.apps import running
         from ertel.inputs.case_files import load_case
-        from ertel.runs.courses import course_of
-        from ertel.runs.store import unused_directory
 
         case = load_case(case_file, set_ or [])
-        course = course_of(case)
-        others = course.comparisons if error else {}
-        store = running.create(out or unused_directory(case), course)
-    running.finish(store, others, as_json, quiet)
+    running.run(case, out, running.Wishes(as_json, error, quiet))
 
 
 @app.command()
 def resume(directory: RunDirectory, as_json: Json = False, error: Estimate = False, quiet: Quiet = False) -> None:
     """Continue a run that was interrupted."""
-    with bad_input():
-        from ertel.apps import running
-        from ertel.runs.store import RunStore
+    from ertel.apps import running
 
-        store = RunStore.open(directory)
-        others = store.course.comparisons if error else {}
-    summary = store.summary()
-    if summary and summary["status"] == "converged":
-        running.report(store, summary, as_json, quiet)
-    else:
-        running.finish(store, others, as_json, quiet)
+    running.resume(directory, running.Wishes(as_json, error, quiet))
 
 
 @app.command("warm-up")
 def warm_up(
     case_files: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="[CASE.toml]...", help="Case files; default the usual grids.", show_default=False),
+        typer.Argument(
+            parser=local_path,
+            metavar="[CASE.toml]...",
+            help="Case files; default the usual grids.",
+            show_default=False,
+        ),
     ] = None,
     set_: Annotated[
         list[str] | None,
@@ -139,13 +145,9 @@ def warm_up(
 @app.command()
 def show(directory: RunDirectory, as_json: Json = False) -> None:
     """Print the summary of a run."""
-    with bad_input():
-        from ertel.apps import running
-        from ertel.runs.store import RunStore
+    from ertel.apps import running
 
-        store = RunStore.open(directory)
-        summary = running.summary_so_far(store)
-    running.report(store, summary, as_json, quiet=False)
+    running.show(directory, as_json)
 
 
 @app.command()
@@ -159,22 +161,25 @@ def plot(
     ] = None,
     format_: Annotated[Format, typer.Option("--format", help="File format.")] = Format.png,
     out: Annotated[
-        Path | None, typer.Option(help="Directory for the figures; default DIR/plots.", show_default=False)
+        Path | None,
+        typer.Option(
+            parser=local_path, metavar="DIR", help="Directory for the figures; default DIR/plots.", show_default=False
+        ),
     ] = None,
 ) -> None:
     """Draw the figures of a run."""
-    with bad_input():
-        from ertel.results.plots import figures_of
-        from ertel.runs.store import RunStore
+    from ertel.apps import running
+    from ertel.results.plots import figures_of
 
-        data = RunStore.open(directory).dataset()
+    with running.opened(directory) as run:
+        data = run.dataset()
+        with bad_input():
+            figures = {name: draw(data, **options) for name, draw, options in _at(figures_of(data), at)}
         target = out or directory / "plots"
-        draws = figures_of(data)
-        figures = {name: draw(data, **options) for name, draw, options in _at(draws, at)}
         target.mkdir(parents=True, exist_ok=True)
         for name, figure in figures.items():
             figure.savefig(target / f"{name}.{format_.value}")
-            print(target / f"{name}.{format_.value}")
+            print(output.printable(shown(target / f"{name}.{format_.value}")))
 
 
 def _at(draws: Mapping[str, Callable[..., Any]], at: str | None) -> Iterator[tuple[str, Callable[..., Any], Any]]:
@@ -215,7 +220,7 @@ def params(given: Mapping[str, object], as_json: Json = False) -> None:
 
         content = parameter_summary(case_of_flags(given))
     if as_json:
-        print(json.dumps(content, indent=2))
+        output.print_json(content)
     else:
         from ertel.apps import tables
 
@@ -227,7 +232,10 @@ def params(given: Mapping[str, object], as_json: Json = False) -> None:
 def film(
     given: Mapping[str, object],
     case_file: Annotated[
-        Path | None, typer.Argument(metavar="[CASE.toml]", help="Case file of a rolling contact.", show_default=False)
+        Path | None,
+        typer.Argument(
+            parser=local_path, metavar="[CASE.toml]", help="Case file of a rolling contact.", show_default=False
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -241,17 +249,39 @@ def film(
         from ertel.results.summary import films
 
         if case_file and given:
-            raise ValueError(f"{case_file} and {flag_of(next(iter(given)))} are given together; give only one of them")
+            raise ValueError(
+                f"{shown(case_file)} and {flag_of(next(iter(given)))} are given together; give only one of them"
+            )
         case = load_case(case_file) if case_file else case_of_flags({"kind": "rolling", **given})
         if case.starts_apart:
             raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
         found = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if as_json:
-        print(json.dumps(tables.films_as_data(case, found), indent=2))
+        output.print_json(tables.films_as_data(case, found))
     else:
         console = tables.console()
         console.print(tables.film_table(case, found, {}))
         tables.print_sources(console, found)
+
+
+@app.command()
+def oils(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="An oil or a material.", show_default=False)
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Print the oils and materials that case files know by name, or all data of one with their sources."""
+    from ertel.apps import oils, tables
+
+    with bad_input():
+        entry = oils.find(name) if name else None
+    if as_json:
+        output.print_json(oils.as_data(entry) if entry else oils.library_data())
+    elif entry:
+        oils.print_entry(tables.console(), entry)
+    else:
+        oils.print_library(tables.console())
 
 
 @app.command()
@@ -270,9 +300,12 @@ def about() -> None:
 def paper(
     figure: Annotated[str, typer.Argument(metavar="all|fig1|fig2|...", help="Figure to reproduce.")] = "all",
     quick: Annotated[bool, typer.Option("--quick", help="Use coarse grids: seven minutes on one core.")] = False,
-    out: Annotated[Path, typer.Option(help="Directory for the page; results kept in it are used again.")] = Path(
-        "paper"
-    ),
+    out: Annotated[
+        Path,
+        typer.Option(
+            parser=local_path, metavar="DIR", help="Directory for the page; results kept in it are used again."
+        ),
+    ] = Path("paper"),
     jobs: Annotated[int | None, typer.Option(help="Number of processes; default one per core.", min=1)] = None,
     quiet: Quiet = False,
 ) -> None:
@@ -286,12 +319,13 @@ def paper(
     with bad_input():
         names = figures.names_of(figure)
         out.mkdir(parents=True, exist_ok=True)
-    check_jax()
     try:
         page, missing = _make_page(names, quick, out, jobs, quiet)
-    except KeyboardInterrupt:
-        leave(INTERRUPTED, "interrupted; the same command continues")
-    print(page)
+    except interrupts.Interrupted as error:
+        leave(error.code, "interrupted; the same command continues")
+    except OSError as error:
+        leave(FAILED, f"cannot write to {shown(out)}: {reason_of(error)}; the same command continues")
+    print(output.printable(shown(page)))
     if missing:
         leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))
 
@@ -299,12 +333,19 @@ def paper(
 def _make_page(names: list[str], quick: bool, out: Path, jobs: int, quiet: bool) -> tuple[Path, dict[str, str]]:
     """Run what is missing and write the page: its path, and why figures are missing."""
     from ertel.apps.boundary_layers import figures
+    from ertel.runs import compiling
     from ertel.runs.progress import bars
     from ertel.runs.sweep import processes
 
+    compiling.check_jax()
     runs, done, seconds = figures.expected(names, quick, out, jobs)
     if not quiet:
-        print(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min", file=sys.stderr)
-    with bars(not quiet) as shown, processes(jobs) as executor:
-        bar = shown.add_task("runs", total=runs, news="")
-        return figures.make(names, quick, out, executor, lambda task, _: shown.update(bar, advance=1, news=task.name))
+        output.say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
+    with bars(not quiet) as progress, processes(jobs) as executor:
+        compiling.devices()  # or no run can begin
+        bar = progress.add_task("runs", total=runs, news="")
+
+        def on_done(task: Any, _: object) -> None:
+            progress.update(bar, advance=1, news=task.name)
+
+        return figures.make(names, quick, out, executor, on_done)

@@ -1,25 +1,19 @@
 """Messages of commands on stderr, and their exit codes."""
 
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import NoReturn
 
 import typer
 
-FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+from ertel.apps.output import say
 
-
-def check_jax() -> None:
-    """Warn if the installed JAX gives wrong results."""
-    from ertel.runs import compiling
-
-    compiling.check_jax(lambda message: print(f"ertel: warning: {message}", file=sys.stderr))
+FAILED, BAD_INPUT = 1, 2  # and 128 + the number of a signal, see `interrupts`
 
 
 def leave(code: int, message: str) -> NoReturn:
     """End with an exit code and a message."""
-    print(f"ertel: {message}", file=sys.stderr)
+    say(f"ertel: {message}")
     raise typer.Exit(code)
 
 

@@ -1,101 +1,206 @@
-"""A run from its new directory to the printed report, with progress bars and Ctrl-C."""
+"""A run from its new directory to the printed report, with progress bars and signals."""
 
-import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ertel.apps import tables
-from ertel.apps.exits import FAILED, INTERRUPTED, check_jax, leave, reason_of
-from ertel.apps.interrupts import interruptible
+from ertel.apps.exits import BAD_INPUT, FAILED, bad_input, leave, reason_of
+from ertel.apps.interrupts import Stop, interruptible
+from ertel.apps.output import print_json, say
+from ertel.apps.paths import in_shell, shown
 from ertel.model.case import Case
 from ertel.model.status import Status
-from ertel.runs import compiling, store
-from ertel.runs.courses import Course
+from ertel.runs import compiling, memory, store
+from ertel.runs.courses import Course, course_of
 from ertel.runs.drive import Gathering, drive
 from ertel.runs.progress import bars, watch
-from ertel.runs.store import CASE, RunStore, StoreError
+from ertel.runs.store import CASE, CHECKPOINT, SUMMARY, Damaged, RunStore, StoreError, Taken
 from ertel.runs.warm_up import warm_up
 
 
-def create(directory: Path, course: Course) -> RunStore:
-    """The store of a new run.  Raises StoreError with advice if the directory cannot be used."""
-    try:
-        return RunStore.create(directory, course.case, course)
-    except StoreError as error:
-        resumable = f", or continue it: ertel resume {directory}" if (directory / CASE).exists() else ""
-        raise StoreError(f"{error}; choose another --out{resumable}") from error
+@dataclass(frozen=True)
+class Wishes:
+    """What a user wants of a run: its report as JSON, its error, or nothing printed."""
+
+    as_json: bool = False
+    error: bool = False
+    quiet: bool = False
 
 
-def finish(run: RunStore, others: Mapping[str, Course], as_json: bool, quiet: bool) -> None:
-    """Continue a run to its end and report; exit with a code if it did not reach its end."""
-    check_jax()
-    compiling.start_at_once()
-    try:
-        summary = _computed(run, others, quiet)
-    except OSError as error:
-        leave(FAILED, f"cannot write to {run.directory}: {reason_of(error)}; {_to_continue(run)}")
-    report(run, summary, as_json, quiet)
-    _conclude(run, summary)
+# -- commands ---------------------------------------------------------------------------------------------------------
 
 
-def _computed(run: RunStore, others: Mapping[str, Course], quiet: bool) -> Mapping[str, Any]:
-    """Run under progress bars until the end or Ctrl-C: the summary, with errors if other runs are compared."""
-    with interruptible() as stop, bars(not quiet) as shown:
-        compared = {
-            part: _summary_of(run, course, [watch(shown, course, f"for the error of the {part}"), stop])
-            for part, course in others.items()
-        }
-        summary = store.compute(run, [watch(shown, run.course), stop])
-    if compared and all(one["status"] == "converged" for one in (summary, *compared.values())):
-        summary = run.course.with_error(summary, compared)
-        run.finish(summary)
-    return summary
+def run(case: Case, directory: Path | None, wishes: Wishes) -> None:
+    """Run a case in a new directory: that one, or runs/NAME."""
+    _prepare()
+    with _within_memory(case):
+        with bad_input():
+            course = course_of(case)
+            others = course.comparisons if wishes.error else {}
+            made = _create(directory, course)
+        _finish(made, others, wishes)
 
 
-def _summary_of(run: RunStore, course: Course, observers: list[Any]) -> Mapping[str, Any]:
-    gathering = Gathering(course)
-    last = drive(course, [gathering, *observers])
-    if last.status is Status.INTERRUPTED:
-        leave(INTERRUPTED, f"interrupted before the first step; {_to_continue(run)}")
-    return gathering.result(last).summary
+def resume(directory: Path, wishes: Wishes) -> None:
+    """Continue a run, or compare a finished one for its error; what is done is only shown."""
+    with opened(directory) as found:
+        done = found.outcome()
+        if done and (not wishes.error or done.get("error_estimate")):
+            report(found, done, wishes)
+            return
+        _prepare()
+        with _within_memory(found.case):
+            with bad_input():
+                others = found.course.comparisons if wishes.error else {}
+            _finish(found, others, wishes)
+
+
+def show(directory: Path, as_json: bool) -> None:
+    """Print the summary of a run, complete or so far."""
+    with opened(directory) as found:
+        try:
+            summary = found.summary() or found.summary_so_far()
+        except Damaged:
+            raise
+        except StoreError as error:
+            raise StoreError(f"{error}; to start it: ertel resume {in_shell(directory)}") from error
+        report(found, summary, Wishes(as_json))
 
 
 def warm_up_all(cases: Sequence[Case]) -> None:
     """Compile ahead for all cases, with a line for each on stderr."""
-    check_jax()
-    compiling.start_at_once()
+    directory = compiling.cache_directory()
+    if directory is None:
+        leave(BAD_INPUT, "compiled programs cannot be kept without a home directory; set XDG_CACHE_HOME to a directory")
+    _prepare()
     for number, case in enumerate(cases, start=1):
-        print(f"{number}/{len(cases)}  {case.name or case.kind}: compiling", file=sys.stderr, flush=True)
-        warm_up(case)
-    print(f"Compiled programs are in {compiling.cache_directory()}", file=sys.stderr)
+        say(f"{number}/{len(cases)}  {case.name or case.kind}: compiling")
+        with _within_memory(case):
+            warm_up(case)
+    say(f"Compiled programs are in {directory}")
 
 
-def summary_so_far(run: RunStore) -> Mapping[str, Any]:
-    """The summary of a run, complete or so far.  Raises StoreError with advice if there is none."""
+def _prepare() -> None:
+    """Check that JAX computes here, and let it load what is compiled.  Raises NoDevice."""
+    compiling.check_jax()
+    compiling.devices()
+    compiling.start_at_once()
+
+
+# -- directories ------------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def opened(directory: Path) -> Iterator[RunStore]:
+    """The store of a run.  Raises StoreError, where it is damaged with the command that repairs it."""
+    run = RunStore.open(directory)
     try:
-        return run.summary() or run.summary_so_far()
+        yield run
+    except Damaged as error:
+        raise StoreError(f"{error}: {_to_repair(run, error.path)}") from error
+
+
+def _to_repair(run: RunStore, damaged: Path) -> str:
+    """The command that makes good what is damaged."""
+    to_resume = f"ertel resume {in_shell(run.directory)}"
+    if damaged.name == CHECKPOINT:
+        return f"rm {in_shell(damaged)}; {to_resume}"
+    if damaged.name == SUMMARY or run.case.is_steady:
+        return to_resume
+    return f"ertel run {in_shell(run.directory / CASE)}"
+
+
+def _create(directory: Path | None, course: Course) -> RunStore:
+    """The store of a new run.  Raises StoreError with advice if the directory cannot be used."""
+    if directory is None:
+        return RunStore.create_unused(course.case, Path("runs").absolute(), course)
+    try:
+        return RunStore.create(directory, course.case, course)
+    except Taken as error:
+        resumable = f", or continue it: ertel resume {in_shell(directory)}" if (directory / CASE).exists() else ""
+        raise StoreError(f"{error}; choose another --out{resumable}") from error
     except StoreError as error:
-        raise StoreError(f"{error}; to start it: ertel resume {run.directory}") from error
+        raise StoreError(f"{error}; choose another --out") from error
 
 
-def report(run: RunStore, summary: Mapping[str, Any], as_json: bool, quiet: bool) -> None:
-    """Print a summary in the form that the user asked for."""
-    if as_json:
-        sys.stdout.write(store.to_json(summary))
-    elif not quiet:
-        out = tables.console()
-        tables.print_summary(out, run.case, summary)
-        out.print(f"Stored in {run.directory}; for figures: ertel plot {run.directory}")
+# -- computing --------------------------------------------------------------------------------------------------------
 
 
-def _conclude(run: RunStore, summary: Mapping[str, Any]) -> None:
+@contextmanager
+def _within_memory(case: Case) -> Iterator[None]:
+    """Warn of a grid that is too large for the memory, and say so if memory ends."""
+    there = memory.available()
+    if 0 < there < memory.needed(case):
+        say(f"ertel: warning: {memory.shortage(case)}")
+    try:
+        yield
+    except Exception as error:
+        if not memory.is_exhausted(error):
+            raise
+        leave(FAILED, f"out of memory: {memory.shortage(case)}")
+
+
+def _finish(run: RunStore, others: Mapping[str, Course], wishes: Wishes) -> None:
+    """Continue a run to its end and report; exit with a code if it did not reach its end."""
+    to_continue = f"to continue: ertel resume {in_shell(run.directory)}{' --error' if others else ''}"
+    with interruptible() as stop:
+        try:
+            summary = _computed(run, others, wishes.quiet, stop)
+        except OSError as error:
+            leave(FAILED, f"cannot write to {shown(run.directory)}: {reason_of(error)}; {to_continue}")
+        if summary is None:
+            leave(stop.code, f"interrupted; {to_continue}")
+        report(run, summary, wishes)
     status = Status(summary["status"])
     if status is Status.INTERRUPTED:
-        leave(INTERRUPTED, f"interrupted; {_to_continue(run)}")
+        leave(stop.code, f"interrupted; {to_continue}")
     if not status.ok:
-        leave(FAILED, f"failed: {status.value}; {status.advice}. Results so far are in {run.directory}")
+        advice = f"{status.value}; {status.advice}. Results so far are in {shown(run.directory)}"
+        leave(FAILED, f"failed: {advice}")
 
 
-def _to_continue(run: RunStore) -> str:
-    return f"to continue: ertel resume {run.directory}"
+def _computed(run: RunStore, others: Mapping[str, Course], quiet: bool, stop: Stop) -> Mapping[str, Any] | None:
+    """The summary at the end or at a stop, with errors if other runs are compared; None if those were stopped."""
+    with bars(not quiet) as shown_bars, run.alone():
+        compared = {}
+        for part, course in others.items():
+            bar = watch(shown_bars, course, f"for the error of the {part}")
+            compared[part] = _summary_of(course, [bar, stop])
+            if stop.code:
+                return None
+        summary = run.outcome() or store.compute(run, [watch(shown_bars, run.course), stop])
+        if summary["status"] == "converged" and compared:
+            return _with_error(run, summary, compared)
+    return summary
+
+
+def _summary_of(course: Course, observers: list[Any]) -> Mapping[str, Any]:
+    gathering = Gathering(course)
+    return gathering.result(drive(course, [gathering, *observers])).summary
+
+
+def _with_error(run: RunStore, summary: Mapping[str, Any], compared: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The summary with the errors, also stored; without them if a run for comparison gave up."""
+    for part, other in compared.items():
+        if other["status"] != "converged":
+            say(f"ertel: warning: no error is estimated: the run for the error of the {part} failed: {other['status']}")
+            return summary
+    complete = run.course.with_error(summary, compared)
+    run.finish(complete)
+    return complete
+
+
+# -- reporting --------------------------------------------------------------------------------------------------------
+
+
+def report(run: RunStore, summary: Mapping[str, Any], wishes: Wishes) -> None:
+    """Print a summary in the form that the user asked for."""
+    if wishes.as_json:
+        print_json(summary)
+    elif not wishes.quiet:
+        out = tables.console()
+        tables.print_summary(out, run.case, summary)
+        out.print(f"Stored in {shown(run.directory)}; for figures: ertel plot {in_shell(run.directory)}")

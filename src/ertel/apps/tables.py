@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
-from ertel.results.key_numbers import extreme_lines
+from ertel.apps.output import printable
+from ertel.results.key_numbers import budget_lines, extreme_lines
 from ertel.results.kinds import KINDS, Errors
 
 if TYPE_CHECKING:
@@ -14,9 +15,17 @@ if TYPE_CHECKING:
     from ertel.physics.film_formulas import Film
 
 
+class PlainConsole(Console):
+    """A console that shows control characters in texts as escapes."""
+
+    def print(self, *objects: Any, **options: Any) -> None:
+        """Print as rich does."""
+        super().print(*(printable(item) if isinstance(item, str) else item for item in objects), **options)
+
+
 def console() -> Console:
     """The console for tables: stdout, without markup."""
-    return Console(highlight=False, markup=False, soft_wrap=True)
+    return PlainConsole(highlight=False, markup=False, soft_wrap=True)
 
 
 # -- a run ------------------------------------------------------------------------------------------------------------
@@ -49,7 +58,7 @@ def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
         out.print(f"The largest error is {said}.")
     if summary.get("restitution") is not None:
         out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
-    for line in extreme_lines(summary):
+    for line in (*extreme_lines(summary), *budget_lines(summary)):
         out.print(f"{line[0].upper()}{line[1:]}")
     _print_formulas(out, case, values, errors)
 

@@ -1,5 +1,6 @@
 """Case files: TOML, or plain data of the same layout, to a Case and back."""
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -8,10 +9,12 @@ from typing import Any
 from pydantic import ValidationError
 
 from ertel.inputs.messages import ConfigError, message
+from ertel.inputs.names import without_names
 from ertel.inputs.schema import case_file, keys_of, plain, section_of
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
-from ertel.model.records import show
+from ertel.model.records import shortened, show
+from ertel.model.rules import plain_name
 from ertel.physics.units import Unit, marks
 
 __all__ = ["ConfigError", "apply_overrides", "load_case", "parse_case", "read_toml", "to_toml"]
@@ -20,11 +23,13 @@ __all__ = ["ConfigError", "apply_overrides", "load_case", "parse_case", "read_to
 def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
     """The case in a TOML file, with overrides such as "solver.nodes=129" applied.
 
+    Without a name in the file the case is called as the file is; what a name may not contain becomes "_".
+
     Raises ConfigError if the file cannot be read or contains something that is not allowed.
     """
     path = Path(path)
     data = apply_overrides(read_toml(path), overrides)
-    data.setdefault("name", path.stem)
+    data.setdefault("name", plain_name(path.stem))
     return parse_case(data)
 
 
@@ -42,8 +47,9 @@ def parse_case(data: Mapping[str, object]) -> Case:
     if "contact" not in data:
         keys = ", ".join(keys_of(section_of(Conditions)))
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
+    data = without_names(data)
     try:
-        read = plain(case_file().model_validate(dict(data)))
+        read = plain(case_file().model_validate(data))
     except ValidationError as error:
         raise ConfigError(message(error)) from error
     try:
@@ -63,14 +69,53 @@ def _as_written(text: str, written: Any, read: Mapping[str, Any]) -> str:
 # -- files ------------------------------------------------------------------------------------------------------------
 
 
+LARGEST_FILE = 1_000_000  # bytes: thousands of points of a signal
+# A dotted key of many parts: the time that tomllib takes for it goes with the square of their number.
+_NAME = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
+LONG_KEY = re.compile(rf"(?<![\w-])(?:{_NAME}[ \t]*+\.[ \t]*+){{20}}")
+
+
 def read_toml(path: Path) -> dict[str, Any]:
-    """The plain data of a TOML file; ConfigError if it is missing or not valid TOML."""
+    """The plain data of a TOML file of at most 1 MB, in UTF-8 with or without a byte order mark.
+
+    Raises ConfigError if it is missing, no regular file (a pipe may never end), too large or not valid TOML.
+    """
+    name = f"the case file {path}"
+    text = _read_text(path, name)
+    if LONG_KEY.search(text):
+        raise ConfigError(f"{name} is not valid TOML: a key has more than 20 parts, a.b.c...; a case file needs two")
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{name} is not valid TOML: {shortened(str(error))}") from error
+    except ValueError as error:  # of Python's own limit
+        raise ConfigError(f"{name} is not valid TOML: an integer has thousands of digits") from error
+    except RecursionError as error:
+        raise ConfigError(f"{name} is not valid TOML: arrays or tables are nested hundreds of times") from error
+
+
+def _read_text(path: Path, name: str) -> str:
+    content = _read_bytes(path, name)
+    if len(content) > LARGEST_FILE:
+        raise ConfigError(f"{name} is too large; must have at most {LARGEST_FILE / 1e6:g} MB")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        wrong = f"byte {error.start + 1} is not"
+        raise ConfigError(f"{name} is not valid TOML: must be text in UTF-8, but {wrong}") from error
+
+
+def _read_bytes(path: Path, name: str) -> bytes:
+    """The content of a file, or as much of it as shows that it is too large."""
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise ConfigError(f"{name} is a pipe or a device; must be a regular file")
+    try:
+        with path.open("rb") as file:
+            return file.read(LARGEST_FILE + 1)
     except OSError as error:
-        raise ConfigError(f"cannot read the case file {path}: {(error.strerror or str(error)).lower()}") from error
-    except ValueError as error:  # TOMLDecodeError and UnicodeDecodeError
-        raise ConfigError(f"the case file {path} is not valid TOML: {error}") from error
+        raise ConfigError(f"cannot read {name}: {(error.strerror or str(error)).lower()}") from error
+    except ValueError as error:
+        raise ConfigError(f"cannot read {name}: its name contains a null character") from error
 
 
 def to_toml(case: Case) -> str:
@@ -90,16 +135,17 @@ def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[s
         target, equals, text = item.partition("=")
         *section, key = target.strip().split(".")
         if not equals or not key or len(section) > 1:
-            raise ConfigError(f"--set {item}: must be section.key=value, for example solver.nodes=129")
+            raise ConfigError(f"--set {shortened(item)}: must be section.key=value, for example solver.nodes=129")
         place = merged.setdefault(section[0], {}) if section else merged
         if not isinstance(place, dict):
-            raise ConfigError(f"--set {item}: {section[0]} is no section")
+            raise ConfigError(f"--set {shortened(item)}: {shortened(section[0])} is no section")
         place[key] = _toml_or_text(text.strip())
     return merged
 
 
 def _toml_or_text(text: str) -> object:
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        found = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
         return text
+    return found["value"] if len(found) == 1 else text  # not what follows in further lines

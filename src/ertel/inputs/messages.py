@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from ertel.inputs import schema
-from ertel.model.records import show
+from ertel.model.records import printable, show, show_key
 from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
 
 
@@ -15,7 +15,7 @@ class ConfigError(ValueError):
     """The input is wrong: the message, one line, names the field, its value and what is allowed."""
 
     def __init__(self, message: str):
-        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in message))
+        super().__init__(printable(message))
 
 
 # keys that a tribologist may try and that ertel does not support, with an explanation
@@ -27,7 +27,6 @@ NOT_THERE = {
     "radius_x_2": "ertel solves circular contacts only; elliptical contacts are not supported",
     "radius_y_2": "ertel solves circular contacts only; elliptical contacts are not supported",
     "ellipticity": "ertel solves circular contacts only; elliptical contacts are not supported",
-    "temperature": "ertel is isothermal; give eta0 and alpha at the temperature of the inlet",
     "tau0": "ertel's oils are Newtonian; shear thinning is not supported",
     "eyring": "ertel's oils are Newtonian; shear thinning is not supported",
     "rheology": "ertel's oils are Newtonian; shear thinning is not supported",
@@ -51,6 +50,8 @@ def message(error: ValidationError) -> str:
             return f"{field}: {first['ctx']['error']}"
         case "literal_error":
             return f"{field}: allowed: {first['ctx']['expected']}"
+        case "union_tag_not_found" if place[0] == "roughness" and not isinstance(first["input"], dict):
+            return f"{field}: must be a table with a shape; allowed: {_list(SHAPES)}"
         case "union_tag_not_found" if place[0] == "roughness":
             return _unknown_name(place, "shape", first["input"], SHAPES)
         case "union_tag_not_found" if place[0] == "lubricant":
@@ -81,7 +82,9 @@ def _is_tag(part: str | int) -> bool:
 
 def field_name(place: Sequence[str | int]) -> str:
     """section.key, an element of an array by its number from 1: roughness[1].amplitude."""
-    return "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
+    return "".join(f"[{part + 1}]" if isinstance(part, int) else f".{show_key(part)}" for part in place).removeprefix(
+        "."
+    )
 
 
 def _known_keys(name: str, known: Sequence[str]) -> str:

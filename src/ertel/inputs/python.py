@@ -8,17 +8,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
+import numpy as np
+
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.messages import ConfigError
-from ertel.inputs.quantities import parse_amount, parse_quantity
+from ertel.inputs.names import MATERIAL_KEYS
+from ertel.inputs.quantities import parse_quantity
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
-from ertel.model.records import oil_data
+from ertel.model.records import checked, oil_data, show
 from ertel.model.sections import Output, Solver, Time
 from ertel.physics import lubricant
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.surfaces import Feature, Shape
-from ertel.physics.units import HEIGHT, TIME, Quantity, Unit, marks
+from ertel.physics.units import HEIGHT, LARGEST, TEMPERATURE, TIME, Quantity, Unit, marks
 
 Number = float | str  # SI, or a text with a unit
 Roughness = Sequence[Feature | Shape | Mapping[str, Any]]
@@ -56,19 +59,23 @@ def Oil(  # reads as the record that it makes
     given = {"eta0": eta0, "alpha": alpha, "p0": p0}
     kinds = marks(lubricant.Oil)
     si = {name: _si(f"oil.{name}", value, kinds[name]) for name, value in given.items()}
-    return lubricant.Oil(viscosity, density, si["eta0"], si["alpha"], si["p0"] or p0, z, reference)  # type: ignore[arg-type]
+    try:
+        oil = lubricant.Oil(viscosity, density, si["eta0"], si["alpha"], si["p0"] or p0, _plain(z), reference)  # type: ignore[arg-type]
+        return checked(oil, "oil")
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
 
 
 def quantity(text: str) -> Quantity:
     """A length or a time with its unit, for records of roughness and signals: quantity("20 nm"), quantity("5 ms")."""
     for unit in (HEIGHT, TIME):
         try:
-            found = parse_amount(text, unit)
+            found = parse_quantity(_plain(text), unit)
         except ValueError:
             continue
-        assert isinstance(found, Quantity)
-        return found
-    raise ValueError(f"text = {text!r}: must be a length or a time with its unit, such as '20 nm' or '5 ms'")
+        if found is not None:
+            return Quantity(found, unit.unit)
+    raise ConfigError(f"text = {show(text)}: must be a length or a time with its unit, such as '20 nm' or '5 ms'")
 
 
 def impact(
@@ -91,7 +98,10 @@ def impact(
     nu1: float | None = None,
     E2: Number | None = None,
     nu2: float | None = None,
-    oil: lubricant.Oil | None = None,
+    material_1: str | None = None,
+    material_2: str | None = None,
+    oil: lubricant.Oil | str | None = None,
+    temperature: Number | None = None,
     method: str | None = None,
     nodes: int | None = None,
     half_width: float | None = None,
@@ -121,8 +131,13 @@ def impact(
         Mean speed of the surfaces along x (m/s) and (u1 - u2)/u_m: a track that moves under the ball.
     E_prime, E1, nu1, E2, nu2 : float or str
         Reduced modulus (Pa), or Young's moduli (Pa) and Poisson's ratios.
-    oil : Oil
-        Required for a physical contact; the default of a dimensionless contact is a typical mineral oil.
+    material_1, material_2 : str
+        Or the names of the materials, "steel", see `ertel.materials`; the first one also gives the ball its density.
+    oil : Oil or str
+        Required for a physical contact; the default of a dimensionless contact is a typical mineral oil.  Or the name
+        of an oil, "squalane", see `ertel.oils`, with its
+    temperature : float or str
+        Temperature in the inlet (K, or "40 degC").
     method : "2d" or "radial"
         On a square grid, or along the radius (smooth impacts, fast).
     nodes, half_width, inlet, tolerance, fold
@@ -169,7 +184,10 @@ def rolling(
     nu1: float | None = None,
     E2: Number | None = None,
     nu2: float | None = None,
-    oil: lubricant.Oil | None = None,
+    material_1: str | None = None,
+    material_2: str | None = None,
+    oil: lubricant.Oil | str | None = None,
+    temperature: Number | None = None,
     method: str | None = None,
     nodes: int | None = None,
     half_width: float | None = None,
@@ -188,8 +206,9 @@ def rolling(
 
     Parameters
     ----------
-    M, L, lambda_bar, alpha_bar, radius, radius_1, radius_2, E_prime, E1, nu1, E2, nu2, oil, roughness, name
-        As for `impact`.
+    M, L, lambda_bar, alpha_bar, radius, radius_1, radius_2, E_prime, E1, nu1, E2, nu2, roughness, name
+    material_1, material_2, oil, temperature
+        As for `impact`; a material gives no density here, because a ball without one has no inertia.
     load : float or str
         Static load (N).
     mean_speed, slide_to_roll, speed_1, speed_2 : float or str
@@ -215,13 +234,16 @@ def rolling(
 
 def _case(kind: str, given: Mapping[str, Any]) -> Case:
     """The case of keyword arguments, read in the same way as a case file."""
-    wanted = {key: value for key, value in given.items() if value is not None}
+    wanted = {key: _plain(value) for key, value in given.items() if value is not None}
+    if not isinstance(wanted.get("oil"), lubricant.Oil | str | None):
+        said = show(wanted["oil"])
+        raise ConfigError(f"oil = {said}: must be made by Oil(eta0=..., alpha=...), or be the name of an oil")
     time = {"tolerance" if key == "time_tolerance" else key: wanted[key] for key in TIME_KEYS if key in wanted}
-    records, tables = _sorted(given["roughness"])
+    records, tables = _sorted(wanted["roughness"])
     sections: dict[str, Any] = {
         "name": given["name"],
         "contact": {"kind": kind, **_conditions(wanted)},
-        "lubricant": oil_data(wanted["oil"]) if "oil" in wanted else None,
+        "lubricant": _lubricant(wanted),
         "solver": {f.name: wanted[f.name] for f in fields(Solver) if f.name in wanted},
         "motion": wanted.get("motion"),
         "roughness": tables,
@@ -235,31 +257,58 @@ def _case(kind: str, given: Mapping[str, Any]) -> Case:
         raise ConfigError(str(error)) from error
 
 
+def _lubricant(wanted: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The section [lubricant] of an oil, or of the name of an oil and its temperature."""
+    oil = wanted.get("oil")
+    data = oil_data(oil) if isinstance(oil, lubricant.Oil) else {} if oil is None else {"oil": oil}
+    if "temperature" in wanted:
+        data["temperature"] = _with_unit(wanted["temperature"], TEMPERATURE)
+    return data or None
+
+
+def _plain(value: Any) -> Any:
+    """NumPy's scalars as numbers, and a pint quantity as a text; also inside of lists and tables."""
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return value.item()
+    if hasattr(value, "magnitude") and hasattr(value, "units"):
+        return f"{_plain(value.magnitude)!r} {value.units}"
+    return value
+
+
 TIME_KEYS = (*(f.name for f in fields(Time) if f.name != "tolerance"), "time_tolerance")
 
 
 def _conditions(wanted: Mapping[str, Any]) -> dict[str, Any]:
     """The keys of [contact], numbers of quantities with their SI unit."""
     kinds = marks(Conditions)
-    found = {f.name: wanted[f.name] for f in fields(Conditions) if f.name in wanted}
+    names = (*MATERIAL_KEYS, *(f.name for f in fields(Conditions)))
+    found = {name: wanted[name] for name in names if name in wanted}
     return {key: _with_unit(value, kinds.get(key)) for key, value in found.items()}
 
 
 def _with_unit(value: Any, mark: object) -> Any:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return f"{float(value)!r} {mark.unit}" if isinstance(mark, Unit) and is_number else value
+    if not isinstance(mark, Unit) or isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    shown = repr(float(value)) if isinstance(value, float) or abs(value) <= LARGEST else show(value)
+    return f"{shown} {mark.unit}"
 
 
 def _si(place: str, value: Number | None, mark: object) -> float | None:
     assert isinstance(mark, Unit)
     try:
-        return parse_quantity(_with_unit(value, mark), mark)
+        return parse_quantity(_with_unit(_plain(value), mark), mark)
     except ValueError as error:
-        raise ConfigError(f"{place} = {value!r}: {error}") from error
+        raise ConfigError(f"{place} = {show(value)}: {error}") from error
 
 
 def _sorted(roughness: Roughness) -> tuple[list[Feature], list[dict[str, Any]]]:
     """Records as features, and tables."""
+    if isinstance(roughness, str | Mapping) or not isinstance(roughness, Sequence):
+        raise ConfigError(f"roughness = {show(roughness)}: must be a list of shapes, features or tables")
     records: list[Feature] = []
     tables: list[dict[str, Any]] = []
     for item in roughness:

@@ -12,15 +12,16 @@ from typing import Annotated, Any, Literal, get_origin, get_type_hints
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, create_model, model_validator
 from pydantic_core import PydanticCustomError
 
-from ertel.inputs.quantities import parse_amount, parse_quantity
+from ertel.inputs.quantities import parse_amount, parse_number, parse_quantity
 from ertel.model.conditions import Conditions
 from ertel.model.sections import STOPS, Drive, Output, Solver, Time
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
-from ertel.physics.units import DURATION, TIME, Bounds, Quantity, Unit, marks
+from ertel.physics.units import DURATION, FINITE, TIME, Bounds, Quantity, Unit, marks
 
 NUMBER, POINTS, TABLE, NAME = "<number>", "<points>", "<table>", "<name>"  # tags, no part of a field's name
+NAMED = {"Contact": ("material_1", "material_2"), "Lubricant": ("oil", "temperature")}  # see inputs.names
 UNKNOWN_KEY = "unknown_key"  # the type of an error; its context: key, value and known keys
 SIGNAL_TEXT = "a number, an array of [T, value], or a table { mean, amplitude, period, phase }"
 SETTINGS = ConfigDict(strict=True, frozen=True, allow_inf_nan=False, arbitrary_types_allowed=True)
@@ -59,12 +60,22 @@ def _type(hint: Any, mark: object) -> Any:
         read, kind = (parse_amount, float | Quantity) if mark.scale else (parse_quantity, float)
         return Annotated[kind | None, BeforeValidator(partial(read, unit=mark))]
     if isinstance(mark, Bounds):
-        limits = {name: getattr(mark, name) for name in ("gt", "ge", "lt", "le")}
-        return Annotated[int if mark.whole else float, Field(**limits)]
+        return Annotated[int if mark.whole else float, BeforeValidator(partial(parse_number, bounds=mark))]
     return Annotated[hint, Field(strict=False)] if get_origin(hint) is tuple else hint
 
 
 # -- what is more than a number ---------------------------------------------------------------------------------------
+
+
+def _one_of(*allowed: int) -> Any:
+    """The type of one of some integers; a plain literal would take true for 1."""
+
+    def read(value: object) -> object:
+        if type(value) is int and value in allowed:
+            return value
+        raise ValueError(f"allowed: {' or '.join(map(str, allowed))}")
+
+    return Annotated[int, BeforeValidator(read)]
 
 
 def _event_or_time(value: object) -> object:
@@ -86,10 +97,11 @@ def _signal_form(value: object) -> str | None:
 
 
 Moment = Annotated[float | Quantity, BeforeValidator(partial(parse_amount, unit=TIME))]
-Point = Annotated[tuple[Moment, float], Field(strict=False)]
+Number = Annotated[float, BeforeValidator(partial(parse_number, bounds=FINITE))]
+Point = Annotated[tuple[Moment, Number], Field(strict=False)]
 OscillationTable = section_of(Oscillation)
 Signal = Annotated[
-    Annotated[float, Tag(NUMBER)]
+    Annotated[Number, Tag(NUMBER)]
     | Annotated[tuple[Point, ...], Field(strict=False, min_length=1), Tag(POINTS)]
     | Annotated[OscillationTable, Tag(TABLE)],  # type: ignore[valid-type]
     Discriminator(_signal_form),
@@ -112,7 +124,7 @@ def _tables(key: str, records: Registry) -> Iterator[Any]:
     for name, record in records.items():
         own = create_model(name, __base__=section_of(record), **{key: (Literal[name], ...)})  # type: ignore[call-overload]
         if key == "shape":
-            own = create_model(name, __base__=own, surface=(Literal[1, 2], 1))
+            own = create_model(name, __base__=own, surface=(_one_of(1, 2), 1))
         yield Annotated[own, Tag(f"<{name}>")]
 
 
@@ -148,7 +160,7 @@ def _case_file(*registered: tuple[tuple[str, type], ...]) -> type[Section]:
     feature: Any = _union(list(_tables("shape", SHAPES)), _tag_of("shape", SHAPES))
     oil = section_of(Oil, "Lubricant", viscosity=_law(VISCOSITY_LAWS), density=_law(DENSITY_LAWS))
     sections: dict[str, Any] = {
-        "schema_version": (Annotated[Literal[1], Field(alias="schema")], 1),
+        "schema_version": (Annotated[_one_of(1), Field(alias="schema")], 1),
         "name": (str, ""),
         "contact": (section_of(Conditions, "Contact"), ...),
         "lubricant": (oil | None, None),
@@ -171,4 +183,4 @@ def plain(value: object) -> Any:
 
 def keys_of(model: type[BaseModel]) -> list[str]:
     """The keys of a section, as they are written."""
-    return [field.alias or key for key, field in model.model_fields.items()]
+    return [*NAMED.get(model.__name__, ()), *(field.alias or key for key, field in model.model_fields.items())]

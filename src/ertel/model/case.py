@@ -40,6 +40,7 @@ from ertel.model.sections import (
     Output,
     Schedule,
     Solver,
+    Stop,
     Time,
     half_width_at,
 )
@@ -48,7 +49,7 @@ from ertel.physics.lubricant import ALPHA, Lubricant, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import Quantity, plain
+from ertel.physics.units import plain
 
 SCHEMA = 1  # of the layout of case files
 USUAL_OIL, USUAL_SOLVER = Oil(), SOLVERS["2d"]
@@ -83,8 +84,10 @@ class Case:
     name: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
+        rules.check_name(self.name)
         checked(self.solver, "solver")
         checked(self.oil, "lubricant")
+        rules.check_reference(self.oil)
         rules.check_method(self.kind, self.solver)
         rules.check_fields(self.drive, self.time, self.output, self.roughness)
         self._complete()
@@ -106,11 +109,15 @@ class Case:
     def _check(self) -> None:
         """Raise ValueError if the case is not valid."""
         rules.check_oil(self.oil, self.scales)
+        rules.check_scales(self.scales, self.parameters)
         rules.check_pressure_scale(self.oil, self.scales, self.parameters)
         rules.check_time(self.kind, self.solver, self.time, self.output)
         rules.check_drive(self.kind, self.contact, self.drive)
         rules.check_grid(self.solver)
-        until = inf if self.is_steady else self.schedule.until
+        until: Stop | float = inf
+        if self.time and self.output:
+            until = self.schedule.until
+            rules.check_schedule(self.time, self.output, self.solver, self.schedule)
         rules.check_motion(self.kind, self.solver, self.motion, until)
         rules.check_roughness(self.solver, self.motion, self.features)
         self.lubricant  # noqa: B018  # raises if its data give no law
@@ -255,7 +262,7 @@ class Case:
             roughness=tuple(feature_of(d, f"roughness[{i}]") for i, d in enumerate(data.get("roughness", ()), 1)),
             time=time,
             output=_optional(lambda section: record_of(Output, section, "output"), data.get("output")),
-            name=str(data.get("name", "")),
+            name=data.get("name", ""),
         )
 
     @cached_property
@@ -312,9 +319,9 @@ def _reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:
     """Whether the entrainment speed changes sign during a run in time."""
     if drive.entrainment is None:
         return False
-    until = ROLLING_UNTIL if time is None or time.until is None or isinstance(time.until, str) else time.until
-    end = until.value / contact.scales.t0 if isinstance(until, Quantity) and contact.scales else until
+    until = None if time is None else scaled(time, contact.scales, "time").until
+    end = ROLLING_UNTIL if until is None or isinstance(until, str) else plain(until)
     signal = scaled(drive, contact.scales, "motion").entrainment
     assert signal is not None
-    least, most = signal.range(plain(end))
+    least, most = signal.range(end)
     return least < 0 < most

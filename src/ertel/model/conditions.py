@@ -4,13 +4,13 @@ The contact is given in one of three ways: by Moes' M and L, by the paper's lamb
 input in SI.  Each physical quantity must be given in exactly one of the allowed ways.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from math import inf
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from ertel.model.records import checked, named, show
+from ertel.model.records import checked, show
 from ertel.physics import scales
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters, Scales
@@ -30,6 +30,7 @@ from ertel.physics.units import (
     marks,
 )
 
+T = TypeVar("T")
 Kind = Literal["impact", "rolling"]
 KINDS: tuple[Kind, ...] = ("impact", "rolling")
 POISSON = Bounds(gt=-1, le=0.5)
@@ -210,12 +211,12 @@ class Conditions:
         """The SI value of one unit of each dimensionless quantity; None for a dimensionless contact."""
         if not self.is_physical:
             return None
-        R = named("contact", scales.reduced_radius, self.radius or self.radius_1, self.radius_2 or inf)
-        E_prime = self.E_prime or named("contact", scales.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
+        R = _following(scales.reduced_radius, self.radius or self.radius_1, self.radius_2 or inf)
+        E_prime = self.E_prime or _following(scales.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
         if self.kind == "rolling":
-            return named("contact", scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime)
-        speed = self.speed or named("contact", scales.drop_speed, self.drop_height)
-        return named("contact", scales.impact_scales, R, self.ball_mass, speed, E_prime)
+            return _following(scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime)
+        speed = self.speed or _following(scales.drop_speed, self.drop_height)
+        return _following(scales.impact_scales, R, self.ball_mass, speed, E_prime)
 
     @property
     def ball_mass(self) -> float:
@@ -223,7 +224,7 @@ class Conditions:
         if not any(key in self.given for keys in BALL for key in keys):
             return 0.0
         self._only_one(BALL)
-        return self.mass or named("contact", scales.sphere_mass, self.radius or self.radius_1, self.ball_density)
+        return self.mass or _following(scales.sphere_mass, self.radius or self.radius_1, self.ball_density)
 
     @property
     def speeds(self) -> Speeds:
@@ -238,7 +239,7 @@ class Conditions:
     def parameters(self, oil: Oil) -> Parameters:
         """lambda_bar and alpha_bar; alpha_bar is zero if the viscosity does not depend on pressure."""
         if self.scales:
-            return named("contact", scales.parameters, self.scales, oil.eta0, 0.0 if oil.is_isoviscous else oil.alpha)
+            return _following(scales.parameters, self.scales, oil.eta0, 0.0 if oil.is_isoviscous else oil.alpha)
         first, second = route = self._route()
         value = getattr(self, second)
         if oil.is_isoviscous and value:
@@ -246,4 +247,14 @@ class Conditions:
         if not (oil.is_isoviscous and first in self.given):
             self._complete(route)
         make = Parameters.from_moes if route is MOES else Parameters
-        return named("contact", make, getattr(self, first), value or 0.0)
+        return _following(make, getattr(self, first), value or 0.0)
+
+
+def _following(law: Callable[..., T], *values: Any) -> T:
+    """What follows by a law from values that are allowed one by one, but may be too far apart together."""
+    try:
+        return law(*values)
+    except ArithmeticError as error:
+        raise ValueError("contact: its values together are too large or too small; check their units") from error
+    except ValueError as error:
+        raise ValueError(f"contact: its values together give {error}; check their units") from error

@@ -15,6 +15,8 @@ from ertel.physics import surfaces
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.surfaces import Feature
 
+INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
+
 
 def grid_of(case: Case) -> Grid:
     """The grid of a case; the inlet is on the upstream side at T = 0."""
@@ -61,3 +63,17 @@ def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
 def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Array:
     """The height of the roughness on the grid at time T; it moves with the surfaces."""
     return jnp.asarray(surfaces.height(features, case.motion, T, grid.kept_x[None, :], grid.kept_y[:, None]))
+
+
+def gap_change(case: Case, grid: Grid, T: float) -> Array:
+    """The rate of change of the undeformed gap, roughness included, following the flow, by a central difference."""
+    drift = case.motion.entrainment.integral
+    early, late = (_gap(case, grid, T + sign * INSTANT, drift(T + sign * INSTANT) - drift(T)) for sign in (-1.0, 1.0))
+    return jnp.asarray((late - early) / (2.0 * INSTANT))
+
+
+def _gap(case: Case, grid: Grid, T: float, shift: float) -> Array:
+    """The gap at time T, at nodes that have moved along X."""
+    X, Y = grid.kept_x[None, :] + shift, grid.kept_y[:, None]
+    gap: Array = geometry_of(case).gap(X, Y) - surfaces.height(case.features, case.motion, T, X, Y)
+    return gap

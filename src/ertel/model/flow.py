@@ -74,7 +74,7 @@ def rate_in_time(weights: Weights | Array, masses: Sequence[Array] | Array, flow
         return Rate(weights[0], sum(w * m for w, m in zip(weights[1:], masses, strict=True)))
     changes = [mass - flow.start for mass in masses]
     past = followed(weights[1:], changes, flow.distances) - weights[0] * flow.start
-    return Rate(weights[0], past + _slope(flow.start, flow.entrainment, spacing))
+    return Rate(weights[0], past + wedge(flow.start, flow.entrainment, spacing))
 
 
 def followed(weights: Weights | Array, masses: Sequence[Array], distances: Sequence[Number]) -> Array:
@@ -90,8 +90,8 @@ def followed(weights: Weights | Array, masses: Sequence[Array], distances: Seque
     return moved
 
 
-def _slope(mass: Array, entrainment: Number, spacing: Number) -> Array:
-    """U dm/dX from upstream, for either sign of U."""
+def wedge(mass: Array, entrainment: Number, spacing: Number) -> Array:
+    """The rate of change of a steady film: U dm/dX from upstream, for either sign of U."""
     downstream = upstream_slope(mass, spacing)
     upstream = -upstream_slope(mass[:, ::-1], spacing)[:, ::-1]
     return entrainment * jnp.where(jnp.asarray(entrainment) >= 0, downstream, upstream)

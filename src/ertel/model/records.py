@@ -5,9 +5,10 @@ Plain data is the content of a case file: numbers, strings, lists, tables.  A qu
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass, replace
-from math import inf
+from math import inf, log10
 from typing import Any, TypeVar
 
 from ertel.physics.lubricant import Oil
@@ -53,7 +54,7 @@ def _plain(value: Any, mark: object = None) -> Any:
             return first if start == 0.0 and not rest else [[_plain(T), v] for T, v in value.points]
         case Oscillation():
             return data_of(value)
-    raise ValueError(f"{value!r}: cannot be written down; allowed: numbers, texts, signals, and records with a name")
+    raise ValueError(f"{show(value)}: cannot be written down; allowed: numbers, texts, signals, records with a name")
 
 
 def law_data(law: object, laws: Registry) -> Any:
@@ -83,7 +84,7 @@ def record_of(record: Callable[..., T], data: Data, place: str) -> T:
     known = {item.name: item for item in fields(record)}  # type: ignore[arg-type]
     for name in data:
         if name not in known:
-            raise ValueError(f"{place}.{name} = {show(data[name])}: unknown key; allowed: {', '.join(known)}")
+            raise ValueError(f"{place}.{show_key(name)} = {show(data[name])}: unknown key; allowed: {', '.join(known)}")
     for name, item in known.items():
         if name not in data and item.default is MISSING and item.default_factory is MISSING:
             raise ValueError(f"{place}.{name}: missing")
@@ -157,50 +158,92 @@ def checked(record: T, place: str) -> T:
     kinds = marks(type(record))
     for item in fields(record):  # type: ignore[arg-type]
         value, mark = getattr(record, item.name), kinds.get(item.name)
-        if value is not None and value != _default(item) and mark is not None:
+        if value is not None and mark is not None and not _is_default(value, item):
             _check(value, mark, f"{place}.{item.name}")
     return record
 
 
-def _default(item: "Field[Any]") -> Any:
-    return None if item.default is MISSING else item.default
+def _is_default(value: Any, item: "Field[Any]") -> bool:
+    """Whether a value is the field's default, which may be infinite."""
+    return type(value) is type(item.default) and bool(value == item.default)
 
 
 def _check(value: Any, mark: Unit | Bounds, place: str) -> None:
     number = value.value if isinstance(value, Quantity) else value
     if isinstance(number, bool) or not isinstance(number, int | float):
         raise ValueError(f"{place} = {show(value)}: must be a number")
-    if isinstance(mark, Bounds):
-        complaint = mark.complaint(number)
-        if complaint:
-            raise ValueError(f"{place} = {show(value)}: {complaint}")
-    elif not mark.allows(number):
-        shown = show(value) if mark.scale else show(f"{number!r} {mark.unit}")
-        raise ValueError(f"{place} = {shown}: must be {'finite' if mark.signed else 'finite and above zero'}")
+    if complaint := mark.complaint(number):
+        shown = _shown_si(number, mark.unit) if isinstance(mark, Unit) and not mark.scale else show(value)
+        raise ValueError(f"{place} = {shown}: {complaint}")
+
+
+def _shown_si(number: float, unit: str) -> str:
+    return show(f"{float(number)!r} {unit}" if isinstance(number, float) else f"{show(number)} {unit}")
 
 
 def named(place: str, function: Callable[..., T], *arguments: Any, text: str = "", **keywords: Any) -> T:
     """The result of function(...); a ValueError about an argument is raised again with the field's place."""
     try:
         return function(*arguments, **keywords)
-    except (ValueError, ArithmeticError) as error:
+    except ArithmeticError as error:
+        raise ValueError(f"{place}: has numbers too large or too small to compute with; check their units") from error
+    except ValueError as error:
         message = str(error)
         if text:
             raise ValueError(f"{place} = {text}: {message.partition(': ')[2] or message}") from error
         raise ValueError(message if message.startswith(f"{place}.") else f"{place}.{message}") from error
 
 
+# -- showing, in messages ---------------------------------------------------------------------------------------------
+
+SHOWN = 100  # characters of a value in a message
+BARE_KEY = re.compile(r"[\w-]{1,40}")
+
+
 def show(value: object) -> str:
-    """A value as it is written in a case file."""
-    if isinstance(value, Quantity):
-        return show(str(value))
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {show(item)}" for key, item in value.items()) + " }"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(show(item) for item in value) + "]"
+    """A value as it is written in a case file, for messages: printable, and cut after 100 characters."""
+    text = _shown(value, SHOWN)
+    return text if len(text) <= SHOWN else text[: SHOWN - 4] + " ..."
+
+
+def _shown(value: object, room: int) -> str:
+    """The value as text, of which only the first `room` characters matter; no more is built than that needs."""
     if isinstance(value, Polyline | Oscillation):
-        return show(_plain(value))
-    return json.dumps(value, default=str, ensure_ascii=False).replace("\x7f", "\\u007f")
+        return _shown(_plain(value), room)
+    if isinstance(value, Mapping):
+        items = (f"{show_key(key)} = {_shown(item, room - 2)}" for key, item in value.items())
+        return "{ " + _joined(items, room) + " }" if room > 0 else "..."
+    if isinstance(value, list | tuple):
+        return "[" + _joined((_shown(item, room - 1) for item in value), room) + "]" if room > 0 else "..."
+    if isinstance(value, int) and value.bit_length() > 4 * SHOWN:
+        return f"(an integer of about {int(value.bit_length() * log10(2))} digits)"
+    part = value[:room] if isinstance(value, str | bytes) else str(value) if isinstance(value, Quantity) else value
+    return printable(json.dumps(part, default=str, ensure_ascii=False))
+
+
+def shortened(text: str) -> str:
+    """A text of any origin for a message: its beginning and its end."""
+    return printable(text if len(text) <= SHOWN else f"{text[: SHOWN // 2]} ... {text[-SHOWN // 2 :]}")
+
+
+def show_key(key: object) -> str:
+    """A key as in TOML: quoted unless it is short and consists of letters, digits, - and _."""
+    return key if isinstance(key, str) and BARE_KEY.fullmatch(key) else show(str(key))
+
+
+def _joined(items: Iterable[str], room: int) -> str:
+    found: list[str] = []
+    for item in items:
+        found.append(item)
+        room -= len(item) + 2
+        if room < 0:
+            break
+    return ", ".join(found)
+
+
+def printable(text: str) -> str:
+    """The text with everything that is no visible character escaped, so that no message can steer a terminal."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 # -- units of the case ------------------------------------------------------------------------------------------------
@@ -231,7 +274,10 @@ def _over(amount: Any, mark: object, scales: Scales | None, place: str) -> float
     if scales is None:
         raise ValueError(f"{place} = {show(amount)}: must be a plain number: a dimensionless case has no {amount.unit}")
     assert isinstance(mark, Unit)
-    return amount.value / float(getattr(scales, mark.scale))
+    found: float = amount.value / getattr(scales, mark.scale)
+    if complaint := mark.complaint(found):
+        raise ValueError(f"{place} = {show(amount)}: is {found:g} {mark.own} in this contact; {complaint}")
+    return found
 
 
 def scaled_all(records: Sequence[T], scales: Scales | None, place: str) -> tuple[T, ...]:

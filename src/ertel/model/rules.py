@@ -2,21 +2,52 @@
 
 from collections.abc import Sequence
 from dataclasses import is_dataclass, replace
-from math import inf, isfinite
+from math import inf
 
 from ertel.model.conditions import Conditions, Kind
 from ertel.model.records import checked, show
-from ertel.model.sections import METHODS, STOPS, Drive, Output, Solver, Stop, Time
+from ertel.model.sections import METHODS, STOPS, Drive, Output, Schedule, Solver, Stop, Time
 from ertel.numerics import grid
 from ertel.physics.lubricant import DowsonHigginson, Oil
 from ertel.physics.motion import Motion, Oscillation, Polyline
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import Quantity
+from ertel.physics.units import ABOVE_ZERO, FINITE, LARGEST, NOT_NEGATIVE, Quantity
 
+LONGEST_NAME = 100  # bytes: a file name may have 255, and a run's directory has temporary ones made of it
+LONGEST_TEXT = 1000  # characters of the source of an oil's data
+LONGEST_RUN = 1e5  # t0; an impact lasts about 3
+MOST_STEPS = 1e7  # of a fixed length
+LONGEST_IMPACT = 10.0  # t0 from first touch to an event, for the number of maps
+MOST_MAPS = 1e5
+LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
 FEWEST_NODES = 17
 SMALLEST_RADIUS = 1.2  # of a radial grid: the contact grows to radius 1 and needs an inlet
 TRANSIENT = 'solver.method = "transient"'
+
+
+def check_name(name: str) -> None:
+    """A name becomes a directory: it must be a plain file name on every system, and safe to print."""
+    if not isinstance(name, str) or (name and name != plain_name(name)):
+        raise ValueError(
+            f"name = {show(name)}: must be a plain file name: visible characters without / \\ and :, not starting with "
+            f"a dot, at most {LONGEST_NAME} bytes"
+        )
+
+
+def plain_name(text: str) -> str:
+    """The text as a plain file name: "_" for what is not allowed, no dot in front, cut; "" if nothing is left."""
+    visible = "".join(c if c.isprintable() and c not in "/\\:" else "_" for c in text)
+    return visible.lstrip(".").encode()[:LONGEST_NAME].decode(errors="ignore")
+
+
+def check_reference(oil: Oil) -> None:
+    """The source of the data is printed with the results: one line without control characters."""
+    text = oil.reference
+    if not isinstance(text, str) or not text.isprintable() or len(text) > LONGEST_TEXT:
+        raise ValueError(
+            f"lubricant.reference = {show(text)}: must be one line of visible characters, at most {LONGEST_TEXT}"
+        )
 
 
 def check_method(kind: Kind, solver: Solver) -> None:
@@ -34,6 +65,15 @@ def check_oil(oil: Oil, scales: Scales | None) -> None:
     for key, example in {"eta0": "40 mPa*s", "alpha": "22 / GPa"}.items() if scales else ():
         if getattr(oil, key) is None and not (key == "alpha" and oil.is_isoviscous):
             raise ValueError(f'lubricant.{key}: missing, a physical contact needs it, for example "{example}"')
+
+
+def check_scales(scales: Scales | None, parameters: Parameters) -> None:
+    """What follows from the contact must be of a sane size, like its values."""
+    for name, value in {**(vars(scales) if scales else {}), **vars(parameters)}.items():
+        complaint = (NOT_NEGATIVE if name == "alpha_bar" else ABOVE_ZERO).complaint(value)
+        if complaint:
+            given = f"its values together give {name} = {show(value)}"
+            raise ValueError(f"contact: {given}, which {complaint}; check their units")
 
 
 def check_pressure_scale(oil: Oil, scales: Scales | None, parameters: Parameters) -> None:
@@ -75,8 +115,8 @@ def check_fields(drive: Drive | None, time: Time | None, output: Output | None, 
 
 def _check_points(signal: Polyline, place: str) -> None:
     numbers = [number for T, value in signal.points for number in (T.value if isinstance(T, Quantity) else T, value)]
-    if not all(isfinite(number) for number in numbers):
-        raise ValueError(f"{place} = {show(signal)}: must be finite numbers")
+    if any(FINITE.complaint(number) for number in numbers):
+        raise ValueError(f"{place} = {show(signal)}: must be finite numbers, of size {LARGEST:g} at most")
 
 
 def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | None) -> None:
@@ -95,6 +135,27 @@ def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | N
     if isinstance(time.until, str):
         raise ValueError(
             f'time.until = "{time.until}": is an event of an impact; a rolling contact needs a time, in units t0'
+        )
+
+
+def check_schedule(time: Time, output: Output, solver: Solver, schedule: Schedule) -> None:
+    """A run must end after a reasonable number of steps, with maps that fit on a disk."""
+    until = schedule.until
+    end = LONGEST_IMPACT - schedule.start_approach if isinstance(until, str) else until
+    if end > LONGEST_RUN:
+        raise ValueError(f"time.until = {show(time.until)}: is {end:g} t0; must be at most {LONGEST_RUN:g} t0")
+    if schedule.step and end / schedule.step > MOST_STEPS:
+        raise ValueError(
+            f"time.step = {show(time.step)}: needs {end / schedule.step:.3g} steps; must be at least "
+            f"{end / MOST_STEPS:.3g} t0, for {MOST_STEPS:g} steps at most"
+        )
+    maps = end / schedule.interval
+    nodes = solver.nodes if solver.method == "radial" else solver.nodes**2
+    size = maps * 2 * 8 * nodes  # film and pressure in double precision
+    if maps > MOST_MAPS or size > LARGEST_OUTPUT:
+        raise ValueError(
+            f"output.interval = {show(output.interval)}: gives {maps:.3g} maps with {size / 1e9:.3g} GB; at most "
+            f"{MOST_MAPS:g} and {LARGEST_OUTPUT / 1e9:g} GB are allowed, take a longer interval or fewer nodes"
         )
 
 

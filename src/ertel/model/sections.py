@@ -33,7 +33,7 @@ class Solver:
 
     method: Method = "2d"
     nodes: Annotated[int, Bounds(gt=0, le=4097, whole=True)] = 257
-    half_width: Annotated[float, Bounds(gt=1)] = 2.0
+    half_width: Annotated[float, Bounds(gt=1, le=1000)] = 2.0
     inlet: Annotated[float | None, Bounds(gt=1)] = None
     tolerance: Annotated[float, SHARE] = 1e-3
     fold: bool = True
@@ -70,7 +70,7 @@ class Time:
     without error control; it is shortened only to end on the points of a signal and at the end.
     """
 
-    start_approach: Annotated[float | None, Bounds(lt=0)] = None
+    start_approach: Annotated[float | None, Bounds(ge=-1000, lt=0)] = None
     until: Annotated[Stop | Amount | None, DURATION] = None
     tolerance: Annotated[float, SHARE] = 5e-5
     step: Annotated[Amount | None, DURATION] = None

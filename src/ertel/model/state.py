@@ -131,6 +131,10 @@ class Method(Protocol):
         """
         ...
 
+    def budget(self, levels: Sequence[State]) -> dict[str, float]:
+        """The terms `budget.MASSES` and `budget.ENERGIES` at the newest of two or three levels, newest first."""
+        ...
+
     def whole(self, field: Array) -> Array:
         """A field of a level on all nodes of `coordinates`: a level may keep one side of an axis of symmetry only."""
         ...

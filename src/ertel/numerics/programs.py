@@ -6,12 +6,13 @@ find an entry it traces the function again in every process, which takes longer 
 """
 
 import hashlib
-import io
-import pickle
+import json
 from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
-from functools import cache
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cache, partial
+from importlib import import_module
 from pathlib import Path
 from threading import Lock
 from types import FunctionType
@@ -22,14 +23,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import tree
-from jax.experimental import serialize_executable
+from jax.extend.backend import get_backend
+from jax.sharding import SingleDeviceSharding
 
 # XLA's newer way of joining loops takes half as long again to compile, and level 3 twice as long as level 1; the
 # programs are equally fast (measured on 65 to 513 nodes per side).  Level 0: a fifth to compile, two to three times
 # as long to run.
 LEVEL, LEVEL_OF_SMALL = 1, 0
 OPTIONS = {"xla_cpu_use_fusion_emitters": False}
-KNOWN = ("ertel", "jax", "jaxlib", "numpy", "functools", "builtins", "collections", "copyreg")  # code of these packages
+KNOWN = ("ertel", "jax", "jaxlib", "numpy", "functools", "builtins")  # the stamp covers the code of these packages
+CHECKSUM = hashlib.sha256().digest_size  # bytes at the beginning of a file
 
 Compiled = Callable[..., Any]
 
@@ -68,7 +71,7 @@ class Program:
         largest = max((np.size(leaf) for leaf in tree.leaves(arguments)), default=0)
         level = LEVEL_OF_SMALL if largest <= self.small else LEVEL
         place = _place(self.function, level, arguments)
-        if place and (kept := _read(place, arguments)):
+        if place and (kept := _read(place)):
             return kept
         function = _renamed(self.function) if place else self.function
         compiled = _compile(function.lower(*arguments), {**OPTIONS, "xla_backend_optimization_level": level})
@@ -78,7 +81,7 @@ class Program:
 
 
 def _renamed(function: Any) -> Any:
-    """The same function with a name of its own, so that JAX does not find it in its cache.
+    """The same function with a name of its own, so that JAX does not find it in its cache; it takes all its arguments.
 
     What JAX has loaded from its cache cannot be written again: XLA leaves out some of the machine code.
     """
@@ -87,7 +90,7 @@ def _renamed(function: Any) -> Any:
         return function(*arguments)
 
     renamed.__name__ = f"{function.__name__}_{uuid4().hex}"
-    return jax.jit(renamed)
+    return jax.jit(renamed, keep_unused=True)
 
 
 def _compile(lowered: Any, options: dict[str, Any]) -> Compiled:
@@ -103,6 +106,9 @@ def _compile(lowered: Any, options: dict[str, Any]) -> Compiled:
 
 
 # -- on disk ----------------------------------------------------------------------------------------------------------
+
+# A file holds a SHA-256 checksum of what follows; one line of JSON with the stamp and the outline of the results; and
+# the machine code as XLA writes it.  Nothing in it is a pickle.
 
 _directory: Path | None = None
 _stamp = ""
@@ -122,39 +128,71 @@ def _place(function: Any, level: int, arguments: Any) -> Path | None:
     """The file of a program; None where none is kept: on other devices, with code from outside ertel, or not wished."""
     if _directory is None or jax.default_backend() != "cpu":
         return None
-    text = io.BytesIO()
-    pickler = _ByReference(text)
-    pickler.fast = True  # equal objects give equal text, whether they are one object or two
-    try:
-        pickler.dump(tree.map(lambda leaf: str(jax.typeof(leaf)), arguments))
-    except (pickle.PicklingError, AttributeError, TypeError, ValueError):
-        return None
     name = f"{function.__module__}.{function.__name__}"
-    digest = hashlib.sha256(f"{name} {level} ".encode() + text.getvalue()).hexdigest()
-    return _directory / f"{name}-{digest[:32]}"
+    leaves, structure = tree.flatten(arguments)
+    try:
+        kind = f"{name} {level} {[str(jax.typeof(leaf)) for leaf in leaves]} {_structure_text(structure)}"
+    except TypeError:
+        return None
+    return _directory / f"{name}-{hashlib.sha256(kind.encode()).hexdigest()[:32]}"
 
 
-class _ByReference(pickle.Pickler):
-    """Writes classes and functions by their names, which is enough for code that the stamp covers; refuses others."""
+def _structure_text(structure: Any) -> str:
+    """A tree's classes and static data as text.  Raises TypeError for code that the stamp does not cover."""
+    node = structure.node_data()
+    if node is None:
+        return "*"
+    return f"{_text(node[0])} {_text(node[1])} ({', '.join(_structure_text(child) for child in structure.children())})"
 
-    def reducer_override(self, thing: Any) -> Any:
-        if isinstance(thing, type | FunctionType) and thing.__module__.partition(".")[0] not in KNOWN:
-            raise pickle.PicklingError(f"{thing.__module__} is not covered by the stamp")
-        return NotImplemented
+
+def _text(thing: Any) -> str:
+    """Static data as text, classes and functions by their names."""
+    match thing:
+        case None | bool() | int() | float() | str():
+            return repr(thing)
+        case type() | FunctionType() if "<locals>" not in thing.__qualname__:
+            if thing.__module__.partition(".")[0] not in KNOWN:
+                raise TypeError(f"{thing.__module__} is not covered by the stamp")
+            return f"{thing.__module__}.{thing.__qualname__}"
+        case tuple() | list():
+            return f"{_text(type(thing))}({', '.join(_text(part) for part in thing)})"
+        case partial():
+            return f"partial{_text([thing.func, thing.args, sorted(thing.keywords.items())])}"
+    if is_dataclass(thing):
+        return _text([type(thing), *(getattr(thing, field.name) for field in fields(thing))])
+    raise TypeError(f"a {type(thing).__name__} has no text that tells it from others")
 
 
-def _read(place: Path, arguments: Any) -> Compiled | None:
+@dataclass(frozen=True)
+class _Loaded:
+    """A program from the disk.  executable: XLA's; example: a tree like that of its results."""
+
+    executable: Any
+    example: Any
+
+    def __call__(self, *arguments: Any) -> Any:
+        results = self.executable.execute_sharded(jax.device_put(tree.leaves(arguments)))
+        values = [np.asarray(array) for (array,) in results.disassemble_into_single_device_arrays()]
+        # as of a jitted function: not bound to this device, or what they enter would be compiled once more
+        return tree.unflatten(tree.structure(self.example), jax.device_put(values))
+
+
+def _read(place: Path) -> Compiled | None:
     """The kept program; None where there is none, it has another stamp, or it cannot be read."""
     try:
-        with place.open("rb") as file:
-            stamp, code, example = pickle.load(file)
+        content = place.read_bytes()
+        body = content[CHECKSUM:]
+        if hashlib.sha256(body).digest() != content[:CHECKSUM]:
+            return None
+        head, _, code = body.partition(b"\n")
+        stamp, outline = json.loads(head)
         if stamp != _stamp:
             return None
         _prepare_lapack()
-        structures = tree.structure((arguments, {})), tree.structure(example)
-        program: Compiled = serialize_executable.deserialize_and_load(code, *structures)
-        return program
-    except Exception:  # cut short, of another version, ...: it is compiled and written again
+        backend = get_backend()
+        devices = SingleDeviceSharding(backend.devices()[0])._internal_device_list
+        return _Loaded(backend.deserialize_executable(code, executable_devices=devices), _example(outline))
+    except Exception:  # not there, of another version, ...: it is compiled and written again
         return None
 
 
@@ -162,13 +200,40 @@ def _write(place: Path, compiled: Any) -> None:
     """Write a program in one stroke; a program that cannot be written is compiled again next time."""
     draft = place.with_name(f".{uuid4().hex}")
     with suppress(Exception):  # a full disk, a program that XLA cannot write, ...
-        code, _, structure = serialize_executable.serialize(compiled)
-        example = tree.unflatten(structure, [0] * structure.num_leaves)
+        executable = compiled.runtime_executable()
+        code = executable.client.serialize_executable(executable)
+        body = json.dumps([_stamp, _outline(compiled.out_info)]).encode() + b"\n" + code
         place.parent.mkdir(parents=True, exist_ok=True)
-        draft.write_bytes(pickle.dumps((_stamp, code, example)))
+        draft.write_bytes(hashlib.sha256(body).digest() + body)
         draft.replace(place)
     with suppress(OSError):
         draft.unlink(missing_ok=True)
+
+
+def _outline(results: Any) -> Any:
+    """Named tuples, tuples and dicts as JSON; 0 for each array."""
+    match results:
+        case dict():
+            return {"dict": {key: _outline(value) for key, value in results.items()}}
+        case tuple():
+            return {_text(type(results)): [_outline(value) for value in results]}
+    return 0
+
+
+def _example(outline: Any) -> Any:
+    """A tree with this outline.  Raises ValueError for anything but a named tuple of ertel."""
+    if not outline:
+        return 0
+    [(kind, parts)] = outline.items()
+    if kind == "dict":
+        return {key: _example(part) for key, part in parts.items()}
+    if kind == "builtins.tuple":
+        return tuple(map(_example, parts))
+    module, _, name = kind.rpartition(".")
+    record = getattr(import_module(module), name) if module.startswith("ertel.") else None
+    if not (isinstance(record, type) and issubclass(record, tuple)):
+        raise ValueError(f"{kind}: must be a named tuple of ertel")
+    return record(*map(_example, parts))
 
 
 @cache

@@ -20,6 +20,7 @@ from typing import Annotated, Any, ClassVar, Protocol
 
 import numpy as np
 
+from ertel.physics.pressure_laws import arrays_of
 from ertel.physics.registry import DENSITY_LAWS, VISCOSITY_LAWS, Registry
 from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, STRESS, VISCOSITY
 
@@ -29,6 +30,7 @@ ALPHA = 2.2e-8  # 1/Pa, pressure-viscosity coefficient of a typical mineral oil
 ETA0 = 0.04  # Pa s, viscosity at ambient pressure
 P0_ROELANDS = 1.96e8  # Pa, Roelands' pressure constant
 DENSITY_PRESSURE = 5.9e8  # Pa, Dowson and Higginson's constant
+_GAUSS = [((1 + x) / 2, w / 2) for x, w in zip(*np.polynomial.legendre.leggauss(8), strict=True)]  # on [0, 1]
 
 
 class Viscosity(Protocol):
@@ -51,7 +53,7 @@ class Isoviscous:
     reference: ClassVar[str] = "constant viscosity"
 
     def viscosity(self, p: Array) -> Array:
-        return _of_arrays(p).ones_like(p)
+        return arrays_of(p).ones_like(p)
 
     @classmethod
     def of(cls, oil: "Oil") -> "Isoviscous":
@@ -69,7 +71,7 @@ class Barus:
     )
 
     def viscosity(self, p: Array) -> Array:
-        return _of_arrays(p).exp(self.alpha * p)
+        return arrays_of(p).exp(self.alpha * p)
 
     @classmethod
     def of(cls, oil: "Oil") -> "Barus":
@@ -90,7 +92,7 @@ class Roelands:
     )
 
     def viscosity(self, p: Array) -> Array:
-        xp = _of_arrays(p)
+        xp = arrays_of(p)
         power = xp.exp(self.z * xp.log(1.0 + p / self.p0))  # the derivative of this form needs no second power
         return xp.exp(self.alpha * self.p0 / self.z * (power - 1.0))
 
@@ -109,7 +111,7 @@ class Incompressible:
     reference: ClassVar[str] = "constant density"
 
     def density(self, p: Array) -> Array:
-        return _of_arrays(p).ones_like(p)
+        return arrays_of(p).ones_like(p)
 
     @classmethod
     def of(cls, oil: "Oil") -> "Incompressible":
@@ -148,6 +150,14 @@ class Lubricant:
     def density(self, P: Array) -> Array:
         """rho/rho0 at P = p/p_h; same shape as P."""
         return self.density_law.density(self.p_h * P)
+
+    def enthalpy(self, P: Array) -> Array:
+        """The integral of dP/(rho/rho0) from 0 to P, by Gauss' rule: the work that brings a unit of oil to P."""
+        return P * sum(weight / self.density(share * P) for share, weight in _GAUSS)
+
+    def compression(self, P: Array) -> Array:
+        """The elastic energy of a unit of volume at P: density * enthalpy - P, zero for an incompressible oil."""
+        return self.density(P) * self.enthalpy(P) - P
 
 
 @dataclass(frozen=True)
@@ -223,10 +233,10 @@ def _check_law(field_name: str, law: object, laws: Registry) -> None:
     if isinstance(law, str):
         able = [name for name in laws if hasattr(laws[name], "of")]
         if law in laws and law not in able:
-            raise ValueError(f'{field_name} = "{law}": has data of its own; give them as {{ law = "{law}", ... }}')
+            raise ValueError(f'{field_name} = "{law:.60}": has data of its own; give them as {{ law = "{law}", ... }}')
         if law not in able:
             allowed = " or ".join([", ".join(repr(n) for n in able[:-1]), repr(able[-1])])
-            raise ValueError(f'{field_name} = "{law}": allowed: {allowed}')
+            raise ValueError(f'{field_name} = "{law:.60}": allowed: {allowed}')
     else:
         laws.name_of(law)
 
@@ -236,8 +246,3 @@ def _needed(oil: Oil, name: str) -> float:
     if value is None:
         raise ValueError(f"{name}: missing; this viscosity law needs it")
     return float(value)
-
-
-def _of_arrays(p: Array) -> Any:
-    """The namespace of an array's own functions: NumPy's or JAX's."""
-    return p.__array_namespace__() if hasattr(p, "__array_namespace__") else np

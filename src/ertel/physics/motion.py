@@ -53,8 +53,11 @@ class Polyline:
 
     def __post_init__(self) -> None:
         times = [T for T, _ in self.points if not isinstance(T, Quantity)]  # seconds are checked in units t0
-        if not self.points or any(late <= early for early, late in pairwise(times)):
-            raise ValueError(f"points = {list(self.points)}: must be [T, value] with rising T")
+        if not self.points:
+            raise ValueError("points: are none; must be [T, value] with rising T")
+        for early, late in pairwise(times):
+            if not late > early:
+                raise ValueError(f"points: T = {late} comes after T = {early}; must be [T, value] with rising T")
 
     @property
     def _plain(self) -> tuple[tuple[float, float], ...]:

@@ -154,6 +154,31 @@ class Scales:
         return self.a / self.t0
 
     @property
+    def oil(self) -> float:
+        """Unit of an amount of oil (m^3 at ambient pressure): a^2 film."""
+        return self.a**2 * self.film
+
+    @property
+    def oil_flow(self) -> float:
+        """Unit of a flow of oil (m^3/s): oil/t0."""
+        return self.oil / self.t0
+
+    @property
+    def momentum(self) -> float:
+        """Unit of momentum (N s): F* t0."""
+        return self.load * self.t0
+
+    @property
+    def energy(self) -> float:
+        """Unit of energy (J): F* delta*; m v0^2/2 of an impact is 2/5 of it."""
+        return self.load * self.film
+
+    @property
+    def power(self) -> float:
+        """Unit of power (W): F* delta*/t0."""
+        return self.energy / self.t0
+
+    @property
     def ball_mass(self) -> float:
         """Mass (kg) of the ball whose dry impact has these scales: m v0^2/2 = (2/5) F* delta*."""
         return FREE_BALL_INERTIA * self.load * self.t0**2 / self.film

@@ -12,6 +12,17 @@ from functools import cache
 from math import isfinite
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
+SMALLEST, LARGEST = 1e-30, 1e30  # sizes of the numbers of a case: far beyond any contact, and no product overflows
+
+
+def _is_finite(value: float) -> bool:
+    return not isinstance(value, float) or isfinite(value)  # an int may have too many digits for `isfinite`
+
+
+def _size_complaint(value: float, positive: bool) -> str:
+    least = SMALLEST if positive else -LARGEST
+    return "" if least <= value <= LARGEST else f"must be between {least:g} and {LARGEST:g}"
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -28,8 +39,18 @@ class Unit:
     own: str = ""
 
     def allows(self, value: float) -> bool:
-        """Whether a value is allowed: finite, and above zero unless signed."""
-        return isfinite(value) and (self.signed or value > 0)
+        """Whether a value is allowed, apart from its size: finite, and above zero unless signed."""
+        return _is_finite(value) and (self.signed or value > 0)
+
+    def size_complaint(self, value: float) -> str:
+        """Between which sizes the value must be, or "" if it is."""
+        return _size_complaint(value, positive=not self.signed)
+
+    def complaint(self, value: float) -> str:
+        """What the value must be, or "" if it is allowed."""
+        if not self.allows(value):
+            return "must be finite" if self.signed else "must be finite and above zero"
+        return self.size_complaint(value)
 
 
 LENGTH = Unit("m", "10 mm")
@@ -41,6 +62,11 @@ LOAD = Unit("N", "40 N")
 STRESS = Unit("Pa", "210 GPa")
 VISCOSITY = Unit("Pa*s", "40 mPa*s")
 COMPLIANCE = Unit("1/Pa", "22 / GPa")
+KINEMATIC_VISCOSITY = Unit("m^2/s", "68 mm^2/s")
+TEMPERATURE = Unit("K", "40 degC")
+EXPANSION = Unit("1/K", "7e-4 / K")
+CONDUCTIVITY = Unit("W/(m*K)", "0.14 W/(m*K)")
+HEAT_CAPACITY = Unit("J/(kg*K)", "2000 J/(kg*K)")
 
 DURATION = Unit("s", "5 ms", scale="t0", own="t0")
 TIME = Unit("s", "5 ms", signed=True, scale="t0", own="t0")
@@ -61,7 +87,7 @@ class Bounds:
 
     def complaint(self, value: float) -> str:
         """What the value must be, or "" if it is allowed."""
-        if not isfinite(value):
+        if not _is_finite(value):
             return "must be a finite number"
         if self.whole and not isinstance(value, int):
             return "must be an integer"
@@ -81,7 +107,7 @@ class Bounds:
             limit = getattr(self, name)
             if limit is not None and not inside[name](limit):
                 return f"must be {words} {limit:g}"
-        return ""
+        return _size_complaint(value, positive=self.gt == 0)
 
 
 FINITE = Bounds()
@@ -100,7 +126,7 @@ class Quantity:
     unit: str
 
     def __str__(self) -> str:
-        return f"{self.value!r} {self.unit}"
+        return f"{float(self.value)!r} {self.unit}"
 
 
 Amount = float | Quantity

@@ -6,11 +6,11 @@ from typing import Any, Protocol
 import numpy as np
 import xarray as xr
 
-from ertel.model import discretise
+from ertel.model import budget, discretise
 from ertel.model.case import Case
 from ertel.model.state import GridSolution
 from ertel.results.provenance import provenance
-from ertel.results.variables import AXES, EVENTS, FIELDS, MEASURED, SCALARS, variable_attributes
+from ertel.results.variables import AXES, BUDGET, EVENTS, FIELDS, MEASURED, SCALARS, variable_attributes
 
 EVERY_FIELD = tuple(FIELDS)
 
@@ -104,8 +104,8 @@ def assemble_steady(
     last = solutions[-1] if solutions else None
     found = {name: np.asarray(last.whole(getattr(last, name))) if last else nothing for name in fields}
     history = _histories(solutions)
-    of_grids = [{**s.measure(), **_work(s)} for s in solutions]
-    names = (*MEASURED, "residual", "newton_iterations", "krylov_iterations", "convolutions")
+    of_grids = [{**s.measure(), **budget.steady(case, s), **_work(s)} for s in solutions]
+    names = (*MEASURED, *BUDGET, "residual", "newton_iterations", "krylov_iterations", "convolutions")
     arrays: dict[str, tuple[tuple[str, ...], Any]] = {
         **{name: (("Y", "X"), values) for name, values in found.items()},
         **{name: (("grid",), np.array([row[name] for row in of_grids], dtype=float)) for name in names},

@@ -11,6 +11,7 @@ from ertel.model.state import GridSolution, Rolling
 from ertel.numerics.grid import allowed_nodes
 from ertel.physics import hertz
 from ertel.results import domain, variables
+from ertel.results.budgets import Budgets
 
 CELLS_IN_FRONT = 10.0  # wanted across sqrt(alpha_bar lambda_bar dA/dT), the length of the front's pressure sweep
 FRONT_POSITION = 0.9  # where the front is looked at: the films of interest lie inside
@@ -18,6 +19,12 @@ SWEEP_ALPHA_BAR = 10.0  # least alpha_bar in that length for rolling, see `_swee
 GAP_SHARE = 3.0  # initial gap in units of the trapped film, below which the shape depends on it
 INLET_PRESSURE = 0.02  # p_h, halfway to the edge upstream: what may be missing of a rolling contact's inlet
 LARGE_ERROR = 0.1  # of a film: its estimated discretisation error from which it is said to be uncertain
+LARGE_IMBALANCE = 0.01  # of a budget, from which it is said that it does not close
+BUDGETS = {  # what an open budget means
+    "mass": "oil is gained or lost on the grid",
+    "momentum": "the motion of the ball and the load differ",
+    "energy": "the dissipation is uncertain by more than that",
+}
 CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 
@@ -33,6 +40,27 @@ def rolling_warnings(case: Case, data: xr.Dataset) -> list[str]:
     if data.sizes["frame"]:
         said += [_inlet_warning(case, data["P"].isel(frame=-1), float(data["frame"][-1]))]
     return _spoken([*said, _roughness_warning(case)])
+
+
+def budget_warnings(case: Case, found: Budgets) -> list[str]:
+    """A warning for every budget that does not close; an empty list if all do."""
+    open_ones = {name: terms["imbalance"] or 0.0 for name, terms in found.items()}
+    return [
+        f"the budget of {name} does not close, by {share:.1%} ({LARGE_IMBALANCE:.0%} is allowed): {BUDGETS[name]}; "
+        f"{_closing(case, name)}"
+        for name, share in open_ones.items()
+        if share > LARGE_IMBALANCE
+    ]
+
+
+def _closing(case: Case, name: str) -> str:
+    """What closes a budget: a finer grid, unless it is an integral over time only, and shorter steps."""
+    grid = _use(_doubled(case))
+    if case.is_steady:
+        return f"use solver.tolerance <= {case.solver.tolerance / 10:g}" if name == "momentum" else grid
+    time = case.schedule
+    steps = f"time.step <= {time.step / 2:g}" if time.step else f"time.tolerance <= {time.tolerance / 4:g}"
+    return f"use {steps}" if name == "momentum" else f"{grid} and {steps}"
 
 
 def _spoken(said: Sequence[str]) -> list[str]:

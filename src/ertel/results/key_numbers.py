@@ -72,6 +72,14 @@ def extreme_lines(summary: Mapping[str, Any]) -> Iterator[str]:
         yield f"{EXTREMES[name]} {name}: {known} at {_where(one, si, kind.unit('a*'))}{note}"
 
 
+def budget_lines(summary: Mapping[str, Any]) -> Iterator[str]:
+    """The imbalance of every budget, in one line; none where there are no budgets yet."""
+    known = {name: terms["imbalance"] for name, terms in summary.get("budgets", {}).items()}
+    said = ", ".join(f"{name} {share * 100:.1g} %" for name, share in known.items() if share is not None)
+    if said:
+        yield f"imbalance of the budgets: {said}"
+
+
 def _where(one: Mapping[str, Any], si: Mapping[str, float], unit: str) -> str:
     """Time and place of an extreme."""
     if si:
@@ -90,7 +98,7 @@ def lines(summary: Mapping[str, Any]) -> Iterator[str]:
         known = f"{n.si} ({n.value})" if n.si else n.value
         name = f"{n.label} {n.symbol}".ljust(wide + 1)
         yield f"    {name}  {known}" + (f", error {n.error}" if n.error else "")
-    yield from (f"  {line}" for line in extreme_lines(summary))
+    yield from (f"  {line}" for line in (*extreme_lines(summary), *budget_lines(summary)))
     for warning in summary["warnings"]:
         yield f"  warning: {warning}"
 
@@ -105,7 +113,7 @@ def html_table(summary: Mapping[str, Any], heading: str = "") -> str:
     if numbers:
         rows = [_html_row("td", [number[column] for column in used]) for number in numbers]
         parts.append(f"<table>{_html_row('th', [HEAD[column] for column in used])}{''.join(rows)}</table>")
-    parts += [f"<div>{escape(line)}</div>" for line in extreme_lines(summary)]
+    parts += [f"<div>{escape(line)}</div>" for line in (*extreme_lines(summary), *budget_lines(summary))]
     parts += [f"<div>Warning: {escape(warning)}</div>" for warning in summary["warnings"]]
     return f"<div>{''.join(parts)}</div>"
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import xarray as xr
 
+from ertel.model import budget
 from ertel.model.case import Case
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
@@ -14,7 +15,7 @@ from ertel.physics import film_formulas
 from ertel.physics.film_formulas import Film
 from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.scales import HamrockDowson, Parameters
-from ertel.results import diagnostics, errors, variables
+from ertel.results import budgets, diagnostics, errors, variables
 from ertel.results.extremes import extremes, in_si
 from ertel.results.parameters import parameters_of, scales_of, ugw_of
 
@@ -40,6 +41,7 @@ def impact_summary(
     """The outcome of an impact as plain data: parameters, values at maximum approach, restitution, work, status.
 
     `extremes` has the thinnest film and the highest pressure of the whole run, see `extremes.extremes`.
+    `budgets` has those of mass, momentum and energy, see `budgets.in_time`.
     All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.
 
     Parameters
@@ -56,17 +58,19 @@ def impact_summary(
         How the run ended.
     """
     reached = None if max_approach is None else {key: float(max_approach[key]) for key in variables.AT_MAXIMUM}
+    found = budgets.in_time(case, data)
     content: dict[str, Any] = {
         **_heading(case),
         "max_approach": reached,
         "restitution": restitution(data),
         "extremes": extremes(data),
+        "budgets": found,
         **work,
         "status": status.value,
-        "warnings": diagnostics.impact_warnings(case, data),
+        "warnings": [*diagnostics.impact_warnings(case, data), *diagnostics.budget_warnings(case, found)],
     }
     si = si_summary(case, reached)
-    return content if si is None else {**content, "si": {**si, "extremes": _extremes_in_si(case, content)}}
+    return content if si is None else {**content, "si": {**si, **_parts_in_si(case, content)}}
 
 
 def rolling_summary(
@@ -77,7 +81,7 @@ def rolling_summary(
 ) -> dict[str, Any]:
     """The outcome of rolling in time: T and the values at the last time, otherwise as in `steady_summary`.
 
-    `extremes` has the thinnest film and the highest pressure of the run.
+    `extremes` and `budgets` are as in `impact_summary`.
     The errors of the films need a second run, see `rolling_with_error`.  Parameters as in `impact_summary`.
     """
     names = ("time", "F", *variables.MEASURED)
@@ -85,8 +89,9 @@ def rolling_summary(
     measured = {"T": last.pop("time", None), **dict.fromkeys(variables.MEASURED), **last}
     F = measured.pop("F", None)
     measured["load"] = None if F is None else F * HERTZ_LOAD
-    said = diagnostics.rolling_warnings(case, data)
-    return _rolling_summary(case, measured, {}, {"extremes": extremes(data), **work}, status, said)
+    found = budgets.in_time(case, data)
+    said = [*diagnostics.rolling_warnings(case, data), *diagnostics.budget_warnings(case, found)]
+    return _rolling_summary(case, measured, {}, {"extremes": extremes(data), "budgets": found, **work}, status, said)
 
 
 def steady_summary(
@@ -95,7 +100,8 @@ def steady_summary(
     """The outcome of a steady run as plain data: parameters, values on the finest grid, errors, work, status, warnings.
 
     H_c_error and H_min_error estimate the discretisation error, H_c_extrapolated and H_min_extrapolated are without it;
-    None with fewer than two grids.  Counts are those of all grids, convolutions in units of one on the finest.
+    None with fewer than two grids.  `budgets` has the rates on the finest grid, see `budgets.steady`.
+    Counts are those of all grids, convolutions in units of one on the finest.
 
     Parameters
     ----------
@@ -122,8 +128,9 @@ def steady_summary(
             estimates |= {f"{name}_{what}": value for what, value in error.items()}
     values = rolling.finest.measure()
     measured = {"nodes": rolling.finest.grid.nodes, **{name: values[name] for name in variables.MEASURED}}
-    said = diagnostics.steady_warnings(case, solutions)
-    return _rolling_summary(case, measured, estimates, {**counts, **work}, status, said)
+    found = budgets.steady(case, budget.steady(case, rolling.finest), values["load"] / HERTZ_LOAD)
+    said = [*diagnostics.steady_warnings(case, solutions), *diagnostics.budget_warnings(case, found)]
+    return _rolling_summary(case, measured, estimates, {"budgets": found, **counts, **work}, status, said)
 
 
 def _rolling_summary(
@@ -155,14 +162,20 @@ def _with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
     }
     approach = variables.in_si({"Delta": values.pop("Delta")}, case.scales)["delta_m"]
     si: dict[str, Any] = {**scales_of(case), "approach_m": approach, **variables.in_si(values, case.scales)}
-    if "extremes" in content:
-        si["extremes"] = _extremes_in_si(case, content)
-    return {**content, "si": si}
+    return {**content, "si": {**si, **_parts_in_si(case, content)}}
 
 
-def _extremes_in_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
+def _parts_in_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
+    """Extremes and budgets in SI, as far as a summary has them."""
     assert case.scales is not None
-    return in_si(content["extremes"], case.scales)
+    found = {"extremes": in_si(content["extremes"], case.scales)} if "extremes" in content else {}
+    return {**found, "budgets": budgets.in_si(case, content["budgets"])}
+
+
+def attributes(summary: Mapping[str, Any]) -> dict[str, str | int | float]:
+    """What the attributes of a Dataset say of the outcome: the plain values, and the imbalance of every budget."""
+    found = {f"{name}_imbalance": terms["imbalance"] for name, terms in summary["budgets"].items()}
+    return {key: value for key, value in {**summary, **found}.items() if isinstance(value, str | int | float)}
 
 
 def si_summary(case: Case, max_approach: Mapping[str, float] | None) -> dict[str, object] | None:

@@ -53,6 +53,18 @@ def _pressure(long_name: str, symbol: str) -> Variable:
     return Variable(long_name, symbol, "p_h*", "p_h", symbol.lower(), "Pa")
 
 
+def _energy(long_name: str, symbol: str, si_name: str) -> Variable:
+    return Variable(long_name, symbol, "F* delta*", "energy", si_name, "J")
+
+
+def _power(long_name: str, symbol: str, si_name: str, comment: str = "") -> Variable:
+    return Variable(long_name, symbol, "F* delta*/t0", "power", si_name, "W", comment=comment)
+
+
+def _oil_flow(long_name: str, symbol: str, si_name: str, comment: str = "") -> Variable:
+    return Variable(long_name, symbol, "rho0 a*^4/(R t0)", "oil_flow", si_name, "m3/s", comment=comment)
+
+
 def _time(long_name: str, symbol: str) -> Variable:
     return Variable(long_name, symbol, "t0", "t0", symbol.replace("T", "t"), "s")
 
@@ -66,6 +78,19 @@ AXES: Mapping[str, Variable] = {
     "r": _length("distance from the centre", "r"),
     "grid": Variable("nodes per side of a grid", "n"),
     "iteration": Variable("Newton iteration", "k"),
+}
+AMBIENT = "in SI a volume: that of the oil at ambient pressure"
+BUDGET: Mapping[str, Variable] = {  # the terms of the budgets, see `model.budget`
+    "mass": Variable("oil on the grid", "m", "rho0 a*^4/R", "oil", "oil_volume", "m3", comment=AMBIENT),
+    "inflow": _oil_flow("oil that flows in through the edge of the grid", "m_in", "inflow", AMBIENT),
+    "outflow": _oil_flow("oil that flows out through the edge of the grid", "m_out", "outflow", AMBIENT),
+    "cavity_source": _oil_flow("oil that cavities lack as they grow", "m_c", "cavity_source", AMBIENT),
+    "elastic_energy": _energy("elastic energy of the solids", "E_solids", "elastic_energy"),
+    "oil_energy": _energy("elastic energy of the compressed oil", "E_oil", "oil_energy"),
+    "dissipation": _power("viscous dissipation of the pressure-driven flow", "D", "dissipation"),
+    "power_from_surfaces": _power("power of the moving surfaces where the gap closes", "S_in", "power_from_surfaces"),
+    "power_to_surfaces": _power("power given back where the gap opens", "S_out", "power_to_surfaces"),
+    "outside_power": _power("power that goes to the oil outside the grid", "W_out", "outside_power"),
 }
 SCALARS: Mapping[str, Variable] = {
     "dT": _time("time step", "dT"),
@@ -81,6 +106,7 @@ SCALARS: Mapping[str, Variable] = {
     "P_fall": Variable("fall of the pressure from its maximum to the next nodes", "1 - P_next/P_max"),
     "X_min": _length("place of the minimum film thickness along x", "X_min", RING),
     "Y_min": _length("place of the minimum film thickness along y", "Y_min", RING),
+    **BUDGET,
     "U": Variable("entrainment", "U", "a*/t0", "front_speed", "u_m", "m/s"),
     "w": Variable("applied load", "w", "F*", "load", "w", "N"),
     "error": Variable("local time error of the step", "error", "time.tolerance"),

@@ -54,6 +54,28 @@ def check_jax(tell: Callable[[str], object] | None = None) -> None:
             warnings.warn(message, RuntimeWarning, stacklevel=2)
 
 
+# -- devices ----------------------------------------------------------------------------------------------------------
+
+
+class NoDevice(RuntimeError):
+    """JAX finds no device to compute on."""
+
+
+def devices() -> list[Any]:
+    """The devices that JAX computes on.  Raises NoDevice."""
+    import jax
+
+    try:
+        return jax.devices()
+    except Exception as error:  # of several kinds, an AssertionError among them
+        chosen = os.environ.get("JAX_PLATFORMS")
+        if not chosen:
+            raise NoDevice(f"JAX finds no device to compute on: {error}") from error
+        raise NoDevice(
+            f"JAX_PLATFORMS={chosen}: JAX finds no such device here; unset it, or set JAX_PLATFORMS=cpu"
+        ) from error
+
+
 # -- counting ---------------------------------------------------------------------------------------------------------
 
 
@@ -78,12 +100,18 @@ def _listen() -> None:
 
 
 def keep_on_disk() -> None:
-    """Keep compiled programs in JAX's cache, in `cache_directory` unless the user chose a directory."""
+    """Keep compiled programs in JAX's cache, in `cache_directory` unless the user chose a directory.
+
+    Nothing is kept where there is no such directory or it cannot be written.
+    """
     import jax
     from jax.experimental.compilation_cache import compilation_cache
 
-    if _jax_directory() is None and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
-        jax.config.update("jax_compilation_cache_dir", str(cache_directory()))
+    for doing in ("reading", "writing"):  # JAX warns of each of hundreds of programs
+        warnings.filterwarnings("ignore", message=f"Error {doing} persistent compilation cache entry")
+    directory = cache_directory()
+    if directory and _jax_directory() is None and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
+        jax.config.update("jax_compilation_cache_dir", str(directory))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # the many small ones add up
         compilation_cache.reset_cache()  # JAX looks for a directory once, at the first compilation
     _replace_unreadable()
@@ -102,14 +130,18 @@ def start_at_once() -> None:
         programs.keep(Path(directory) / "ertel", hashlib.sha256("\0".join(parts).encode()).hexdigest())
 
 
-def cache_directory() -> Path:
+def cache_directory() -> Path | None:
     """Where compiled programs are kept: JAX_COMPILATION_CACHE_DIR, or a folder per processor type and jaxlib version.
 
     XLA compiles for the instructions of one processor type, and a home directory may be shared between machines.
+    None for a user without a home directory.
     """
     if chosen := os.environ.get("JAX_COMPILATION_CACHE_DIR"):
         return Path(chosen)
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    try:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    except RuntimeError:
+        return None
     return base / "ertel" / "jax" / f"{_processor()}-jaxlib-{version('jaxlib')}"
 
 

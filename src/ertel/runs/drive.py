@@ -16,6 +16,7 @@ from ertel.model.case import Case
 from ertel.model.state import solved
 from ertel.model.status import Status
 from ertel.results.result import Result
+from ertel.results.summary import attributes
 from ertel.runs import compiling
 from ertel.runs.courses import Course, Item, course_of
 from ertel.runs.progress import progress_bar
@@ -64,7 +65,7 @@ class Gathering:
         data = self.course.dataset(self.records, self.frames, last)
         work = {"compilations": compiling.count() - self._compiled, "wall_s": clock.monotonic() - self._started}
         summary = self.course.summary(data, last, last.status, work)
-        return Result(self.course.case, data.assign_attrs(status=last.status.value), summary, last.status)
+        return Result(self.course.case, data.assign_attrs(attributes(summary)), summary, last.status)
 
 
 def simulate(case: Case, progress: bool = False, observers: Sequence[Observer] = ()) -> Result:

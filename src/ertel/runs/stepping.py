@@ -191,6 +191,7 @@ def _accept(
         "Delta": new.approach,
         "V": new.velocity,
         **measured,
+        **method.budget(levels),
         "U": case.motion.entrainment(new.T),
         "w": case.motion.load(new.T),
         "error": error,

@@ -8,45 +8,40 @@ checkpoint.npz          the state to go on from, and how much of run.zarr belong
 summary.json            the outcome
 ======================  =========================================================================================
 
-A flush writes to run.zarr, then renews its consolidated metadata: now readers see the new rows; then replaces the
-checkpoint: now a resumed run goes on from here.  Each file is replaced in one stroke.  The digest of the case stands in
-run.zarr and in the checkpoint, and is compared whenever the directory is opened.
+A flush writes to run.zarr, then renews its metadata: now readers see the new rows; then replaces the checkpoint: now a
+resumed run goes on from here.  Each file has a checksum, is replaced in one stroke, and is on the disk before the next
+one counts on it.  The digest of the case stands in run.zarr, in the checkpoint and in the summary, and is compared
+when they are read.
 """
 
 import json
-import os
-import shutil
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from functools import cached_property
+from io import BytesIO
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 import numpy as np
 import xarray as xr
 
-try:
-    import fcntl
-except ImportError:  # not on Windows
-    fcntl = None  # type: ignore[assignment]
-
-from ertel.inputs.case_files import parse_case, read_toml, to_toml
 from ertel.model.case import Case
-from ertel.model.records import show
 from ertel.model.status import Status
 from ertel.results.result import Result
-from ertel.runs import compiling
-from ertel.runs.arrays import attributes_in, commit, data_of, old_of, open_arrays
+from ertel.results.summary import attributes
+from ertel.runs import checked_zarr, compiling, directories
+from ertel.runs.arrays import Data, advice_of, data_of
 from ertel.runs.courses import Course, Item, course_of
+from ertel.runs.directories import CASE as CASE
+from ertel.runs.directories import Taken as Taken
 from ertel.runs.drive import Observer, drive, warn_of
+from ertel.runs.files import Damaged as Damaged
+from ertel.runs.files import StoreError as StoreError
+from ertel.runs.files import checked, locked, reading, replace, sealed, unchecked, unsealed
 from ertel.runs.progress import progress_bar
 
-CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
-
-
-class StoreError(ValueError):
-    """A run directory cannot be made or is not valid; the message names it and says what is wrong."""
+DATA, CHECKPOINT, SUMMARY = "run.zarr", "checkpoint.npz", "summary.json"
 
 
 class RunStore:
@@ -58,27 +53,43 @@ class RunStore:
         self._started = self._flushed = time.monotonic()
         self._seconds_before = 0.0  # of computing, before this process took over
         self._item: Any = None  # the last one taken and not yet written
+        self._alone = False  # whether this object holds the lock
 
     @classmethod
     def create(cls, directory: Path, case: Case, course: Course | None = None) -> "RunStore":
         """The store of a new run in a directory that does not exist or is empty.
 
-        Raises StoreError where the directory cannot be made, ValueError where the case cannot be written.
+        Raises Taken where it is not empty, StoreError where it cannot be made, ValueError where the case cannot be
+        written.
         """
         store = cls(directory, case, course)
-        store._make()
+        with store._draft() as draft:
+            directories.move(draft, directory)
         return store
+
+    @classmethod
+    def create_unused(cls, case: Case, parent: Path = Path("runs"), course: Course | None = None) -> "RunStore":
+        """The store of a new run in parent/NAME, parent/NAME-2, ...: the first that does not exist.
+
+        Other processes may take names at the same time.  Raises as `create`.
+        """
+        store = cls(parent / (case.name or case.kind), case, course)
+        with store._draft() as draft:
+            store.directory = directories.move_to_unused(draft, store.directory)
+        return store
+
+    def _draft(self) -> AbstractContextManager[Path]:
+        return directories.draft(self.directory, self.case, lambda path: self._writer.create(path / DATA))
 
     @classmethod
     def open(cls, directory: Path) -> "RunStore":
         """The store of the run in a directory.  Raises StoreError if there is none or it belongs to another case."""
         if not (directory / CASE).exists():
             raise StoreError(f"{directory} is not an ertel run directory (no {CASE})")
-        data = directory / DATA
-        if not (data.exists() or old_of(data).exists()):
+        if not checked_zarr.present(directory / DATA).exists():
             raise StoreError(f"{directory} is not an ertel run directory (no {DATA})")
-        store = cls(directory, parse_case(read_toml(directory / CASE)))
-        store._check_digest()
+        store = cls(directory, directories.read_case(directory))
+        store._check_data()
         return store
 
     @property
@@ -88,9 +99,17 @@ class RunStore:
             self._course = course_of(self.case)
         return self._course
 
+    @cached_property
+    def _writer(self) -> Data:
+        return data_of(self.course)
+
     @property
     def _data(self) -> Path:
         return self.directory / DATA
+
+    @property
+    def _advice(self) -> str:
+        return advice_of(self.case)
 
     @property
     def seconds(self) -> float:
@@ -99,22 +118,24 @@ class RunStore:
 
     # -- writing ------------------------------------------------------------------------------------------------------
 
-    def _make(self) -> None:
-        """Make the directory; nothing is left behind if that fails."""
-        text = to_toml(self.case)
-        draft = self.directory.parent / f".{self.directory.name}-{uuid4().hex[:8]}"
-        try:
-            _require_free(self.directory)
-            draft.mkdir(parents=True)
-            (draft / CASE).write_text(text, encoding="utf-8")
-            self._writer = data_of(self.course)
-            self._writer.create(draft / DATA)
-            draft.rename(self.directory)
-        except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            raise StoreError(f"{self.directory}: cannot write there, {reason}") from error
-        finally:
-            shutil.rmtree(draft, ignore_errors=True)
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Keep other processes from computing this run; may be nested.
+
+        Raises StoreError where another process computes it, or where case.toml was edited since it was opened.
+        """
+        if self._alone:
+            yield
+            return
+        with locked(self.directory):
+            now = directories.read_case(self.directory)
+            directories.require_same(self.directory, self.case.digest, self.case.to_data(), now)
+            self._check_data()
+            self._alone = True
+            try:
+                yield
+            finally:
+                self._alone = False
 
     def __call__(self, item: Item) -> None:
         """Add one item; the items are written at intervals."""
@@ -134,36 +155,30 @@ class RunStore:
         self._flushed = time.monotonic()
 
     def _write_checkpoint(self, arrays: Mapping[str, Any]) -> None:
-        path = self.directory / CHECKPOINT
-        draft = path.with_suffix(".partial")
         own = {"store_seconds": np.array(self.seconds), "store_digest": np.array(self.case.digest)}
-        with draft.open("wb") as file:
-            np.savez(file, allow_pickle=False, **arrays, **own)
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(path)
+        content = BytesIO()
+        np.savez(content, allow_pickle=False, **arrays, **own)
+        replace(self.directory / CHECKPOINT, checked(content.getvalue()))
 
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Write the remaining items and the summary of the run."""
         self.flush()
-        plain = {key: value for key, value in summary.items() if isinstance(value, str | int | float)}
-        open_arrays(self._data).attrs.update(plain)
-        commit(self._data)
-        draft = (self.directory / SUMMARY).with_suffix(".partial")
-        draft.write_text(to_json(summary), encoding="utf-8")
-        draft.replace(self.directory / SUMMARY)
+        checked_zarr.update_attributes(self._data, attributes(summary), self._advice)
+        replace(self.directory / SUMMARY, sealed({**summary, "digest": self.case.digest}))
 
     # -- reading ------------------------------------------------------------------------------------------------------
 
     def resume(self) -> Any:
-        """The item from which to continue, None for the start; later data and the summary are deleted."""
+        """The item from which to continue, None for the start; later data and the summary are deleted.
+
+        Raises Damaged where the checkpoint, or data that do not follow from it, are damaged; then nothing has changed.
+        """
         checkpoint = self._read_checkpoint()
         item = self._item_of(checkpoint)
+        self._writer.restore(self._data, checkpoint, item)
+        (self.directory / SUMMARY).unlink(missing_ok=True)
         self._seconds_before = float(checkpoint.get("store_seconds", 0.0))
         self._started = self._flushed = time.monotonic()
-        (self.directory / SUMMARY).unlink(missing_ok=True)
-        self._writer = data_of(self.course)
-        self._writer.restore(self._data, checkpoint, item)
         return item
 
     def item(self) -> Any:
@@ -171,43 +186,59 @@ class RunStore:
         return self._item_of(self._read_checkpoint())
 
     def _item_of(self, checkpoint: Mapping[str, Any]) -> Any:
-        return self.course.from_arrays(checkpoint) if checkpoint else None
+        with self._reading_checkpoint():
+            return self.course.from_arrays(checkpoint) if checkpoint else None
 
     def _read_checkpoint(self) -> dict[str, Any]:
         """What `_write_checkpoint` was given and more, nothing where the run is still at its very start."""
-        if not (self.directory / CHECKPOINT).exists():
+        try:
+            content = (self.directory / CHECKPOINT).read_bytes()
+        except FileNotFoundError:
             return {}
-        with np.load(self.directory / CHECKPOINT) as file:
+        with self._reading_checkpoint(), np.load(BytesIO(unchecked(content)), allow_pickle=False) as file:
             checkpoint = dict(file)
-        if str(checkpoint.get("store_digest")) != self.case.digest:
-            raise StoreError(f"{self.directory}: {CHECKPOINT} is not that of {CASE}")
+        self._require_own(CHECKPOINT, str(checkpoint.get("store_digest")))
         return checkpoint
 
-    def _check_digest(self) -> None:
-        """Raise StoreError if the data belong to another case."""
-        attributes = attributes_in(self._data)
-        if "digest" not in attributes:
-            raise StoreError(
-                f"{self.directory}: was written by an older version ({attributes.get('source', 'unknown')}), which did "
-                f"not record its case; run {self.directory / CASE} again"
-            )
-        if attributes["digest"] != self.case.digest:
-            changes = _changes(json.loads(str(attributes["case"])), self.case.to_data())
-            raise StoreError(f"{self.directory}: {CASE} was changed ({changes}); put it back, or run it as a new case")
+    def _reading_checkpoint(self) -> AbstractContextManager[None]:
+        return reading(self.directory / CHECKPOINT, "delete it to have the run computed from its start")
+
+    def _require_own(self, name: str, digest: object) -> None:
+        if digest != self.case.digest:
+            raise StoreError(f"{self.directory}: {name} is not that of {CASE}; put the run's own file back")
+
+    def _check_data(self) -> None:
+        """Raise StoreError if the data belong to another case; who needs damaged data says so."""
+        try:
+            attributes = checked_zarr.read_root(checked_zarr.present(self._data), self._advice)["attributes"]
+        except Damaged:
+            return
+        directories.require_same(self.directory, attributes["digest"], json.loads(attributes["case"]), self.case)
 
     def dataset(self) -> xr.Dataset:
-        """The run as far as it has been written."""
-        path = self._data if self._data.exists() else old_of(self._data)
-        data: xr.Dataset = xr.open_zarr(path)
-        return data.load()
+        """The run as far as it has been written.  Raises Damaged."""
+        return checked_zarr.read(self._data, self._advice)
 
     def summary(self) -> dict[str, Any] | None:
-        """The outcome, None while the run has not ended."""
+        """The summary as it is stored, None where there is none yet.  Raises Damaged."""
         path = self.directory / SUMMARY
-        if not path.exists():
+        try:
+            text = path.read_bytes()
+        except FileNotFoundError:
             return None
-        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        with reading(path, "it is written again when the run is continued"):
+            content = unsealed(text)
+        self._require_own(SUMMARY, content.pop("digest", None))
         return content
+
+    def outcome(self) -> dict[str, Any] | None:
+        """The summary of a run that has converged and is whole; None where there is something left to do."""
+        try:
+            summary = self.summary()
+            whole = summary is not None and self.dataset().attrs["status"] == summary["status"]
+        except StoreError:
+            return None
+        return summary if summary and whole and Status(summary["status"]).ok else None
 
     def summarise(self, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         """The summary of what is written, of which there must be something; work: compilations, wall_s."""
@@ -226,22 +257,21 @@ class RunStore:
         return Result(self.case, self.dataset(), summary, Status(summary["status"]), self.directory)
 
 
-def _changes(before: Any, now: Any, place: str = "") -> str:
-    """What differs between two cases as plain data, names and references apart."""
-    if isinstance(before, Mapping) and isinstance(now, Mapping):
-        free = ("name", "reference")
-        keys = [key for key in {**before, **now} if before.get(key) != now.get(key) and key not in free]
-        return ", ".join(_changes(before.get(key), now.get(key), f"{place}.{key}".removeprefix(".")) for key in keys)
-    return f"{place} {show(before)} → {show(now)}"
-
-
 # -- running ----------------------------------------------------------------------------------------------------------
 
 
 def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, Any]:
-    """Continue a stored case to its end, write all results, and return the summary."""
+    """Continue a stored case to its end, write all results, and return the summary.
+
+    A run that has converged is left alone, unless something is missing or damaged that follows from the rest: the
+    summary, or the data of a steady contact.  Raises StoreError where another process computes this run, where
+    case.toml was edited, or where something else is damaged.
+    """
     compiled = compiling.count()
-    with _alone(store.directory):
+    with store.alone():
+        finished = store.outcome()
+        if finished is not None:
+            return finished
         last = drive(store.course, [store, *observers], store.resume())
         store.flush()
         work = {"compilations": compiling.count() - compiled, "wall_s": store.seconds}
@@ -269,9 +299,10 @@ def run(case: Case, directory: str | Path, progress: bool = False, observers: Se
     directory = Path(directory)
     store = RunStore.open(directory) if (directory / CASE).exists() else RunStore.create(directory, case)
     if store.case != case:
-        raise StoreError(f"{directory}: holds another case ({_changes(store.case.to_data(), case.to_data())})")
-    outcome = store.summary()
-    if outcome is None or not Status(outcome["status"]).ok:
+        raise StoreError(
+            f"{directory}: holds another case ({directories.changes(store.case.to_data(), case.to_data())})"
+        )
+    if store.outcome() is None:
         with progress_bar(store.course, progress) as shown:
             compute(store, [*shown, *observers])
     result = store.result()
@@ -284,30 +315,6 @@ def open_run(directory: str | Path) -> Result:
     return RunStore.open(Path(directory)).result()
 
 
-@contextmanager
-def _alone(directory: Path) -> Iterator[None]:
-    """Lock a run against other processes, as far as the system allows."""
-    with (directory / CASE).open() as file:
-        if fcntl:
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError as error:
-                raise StoreError(f"{directory}: another process is computing this run") from error
-        yield
-
-
 def to_json(summary: Mapping[str, Any]) -> str:
     """A summary as the text of summary.json."""
     return json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def unused_directory(case: Case, parent: Path = Path("runs")) -> Path:
-    """runs/NAME, or runs/NAME-2, ... : the first that does not exist."""
-    name = case.name or case.kind
-    candidates = (parent / (name if number == 1 else f"{name}-{number}") for number in range(1, 100_000))
-    return next(path for path in candidates if not path.exists())
-
-
-def _require_free(directory: Path) -> None:
-    if directory.exists() and not (directory.is_dir() and not any(directory.iterdir())):
-        raise StoreError(f"{directory}: exists already")

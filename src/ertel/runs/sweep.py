@@ -5,13 +5,12 @@
         results = sweep(tasks, executor, Path("runs"))
 
 Any `concurrent.futures.Executor` will do, for example that of dask.distributed: Client.get_executor().
-Results are kept as pickles: use only a directory of your own.
+Results that are kept are plain data, see `ertel.runs.plain`.
 """
 
 import logging
 import multiprocessing
 import os
-import pickle
 import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -19,8 +18,10 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_complet
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
+from ertel.runs import plain
 from ertel.version import installed_version, own_sources
 
 _log = logging.getLogger(__name__)
@@ -94,7 +95,8 @@ def sweep(
     directory : Path, optional
         Where results are kept.  A kept result is used again, so that an interrupted sweep goes on where it was.  It
         must come from the same function, arguments, version and source code of ertel.  The source code of functions
-        outside ertel is not compared.
+        outside ertel is not compared.  Arguments and results must be plain data, see `ertel.runs.plain`; a tuple comes
+        back as a list.
     on_done : callable
         Is called with each task and its result as soon as it is there.
 
@@ -107,10 +109,16 @@ def sweep(
     ------
     ValueError
         Two tasks have the same name.
+    TypeError
+        Arguments or a result that must be kept are not plain data.
+    OSError
+        A result cannot be written; those before it are kept.
     """
     by_name = {task.name: task for task in tasks}
     if len(by_name) < len(tasks):
         raise ValueError(f"tasks = {[task.name for task in tasks]}: their names must differ")
+    if directory:
+        _require_writable(directory)
     found = kept(tasks, directory)
     for name, result in found.items():
         on_done(by_name[name], result)
@@ -132,33 +140,43 @@ def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
     """Task name -> kept result, for the tasks that have a valid one."""
     found = {}
     for task in tasks if directory else ():
+        wanted = _stamp(task)
         try:
-            stamp, result = pickle.loads(_file(directory, task).read_bytes())
+            stamp, result = plain.read(_file(directory, task))
         except FileNotFoundError:
             continue
-        except Exception as error:  # damaged, or written by another version of some library
+        except (ValueError, LookupError, OSError) as error:  # damaged, or written by another version
             _log.warning("the kept result of %s cannot be read and is computed again: %s", task.name, error)
             continue
-        if stamp == _stamp(task):
+        if stamp == wanted:
             found[task.name] = result
     return found
 
 
-def _keep(directory: Path, task: Task, result: object) -> None:
+def _require_writable(directory: Path) -> None:
+    """Raise OSError before anything is computed where results cannot be kept."""
     directory.mkdir(parents=True, exist_ok=True)
-    fresh = _file(directory, task).with_suffix(".new")
-    fresh.write_bytes(pickle.dumps((_stamp(task), result)))
-    fresh.replace(_file(directory, task))  # atomic: the file is complete or absent
+    TemporaryFile(dir=directory).close()
+
+
+def _keep(directory: Path, task: Task, result: object) -> None:
+    try:
+        plain.write(_file(directory, task), [_stamp(task), result])
+    except TypeError as error:
+        raise TypeError(f"result of task {task.name}: {error}") from error
 
 
 def _file(directory: Path | None, task: Task) -> Path:
-    return (directory or Path()) / f"{task.name}.pickle"
+    return (directory or Path()) / f"{task.name}.result"
 
 
-def _stamp(task: Task) -> tuple[object, ...]:
-    """What a kept result depends on."""
+def _stamp(task: Task) -> str:
+    """A digest of what a kept result depends on.  Raises TypeError where the arguments are not plain data."""
     function = task.function.__module__, task.function.__qualname__
-    return installed_version(), own_sources(), *function, task.arguments
+    try:
+        return plain.digest([installed_version(), own_sources(), *function, task.arguments])
+    except TypeError as error:
+        raise TypeError(f"arguments of task {task.name}: {error}") from error
 
 
 def _outcome(future: Future[Any]) -> Any:

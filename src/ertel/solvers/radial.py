@@ -9,7 +9,6 @@ symbols are those of `contact`.
 """
 
 from collections.abc import Mapping, Sequence
-from math import pi
 from typing import NamedTuple
 
 import jax
@@ -19,13 +18,18 @@ from jax import Array
 from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
-from ertel.model import outside
+from ertel.model import budget, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
+from ertel.model.budget import Around, Film
 from ertel.model.case import Case
+from ertel.model.outside import Surroundings
 from ertel.model.pytrees import traceable
 from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf
+from ertel.numerics.integrals import Disc, disc_weights
+from ertel.numerics.programs import Program
+from ertel.numerics.stencils import Pair
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
@@ -114,7 +118,7 @@ def mesh(r: Floats) -> Mesh:
     """The grid with nodes r, from 0 outwards, and its elastic kernel."""
     face = (r[1:] + r[:-1]) / 2
     ends = np.concatenate([r[:1], face, r[-1:]])
-    fields = r, face, np.diff(ends**2) / 2, elastic_kernel(r), load_weights(r)
+    fields = r, face, np.diff(ends**2) / 2, elastic_kernel(r), disc_weights(r)
     return Mesh(*(jnp.asarray(f) for f in fields))
 
 
@@ -147,13 +151,6 @@ def elastic_kernel(r: Floats) -> Floats:
     kernel = np.pad(mean, ((0, 0), (0, 1))) - np.pad(mean, ((0, 0), (1, 0)))
     kernel[:, -1] += disc(r, r[-1])
     return CIRCLE.compliance * kernel
-
-
-def load_weights(r: Floats) -> Floats:
-    """Weights of 2 pi integral of P r dr, exact for P linear between the nodes r."""
-    h = np.diff(r)
-    falling, rising = h * (2 * r[:-1] + r[1:]) / 6, h * (r[:-1] + 2 * r[1:]) / 6
-    return 2 * pi * (np.pad(falling, (0, 1)) + np.pad(rising, (1, 0)))
 
 
 def outflow(eq: Equations, P: Array, H: Array) -> Array:
@@ -235,6 +232,7 @@ class RadialImpact(Method):
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
         self.start_approach = case.schedule.start_approach
         self.coordinates = {"r": np.asarray(self.mesh.r)}
+        self.disc = Disc.of(self.coordinates["r"])
 
     def start(self) -> State:
         """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
@@ -249,7 +247,7 @@ class RadialImpact(Method):
         rates = bdf.derivative_weights([T, *(level.T for level in levels[:2])])
         approaches = [level.approach for level in levels]
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
-        around = self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], 0.0))
+        around = self.surroundings(levels, T)
         line, tolerance = line.less(around.load), self.tolerance * float(rates[0])
         P = predicted_pressure(levels, T).at[-1].set(around.edge[-1])
         s: Solution = yield Problem(self.equations(levels, rates, line, around.uplift), P, tolerance)
@@ -257,6 +255,10 @@ class RadialImpact(Method):
         velocity = self.closure.velocity(T, rates, approach, approaches)
         status = Status.CONVERGED if bool(s.size <= tolerance) else Status.NEWTON_STALLED  # stalled too if NaN
         return State(T, approach, velocity, {"P": s.P, "H": s.H}, status, Work(int(s.newton)), around.load)
+
+    def surroundings(self, levels: Sequence[State], T: float) -> Surroundings:
+        """The oil outside at a new level, predicted from the last ones."""
+        return self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], 0.0))
 
     def solve(self, problem: Problem) -> Solution:
         """P and H at the new level."""
@@ -292,6 +294,16 @@ class RadialImpact(Method):
         peak = {"P_max": float(P[i]), "X_P_max": float(r[i]), "Y_P_max": 0.0, "P_fall": float(fall)}
         return {"F": F, "P_c": float(P[0]), **peak, **films}
 
+    def budget(self, levels: Sequence[State]) -> dict[str, float]:
+        """See `Method.budget`."""
+        new, *past = levels
+        rates = bdf.derivative_weights([level.T for level in levels])
+        eq = self.equations(past, rates, ClosureLine(1.0, 0.0, new.approach))
+        found = _integrals_program(self.disc, eq, new.P, new.H, new.approach)
+        rate = float(rates @ [self.load(level.P) for level in levels])
+        around = Around(new.outside, self.surroundings(past, new.T).uplift, rate)
+        return budget.terms(found, new.velocity, around, CIRCLE.hertz_load)
+
     def whole(self, field: Array) -> Array:
         """The field itself."""
         return field
@@ -305,6 +317,16 @@ class RadialImpact(Method):
         pressed = np.asarray(self.mesh.volume) * np.asarray(P)
         difference = 1 - np.asarray(H_predicted) / np.asarray(H)
         return float(np.sqrt(pressed @ difference**2 / max(pressed.sum(), np.finfo(float).tiny)))
+
+
+def _integrals(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> dict[str, Array]:
+    """The terms of the budgets after a step."""
+    eps, _ = eq.flow.mobility(eq.oil.density(P), eq.oil.viscosity(P), H, eq.lambda_bar)
+    deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
+    return budget.integrals(disc, eq.oil, Film(P, H, Pair(eps), deformation, residual(eq, P, H), 0.0, 0.0))
+
+
+_integrals_program = Program(jax.jit(_integrals), budget.ANY_SIZE)
 
 
 def predicted_pressure(levels: Sequence[State], T: float) -> Array:

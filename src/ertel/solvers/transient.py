@@ -12,8 +12,9 @@ import numpy as np
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.model import contact, discretise, outside
+from ertel.model import budget, contact, discretise, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
+from ertel.model.budget import Around
 from ertel.model.case import Case
 from ertel.model.contact import Contact
 from ertel.model.flow import Flow, rate_in_time
@@ -23,6 +24,7 @@ from ertel.model.status import Status
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Even, check_grid
+from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import Elasticity
 from ertel.numerics.programs import Program
 from ertel.numerics.symmetry import total, unfolded
@@ -99,6 +101,7 @@ class Transient2D(Method):
         self.closure = closure or NewtonsLaw.of(case.motion)
         self.elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
+        self.space = Plane.of(self.grid)
         time = case.schedule
         self.tolerance = case.solver.tolerance
         if not time.step:
@@ -148,14 +151,13 @@ class Transient2D(Method):
         rates = bdf.derivative_weights([T, *times[:2]])
         approaches = [level.approach for level in levels]
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
-        padded = [*levels, *[levels[-1]] * 2][:3]  # one shape, so one compilation, whatever the history
         predict = bdf.interpolation_weights(T, times)
         around = self.outside.at(self.motion(levels, T))
         surfaces, line = self.contact_at(T), line.less(around.load)
         solution: StepSolution = yield StepProblem(
             replace(surfaces, gap=surfaces.gap + around.uplift),
             self.elastic,
-            stacked(padded),
+            stacked(padded(levels)),
             float(predict @ approaches),
             around.edge,
             _pad(predict),
@@ -196,6 +198,21 @@ class Transient2D(Method):
                 values |= {X: float(np.hypot(values[X], values[Y])), Y: 0.0}
         return values
 
+    def budget(self, levels: Sequence[State]) -> dict[str, float]:
+        """See `Method.budget`."""
+        new, *past = levels
+        times, scale = [level.T for level in past], self.geometry.hertz_load
+        rates = bdf.derivative_weights([new.T, *times[:2]])
+        masses = stacked([new, *padded(past)[:2]])["mass"]
+        flow = self.flow(new.T, [*times, times[-1]][:2])
+        gap_change = discretise.gap_change(self.case, self.grid, new.T)
+        c = self.contact_at(new.T)
+        found = _integrals_program(self.space, c, new.P, new.H, new.approach, masses, _pad(rates), flow, gap_change)
+        loads = [self.carried(level) * scale - level.outside for level in levels]
+        beyond = self.carried(new) * scale - float(found["load"])  # half a cell around the grid counts as outside
+        around = Around(beyond, self.outside.at(self.motion(past, new.T)).uplift, float(rates @ loads))
+        return budget.terms(found, new.velocity, around, scale)
+
     def carried(self, level: State) -> float:
         """F, with the load of the oil outside, in units of Hertz' load."""
         return (float(contact.load(self.contact, level.P)) + level.outside) / self.geometry.hertz_load
@@ -220,6 +237,11 @@ def _fields(c: Contact, P: Array, H: Array, left: Array | float = 0.0) -> dict[s
     steps: they bring the rest into the film, and it does not add up from step to step.
     """
     return {"P": P, "H": H, "mass": contact.mass(c, P, H) - left}
+
+
+def padded(levels: Sequence[State]) -> list[State]:
+    """Three levels, the oldest repeated: one shape, so one compilation, whatever the history."""
+    return [*levels, *[levels[-1]] * 2][:3]
 
 
 def _pad(weights: np.ndarray) -> np.ndarray:
@@ -259,3 +281,23 @@ def solve_step(p: StepProblem) -> StepSolution:
 
 
 _step_program = Program(solve_step)
+
+
+def _integrals(
+    space: Plane,
+    c: Contact,
+    P: Array,
+    H: Array,
+    approach: float,
+    masses: Array,
+    rates: Weights,
+    flow: Flow | None,
+    gap_change: Array,
+) -> dict[str, Array]:
+    """The terms of the budgets after a step.  masses: at the new time and the last two, shape (3, n, n)."""
+    change = rate_in_time(rates, masses[1:], flow, c.spacing).of(masses[0], c.spacing)
+    U = 0.0 if flow is None else flow.entrainment
+    return budget.integrals(space, c.lubricant, budget.film_of(c, P, H, approach, change, U, gap_change))
+
+
+_integrals_program = Program(jax.jit(_integrals), budget.ANY_SIZE)

@@ -1,0 +1,142 @@
+"""The library of oils and materials: data files, and how they are read.
+
+A data file is TOML.  Each of its tables gives data of one kind, their `source`, the temperatures `coldest` and
+`hottest` between which they are valid, and often a `note` on their accuracy.  What has
+no trustworthy source is left out of the file.
+"""
+
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, fields
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from ertel.inputs.messages import ConfigError
+from ertel.inputs.quantities import parse_quantity
+from ertel.model.records import show
+from ertel.physics.materials import Elasticity, Material
+from ertel.physics.oils import Carreau, LimitingStress, NamedOil, Sourced, ThermalData
+from ertel.physics.pressure_rules import DoolittleOfTemperature, ModulusOfTemperature, PowerOfViscosity, SoKlaus
+from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, Vogel, Walther
+from ertel.physics.units import TEMPERATURE, Unit, marks
+
+LAWS: Mapping[str, Callable[..., Any]] = {
+    "astm-d341": Walther,
+    "vogel": Vogel,
+    "so-klaus": SoKlaus,
+    "power-of-viscosity": PowerOfViscosity,
+    "modulus": ModulusOfTemperature,
+    "doolittle": DoolittleOfTemperature,
+}
+OIL_TABLES: Mapping[str, tuple[str, Any]] = {  # table of an oil's file: field of NamedOil, record or None for a law
+    "viscosity": ("viscosity", None),
+    "density": ("density", Expansion),
+    "pressure": ("pressure", None),
+    "carreau": ("shear", Carreau),
+    "limiting_stress": ("limiting_stress", LimitingStress),
+    "thermal": ("thermal", ThermalData),
+}
+MATERIAL_TABLES: Mapping[str, tuple[str, Any]] = {
+    "elasticity": ("elasticity", Elasticity),
+    "thermal": ("thermal", ThermalData),
+}
+HOTTER_THAN_ANY = 1e4  # K
+UNITS = "degC|°C|degree_Celsius|K|kelvin"  # also as pint writes them
+_TEMPERATURE = re.compile(rf"\s*([+-]?[0-9]{{1,4}}(?:\.[0-9]{{1,6}})?)\s*({UNITS})\s*")
+
+
+def oil_names() -> tuple[str, ...]:
+    """The names of the oils of the library."""
+    return _names("oils")
+
+
+def material_names() -> tuple[str, ...]:
+    """The names of the materials of the library."""
+    return _names("materials")
+
+
+def oil(name: str) -> NamedOil:
+    """An oil of the library.  Raises ConfigError for a name that is not there."""
+    return _oil(_known("oil", name, oil_names()))
+
+
+def material(name: str) -> Material:
+    """A material of the library.  Raises ConfigError for a name that is not there."""
+    return _material(_known("material", name, material_names()))
+
+
+@cache
+def _oil(name: str) -> NamedOil:
+    text, tables = _read("oils", name, OIL_TABLES)
+    return NamedOil(name, text, **tables)
+
+
+@cache
+def _material(name: str) -> Material:
+    text, tables = _read("materials", name, MATERIAL_TABLES)
+    return Material(name, text, **tables)
+
+
+def parse_temperature(value: object) -> float:
+    """A temperature in K from a number in K or a text, "40 degC" or "313.15 K".
+
+    Raises ValueError for anything else, and below absolute zero.
+
+    Examples
+    --------
+    >>> parse_temperature("40 degC")
+    313.15
+    """
+    if isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < HOTTER_THAN_ANY:
+        return float(value)
+    match = _TEMPERATURE.fullmatch(value) if isinstance(value, str) else None
+    kelvin = round(float(match[1]) + (0.0 if match[2] in ("K", "kelvin") else ZERO_CELSIUS), 6) if match else 0.0
+    if not kelvin > 0:
+        raise ValueError('must be a temperature with its unit, "40 degC" or "313.15 K"')
+    return kelvin
+
+
+# -- reading ----------------------------------------------------------------------------------------------------------
+
+
+@cache
+def _names(folder: str) -> tuple[str, ...]:
+    found = (entry.name for entry in (files(__name__) / folder).iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
+
+
+def _known(noun: str, name: object, names: tuple[str, ...]) -> str:
+    if not isinstance(name, str) or name not in names:
+        raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(names)}")
+    return name
+
+
+def _read(folder: str, name: str, known: Mapping[str, tuple[str, Any]]) -> tuple[str, dict[str, Any]]:
+    """The text of a data file and its tables, by field of the record."""
+    data = tomllib.loads((files(__name__) / folder / f"{name}.toml").read_text(encoding="utf-8"))
+    text = data.pop("text")
+    return text, {known[key][0]: _sourced(table, known[key][1]) for key, table in data.items()}
+
+
+def _sourced(table: dict[str, Any], record: Any) -> Sourced[Any]:
+    """A table with its source and range; its keys are the fields of the record, or of the law that it names."""
+    source, note = table.pop("source"), table.pop("note", "").strip()
+    coldest, hottest = (parse_temperature(table.pop(key)) for key in ("coldest", "hottest"))
+    made = record or LAWS[table.pop("law")]
+    return Sourced(_record(made, table), source, coldest, hottest, note)
+
+
+def _record(record: Any, table: Mapping[str, Any]) -> Any:
+    kinds, names = marks(record), [item.name for item in fields(record)]
+    needed = [item.name for item in fields(record) if item.default is MISSING]
+    if set(table) - set(names) or set(needed) - set(table):
+        raise ValueError(f"{record.__name__}: has {', '.join(table)}; needs {', '.join(names)}")
+    return record(**{key: _value(value, kinds.get(key)) for key, value in table.items()})
+
+
+def _value(value: Any, mark: object) -> Any:
+    if mark is TEMPERATURE:
+        return parse_temperature(value)
+    return parse_quantity(value, mark) if isinstance(mark, Unit) else float(value)

@@ -1,0 +1,77 @@
+"""Oils and materials by name in a case: replaced by their numbers, which then define the case.
+
+    [contact]                        [lubricant]
+    material_1 = "steel"             oil = "squalane"
+    material_2 = "glass"             temperature = "40 degC"
+
+A value that is given explicitly wins over that of the library.  The case holds numbers only, so that a stored run does
+not change with the library; the name of the oil and its temperature stay in `lubricant.reference`.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from ertel.inputs import library, oils
+from ertel.inputs.messages import ConfigError
+from ertel.model.records import oil_data, show
+from ertel.physics.units import DENSITY, STRESS
+
+OIL_KEYS, MATERIAL_KEYS = ("oil", "temperature"), ("material_1", "material_2")
+OF_PRESSURE = ("alpha", "z", "p0")  # a given one makes the law Roelands', unless the law is given too
+DIMENSIONLESS = ("M", "L", "lambda_bar", "alpha_bar")
+
+
+def without_names(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The plain data of a case with the numbers of the oil and the materials that it names.
+
+    Raises ConfigError, naming the field, for a name that is not in the library or a temperature outside its data.
+    """
+    found = dict(data)
+    for section, keys, resolve in (("lubricant", OIL_KEYS, _lubricant), ("contact", MATERIAL_KEYS, _contact)):
+        written = found.get(section)
+        if isinstance(written, Mapping) and any(key in written for key in keys):
+            try:
+                found[section] = resolve(written)
+            except ConfigError as error:
+                raise ConfigError(f"{section}.{error}") from error
+    return found
+
+
+def _lubricant(written: Mapping[str, Any]) -> dict[str, Any]:
+    given = {key: value for key, value in written.items() if key not in OIL_KEYS}
+    if "oil" not in written:
+        raise ConfigError(
+            f"temperature = {show(written['temperature'])}: needs lubricant.oil, one of {', '.join(oils.names())}; or "
+            "give eta0 and alpha at the temperature of the inlet instead"
+        )
+    oil = oils.get(written["oil"])
+    if "temperature" not in written:
+        raise ConfigError(f'temperature: missing; oil = "{oil.name}" needs it, for example "40 degC"')
+    temperature = written["temperature"]
+    if not isinstance(temperature, str):
+        raise ConfigError(f'temperature = {show(temperature)}: must be a temperature with its unit, such as "40 degC"')
+    known = oil_data(oils.at(oil.name, temperature))
+    if any(key in given for key in OF_PRESSURE) and not isinstance(known["viscosity"], str):
+        known["viscosity"] = "roelands"
+    if given and "reference" not in given:
+        known["reference"] += f" Given: {', '.join(given)}."
+    return {**known, **given}
+
+
+def _contact(written: Mapping[str, Any]) -> dict[str, Any]:
+    given = {key: value for key, value in written.items() if key not in MATERIAL_KEYS}
+    known: dict[str, Any] = {}
+    for number, key in enumerate(MATERIAL_KEYS, 1):
+        if key not in written:
+            continue
+        if any(name in given for name in DIMENSIONLESS):
+            raise ConfigError(f"{key} = {show(written[key])}: a dimensionless contact has no materials; leave it out")
+        try:
+            body = library.material(written[key]).elasticity.data
+        except ConfigError as error:
+            raise ConfigError(str(error).replace("material = ", f"{key} = ", 1)) from error
+        if "E_prime" not in given:
+            known |= {f"E{number}": f"{body.E!r} {STRESS.unit}", f"nu{number}": body.nu}
+        if key == "material_1" and given.get("kind", "impact") == "impact" and "mass" not in given:
+            known["ball_density"] = f"{body.density!r} {DENSITY.unit}"
+    return {**known, **given}

@@ -1,0 +1,122 @@
+"""Oils by name, and oils from a data sheet: `ertel.oils`.
+
+>>> from ertel import oils
+>>> oils.names()
+('iso-vg-100', 'iso-vg-68', 'mineral-100', 'naphthenic-100', 'pao-100', 'polyglycol', 'squalane')
+>>> round(oils.at("squalane", "40 degC").eta0, 4)
+0.0149
+>>> round(oils.data_sheet(nu40="68 mm^2/s", nu100="8.6 mm^2/s", density=880, temperature="60 degC").eta0, 4)
+0.0243
+
+All data of an oil, with their sources and ranges, are in `oils.get("squalane")`.
+"""
+
+from typing import Any
+
+from ertel.inputs.library import oil as get
+from ertel.inputs.library import oil_names as names
+from ertel.inputs.library import parse_temperature
+from ertel.inputs.messages import ConfigError
+from ertel.inputs.quantities import parse_quantity
+from ertel.model.records import show
+from ertel.physics.lubricant import Oil
+from ertel.physics.oils import NamedOil, Sourced
+from ertel.physics.pressure_rules import PowerOfViscosity, SoKlaus
+from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, Walther
+from ertel.physics.units import COMPLIANCE, DENSITY, EXPANSION, KINEMATIC_VISCOSITY, Unit
+
+__all__ = ["at", "data_sheet", "get", "names"]
+
+Number = float | str  # SI, or a text with a unit
+COLDEST, HOTTEST = ZERO_CELSIUS, ZERO_CELSIUS + 150.0  # of a data sheet: D341 is a straight line here
+
+
+def at(name: str, temperature: Number) -> Oil:
+    """An oil of the library at a temperature, for `ertel.impact` and `ertel.rolling`.
+
+    Parameters
+    ----------
+    name : str
+        One of `names()`.
+    temperature : float or str
+        Temperature of the oil in the inlet, in K or as a text, "40 degC".
+
+    Raises ConfigError, naming the argument, for an unknown name and for a temperature outside the oil's data.
+    """
+    return _at(get(name), temperature)
+
+
+def data_sheet(
+    nu40: Number,
+    nu100: Number,
+    density: Number,
+    temperature: Number,
+    expansion: Number | None = None,
+    alpha: Number | None = None,
+    reference: str = "",
+) -> Oil:
+    """A mineral oil from its data sheet, at a temperature.
+
+    Its viscosity is by ASTM D341, alpha by So and Klaus' correlation unless it is given (for its scatter see
+    `ertel.physics.pressure_rules.SoKlaus`; it is made for mineral oils), the pressure laws by Roelands and by Dowson
+    and Higginson.
+
+    Parameters
+    ----------
+    nu40, nu100 : float or str
+        Kinematic viscosities at 40 and 100 degC (m^2/s, or "68 mm^2/s").
+    density : float or str
+        Density at 15 degC (kg/m^3).
+    temperature : float or str
+        Temperature of the oil in the inlet, in K or as a text, "40 degC"; from 0 to 150 degC.
+    expansion : float or str
+        Coefficient of thermal expansion (1/K); API's value for lubricating oils if it is not given.
+    alpha : float or str
+        Pressure-viscosity coefficient (1/Pa) at this temperature, if it is known.
+    reference : str
+        Name and source of the data sheet.
+
+    Raises ConfigError, naming the argument, for a value that is not allowed.
+    """
+    try:
+        viscosity = Walther(_si("nu40", nu40, KINEMATIC_VISCOSITY), _si("nu100", nu100, KINEMATIC_VISCOSITY))
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
+    own_expansion = None if expansion is None else _si("expansion", expansion, EXPANSION)
+    sheet = NamedOil(
+        reference or "data sheet",
+        "an oil from its data sheet",
+        _whole(viscosity, "ASTM D341."),
+        _whole(Expansion(_si("density", density, DENSITY), own_expansion), "data sheet."),
+        _whole(SoKlaus(), "So and Klaus' correlation (ASLE Trans 1980;23:409-421).")
+        if alpha is None
+        else _whole(PowerOfViscosity(_si("alpha", alpha, COMPLIANCE), 1.0, 0.0), "alpha as given."),
+    )
+    return _at(sheet, temperature)
+
+
+def _whole(data: Any, source: str) -> Sourced[Any]:
+    return Sourced(data, source, COLDEST, HOTTEST)
+
+
+def _at(oil: NamedOil, temperature: Number) -> Oil:
+    try:
+        T = parse_temperature(temperature)
+    except ValueError as error:
+        raise ConfigError(f"temperature = {show(temperature)}: {error}") from error
+    try:
+        return oil.at(T)
+    except ValueError as error:
+        message = str(error).replace(f"temperature = {T:g} K", f"temperature = {show(temperature)}")
+        raise ConfigError(message) from error
+
+
+def _si(name: str, value: Number, unit: Unit) -> float:
+    try:
+        text = f"{float(value)!r} {unit.unit}" if isinstance(value, int | float) else value
+        found = parse_quantity(text, unit)
+    except ValueError as error:
+        raise ConfigError(f"{name} = {show(value)}: {error}") from error
+    if found is None:
+        raise ConfigError(f'{name}: missing; for example "{unit.example}"')
+    return found

@@ -1,0 +1,135 @@
+"""The budgets of mass and energy of the film: what is stored, what flows, what is lost, at one time.
+
+Mass: Reynolds' equation integrated over the grid, with the Poiseuille flux rho q = -eps grad P:
+
+    d/dT [integral of rho H] + outflow - inflow = cavity source
+
+* outflow, inflow: the integrals of rho q.n + U rho H n_x along the edge, where it points outwards and where inwards.
+* cavity source: where P = 0 the film grows faster than oil flows in.  The model fills it; a real film cavitates.
+
+Energy: Reynolds' equation times the enthalpy h(P) = integral of dP/rho, integrated over the grid.  The film thickness
+H = -Delta + G + D has the gap G (with the roughness) and the deformation D.  The elastic kernel is symmetric, so
+
+    F V = d/dT [E_solids + E_oil] + dissipation - surface power + outside power
+
+* E_solids = 1/2 integral of P D: elastic energy of the solids.  D has the uplift by the oil outside.  The energy that
+  its pressure shares with that on the grid, 1/2 uplift times load, comes on top.
+* E_oil = integral of (rho h - P) H: elastic energy of the compressed oil.
+* dissipation = integral of eps grad P.grad h: viscous, of the Poiseuille flow.  Sliding of the surfaces dissipates too,
+  exactly what it takes to drive it; both are left out.
+* surface power = - integral of P DG/DT: what the moving surfaces do on the film, by rolling (- U P dG/dX, whose sum is
+  the hydrodynamic rolling resistance) and by roughness that moves relative to the flow.  Where the gap closes the film
+  takes power from the surfaces, where it opens it gives most of it back.
+* outside power: what goes to the oil outside the grid, V times its load less the uplift times the rate of the load on
+  the grid, and with the flow through the edge, integral of h rho q.n + U (rho h - P) H n_x.
+
+With the kinetic energy of the ball, inertia V dV/dT = (w - F) V, the work of the applied load w and of the surfaces is
+stored, dissipated, or lost to the outside.  Energies are in units F* delta*, powers in F* delta*/t0.  Mass is in
+rho0 a^4/R: in SI a volume, that of the oil at ambient pressure.
+
+The flow through the edge is not taken from the solver's own fluxes, so the budgets can fail.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from ertel.model import discretise
+from ertel.model.case import Case
+from ertel.model.contact import Contact, mass, mobility
+from ertel.model.flow import wedge
+from ertel.model.state import GridSolution
+from ertel.numerics.integrals import Plane, Space
+from ertel.numerics.programs import Program
+from ertel.numerics.stencils import Pair, diffusion, inside
+from ertel.physics.far_field import Motion
+from ertel.physics.lubricant import Lubricant
+
+Number = Array | float
+ANY_SIZE = 2**62  # the programs are not optimised on any grid: they run once a step, and compile in a fifth of the time
+MASSES = ("mass", "inflow", "outflow", "cavity_source")
+ENERGIES = ("elastic_energy", "oil_energy", "dissipation", "power_from_surfaces", "power_to_surfaces", "outside_power")
+
+
+class Film(NamedTuple):
+    """The film at one time.
+
+    P, H, eps: pressure, film thickness, mobility.  deformation: of the solids.  growth: D(rho H)/DT - div(Poiseuille
+    flux), the residual of Reynolds' equation, which is not zero where P = 0.  U: entrainment.  gap_change: DG/DT.
+    """
+
+    P: Array
+    H: Array
+    eps: Pair
+    deformation: Array
+    growth: Array
+    U: Number
+    gap_change: Number
+
+
+def film_of(c: Contact, P: Array, H: Array, approach: Number, change: Array, U: Number, gap_change: Array) -> Film:
+    """The film on the 2-D grid.  change: D(rho H)/DT."""
+    eps = mobility(c, P, H)
+    growth = change - inside(diffusion(eps, P, c.even), c.even) / c.spacing**2
+    return Film(P, H, eps, H + approach - c.gap, growth, U, gap_change)
+
+
+def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
+    """All terms of both budgets on the grid by name, and "load", the double integral of P."""
+    P, H, eps, U = film.P, film.H, film.eps, film.U
+    mass, enthalpy, compressed = oil.density(P) * H, oil.enthalpy(P), oil.compression(P) * H
+    squeezed_out = space.flow_out(eps, P)
+    out = squeezed_out + U * space.along_x(mass)
+    energy_out = squeezed_out * space.edge(enthalpy) + U * space.along_x(compressed)
+    return {
+        "mass": space.total(mass),
+        "inflow": space.around(jnp.maximum(-out, 0.0)),
+        "outflow": space.around(jnp.maximum(out, 0.0)),
+        "cavity_source": space.total(jnp.where(P > 0.0, 0.0, film.growth)),
+        "elastic_energy": space.total(P * film.deformation) / 2,
+        "oil_energy": space.total(compressed),
+        "dissipation": space.of_slopes(eps, P, enthalpy),
+        "power_from_surfaces": space.total(P * jnp.maximum(-film.gap_change, 0.0)),
+        "power_to_surfaces": space.total(P * jnp.maximum(film.gap_change, 0.0)),
+        "outside_power": space.around(energy_out),
+        "load": space.total(P),
+    }
+
+
+class Around(NamedTuple):
+    """The oil outside the grid: its load, its uplift of the grid, and the rate of change of the load on the grid."""
+
+    load: float
+    uplift: float
+    grid_load_rate: float = 0.0
+
+
+def terms(found: Mapping[str, Array], velocity: float, around: Around, hertz_load: float) -> dict[str, float]:
+    """`MASSES` and `ENERGIES` in their units, from `integrals`, with what the oil outside adds."""
+    plain = {name: float(value) for name, value in jax.device_get(found).items()}
+    plain["elastic_energy"] += around.uplift * plain["load"] / 2
+    plain["outside_power"] += velocity * around.load - around.uplift * around.grid_load_rate
+    return {name: plain[name] / (hertz_load if name in ENERGIES else 1.0) for name in (*MASSES, *ENERGIES)}
+
+
+def steady(case: Case, s: GridSolution) -> dict[str, float]:
+    """`MASSES` and `ENERGIES` of a steady contact on one of its grids."""
+    c, U = discretise.contact_of(case, s.grid), case.motion.entrainment(0.0)
+    gap_change = discretise.gap_change(case, s.grid, 0.0)
+    found = _steady_program(Plane.of(s.grid), c, jnp.asarray(s.P), jnp.asarray(s.H), s.approach, U, gap_change)
+    motion = Motion(s.approach, 0.0, case.motion.load(0.0), U)
+    around = Around(s.outside, discretise.outside_of(case, s.grid).at(motion).uplift)
+    return terms(found, 0.0, around, discretise.geometry_of(case).hertz_load)
+
+
+def _steady(
+    space: Plane, c: Contact, P: Array, H: Array, approach: Number, U: Number, gap_change: Array
+) -> dict[str, Array]:
+    change = wedge(mass(c, P, H), U, c.spacing)
+    return integrals(space, c.lubricant, film_of(c, P, H, approach, change, U, gap_change))
+
+
+_steady_program = Program(jax.jit(_steady), ANY_SIZE)

@@ -1,0 +1,153 @@
+"""Integrals of fields over a grid and along its edge, of second order.
+
+A space knows where its nodes are; fields have the shape of its arrays, and `edge` makes one line of the values on the
+edge.  `Plane` is a rectangle of square cells, `Disc` a radial grid.  Both end at the outermost nodes.
+"""
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.tree_util import register_dataclass
+
+from ertel.numerics.bdf import derivative_weights
+from ertel.numerics.grid import Even, Grid
+from ertel.numerics.stencils import Pair
+
+SLOPE = (11 / 6, -3.0, 3 / 2, -1 / 3)  # weights of the nodes from the edge inwards for the slope towards the edge
+
+
+class Space(Protocol):
+    """What can be integrated on a grid."""
+
+    def total(self, f: Array) -> Array:
+        """The double integral of a field."""
+        ...
+
+    def of_slopes(self, c: Pair, f: Array, g: Array) -> Array:
+        """The double integral of c_x df/dX dg/dX + c_y df/dY dg/dY."""
+        ...
+
+    def edge(self, f: Array) -> Array:
+        """The values on the edge, one line."""
+        ...
+
+    def flow_out(self, c: Pair, f: Array) -> Array:
+        """- c df/dn on the edge, n pointing outwards; of third order, lest it be the largest error on coarse grids."""
+        ...
+
+    def along_x(self, f: Array) -> Array:
+        """f n_x on the edge, n pointing outwards."""
+        ...
+
+    def around(self, line: Array) -> Array:
+        """The integral along the edge of a line from `edge`, `flow_out` or `along_x`."""
+        ...
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Plane:
+    """A rectangle.  wx, wy: the weights of the kept columns and rows; an even axis counts for both of its sides."""
+
+    wx: Array
+    wy: Array
+    spacing: float
+    even: Even = field(metadata={"static": True})
+
+    @classmethod
+    def of(cls, grid: Grid) -> "Plane":
+        """The rectangle of a grid."""
+        along_y, along_x = (_weights(n, even) * grid.spacing for n, even in zip(grid.shape, grid.even, strict=True))
+        return cls(jnp.asarray(along_x), jnp.asarray(along_y), grid.spacing, grid.even)
+
+    def total(self, f: Array) -> Array:
+        return jnp.sum(self.wy[:, None] * f * self.wx)
+
+    def of_slopes(self, c: Pair, f: Array, g: Array) -> Array:
+        in_y, in_x = (
+            0.5 * (k[1:] + k[:-1]) * (a[1:] - a[:-1]) * (b[1:] - b[:-1]) for k, a, b in ((c.y, f, g), (c.x.T, f.T, g.T))
+        )
+        sides = [2.0 if even else 1.0 for even in self.even]  # the faces of an even axis lie on both of its sides
+        return (sides[0] * jnp.sum(in_y * self.wx) + sides[1] * jnp.sum(in_x * self.wy)) / self.spacing
+
+    def edge(self, f: Array) -> Array:
+        return self._line(f, f, 0)
+
+    def flow_out(self, c: Pair, f: Array) -> Array:
+        slope = sum(weight * self._line(f, f, depth) for depth, weight in enumerate(SLOPE))
+        return -self._line(c.x, c.y, 0) * slope / self.spacing
+
+    def along_x(self, f: Array) -> Array:
+        low = -f[:, 0] if not self.even.x else f[:0, 0]
+        ends = jnp.zeros(self.wx.size * (1 if self.even.y else 2))
+        return jnp.concatenate([f[:, -1], low, ends])
+
+    def around(self, line: Array) -> Array:
+        across, along = ((2.0,) if even else (1.0, 1.0) for even in (self.even.x, self.even.y))
+        weights = [*(side * self.wy for side in across), *(side * self.wx for side in along)]
+        return jnp.sum(jnp.concatenate(weights) * line)
+
+    def _line(self, f_x: Array, f_y: Array, depth: int) -> Array:
+        """The sides at high and low X, then at high and low Y; a side across an even axis is left out."""
+        lines = [f_x[:, -1 - depth], *([] if self.even.x else [f_x[:, depth]])]
+        lines += [f_y[-1 - depth], *([] if self.even.y else [f_y[depth]])]
+        return jnp.concatenate(lines)
+
+
+def _weights(nodes: int, even: bool) -> np.ndarray:
+    """The trapezium rule on unit spacing over the whole axis, of which one side is kept where it is even."""
+    weights = np.full(nodes, 2.0 if even else 1.0)
+    weights[0] = 1.0 if even else 0.5
+    weights[-1] /= 2.0
+    return weights
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Disc:
+    """A disc with nodes at r, from 0 outwards; fields have shape (n,).
+
+    weights: of the double integral.  faces: 2 pi r/(difference of r) halfway between the nodes.  slope: weights of the
+    last four nodes, outermost first, for the derivative along r at the edge.
+    """
+
+    weights: Array
+    faces: Array
+    slope: Array
+    length: float
+
+    @classmethod
+    def of(cls, r: np.ndarray) -> "Disc":
+        """The disc of a radial grid."""
+        h = np.diff(r)
+        faces = np.pi * (r[1:] + r[:-1]) / h
+        slope = derivative_weights(r[:-5:-1].tolist())
+        return cls(jnp.asarray(disc_weights(r)), jnp.asarray(faces), jnp.asarray(slope), float(2 * np.pi * r[-1]))
+
+    def total(self, f: Array) -> Array:
+        return jnp.sum(self.weights * f)
+
+    def of_slopes(self, c: Pair, f: Array, g: Array) -> Array:
+        return jnp.sum(self.faces * 0.5 * (c.x[1:] + c.x[:-1]) * jnp.diff(f) * jnp.diff(g))
+
+    def edge(self, f: Array) -> Array:
+        return f[-1:]
+
+    def flow_out(self, c: Pair, f: Array) -> Array:
+        return -c.x[-1:] * jnp.sum(self.slope * f[:-5:-1])
+
+    def along_x(self, f: Array) -> Array:
+        return jnp.zeros(1)
+
+    def around(self, line: Array) -> Array:
+        return self.length * line[0]
+
+
+def disc_weights(r: np.ndarray) -> np.ndarray:
+    """Weights of 2 pi integral of f r dr, exact for f linear between the nodes r."""
+    h = np.diff(r)
+    falling, rising = h * (2 * r[:-1] + r[1:]) / 6, h * (r[:-1] + 2 * r[1:]) / 6
+    return np.asarray(2 * np.pi * (np.pad(falling, (0, 1)) + np.pad(rising, (1, 0))))

@@ -1,0 +1,128 @@
+"""An oil whose data are known against temperature, and the oil of a contact that follows from it.
+
+Every part of the data has its source and the temperatures at which it is valid.  What has no trustworthy source is
+None.  The oils themselves are data files, see `inputs.library`.
+"""
+
+from dataclasses import dataclass
+from math import log
+from typing import Annotated, ClassVar, Generic, TypeVar
+
+from ertel.physics.lubricant import Oil
+from ertel.physics.pressure_rules import Ambient, PressureLaws, PressureRule
+from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, ViscosityOfTemperature
+from ertel.physics.units import ABOVE_ZERO, CONDUCTIVITY, HEAT_CAPACITY, STRESS, Bounds
+
+Data = TypeVar("Data", covariant=True)
+SMALL_STEP = 0.01  # K, for the derivative of the viscosity
+
+
+@dataclass(frozen=True)
+class Sourced(Generic[Data]):
+    """Data with their source, the temperatures (K) between which they are valid, and a note on their accuracy."""
+
+    data: Data
+    source: str
+    coldest: float
+    hottest: float
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.source:
+            raise ValueError("source: missing")
+        if not 0 < self.coldest <= self.hottest:
+            raise ValueError(f"coldest = {self.coldest} K: must be above zero and not above hottest = {self.hottest} K")
+
+
+@dataclass(frozen=True)
+class Carreau:
+    """Shear thinning by the Carreau law: stress G (Pa) at which it begins, and exponent n."""
+
+    title: ClassVar[str] = "Carreau's law"
+    G: Annotated[float, STRESS]
+    n: Annotated[float, Bounds(gt=0, le=1)]
+
+
+@dataclass(frozen=True)
+class LimitingStress:
+    """Limiting shear stress Lambda p."""
+
+    title: ClassVar[str] = "Lambda p"
+    Lambda: Annotated[float, ABOVE_ZERO]
+
+
+@dataclass(frozen=True)
+class ThermalData:
+    """Thermal conductivity (W/(m K)) and heat capacity (J/(kg K)) at ambient pressure."""
+
+    title: ClassVar[str] = "at ambient pressure"
+    conductivity: Annotated[float, CONDUCTIVITY]
+    heat_capacity: Annotated[float, HEAT_CAPACITY]
+
+
+@dataclass(frozen=True)
+class NamedOil:
+    """An oil with its data against temperature.
+
+    Parameters
+    ----------
+    name, text : str
+        The name by which case files call it, and what it is.
+    viscosity, density : Sourced
+        Viscosity and density at ambient pressure against temperature.
+    pressure : Sourced
+        The rule that gives alpha and the pressure laws at a temperature.
+    shear, limiting_stress, thermal : Sourced or None
+        Shear thinning, limiting shear stress, and thermal data.
+    """
+
+    name: str
+    text: str
+    viscosity: Sourced[ViscosityOfTemperature]
+    density: Sourced[Expansion]
+    pressure: Sourced[PressureRule]
+    shear: Sourced[Carreau] | None = None
+    limiting_stress: Sourced[LimitingStress] | None = None
+    thermal: Sourced[ThermalData] | None = None
+
+    @property
+    def temperatures(self) -> tuple[float, float]:
+        """The temperatures (K) between which viscosity, density and pressure laws are valid."""
+        parts = (self.viscosity, self.density, self.pressure)
+        return max(part.coldest for part in parts), min(part.hottest for part in parts)
+
+    def density_at(self, T: float) -> float:
+        """Density (kg/m^3) at ambient pressure at T (K)."""
+        return self.density.data.at(T)
+
+    def viscosity_at(self, T: float) -> float:
+        """Viscosity eta0 (Pa s) at ambient pressure at T (K)."""
+        return self.viscosity.data.dynamic(T, self.density_at(T))
+
+    def thinning_at(self, T: float) -> float:
+        """Temperature coefficient of the viscosity, beta = -d ln(eta0)/dT (1/K), at T (K)."""
+        colder, warmer = self.viscosity_at(T - SMALL_STEP), self.viscosity_at(T + SMALL_STEP)
+        return log(colder / warmer) / (2 * SMALL_STEP)
+
+    def pressure_laws_at(self, T: float) -> PressureLaws:
+        """alpha (1/Pa), viscosity law and density law at T (K)."""
+        return self.pressure.data.at(Ambient(T, self.viscosity_at(T), self.density_at(T), self.viscosity.data))
+
+    def at(self, T: float) -> Oil:
+        """The oil of a contact at T (K).  Raises ValueError if T is outside the data."""
+        coldest, hottest = self.temperatures
+        if not coldest <= T <= hottest:
+            raise ValueError(
+                f"temperature = {T:g} K: must be between {celsius(coldest)} and {celsius(hottest)}, the range of the "
+                f"data ({self.name})"
+            )
+        laws = self.pressure_laws_at(T)
+        return Oil(laws.viscosity, laws.density, self.viscosity_at(T), laws.alpha, reference=self._reference(T))
+
+    def _reference(self, T: float) -> str:
+        return f"{self.name} at {celsius(T)}. Viscosity: {self.viscosity.source} Pressure: {self.pressure.source}"
+
+
+def celsius(T: float) -> str:
+    """A temperature (K) as it is written in case files: "40 degC"."""
+    return f"{round(T - ZERO_CELSIUS, 6):g} degC"

@@ -1,0 +1,198 @@
+"""A Dataset as Zarr files in which nothing changes unnoticed, and which `xarray.open_zarr` alone opens.
+
+The chunks carry checksums.  The metadata of all arrays stand in one file, run.zarr/zarr.json, with their checksum among
+its attributes.  The file is replaced in one stroke: it says how many rows readers see.  Zarr also wants a zarr.json in
+each array; nobody here reads those.
+"""
+
+import asyncio
+import json
+import shutil
+import warnings
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from math import ceil, nan
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import xarray as xr
+import zarr
+from numpy.typing import NDArray
+from zarr.codecs import Crc32cCodec, ZstdCodec
+from zarr.storage import LocalStore
+
+from ertel.runs.files import Damaged, reading, replace, sealed, unsealed
+
+ROOT = "zarr.json"
+GROWING = ("time", "frame")  # the dimensions along which rows are appended
+ROWS = 4096  # of numbers in a chunk; each map is a chunk of its own
+NO_NUMBER = -1  # what a missing chunk of integers holds
+THREADS = 8  # waiting for the disk together takes a tenth of the time
+FORMAT: Final = 3  # of Zarr; earlier ones may hold pickles
+
+Root = dict[str, Any]  # the content of ROOT without its checksum
+
+
+class SyncedStore(LocalStore):
+    """A local store whose chunks are on the disk when they are written."""
+
+    async def set(self, key: str, value: Any) -> None:
+        if key.endswith(ROOT):
+            await super().set(key, value)
+        else:
+            await asyncio.to_thread(replace, self.root / key, value.to_bytes())
+
+
+def write(store: LocalStore, data: xr.Dataset) -> None:
+    """Write a Dataset into an empty store."""
+    with _writing():
+        group = zarr.create_group(store, zarr_format=FORMAT, attributes=data.attrs)
+        for name, variable in data.variables.items():
+            array = group.create_array(
+                str(name),
+                shape=variable.shape,
+                chunks=_chunks(variable),
+                dtype=variable.dtype,
+                fill_value=nan if variable.dtype.kind == "f" else NO_NUMBER,
+                compressors=[ZstdCodec(), Crc32cCodec()],
+                dimension_names=[str(dim) for dim in variable.dims],
+                attributes=variable.attrs,
+            )
+            if variable.size:
+                array[...] = variable.values
+        zarr.consolidate_metadata(store, zarr_format=FORMAT)
+    write_root(store.root, json.loads((store.root / ROOT).read_bytes()))
+
+
+def _chunks(variable: xr.Variable) -> tuple[int, ...]:
+    rows = ROWS if variable.ndim == 1 else 1
+    return tuple(rows if dim in GROWING else max(n, 1) for dim, n in variable.sizes.items())
+
+
+def append(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Append rows to arrays.  Readers see them when the file ROOT counts them."""
+    with _writing(), ThreadPoolExecutor(THREADS) as pool:
+        group = zarr.open_group(SyncedStore(path), mode="r+", zarr_format=FORMAT, use_consolidated=True)
+        list(pool.map(lambda name: _array(group, name).append(arrays[name]), arrays))
+
+
+@contextmanager
+def _writing() -> Iterator[None]:
+    """Chunks without a number are written too: only a lost one is missing."""
+    with warnings.catch_warnings(), zarr.config.set({"array.write_empty_chunks": True}):
+        warnings.filterwarnings("ignore", message="Consolidated metadata is currently not part")
+        yield
+
+
+def _array(group: zarr.Group, name: str) -> "zarr.Array[Any]":
+    array = group[name]
+    assert isinstance(array, zarr.Array)
+    return array
+
+
+# -- the metadata -----------------------------------------------------------------------------------------------------
+
+
+def read_root(path: Path, advice: str) -> Root:
+    """The metadata of all arrays.  Raises Damaged, with the advice, where the file is missing or damaged."""
+    try:
+        text = (path / ROOT).read_bytes()
+    except (FileNotFoundError, NotADirectoryError) as error:
+        raise Damaged(path / ROOT, "missing", advice) from error
+    with reading(path / ROOT, advice):
+        return unsealed(text, "attributes")
+
+
+def write_root(path: Path, root: Root) -> None:
+    """Replace the metadata: now readers see the rows that they count."""
+    replace(path / ROOT, sealed(root, "attributes"))
+
+
+def update_attributes(path: Path, attributes: Mapping[str, Any], advice: str) -> None:
+    """Add attributes of the Dataset, or replace them."""
+    root = read_root(path, advice)
+    root["attributes"].update(attributes)
+    write_root(path, root)
+
+
+def _metadata(root: Root) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = root["consolidated_metadata"]["metadata"]
+    return found
+
+
+def rows_of(root: Root) -> dict[str, int]:
+    """How many rows readers see, by dimension."""
+    return {dimension: _metadata(root)[dimension]["shape"][0] for dimension in GROWING}
+
+
+def with_rows(root: Root, rows: Mapping[str, int]) -> Root:
+    """The metadata that count so many rows."""
+    arrays = {}
+    for name, metadata in _metadata(root).items():
+        length, *rest = metadata["shape"]
+        arrays[name] = {**metadata, "shape": [rows.get(metadata["dimension_names"][0], length), *rest]}
+    return {**root, "consolidated_metadata": {**root["consolidated_metadata"], "metadata": arrays}}
+
+
+def delete_uncounted(path: Path, root: Root) -> None:
+    """Delete the chunks that have only rows that the metadata do not count, and what a killed process left."""
+    for file in path.rglob("*.partial"):
+        file.unlink()
+    for name, metadata in _metadata(root).items():
+        chunk = metadata["chunk_grid"]["configuration"]["chunk_shape"][0]
+        kept = ceil(metadata["shape"][0] / chunk)
+        for file in (path / name / "c").glob("*"):
+            if int(file.name) >= kept:
+                shutil.rmtree(file) if file.is_dir() else file.unlink()
+
+
+# -- reading ----------------------------------------------------------------------------------------------------------
+
+
+def read(path: Path, advice: str) -> xr.Dataset:
+    """The Dataset.  Raises Damaged, with the advice, where a file is missing or damaged."""
+    while True:
+        before = _text(path)
+        try:
+            return _read(present(path), advice)
+        except (Damaged, FileNotFoundError):
+            if _text(path) == before:  # not replaced by a running process meanwhile
+                raise
+
+
+def _text(path: Path) -> bytes:
+    try:
+        return (present(path) / ROOT).read_bytes()
+    except OSError:
+        return b""
+
+
+def old_of(path: Path) -> Path:
+    """The temporary path of the data while they are replaced."""
+    return path.with_name(f"{path.name}.old")
+
+
+def present(path: Path) -> Path:
+    """Where the data are now."""
+    return path if path.exists() else old_of(path)
+
+
+def _read(path: Path, advice: str) -> xr.Dataset:
+    root = read_root(path, advice)
+    variables = {}
+    store = LocalStore(path, read_only=True)
+    with reading(path, advice):
+        arrays = dict(zarr.open_group(store, mode="r", zarr_format=FORMAT, use_consolidated=True).arrays())
+    for name, metadata in _metadata(root).items():
+        with reading(path / name, advice):
+            variables[name] = (metadata["dimension_names"], _whole(arrays[name]), metadata["attributes"])
+    return xr.Dataset(variables, attrs=root["attributes"])
+
+
+def _whole(array: "zarr.Array[Any]") -> NDArray[Any]:
+    missing = array.nchunks - array.nchunks_initialized
+    if missing:
+        raise ValueError(f"{missing} of {array.nchunks} chunks are missing")
+    return np.asarray(array[...])

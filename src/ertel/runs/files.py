@@ -1,0 +1,168 @@
+"""Files that survive: replaced in one stroke, on the disk when that is counted on, with a checksum, and locked.
+
+A file that is replaced holds the old content or the new one at any moment, never a part of it.  A checksum tells a
+flipped bit, and a file that was cut short, from content.
+"""
+
+import errno
+import json
+import os
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+try:
+    import fcntl
+except ImportError:  # not on Windows
+    fcntl = None  # type: ignore[assignment]
+
+CHECKSUM = "checksum"  # the key of it in a JSON file
+LENGTH = 2 * sha256().digest_size  # of a checksum, in hexadecimal digits
+UNABLE = (errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS)  # of a file system that cannot sync
+
+
+class StoreError(ValueError):
+    """A run directory cannot be made or is not valid; the message names it and says what is wrong."""
+
+
+class Damaged(StoreError):
+    """A file of a run is damaged.  path: the file.  The message names it and says how to go on."""
+
+    def __init__(self, path: Path, what: str, advice: str):
+        super().__init__(f"{path}: is damaged ({what}); {advice}")
+        self.path = path
+
+
+# -- replaced in one stroke -------------------------------------------------------------------------------------------
+
+
+def replace(path: Path, content: bytes) -> None:
+    """Replace a file in one stroke, and return when it is on the disk.  Its directory is made if it is not there."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_name(f"{path.name}.partial")
+    try:
+        with draft.open("wb") as file:
+            file.write(content)
+            file.flush()
+            _sync(file.fileno())
+        draft.replace(path)
+    except OSError:
+        draft.unlink(missing_ok=True)  # a full disk needs its space
+        raise
+    sync_directory(path.parent)
+
+
+def sync_directory(directory: Path) -> None:
+    """Return when the names in a directory are on the disk, as far as the system can say so."""
+    if os.name == "posix":
+        handle = os.open(directory, os.O_RDONLY)
+        try:
+            _sync(handle)
+        finally:
+            os.close(handle)
+
+
+def _sync(handle: int) -> None:
+    try:
+        os.fsync(handle)
+    except OSError as error:
+        if error.errno not in UNABLE:
+            raise
+
+
+# -- checksums --------------------------------------------------------------------------------------------------------
+
+
+def checked(content: bytes) -> bytes:
+    """Content with its checksum at the end; `numpy.load` still reads an npz file of it."""
+    return content + sha256(content).hexdigest().encode()
+
+
+def unchecked(content: bytes) -> bytes:
+    """The content without its checksum.  Raises ValueError where they do not agree."""
+    body = content[:-LENGTH]
+    if checked(body) != content:
+        raise ValueError("its checksum does not agree")
+    return body
+
+
+def sealed(content: Mapping[str, Any], section: str = "") -> bytes:
+    """Plain data as JSON, with their checksum among them or in one of their sections."""
+    place = content[section] if section else content
+    whole = {**place, CHECKSUM: _checksum(content)}
+    return (_json({**content, section: whole} if section else whole, indent=2) + "\n").encode()
+
+
+def unsealed(text: bytes, section: str = "") -> dict[str, Any]:
+    """The plain data in JSON without their checksum.  Raises ValueError where they do not agree, or are no JSON."""
+    content: dict[str, Any] = json.loads(text)
+    found = (content[section] if section else content).pop(CHECKSUM, None)
+    if found is None:
+        raise ValueError("it has no checksum; older versions wrote none")
+    if found != _checksum(content):
+        raise ValueError("its checksum does not agree")
+    return content
+
+
+def _checksum(content: Mapping[str, Any]) -> str:
+    return sha256(_json(content).encode()).hexdigest()
+
+
+def _json(content: Mapping[str, Any], indent: int | None = None) -> str:
+    return json.dumps(content, indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+@contextmanager
+def reading(path: Path, advice: str) -> Iterator[None]:
+    """Raise Damaged for whatever goes wrong with the content of a file in this block; errors of the system pass."""
+    try:
+        yield
+    except (OSError, StoreError, MemoryError):
+        raise
+    except Exception as error:  # of json, numpy, zipfile, zarr, its codecs
+        raise Damaged(path, _one_line(error), advice) from error
+
+
+def _one_line(error: Exception) -> str:
+    said = (str(error).strip() or type(error).__name__).splitlines()[0]
+    return said.split(". ")[0][:200].rstrip(".")
+
+
+# -- locks ------------------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def locked(directory: Path) -> Iterator[None]:
+    """Keep other processes out of a block on this directory.  Raises StoreError where one is in it.
+
+    On a file system without locks the block runs after a warning.
+    """
+    if fcntl is None:
+        yield
+        return
+    handle = os.open(directory, os.O_RDONLY)
+    try:
+        _lock(handle, directory)
+        yield
+    finally:
+        os.close(handle)
+
+
+def _lock(handle: int, directory: Path) -> None:
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise StoreError(f"{directory}: another process is computing this run") from error
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        said = f"{directory}: cannot be locked ({reason}); see to it that no other process computes this run"
+        _warn_once(said)
+
+
+@cache
+def _warn_once(sentence: str) -> None:
+    warnings.warn(sentence, RuntimeWarning, stacklevel=2)

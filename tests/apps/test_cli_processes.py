@@ -1,0 +1,199 @@
+"""The command line as a process: its streams, closed, full or in ASCII, and the signals that end it."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from cases import ertel_, names
+
+import ertel
+from ertel.runs.store import RunStore
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="no signals and no /dev/full")
+BALL = """
+[contact]
+radius = "10 mm"
+mass = "32.6726 g"
+speed = "0.1 m/s"
+E_prime = "226.37 GPa"
+[lubricant]
+eta0 = "10 mPa*s"
+alpha = "22 / GPa"
+[solver]
+nodes = 33
+[time]
+tolerance = 0.01
+until = 0.1
+"""
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
+ERTEL = [sys.executable, "-m", "ertel"]
+PARAMS = [*ERTEL, "params", "--M", "1000", "--L", "10"]
+FULL = "/dev/full"
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A working directory with a case."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ball.toml").write_text(BALL)
+    return tmp_path
+
+
+def done(command, **streams):
+    """The process at its end."""
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": ENVIRONMENT, **streams}
+    return subprocess.run(command, text=True, encoding="utf-8", timeout=120, check=False, **streams)
+
+
+def deaf():
+    """A pipe at whose other end nobody reads."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    return os.fdopen(writing, "wb")
+
+
+# -- streams ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", [PARAMS, [*ERTEL, "--help"]], ids=["params", "help"])
+@pytest.mark.skipif(not Path(FULL).exists(), reason=f"no {FULL}")
+def test_full_output_is_one_sentence(command):
+    with open(FULL, "w") as full:
+        ended = done(command, stdout=full)
+    assert ended.stderr == "ertel: cannot write to standard output: no space left on device\n"
+    assert ended.returncode == 1
+
+
+def test_output_that_nobody_reads_is_no_error():
+    with deaf() as stdout:
+        ended = done(PARAMS, stdout=stdout)
+    assert (ended.returncode, ended.stderr) == (0, "")
+
+
+def test_closed_streams():
+    code = "import os, subprocess, sys; [os.close(n) for n in (0, 1, 2)]; os.execv(sys.argv[1], sys.argv[1:])"
+    assert done([sys.executable, "-c", code, *PARAMS]).returncode == 0
+
+
+@pytest.mark.skipif(not Path(FULL).exists(), reason=f"no {FULL}")
+def test_results_are_kept_where_the_output_fails(here):
+    with open(FULL, "w") as full:
+        ended = done([*ERTEL, "run", "ball.toml", "--out", "a"], stdout=full)
+    assert (ended.returncode, len(ended.stderr.splitlines())) == (1, 1)
+    assert RunStore.open(here / "a").summary()["status"] == "converged"
+
+
+def test_a_terminal_without_greek_letters(here):
+    ertel_("run", "ball.toml", "-q", "--out", "a")
+    run = RunStore.open(here / "a")
+    run.finish({**run.summary(), "warnings": ["1 µm → ∞, λ"]})
+    ended = done([*ERTEL, "show", "a"], env={**ENVIRONMENT, "PYTHONIOENCODING": "ascii"})
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert "Warning: 1 um -> inf, \\u03bb" in ended.stdout
+
+
+def test_figures_for_nobody(here):
+    ertel_("run", "ball.toml", "-q", "--out", "a")
+    with deaf() as stdout:
+        ended = done([sys.executable, "-u", "-m", "ertel", "plot", "a"], stdout=stdout)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert names(here / "a" / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png"}
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="no directory in which even root cannot write")
+def test_a_cache_that_cannot_be_written(here):
+    """As for a home directory that may only be read; the programs are compiled in silence."""
+    code = "from ertel.runs import compiling; compiling.keep_on_disk(); import jax; print(jax.jit(lambda x: x + 1)(1))"
+    smallest = {"JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0", "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1"}
+    environment = {**ENVIRONMENT, **smallest, "JAX_COMPILATION_CACHE_DIR": "/proc/self"}
+    ended = done([sys.executable, "-c", code], env=environment)
+    assert (ended.stdout, ended.stderr) == ("2\n", "")
+
+
+# -- signals ----------------------------------------------------------------------------------------------------------
+
+
+def started(command, **more):
+    """A process that runs."""
+    return subprocess.Popen(command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+
+
+IN_COMPILED_CODE = """
+import hashlib
+from ertel.apps.interrupts import interruptible
+
+with interruptible():
+    print("computing", flush=True)
+    hashlib.pbkdf2_hmac("sha256", b"", b"", 1_000_000_000)  # ten minutes without Python
+"""
+WATCHED = """
+from ertel.apps import running
+from ertel.__main__ import main
+
+watch = running.watch
+
+def tell(*arguments):
+    print("running", flush=True)
+    return watch(*arguments)
+
+running.watch = tell
+main()
+"""
+
+
+def test_a_second_signal_ends_at_once():
+    with started([sys.executable, "-c", IN_COMPILED_CODE]) as process:
+        assert process.stdout.readline() == b"computing\n"
+        for _ in range(2):
+            time.sleep(0.2)
+            process.send_signal(signal.SIGTERM)
+        assert process.wait(30) == 143
+
+
+def test_nohup_goes_on(here):
+    def ignore():
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+
+    command = [sys.executable, "-c", WATCHED, "run", "ball.toml", "-q"]
+    with started(command, preexec_fn=ignore) as process:
+        assert process.stdout.readline() == b"running\n"
+        process.send_signal(signal.SIGHUP)
+        assert process.wait(120) == 0
+
+
+def runs(process):
+    """Whether a process has not ended; one that nobody waited for is still listed."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no list of children")
+def test_sigterm_ends_the_workers_of_the_paper(here):
+    with started([*ERTEL, "paper", "fig1", "--quick", "--jobs", "2"]) as process:
+        assert process.stderr.readline().startswith(b"6 runs")
+        listed = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        deadline = time.monotonic() + 60
+        while len(workers := listed.read_text().split()) < 2 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGTERM)
+        _, told = process.communicate(timeout=60)
+    assert process.returncode == 143
+    assert told == b"ertel: interrupted; the same command continues\n"
+    assert workers
+    while any(runs(worker) for worker in workers):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def test_an_interrupt_while_the_command_is_imported(here):
+    """Ctrl-C before the command line listens."""
+    (here / "typer.py").write_text("import signal; signal.raise_signal(signal.SIGINT)")
+    environment = {**ENVIRONMENT, "PYTHONPATH": f"{here}{os.pathsep}{ENVIRONMENT['PYTHONPATH']}"}
+    ended = done(ERTEL, env=environment)
+    assert (ended.returncode, ended.stderr) == (130, "")

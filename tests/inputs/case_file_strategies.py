@@ -1,0 +1,253 @@
+"""Case files of every kind for hypothesis: valid ones, and valid ones with something wrong; and what must hold for all.
+
+The keys and their kinds of values are read off the records of the model, so that a new key is tested too.  The short
+form is `test_whole_case_files`, the long one `validation/faults/case_files.py`.
+"""
+
+import math
+import re
+import tomllib
+from collections.abc import Callable, Sequence
+from copy import deepcopy
+from dataclasses import MISSING, fields
+from datetime import date, datetime, time
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+from hypothesis import strategies as st
+
+from ertel.inputs.case_files import ConfigError, load_case, parse_case, to_toml
+from ertel.inputs.schema import case_file, keys_of
+from ertel.model.conditions import BARS, KINDS, MOES, NEEDED, OPTIONAL, Conditions
+from ertel.model.sections import METHODS, STOPS, Drive, Output, Solver, Time
+from ertel.physics.lubricant import Oil
+from ertel.physics.motion import Oscillation
+from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
+from ertel.physics.units import Bounds, Unit, marks
+
+LONGEST_MESSAGE = 600  # a key and its value at 100 each, and the list of the keys of [contact]
+Data = dict[str, Any]
+
+# -- values -----------------------------------------------------------------------------------------------------------
+
+USUAL = {  # sizes of quantities, in SI; of other units 0.1 to 10
+    **{"m": (1e-4, 0.1), "kg": (1e-3, 10.0), "kg/m^3": (1e3, 2e4), "m/s": (0.01, 10.0), "N": (1.0, 1e3)},
+    **{"Pa": (1e8, 1e12), "Pa*s": (1e-3, 1.0), "1/Pa": (1e-9, 1e-7), "s": (1e-5, 1e-2)},
+}
+EXTREME: tuple[Any, ...] = (
+    *(0, -1, 1, 10**400, -(10**400), 2**63, 1e-30, 1e30, 1e-300, 1e300, 5e-324, -1e300),
+    *(0.0, -0.0, math.inf, -math.inf, math.nan, True, False),
+)
+HOSTILE = (
+    *("", " " * 3000, "1 m**(9**9**9)", "1 " + "m" * 10_000, "9" * 400 + " m", "1e300 m", "1e-300 m", "1e9999 m"),
+    *("nan m", "-1 m", "1 m^9^9", "1 (((m)))", "1 m*m/m", "1 km**99/m**98", "10 kg", "10", "mm", "1 \u00b5m"),
+    *("../../evil", "..", "x" * 10_000, "a\nb", "\x00", "\x1b[31mred", "\u202eabc", "rebound", "max-approach"),
+)
+TAGS = ("<number>", "<points>", "<table>", "<name>")  # as the schema calls its alternatives
+KEYS = ("", *TAGS, "a.b", "a\nb", "\x1b", "k" * 1000, "nodes ", "M", "load", "shape")
+
+
+def nested(depth: int) -> Any:
+    """Lists in lists."""
+    value: Any = []
+    for _ in range(depth):
+        value = [value]
+    return value
+
+
+anything: st.SearchStrategy[Any] = st.one_of(
+    st.sampled_from(EXTREME),
+    st.sampled_from(EXTREME + HOSTILE),
+    st.sampled_from(HOSTILE),
+    st.text(max_size=8),
+    st.floats(),
+    st.integers(),
+    st.sampled_from([date(2020, 1, 1), datetime(2020, 1, 1), time(12), [], {}, [[]], [{}], nested(100)]),
+    st.lists(st.one_of(st.floats(), st.text(max_size=3), st.booleans()), max_size=3),
+    st.dictionaries(st.sampled_from(KEYS), st.one_of(st.floats(), st.text(max_size=3)), max_size=2),
+    st.builds(lambda value, unit: f"{value!r} {unit}", st.floats(), st.sampled_from([*USUAL, "mm", "GPa", "t0"])),
+)
+
+
+def quantities(unit: Unit) -> st.SearchStrategy[str]:
+    """Quantities of a usual size in the SI unit."""
+    return st.floats(*USUAL.get(unit.unit, (0.1, 10.0))).map(lambda value: f"{value!r} {unit.unit}")
+
+
+def numbers(bounds: Bounds) -> st.SearchStrategy[Any]:
+    """Plain numbers of a usual size within bounds."""
+    least = next((limit for limit in (bounds.gt, bounds.ge) if limit is not None), -10.0)
+    most = next((limit for limit in (bounds.lt, bounds.le) if limit is not None), max(10.0, 10 * least))
+    if bounds.whole:
+        return st.sampled_from([33, 65, 129, 257])
+    return st.floats(least + 1e-3 * (most - least), most - 1e-3 * (most - least))
+
+
+def values_of(record: Any, **special: st.SearchStrategy[Any]) -> dict[str, st.SearchStrategy[Any]]:
+    """Usual values of each field of a record; a field that is no number needs a special one or is left out."""
+    found = dict(special)
+    for name, mark in marks(record).items():
+        if name not in special:
+            found[name] = numbers(mark) if isinstance(mark, Bounds) else quantities(mark)
+            if isinstance(mark, Unit) and mark.scale:
+                found[name] = st.one_of(st.floats(0.05, 5.0), found[name])
+    return found
+
+
+def tables(record: Any, **special: st.SearchStrategy[Any]) -> st.SearchStrategy[Data]:
+    """A record as a table: all that it needs and some of the rest."""
+    values = values_of(record, **special)
+    needed = {f.name for f in fields(record) if f.default is MISSING and f.default_factory is MISSING} | set(special)
+    optional = {name: value for name, value in values.items() if name not in needed}
+    return st.fixed_dictionaries({name: values[name] for name in values if name in needed}, optional=optional)
+
+
+# -- sections ---------------------------------------------------------------------------------------------------------
+
+CONTACT = values_of(Conditions)
+points = st.dictionaries(st.floats(0, 5), st.floats(0.1, 3), min_size=1, max_size=3)
+lines = points.map(lambda values: [[T, values[T]] for T in sorted(values)])
+signals = st.one_of(st.floats(0.1, 3), lines, tables(Oscillation))
+features = st.one_of([tables(record, shape=st.just(name)) for name, record in list(SHAPES.items())[:3]])
+
+
+@st.composite
+def contacts(draw: st.DrawFn, kind: str) -> Data:
+    """[contact], given in one of the three ways."""
+    way = draw(st.sampled_from(["M", "lambda_bar", "physical"]))
+    if way != "physical":
+        keys: Sequence[str] = MOES if way == "M" else BARS
+    else:
+        chosen = [draw(st.sampled_from(groups)) for groups in NEEDED[kind]]  # type: ignore[index]
+        extra = draw(st.lists(st.sampled_from(OPTIONAL[kind]), max_size=1))  # type: ignore[index]
+        keys = [*(key for group in chosen for key in group), *extra]
+    return {"kind": kind, **{key: draw(CONTACT[key]) for key in keys}}
+
+
+def laws(registry: Any) -> st.SearchStrategy[str]:
+    return st.sampled_from([name for name, law in registry.items() if hasattr(law, "of")])
+
+
+oils = st.fixed_dictionaries(
+    {"eta0": quantities(marks(Oil)["eta0"]), "alpha": quantities(marks(Oil)["alpha"])},  # type: ignore[arg-type]
+    optional={
+        **{"viscosity": laws(VISCOSITY_LAWS), "density": laws(DENSITY_LAWS), "reference": st.just("a data sheet")},
+        **{name: value for name, value in values_of(Oil).items() if name not in ("eta0", "alpha")},
+    },
+)
+
+
+@st.composite
+def case_data(draw: st.DrawFn) -> Data:
+    """A case file as data; nearly always a valid one."""
+    kind = draw(st.sampled_from(KINDS))
+    methods = st.fixed_dictionaries({"method": st.sampled_from(METHODS[kind])})
+    solver = draw(methods) | draw(st.sampled_from([{}, {"nodes": 65}, draw(tables(Solver))]))
+    sections: Data = {"contact": draw(contacts(kind)), "lubricant": draw(oils), "solver": solver}
+    if solver["method"] not in ("steady", "radial") and draw(st.booleans()):
+        sections["motion"] = draw(st.one_of(tables(Drive, load=signals), tables(Drive, entrainment=signals)))
+    if draw(st.booleans()):
+        sections["roughness"] = draw(st.lists(features, max_size=2))
+    if solver["method"] != "steady" and draw(st.booleans()):
+        sections["time"] = draw(tables(Time))
+        if kind == "impact" and draw(st.booleans()):
+            sections["time"]["until"] = draw(st.sampled_from(STOPS))
+        sections["output"] = draw(tables(Output))
+    return draw(st.sampled_from([{}, {"name": "a name"}, {"schema": 1}])) | sections
+
+
+# -- what can be wrong ------------------------------------------------------------------------------------------------
+
+
+def _places(data: Any) -> list[tuple[Any, Any]]:
+    """Every table or list in the data with each of its keys."""
+    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
+    found = [(data, key) for key, _ in items]
+    for _, item in list(items):
+        found.extend(_places(item))
+    return found
+
+
+KNOWN = [key for record in (Conditions, Oil, Solver, Drive, Time, Output) for key in (f.name for f in fields(record))]
+SECTIONS = keys_of(case_file())
+new_keys = st.one_of(*map(st.sampled_from, (KEYS, KNOWN, SECTIONS)), st.text(max_size=5))  # type: ignore[arg-type]
+
+
+@st.composite
+def spoiled(draw: st.DrawFn) -> Data:
+    """A case file as data, with up to three places changed: dropped, renamed, given another value, wrapped."""
+    data = deepcopy(draw(case_data()))
+    for _ in range(draw(st.sampled_from([0, 0, 1, 1, 2, 3]))):
+        places = _places(data)
+        if not places:
+            break
+        holder, key = draw(st.sampled_from(range(len(places))).map(places.__getitem__))
+        how = draw(st.sampled_from(["drop", "value", "value", "value", "rename", "add", "wrap"]))
+        if how == "drop":
+            del holder[key]
+        elif how == "value":
+            holder[key] = deepcopy(draw(anything))
+        elif how == "wrap":
+            holder[key] = draw(st.sampled_from([[holder[key]], {"value": holder[key]}, [holder[key]] * 2]))
+        elif isinstance(holder, dict):
+            holder[draw(new_keys)] = holder.pop(key) if how == "rename" else deepcopy(draw(anything))
+    return data
+
+
+Noise = Callable[[bytes, int, bytes], bytes]
+BYTES = (b"\x00", b"\x1b", b'"', b"[", b"=", b"\n[contact]\n")
+NOISE: dict[str, Noise] = {
+    "insert": lambda text, at, noise: text[:at] + noise + text[at:],
+    "overwrite": lambda text, at, noise: text[:at] + noise + text[at + len(noise) :],
+    "cut": lambda text, at, noise: text[:at],
+    "twice": lambda text, at, noise: text + text[at:],
+    "windows": lambda text, at, noise: text.replace(b"\n", b"\r\n"),
+    "mark": lambda text, at, noise: b"\xef\xbb\xbf" + text,
+    "wide": lambda text, at, noise: text.decode().encode("utf-16"),
+    "deep": lambda text, at, noise: text + b"\nx = " + b"[" * 900 + b"]" * 900,
+    "dotted": lambda text, at, noise: b".".join([b"a"] * 3000) + b" = 1\n" + text,
+    "digits": lambda text, at, noise: b"x = 1" + b"0" * 5000 + b"\n" + text,
+}
+
+
+@st.composite
+def case_files(draw: st.DrawFn) -> bytes:
+    """The bytes of a case file; every eighth has something wrong with the text itself."""
+    text = tomli_w.dumps(draw(spoiled())).encode()
+    if draw(st.integers(0, 7)):
+        return text
+    noise = draw(st.one_of(st.binary(max_size=5), st.sampled_from(BYTES)))
+    return NOISE[draw(st.sampled_from(sorted(NOISE)))](text, draw(st.integers(0, len(text))), noise)
+
+
+# -- what must hold ---------------------------------------------------------------------------------------------------
+
+
+def outcome(path: Path) -> str:
+    """How a case file is read: "a case", or "refused: " and the section or "the file".
+
+    Raises AssertionError if a case does not read back as the same or its name is no plain file name, or if a message is
+    not one short printable line that names a place.  Any exception but ConfigError passes through.
+    """
+    try:
+        case = load_case(path)
+    except ConfigError as error:
+        return f"refused: {_place(str(error), path)}"
+    assert case.name.isprintable() and len(Path("runs", case.name).parts) <= 2, "its name is no plain file name"
+    again = parse_case(tomllib.loads(to_toml(case)))
+    assert again == case and again.digest == case.digest and again.name == case.name, "does not read back as the same"
+    return "a case"
+
+
+def _place(message: str, path: Path) -> str:
+    """The section that a message names."""
+    assert message.isprintable(), "the message has control characters or several lines"
+    assert len(message) - message.count(str(path)) * len(str(path)) <= LONGEST_MESSAGE, "the message is too long"
+    if message.startswith((f"the case file {path}", f"cannot read the case file {path}")):
+        return "the file"
+    field = re.match(r"\w*", message)[0]  # type: ignore[index]
+    if "unknown key" in message and field not in SECTIONS:
+        return "an unknown section"
+    assert field in SECTIONS and (": " in message or "; allowed" in message), "the message names no place"
+    return f"[{field}]"

@@ -1,0 +1,72 @@
+"""Integrals over grids and along their edges: exact for polynomials of low degree, the same on a part of the plane."""
+
+from math import pi
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from ertel.numerics.grid import WHOLE, Even, Grid
+from ertel.numerics.integrals import Disc, Plane
+from ertel.numerics.stencils import Pair
+from ertel.numerics.symmetry import folded
+
+every_symmetry = pytest.mark.parametrize("even", [WHOLE, Even(y=True), Even(x=True), Even(True, True)], ids=str)
+W = 1.6  # half width of the rectangle
+
+
+def plane(even: Even, nodes: int = 17) -> tuple[Plane, np.ndarray, np.ndarray]:
+    """The rectangle, and X and Y of its kept nodes."""
+    grid = Grid(nodes, nodes, 2 * W / (nodes - 1), even=even)
+    X, Y = np.meshgrid(grid.kept_x, grid.kept_y)
+    return Plane.of(grid), X, Y
+
+
+@every_symmetry
+def test_linear_and_quadratic_fields_on_a_plane(even: Even) -> None:
+    space, X, Y = plane(even)
+    assert float(space.total(jnp.asarray(3 + np.abs(X) + np.abs(Y)))) == pytest.approx(4 * W**2 * (3 + W), rel=1e-14)
+    f = jnp.asarray(X**2 / 2 + Y**2)
+    one = Pair.of(jnp.ones_like(f), jnp.ones_like(f))
+    # second order in the slopes of f, exact in what flows out: 4 w (w + 2 w) through the four sides
+    h2 = space.spacing**2
+    inside = 4 * W**2 * (W**2 / 3 + 4 * W**2 / 3 - h2 * (1 + 4) / 12)
+    assert float(space.of_slopes(one, f, f)) == pytest.approx(inside, rel=1e-13)
+    assert float(space.around(-space.flow_out(one, f))) == pytest.approx(4 * W**2 * 3, rel=1e-13)
+    assert float(space.around(space.edge(one.x))) == pytest.approx(8 * W, rel=1e-14)
+
+
+def test_what_flows_along_x_enters_on_one_side_and_leaves_on_the_other() -> None:
+    for even in (WHOLE, Even(y=True)):
+        space, X, _ = plane(even)
+        assert float(space.around(space.along_x(jnp.asarray(5 + X)))) == pytest.approx(4 * W**2, rel=1e-13)
+
+
+@pytest.mark.parametrize("even", [Even(y=True), Even(x=True), Even(True, True)], ids=str)
+def test_a_part_of_the_plane_gives_what_the_whole_gives(even: Even) -> None:
+    whole, X, Y = plane(WHOLE)
+    f, g = np.exp(-(X**2) - 2 * Y**2) + 1, np.cos(X) * np.cosh(Y)
+    part, *_ = plane(even)
+    found = []
+    for space, (a, b) in ((whole, (f, g)), (part, (folded(f, even), folded(g, even)))):
+        c = Pair.of(jnp.asarray(a), jnp.asarray(a + b))
+        terms = space.total(c.x), space.of_slopes(c, c.x, c.y), space.around(space.flow_out(c, c.y))
+        found.append([float(term) for term in terms])
+    assert found[1] == pytest.approx(found[0], rel=1e-13)
+
+
+def test_a_disc() -> None:
+    """Second order inside, on an uneven grid; a cubic field's slope at the edge is exact."""
+    errors = []
+    for nodes in (21, 41, 81):
+        r = 2 * np.linspace(0, 1, nodes) ** 1.5
+        space, f, g = Disc.of(r), jnp.asarray(np.exp(-(r**2))), jnp.asarray(r**2)
+        c = Pair(jnp.asarray(1 + r**2))
+        of_f = float(space.total(f)) - pi * (1 - np.exp(-4))
+        # int (1 + r^2) (-2 r exp(-r^2)) 2 r 2 pi r dr = -4 pi int_0^4 (1 + u) u exp(-u) du / 1
+        u = np.linspace(0, 4, 20001)
+        slopes = float(space.of_slopes(c, f, g)) + 4 * pi * np.trapezoid((1 + u) * u * np.exp(-u), u)
+        errors.append([of_f, slopes])
+        assert float(space.around(space.flow_out(c, jnp.asarray(r**3)))) == pytest.approx(-4 * pi * 5 * 12, rel=1e-12)
+    orders = np.log2(np.abs(np.divide(errors[:-1], errors[1:])))
+    assert np.all(orders > 1.9), orders

@@ -1,0 +1,89 @@
+"""The sums of the budgets over a run, the warning, and what is shown."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from cases import impact
+from made_up import BALL_FALLS, BALL_ROLLS, solutions
+
+from ertel.inputs.case_files import parse_case
+from ertel.model.case import Case
+from ertel.model.status import Status
+from ertel.results import budgets, diagnostics, variables
+from ertel.results.dataset import assemble
+from ertel.results.key_numbers import budget_lines
+from ertel.results.summary import attributes, impact_summary, steady_summary
+
+T = np.linspace(0.1, 2.0, 20)
+
+
+def falling(case: Case, **terms: np.ndarray) -> xr.Dataset:
+    """A ball under a constant force 0.3, with uneven terms of the budgets that close exactly."""
+    V = 1 - 0.3 * T / case.motion.inertia
+    lost = case.motion.inertia / 2 * np.gradient(-(V**2), T, edge_order=2)
+    known = {"F": np.full_like(T, 0.3), "V": V, "Delta": T, "dissipation": lost, "H_c": 1 + 0 * T, "H_min": 1 + 0 * T}
+    known |= {"mass": 5 - T, "outflow": 1.5 + 0 * T, "inflow": 0.2 + 0 * T, "cavity_source": 0.3 + 0 * T, **terms}
+    records = [
+        {"T": t, **dict.fromkeys(variables.SCALARS, 0.0), **{name: float(values[i]) for name, values in known.items()}}
+        for i, t in enumerate(T)
+    ]
+    return assemble(case, records, [], {"Y": np.linspace(-2, 2, 33), "X": np.linspace(-2, 2, 33)})
+
+
+def test_constant_rates_are_summed_exactly() -> None:
+    case = impact(1000, 10, 33)
+    found = budgets.in_time(case, falling(case))
+    assert found["momentum"]["ball"] == pytest.approx(-0.3 * 1.9, rel=1e-13)
+    assert found["momentum"]["impulse_of_film"] == pytest.approx(0.3 * 1.9, rel=1e-13)
+    assert found["mass"]["outflow"] == pytest.approx(1.5 * 1.9)
+    for name, terms in found.items():
+        assert terms["imbalance"] == pytest.approx(0.0, abs=1e-13), name
+
+
+def test_an_imbalance_is_a_share_of_what_is_turned_over_and_above_one_per_cent_it_is_said() -> None:
+    case = impact(1000, 10, 33)
+    found = budgets.in_time(case, falling(case, outflow=1.52 + 0 * T, elastic_energy=0.01 * T))
+    assert found["mass"]["imbalance"] == pytest.approx(0.02 / 1.52)
+    kinetic = 0.4 * (1 - 0.03 / 0.8) ** 2
+    assert found["energy"]["imbalance"] == pytest.approx(0.019 / kinetic)
+    of_mass, of_energy = diagnostics.budget_warnings(case, found)
+    assert of_mass.startswith("the budget of mass does not close, by 1.3% (1% is allowed)")
+    assert "use solver.nodes >= 65 and time.tolerance <= 1.25e-05" in of_mass
+    assert of_energy.startswith("the budget of energy does not close, by 5.1%")
+    assert diagnostics.budget_warnings(case, budgets.in_time(case, falling(case))) == []
+    wrong = budgets.in_time(case, falling(case, F=0.31 + 0 * T))
+    assert diagnostics.budget_warnings(case, {"momentum": wrong["momentum"]})[0].endswith(
+        "use time.tolerance <= 1.25e-05"
+    )
+
+
+def test_there_are_no_budgets_before_the_second_step() -> None:
+    case = impact(1000, 10, 33)
+    assert budgets.in_time(case, falling(case).isel(time=slice(1))) == {}
+    assert list(budget_lines({"budgets": {}})) == []
+
+
+def test_a_summary_has_them_in_si_and_one_line_of_them() -> None:
+    case = parse_case(BALL_FALLS)
+    assert case.scales is not None
+    summary = impact_summary(case, falling(case), None, {"steps": 20}, Status.CONVERGED)
+    in_si = summary["si"]["budgets"]
+    assert in_si["energy"]["dissipated_J"] == pytest.approx(
+        summary["budgets"]["energy"]["dissipated"] * case.scales.load * case.scales.film
+    )
+    # m v0^2/2 is 2/5 of the unit; the momentum m v0 is 4/5
+    assert 2 / 5 * case.scales.energy == pytest.approx(0.0326726 * 0.1**2 / 2, rel=1e-4)
+    assert 4 / 5 * case.scales.momentum == pytest.approx(0.0326726 * 0.1, rel=1e-4)
+    assert set(in_si["mass"]) == {"stored_m3", "inflow_m3", "outflow_m3", "cavity_source_m3"}
+    assert next(budget_lines(summary)).startswith("imbalance of the budgets: mass ")
+    assert attributes(summary)["energy_imbalance"] == summary["budgets"]["energy"]["imbalance"]
+
+
+def test_a_steady_contact_has_rates() -> None:
+    summary = steady_summary(BALL_ROLLS, solutions(BALL_ROLLS), {}, Status.CONVERGED)  # type: ignore[arg-type]
+    assert set(summary["budgets"]["energy"]) == {"dissipated", "outside", "work_of_surfaces", "imbalance"}
+    assert summary["budgets"]["momentum"] == {"applied_load": 1.0, "film_load": pytest.approx(1.0), "imbalance": 0.0}
+    assert summary["si"]["budgets"]["momentum"]["film_load_N"] == pytest.approx(38.885237)
+    assert {"dissipated_W", "outside_W", "work_of_surfaces_W"} == set(summary["si"]["budgets"]["energy"])
+    said = " ".join(summary["warnings"])  # a made-up film breaks them
+    assert "the budget of energy does not close" in said and "use solver.nodes >= 161" in said

@@ -1,0 +1,435 @@
+"""Damaged run directories: what is read is what was written, or the damaged file is named; nothing in between."""
+
+import io
+import itertools
+import json
+import pickle
+import random
+import re
+import shutil
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+import zarr
+from cases import physics, stop_after
+
+import ertel
+from ertel.inputs.case_files import parse_case
+from ertel.model.case import Case
+from ertel.runs import checked_zarr
+from ertel.runs.store import Damaged, RunStore, StoreError, compute
+
+pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
+OF_THE_PROCESS = ("wall_s", "compilations")
+BALL = {"radius": "10 mm", "E_prime": "220 GPa"}
+IMPACT = parse_case(
+    {
+        "contact": {**BALL, "mass": "33 g", "speed": "0.1 m/s"},
+        "lubricant": {"eta0": "40 mPa*s", "alpha": "22 / GPa"},
+        "solver": {"nodes": 33},
+        "time": {"tolerance": 0.01, "until": 0.15},
+        "output": {"interval": 0.05},
+    }
+)
+ROLLING = parse_case(
+    {
+        "contact": {"kind": "rolling", **BALL, "load": "3.9 N", "mean_speed": "0.5 m/s"},
+        "lubricant": {"eta0": "40 mPa*s", "alpha": "22 / GPa", "viscosity": "barus", "density": "incompressible"},
+        "solver": {"nodes": 65},
+    }
+)
+KINDS = {"impact": (IMPACT, 3), "steady": (ROLLING, 1)}  # with the items after which the run is interrupted
+
+
+def outcome(summary: dict[str, Any]) -> dict[str, Any]:
+    """A summary without what differs between processes."""
+    return {key: value for key, value in summary.items() if key not in OF_THE_PROCESS}
+
+
+class Runs:
+    """A finished run and an interrupted one, and what a user sees of them."""
+
+    def __init__(self, directory: Path, case: Case, stop: int):
+        self.finished, self.cut = directory / "finished", directory / "cut"
+        compute(RunStore.create(self.finished, case))
+        compute(RunStore.create(self.cut, case), [stop_after(stop)])
+        self.dataset, self.summary = self.read(self.finished)
+
+    def read(self, directory: Path) -> tuple[xr.Dataset, dict[str, Any]]:
+        """The run, as it is read."""
+        result = ertel.open(directory)
+        return result.dataset, outcome(result.summary)
+
+    def resume(self, directory: Path) -> tuple[xr.Dataset, dict[str, Any]]:
+        """The run, as it is read after it has been continued."""
+        compute(RunStore.open(directory))
+        return self.read(directory)
+
+    def unchanged(self, look: Callable[[Path], tuple[xr.Dataset, dict[str, Any]]], directory: Path) -> bool:
+        """Whether a run is what it should be; False where it is refused, in one sentence."""
+        try:
+            data, summary = look(directory)
+        except StoreError as error:
+            assert "\n" not in str(error) and len(str(error)) < 600
+            return False
+        xr.testing.assert_identical(physics(data), physics(self.dataset))
+        assert data.attrs["status"] == "converged"
+        assert data.attrs["R_m"] == self.dataset.attrs["R_m"]
+        assert summary == self.summary
+        return True
+
+
+@pytest.fixture(scope="module")
+def kinds(tmp_path_factory):
+    return {kind: Runs(tmp_path_factory.mktemp(kind), *made_of) for kind, made_of in KINDS.items()}
+
+
+@pytest.fixture(params=KINDS)
+def runs(request, kinds):
+    return kinds[request.param]
+
+
+@pytest.fixture
+def impact(kinds):
+    return kinds["impact"]
+
+
+@pytest.fixture
+def steady(kinds):
+    return kinds["steady"]
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """A function that copies a run."""
+    return lambda directory: Path(shutil.copytree(directory, tmp_path / "run"))
+
+
+def flip(file: Path, chance: random.Random) -> bytes:
+    """Flip one bit of a file; what it was before."""
+    whole = file.read_bytes()
+    flipped = bytearray(whole)
+    flipped[chance.randrange(len(flipped))] ^= 1 << chance.randrange(8)
+    file.write_bytes(flipped)
+    return whole
+
+
+def any_file(directory: Path, chance: random.Random) -> Path:
+    """Any file of a run, of each kind equally often."""
+    kinds = ("*.*", "run.zarr/zarr.json", "run.zarr/*/zarr.json", "run.zarr/*/c/**/*")
+    return chance.choice([file for file in sorted(directory.glob(chance.choice(kinds))) if file.is_file()])
+
+
+# -- any bit of any file ----------------------------------------------------------------------------------------------
+
+
+def test_no_flipped_bit_is_silent_in_a_finished_run(runs, copy):
+    directory, chance = copy(runs.finished), random.Random(1)
+    seen = []
+    for _ in range(60):
+        file = any_file(directory, chance)
+        before = flip(file, chance)
+        seen.append(runs.unchanged(runs.read, directory))
+        file.write_bytes(before)
+    assert True in seen and False in seen
+
+
+def test_no_flipped_bit_is_silent_in_a_resumed_run(runs, copy, tmp_path):
+    chance, seen = random.Random(2), []
+    for number in range(12):
+        directory = Path(shutil.copytree(runs.cut, tmp_path / str(number)))
+        flip(any_file(directory, chance), chance)
+        seen.append(runs.unchanged(runs.resume, directory))
+        shutil.rmtree(directory)
+    assert True in seen and False in seen
+
+
+# -- a case file that was edited --------------------------------------------------------------------------------------
+
+OTHERS = {  # of what is no number
+    **{'"impact"': '"rolling"', '"rolling"': '"impact"', '"2d"': '"radial"', '"steady"': '"transient"'},
+    **{'"roelands"': '"barus"', '"barus"': '"roelands"', "true": "false"},
+    **{'"dowson-higginson"': '"incompressible"', '"incompressible"': '"dowson-higginson"', "33": "65", "65": "33"},
+}
+
+
+def edits(text: str) -> Iterator[str]:
+    """The case file with each of its values replaced by another."""
+    for line in text.splitlines():
+        key, equals, value = line.partition(" = ")
+        if equals:
+            number = re.match(r'^"?(-?[\d.e+-]+)', value)
+            changed = OTHERS.get(value) or (value.replace(number[1], f"{1.5 * float(number[1])!r}") if number else "")
+            assert changed and changed != value, line
+            yield (
+                text.replace(f"\n{line}\n", f"\n{key} = {changed}\n") if key != "schema" else f"schema = 2\n{text[10:]}"
+            )
+    yield text + '\n[[roughness]]\nshape = "spot"\nheight = 0.1\nradius = 0.5\n'
+
+
+def test_no_edit_mixes_two_cases(runs, copy, tmp_path):
+    """Neither in the data of a finished run, nor between stop and resume, nor while an object has the run in memory."""
+    finished, cut = copy(runs.finished), Path(shutil.copytree(runs.cut, tmp_path / "cut"))
+    text = (finished / "case.toml").read_text()
+    opened = RunStore.open(cut)
+    all_edits = list(edits(text))
+    for edited in all_edits:
+        assert edited != text
+        for directory in (finished, cut):
+            (directory / "case.toml").write_text(edited)
+        for look in (lambda: ertel.open(finished), lambda: compute(RunStore.open(cut)), lambda: compute(opened)):
+            with pytest.raises(
+                StoreError, match=r"case\.toml was changed|case\.toml: cannot be read as a case"
+            ) as refused:
+                look()
+            assert "put it back" in str(refused.value) or "put the run's own back" in str(refused.value)
+    assert len(all_edits) >= 14
+    for directory in (finished, cut):
+        (directory / "case.toml").write_text(text)
+    compute(opened)
+    assert runs.unchanged(runs.read, cut) and runs.unchanged(runs.read, finished)
+
+
+def test_an_edited_radius_of_a_finished_run(impact, copy):
+    """It showed the film of another ball."""
+    directory = copy(impact.finished)
+    text = (directory / "case.toml").read_text()
+    (directory / "case.toml").write_text(text.replace('radius = "0.01 m"', 'radius = "0.02 m"'))
+    with pytest.raises(
+        StoreError, match=r'case\.toml was changed \(contact\.radius "0\.01 m" → "0\.02 m"\); put it back'
+    ):
+        ertel.open(directory)
+
+
+def test_an_edit_is_noticed_by_what_is_left(impact, copy):
+    """Each of data, checkpoint and summary knows its case."""
+    directory = copy(impact.finished)
+    edited_root(directory, lambda root: root.clear())  # now the data do not tell
+    text = (directory / "case.toml").read_text()
+    (directory / "case.toml").write_text(text.replace("0.033", "0.034"))
+    run = RunStore.open(directory)
+    with pytest.raises(StoreError, match=r"summary\.json is not that of case\.toml"):
+        run.summary()
+    with pytest.raises(StoreError, match=r"checkpoint\.npz is not that of case\.toml"):
+        run.item()
+
+
+# -- the data ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("chunk", ["H_c/c/0", "P/c/1/0/0", "event/c/0", "X/c/0"])
+def test_a_missing_chunk_is_noticed(impact, copy, chunk):
+    """It was read as zeros."""
+    directory = copy(impact.finished)
+    (directory / "run.zarr" / chunk).unlink()
+    name = chunk.split("/")[0]
+    with pytest.raises(Damaged, match=rf"run\.zarr/{name}: is damaged \(1 of \d chunks are missing\); the run must be"):
+        ertel.open(directory)
+
+
+def test_a_chunk_without_a_number_is_not_missing(steady, tmp_path):
+    """Every map of a contact that is still to be computed is nan."""
+    run = RunStore.create(tmp_path / "run", ROLLING)
+    assert np.isnan(run.dataset()["H"].values).all()
+
+
+def test_what_is_missing_reads_as_nan_elsewhere(impact, copy):
+    directory = copy(impact.finished)
+    for chunk in ("H_c/c/0", "event/c/0"):
+        (directory / "run.zarr" / chunk).unlink()
+    data = xr.open_zarr(directory / "run.zarr").load()
+    assert np.isnan(data["H_c"].values).all() and (data["event"].values == -1).all()  # neither is a value of a run
+
+
+@pytest.mark.parametrize("length", [0, 3, -1])
+def test_a_chunk_that_was_cut_short_is_noticed(impact, copy, length):
+    directory = copy(impact.finished)
+    chunk = directory / "run.zarr" / "P" / "c" / "0" / "0" / "0"
+    chunk.write_bytes(chunk.read_bytes()[:length])
+    with pytest.raises(Damaged, match=r"run\.zarr/P: is damaged \(Stored and computed checksum do not match"):
+        ertel.open(directory)
+
+
+def edited_root(directory: Path, edit: Callable[[dict[str, Any]], object]) -> None:
+    path = directory / "run.zarr" / "zarr.json"
+    root = json.loads(path.read_text())
+    edit(root)
+    path.write_text(json.dumps(root))
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda root: root["attributes"].update(R_m=0.02),
+        lambda root: root["attributes"].update(digest="0"),
+        lambda root: root["consolidated_metadata"]["metadata"]["H_c"]["attributes"].update(si_factor=1.0),
+        lambda root: root["consolidated_metadata"]["metadata"]["H_c"].update(shape=[2]),
+        lambda root: root["consolidated_metadata"]["metadata"].pop("H_c"),
+        lambda root: root.pop("consolidated_metadata"),
+    ],
+)
+def test_changed_metadata_are_noticed(impact, copy, edit):
+    directory = copy(impact.finished)
+    edited_root(directory, edit)
+    said = (
+        r"zarr\.json: is damaged \(its checksum does not agree\); the run must be computed again from its case\.toml$"
+    )
+    with pytest.raises(Damaged, match=said):
+        ertel.open(directory)
+    with pytest.raises(Damaged, match=said):
+        compute(RunStore.open(directory))
+    assert (directory / "summary.json").exists()
+
+
+def test_metadata_of_single_arrays_do_not_matter(impact, copy):
+    """They are written for others, and written again when the run goes on."""
+    directory = copy(impact.cut)
+    for file in (directory / "run.zarr").glob("*/zarr.json"):
+        file.write_text("[]")
+    assert impact.unchanged(impact.resume, directory)
+
+
+def test_damaged_data_stop_a_run_before_it_computes(impact, copy):
+    directory = copy(impact.cut)
+    before = (directory / "summary.json").read_bytes()
+    flip(directory / "run.zarr" / "V" / "c" / "0", random.Random(3))
+    with pytest.raises(Damaged, match=r"run\.zarr/V: is damaged"):
+        compute(RunStore.open(directory), [lambda item: pytest.fail("computed on damaged data")])
+    assert (directory / "summary.json").read_bytes() == before
+
+
+def test_data_older_than_the_checkpoint_are_refused(impact, copy):
+    directory = copy(impact.cut)
+    shutil.rmtree(directory / "run.zarr")
+    RunStore.create(directory.parent / "new", IMPACT)
+    (directory.parent / "new" / "run.zarr").rename(directory / "run.zarr")
+    with pytest.raises(Damaged, match=r"run\.zarr: is damaged \(holds fewer rows than the checkpoint counts\)"):
+        compute(RunStore.open(directory))
+
+
+def test_data_that_are_replaced_while_they_are_read(steady, copy, monkeypatch):
+    """By the process that computes them, grid by grid."""
+    data, read, attempts = copy(steady.finished) / "run.zarr", checked_zarr._read, itertools.count()
+
+    def replaced(path, advice):
+        if next(attempts) == 0:
+            checked_zarr.update_attributes(data, {"title": "the next grid"}, advice)
+            raise Damaged(path, "chunks are missing", advice)
+        return read(path, advice)
+
+    monkeypatch.setattr(checked_zarr, "_read", replaced)
+    assert RunStore.open(data.parent).dataset().attrs["title"] == "the next grid"
+    assert next(attempts) == 2
+
+
+def test_steady_data_are_written_again_from_the_checkpoint(steady, copy):
+    directory = copy(steady.finished)
+    flip(directory / "run.zarr" / "H" / "c" / "0" / "0", random.Random(4))
+    with pytest.raises(Damaged, match=r"run\.zarr/H: is damaged .*; it is written again when the run is continued"):
+        ertel.open(directory)
+    assert steady.unchanged(steady.resume, directory)
+
+
+# -- the summary ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"status": "converged"}', "\xff", "[" * 900])
+def test_a_damaged_summary_is_written_again(runs, copy, text):
+    directory = copy(runs.finished)
+    (directory / "summary.json").write_bytes(text.encode("latin-1"))
+    with pytest.raises(
+        Damaged, match=r"summary\.json: is damaged \(.*\); it is written again when the run is continued"
+    ):
+        ertel.open(directory)
+    assert runs.unchanged(runs.resume, directory)
+
+
+def test_a_changed_number_of_a_summary_is_noticed(impact, copy):
+    directory = copy(impact.finished)
+    text = (directory / "summary.json").read_text()
+    (directory / "summary.json").write_text(text.replace('"steps": ', '"steps": 1'))
+    with pytest.raises(Damaged, match=r"summary\.json: is damaged \(its checksum does not agree\)"):
+        ertel.open(directory)
+
+
+def test_the_summary_of_another_case_is_refused(impact, steady, copy):
+    directory = copy(impact.finished)
+    shutil.copy(steady.finished / "summary.json", directory)
+    with pytest.raises(StoreError, match=r"summary\.json is not that of case\.toml"):
+        ertel.open(directory)
+    assert impact.unchanged(impact.resume, directory)
+
+
+# -- the checkpoint ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("length", [0, 10, -1])
+def test_a_damaged_checkpoint_is_named(runs, copy, length):
+    directory = copy(runs.cut)
+    checkpoint = directory / "checkpoint.npz"
+    checkpoint.write_bytes(checkpoint.read_bytes()[:length])
+    said = r"checkpoint\.npz: is damaged \(its checksum does not agree\); delete it to have the run computed"
+    with pytest.raises(Damaged, match=said):
+        compute(RunStore.open(directory))
+    checkpoint.unlink()
+    assert runs.unchanged(runs.resume, directory)
+
+
+def test_numpy_reads_a_checkpoint(impact):
+    with np.load(impact.cut / "checkpoint.npz") as file:
+        assert str(file["store_digest"]) == IMPACT.digest
+
+
+# -- nothing is executed ----------------------------------------------------------------------------------------------
+
+
+class Evil:
+    """Says so when it is unpickled."""
+
+    def __reduce__(self):
+        return pytest.fail, ("a pickle was loaded",)
+
+
+def test_no_pickle_is_loaded_from_a_checkpoint(impact, copy):
+    from ertel.runs.files import checked
+
+    directory = copy(impact.cut)
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as file:
+        header = io.BytesIO()
+        np.lib.format.write_array_header_1_0(header, {"descr": "|O", "fortran_order": False, "shape": (1,)})
+        file.writestr("store_digest.npy", header.getvalue() + pickle.dumps([Evil()]))
+    (directory / "checkpoint.npz").write_bytes(checked(content.getvalue()))
+    with pytest.raises(Damaged, match=r"checkpoint\.npz: is damaged \(Object arrays cannot be loaded"):
+        compute(RunStore.open(directory))
+
+
+def test_data_of_the_earlier_zarr_format_are_refused(impact, copy):
+    """They may hold pickles."""
+    directory = copy(impact.cut)
+    shutil.rmtree(directory / "run.zarr")
+    group = zarr.open_group(directory / "run.zarr", mode="w", zarr_format=2)
+    group.attrs.update(digest=IMPACT.digest)
+    array = group.create_array("H_c", shape=(1,), chunks=(1,), dtype="float64")
+    metadata = json.loads((directory / "run.zarr" / "H_c" / ".zarray").read_text())
+    metadata |= {"dtype": "|O", "filters": [{"id": "pickle", "protocol": 5}], "compressor": None, "fill_value": None}
+    (directory / "run.zarr" / "H_c" / ".zarray").write_text(json.dumps(metadata))
+    (directory / "run.zarr" / "H_c" / "0").write_bytes(pickle.dumps(Evil()))
+    assert array.metadata.zarr_format == 2
+    for look in (ertel.open, lambda path: compute(RunStore.open(path))):
+        with pytest.raises(Damaged, match=r"run\.zarr/zarr\.json: is damaged \(missing\)"):
+            look(directory)
+
+
+def test_the_format_does_not_depend_on_the_environment(runs, tmp_path):
+    """Zarr takes its default from ZARR_DEFAULT_ZARR_FORMAT; all runs were broken by it."""
+    case, stop = KINDS["impact" if "time" in runs.dataset else "steady"]
+    with zarr.config.set({"default_zarr_format": 2}):
+        compute(RunStore.create(tmp_path / "run", case), [stop_after(stop)])
+        assert runs.unchanged(runs.resume, tmp_path / "run")
+    xr.testing.assert_identical(physics(xr.open_zarr(tmp_path / "run" / "run.zarr").load()), physics(runs.dataset))

@@ -1,0 +1,100 @@
+"""The budgets of runs: they close, with the order of the method, and they explain the rebound."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from cases import BARUS, impact, rolled
+
+from ertel.model.sections import SOLVERS, Drive, Time
+from ertel.physics.motion import Oscillation, constant
+from ertel.physics.scales import Parameters
+from ertel.physics.surfaces import Feature, Waviness
+from ertel.results.result import Result
+from ertel.runs.drive import simulate
+
+P20 = Parameters.from_moes(20, 5)
+KINETIC = 2 / 5  # of a free ball before it meets the oil
+
+
+def imbalances(result: Result) -> dict[str, float]:
+    return {name: terms["imbalance"] for name, terms in result.summary["budgets"].items()}
+
+
+@cache
+def rebound(method: str) -> Result:
+    nodes, width = {"2d": (33, 2.0), "radial": (129, 4.0)}[method]
+    return simulate(impact(100, 5, nodes, solver={"method": method, "half_width": width}, time={"until": "rebound"}))
+
+
+@pytest.mark.parametrize("method", ["2d", "radial"])
+def test_the_square_of_the_restitution_is_one_minus_the_dissipated_share(method: str) -> None:
+    """As far as the energy closes; what goes to the oil outside the grid is dissipated there."""
+    result = rebound(method)
+    energy = result.summary["budgets"]["energy"]
+    lost = (energy["dissipated"] + energy["outside"]) / KINETIC
+    assert 0.1 < lost < 0.4
+    assert abs(energy["elastic"]) + abs(energy["oil"]) < 1e-3
+    # the records begin after the first step, at almost the first speed
+    assert result.summary["restitution"] ** 2 == pytest.approx(1 - lost, abs=energy["imbalance"] + 2e-3)
+    assert imbalances(result)["energy"] < 2e-3
+    assert imbalances(result)["momentum"] < 1e-3
+
+
+def test_both_methods_dissipate_the_same() -> None:
+    """The radial grid is wider, and has less outside."""
+    plane, disc = (rebound(method).summary["budgets"]["energy"] for method in ("2d", "radial"))
+    assert plane["outside"] > 2 * disc["outside"]
+    assert plane["dissipated"] + plane["outside"] == pytest.approx(disc["dissipated"] + disc["outside"], rel=0.02)
+
+
+def test_budgets_close_with_the_order_of_grid_and_step() -> None:
+    """The load outside is large on this narrow grid: a fifth of the energy goes there."""
+    found = []
+    for nodes, step in ((33, 0.05), (65, 0.025)):
+        sections: dict[str, Any] = {"solver": {"half_width": 2.0}, "time": {"until": 2.0, "step": step}}
+        found.append(list(imbalances(simulate(impact(20, 5, nodes, **sections))).values()))
+    orders = np.log2(np.divide(*found))
+    assert np.all(orders > 1.4), orders
+    assert max(found[1]) < 2.5e-3
+
+
+@cache
+def rolling(direction: float = 1.0, load: float = 0.0, wave: bool = True) -> Result:
+    """Waviness on one of two sliding surfaces, and a load that swings: all terms but inertia."""
+    solver = replace(SOLVERS["transient"], nodes=33, tolerance=1e-8, fold=False, inlet=None, half_width=4.0)
+    drive = Drive(Oscillation(1.0, load, 2.0), constant(direction), slide_to_roll=1.0)
+    features = [Feature(Waviness(0.1, 2.0))] if wave else []
+    return simulate(rolled(P20, BARUS, solver, drive, *features, time=Time(until=1.0, step=0.05)))
+
+
+@pytest.mark.parametrize("load", [0.0, 0.3])
+def test_rolling_over_waves_closes(load: float) -> None:
+    found = imbalances(rolling(load=load))
+    assert found["mass"] < 0.01 and found["momentum"] < 1e-6 and found["energy"] < 0.015
+    assert np.ptp(rolling(load=load).dataset["elastic_energy"].values) > 1e-3  # the waves change what is stored
+
+
+def test_the_wave_that_slides_does_work() -> None:
+    """It is part of the budget: without it the energy would not close."""
+    with_wave, smooth = (rolling(wave=wave).summary["budgets"]["energy"] for wave in (True, False))
+    extra = with_wave["work_of_surfaces"] - smooth["work_of_surfaces"]
+    turned_over = float(np.trapezoid(rolling().dataset["power_from_surfaces"], rolling().dataset["time"]))
+    assert abs(extra) > 2 * with_wave["imbalance"] * turned_over
+
+
+def test_both_directions_have_the_same_budgets() -> None:
+    """The wave is even in X at T = 0."""
+    there, back = (rolling(direction).summary["budgets"] for direction in (1.0, -1.0))
+    for name in there:
+        assert back[name] == pytest.approx(there[name], rel=1e-5, abs=1e-9)
+
+
+def test_the_dataset_has_the_history_and_says_the_imbalance() -> None:
+    data = rolling().dataset
+    assert data.attrs["energy_imbalance"] == imbalances(rolling())["energy"]
+    assert {"mass", "outflow", "elastic_energy", "dissipation", "outside_power"} <= set(data.data_vars)
+    assert float(data["dissipation"].min()) > 0
+    assert data["dissipation"].sizes == {"time": 20}

@@ -1,0 +1,294 @@
+"""Commands of ertel in children by fork: with a fault, watched from outside, and judged by what they leave."""
+
+import errno
+import hashlib
+import io
+import json
+import os
+import resource
+import select
+import signal
+import sys
+import tempfile
+import time
+import traceback
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ertel.__main__ import main
+from ertel.runs.store import RunStore, open_run
+
+KILLED = 137
+PATIENCE = 120.0  # s: a child that takes longer is taken for one that never ends
+CHANGES = {"os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "os.link", "os.symlink"}
+WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
+OWN = {"wall_s", "compilations", "date_created"}  # what differs between two runs of the same case
+
+Act = Callable[[str, str, int], None]  # of event, path and flags
+
+
+@dataclass
+class Fault:
+    """What happens from the n-th change of files inside a directory on; n = 0: nothing.
+
+    act: is called before the n-th change, and also before each later one if it lasts.
+    limit: bytes that no file may exceed (RLIMIT_FSIZE), 0 for none.
+    """
+
+    act: Act | None = None
+    n: int = 0
+    lasts: bool = False
+    limit: int = 0
+
+
+def die(event: str, path: str, flags: int) -> None:
+    """End the process before the operation."""
+    os._exit(KILLED)
+
+
+def die_torn(event: str, path: str, flags: int) -> None:
+    """End the process after a file was opened and emptied, before anything was written to it."""
+    if event == "open" and flags & os.O_TRUNC and not os.path.isdir(path):
+        os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC))
+    os._exit(KILLED)
+
+
+def terminate(event: str, path: str, flags: int) -> None:
+    """Ask the process to end, as a batch system does."""
+    os.kill(os.getpid(), signal.SIGTERM)
+
+
+def disk_full(event: str, path: str, flags: int) -> None:
+    """Refuse to write or to make anything."""
+    if event in ("open", "os.mkdir"):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), path)
+
+
+@dataclass
+class Ended:
+    """How a command ended.  code: its exit code, negative for a signal; text: what it printed; said: on stderr.
+
+    operations: changes of files.  flushed: steps or grids in the last complete flush.  resumed: those from which a
+    resume went on.
+    found: the `fingerprint` of what it left, if asked for.
+    """
+
+    code: int = 0
+    text: str = ""
+    said: str = ""
+    operations: int = 0
+    flushed: int = 0
+    resumed: int | None = None
+    found: dict[str, str] = field(default_factory=dict)
+    failure: str = ""
+
+    @property
+    def traceback(self) -> bool:
+        """Whether it ended with a traceback, shown or written to a file."""
+        return "Traceback (most recent call last)" in self.said or "internal error" in self.said
+
+    @property
+    def one_sentence(self) -> bool:
+        """Whether stderr has exactly one message of ertel."""
+        lines = [line for line in self.said.splitlines() if line.strip()]
+        return len(lines) == 1 and lines[0].startswith("ertel: ")
+
+
+def command(
+    arguments: Sequence[str],
+    inside: Path,
+    fault: Fault | None = None,
+    judge: Path | None = None,
+    killed_after: float = 0,
+) -> Ended:
+    """Run a command in a child.
+
+    inside: the directory whose changes count.  judge: the run whose fingerprint is wanted afterwards.  killed_after:
+    seconds after which the child is killed, 0 for never.
+    """
+    return in_child(lambda tell: run_watched(tell, arguments, inside, fault or Fault(), judge), killed_after)[0]
+
+
+def in_child(work: Callable[[Callable[..., None]], None], killed_after: float = 0) -> list[Ended]:
+    """Do some work in a child by fork: what it told about its commands, at least about one."""
+    read, write = os.pipe()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # JAX warns of forks: the children let it do nothing that needs its threads
+        pid = os.fork()
+    if not pid:
+        os.close(read)
+        _work_and_exit(work, write)
+    os.close(write)
+    told = _collect(read, pid, killed_after)
+    return told
+
+
+def _work_and_exit(work: Callable[[Callable[..., None]], None], write: int) -> None:
+    def tell(**what: Any) -> None:
+        os.write(write, json.dumps(what).encode() + b"\n")
+
+    code = 0
+    try:
+        work(tell)
+    except BaseException as error:
+        tell(failure="".join(traceback.format_exception(error)))
+        code = 70
+    finally:
+        os._exit(code)
+
+
+def _collect(read: int, pid: int, killed_after: float) -> list[Ended]:
+    """Read what a child tells until it ends; kill it when it is time."""
+    text, deadline, hung = b"", time.monotonic() + (killed_after or PATIENCE), False
+    while True:
+        left = max(deadline - time.monotonic(), 0.0)
+        if not select.select([read], [], [], left)[0]:
+            os.kill(pid, signal.SIGKILL)
+            deadline, hung = deadline + PATIENCE, not killed_after
+        elif part := os.read(read, 1 << 20):
+            text += part
+        else:
+            break
+    os.close(read)
+    code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+    ended = _told(text.decode())
+    if code:
+        ended[-1].code = code
+    ended[-1].failure += "hung" if hung else ""
+    return ended
+
+
+def _told(text: str) -> list[Ended]:
+    """What a child told: a new entry after each command that ended."""
+    ended = [Ended()]
+    for line in text.splitlines():
+        what = json.loads(line)
+        for key, value in what.items():
+            setattr(ended[-1], key, value)
+        if "text" in what:
+            ended.append(Ended())
+    return ended[:-1] if len(ended) > 1 else ended
+
+
+# -- inside the child -------------------------------------------------------------------------------------------------
+
+
+def run_watched(
+    tell: Callable[..., None], arguments: Sequence[str], inside: Path, fault: Fault, judge: Path | None = None
+) -> None:
+    """Run a command with a fault and tell how it ended."""
+    _tell_of_flushes(tell)
+    changes = _watch(inside, fault)
+    if fault.limit:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (fault.limit, resource.RLIM_INFINITY))
+    code, text, said = called(arguments)
+    found = fingerprint(judge) if judge and code == 0 else {}
+    tell(operations=changes[0], found=found)
+    tell(code=code, said=said, text=text)
+
+
+def _tell_of_flushes(tell: Callable[..., None]) -> None:
+    flush, resume = RunStore.flush, RunStore.resume
+
+    def told_flush(self: RunStore) -> None:
+        item = self._item
+        flush(self)
+        if item is not None:
+            tell(flushed=_progress(item))
+
+    def told_resume(self: RunStore) -> Any:
+        item = resume(self)
+        tell(resumed=0 if item is None else _progress(item))
+        return item
+
+    RunStore.flush, RunStore.resume = told_flush, told_resume  # type: ignore[method-assign]
+
+
+def _progress(item: Any) -> int:
+    """Steps or grids."""
+    return len(item.solutions) if hasattr(item, "solutions") else int(item.state.counts.steps)
+
+
+def _watch(inside: Path, fault: Fault) -> list[int]:
+    """Count the changes of files inside a directory, and act when it is time."""
+    seen, root, busy = [0], f"{inside}/", [False]
+
+    def hook(event: str, arguments: tuple[Any, ...]) -> None:
+        if busy[0] or not (event in CHANGES or event == "open"):
+            return
+        path, flags = str(arguments[0]), int(arguments[2] or 0) if event == "open" else 0
+        if event == "open" and not flags & WRITING:
+            return
+        if not os.path.isabs(path):
+            path = os.path.join(_folder_of(event, arguments), path)
+        if not path.startswith(root):
+            return
+        seen[0] += 1
+        if fault.act and (seen[0] == fault.n or (fault.lasts and seen[0] > fault.n)):
+            busy[0] = True
+            try:
+                fault.act(event, path, flags)
+            finally:
+                busy[0] = False
+
+    sys.addaudithook(hook)
+    return seen
+
+
+def _folder_of(event: str, arguments: tuple[Any, ...]) -> str:
+    """The directory of a relative path: that of its dir_fd, or the present one."""
+    number = {"os.remove": 1, "os.rmdir": 1, "os.mkdir": 2, "os.rename": 2}.get(event)
+    fd = arguments[number] if number else -1
+    return os.readlink(f"/proc/self/fd/{fd}") if isinstance(fd, int) and fd >= 0 else os.getcwd()
+
+
+def called(arguments: Sequence[str]) -> tuple[int, str, str]:
+    """Exit code, standard output and standard error of a command in this process."""
+    sys.argv, code = ["ertel", *arguments], 0
+    with _caught() as out, _caught() as err:
+        before, sys.stdout, sys.stderr = (sys.stdout, sys.stderr), out, err
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 0 if end.code is None else 1
+        except BaseException:
+            traceback.print_exc()
+            code = 1
+        finally:
+            sys.stdout, sys.stderr = before
+        return code, _content(out), _content(err)
+
+
+def _caught() -> Any:
+    return tempfile.TemporaryFile("w+", encoding="utf-8")
+
+
+def _content(file: io.TextIOWrapper) -> str:
+    file.flush()
+    file.seek(0)
+    return file.read()
+
+
+def fingerprint(directory: Path) -> dict[str, str]:
+    """A digest of each variable, of all attributes and of the summary of a run, without what is never the same."""
+    result = open_run(directory)
+    data = result.dataset
+    parts = {str(name): variable.values.tobytes() for name, variable in data.variables.items()}
+    parts |= {f"{name} is": f"{v.dtype}{v.shape}{v.dims}{v.attrs}".encode() for name, v in data.variables.items()}
+    parts["attributes"] = _text({k: v for k, v in data.attrs.items() if k not in OWN})
+    parts["summary"] = _text(plain(result.summary))
+    return {name: hashlib.sha256(part).hexdigest()[:16] for name, part in parts.items()}
+
+
+def _text(content: Any) -> bytes:
+    return json.dumps(content, sort_keys=True, default=str).encode()
+
+
+def plain(content: Any) -> Any:
+    """A summary without what is never the same."""
+    if isinstance(content, dict):
+        return {key: plain(value) for key, value in content.items() if key not in OWN}
+    return [plain(each) for each in content] if isinstance(content, list | tuple) else content

@@ -1,0 +1,126 @@
+"""Disturb small runs in every way that a machine has, and count what became of them.
+
+    python validation/faults/faults.py kills --count 440 --seed 14
+    python validation/faults/faults.py disk processes --count 40
+    python validation/faults/faults.py bits --count 2250
+
+kills: a process ends before its n-th change of a file, or at a random time; what is left is resumed.
+disk: no space is left from the n-th change on, or files may not be larger than so many bytes; later it is resumed.
+bits: a bit of a stored run is flipped, a file is cut short or deleted; all commands answer as before or refuse.
+processes: kills and resumes of `python -m ertel` itself, without the shortcuts of the others (slow).
+
+Exit code 0: nothing was silent, no flushed step was lost, no traceback.  A failure is printed with its number;
+`--only NUMBER` with the same seed, count and kinds repeats it, and its directory is kept.  Ctrl-C ends with the table.
+"""
+
+import argparse
+import os
+import random
+import signal
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from tempfile import mkdtemp
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("JAX_PLATFORMS", "cpu")  # before JAX is imported
+
+import bits
+import kills
+import kinds
+from kills import Known, Outcome
+
+GOOD = ("equal", "unchanged", "refused damage")
+Campaign = Iterator[tuple[int, str, str, Outcome]]  # number of the trial, kind of run, what was done to it, its end
+
+
+def main() -> int:
+    """Run the campaigns that the command line asks for."""
+    asked = _arguments()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background, too
+    place = Path(mkdtemp(prefix="faults-"))
+    print(f"{asked.count} trials each, seed {asked.seed}, kinds {' '.join(asked.kinds)}, in {place}", flush=True)
+    chosen = kinds.kinds(place, asked.kinds)
+    kinds.record(chosen)
+    known = [kills.undisturbed(kind, _made(place / kind.name)) for kind in chosen.values()]
+    return 1 if sum([_failed(asked, what, known, place) for what in asked.what]) else 0
+
+
+def _failed(asked: argparse.Namespace, what: str, known: list[Known], place: Path) -> int:
+    """The number of failures in a campaign."""
+    started, counts, failed = time.monotonic(), Counter[tuple[str, str, str]](), 0
+    with suppress(KeyboardInterrupt):
+        for number, kind, way, outcome in CAMPAIGNS[what](asked, known, _made(place / what)):
+            counts[kind, way, outcome.word] += 1
+            counts["", "", "kills"] += outcome.kills
+            if outcome.word not in GOOD:
+                failed += 1
+                print(f"{what}, trial {number}, {kind}, {way}: {outcome.word}: {outcome.why}", flush=True)
+    kills_made = counts.pop(("", "", "kills"), 0)
+    _print_table(what, counts)
+    done, seconds = sum(counts.values()), time.monotonic() - started
+    print(f"{what}: {done} trials, {kills_made} kills, {failed} failed, {seconds:.0f} s", flush=True)
+    return failed
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", nargs="+", choices=CAMPAIGNS)
+    parser.add_argument("--count", type=int, default=20, help="number of trials of each")
+    parser.add_argument("--seed", type=int, default=random.SystemRandom().randrange(10**6), help="default by chance")
+    parser.add_argument("--kinds", nargs="+", choices=kinds.NAMES, default=kinds.NAMES, help="kinds of run")
+    parser.add_argument("--only", type=int, help="number of the one trial to repeat")
+    return parser.parse_args()
+
+
+def _numbers(asked: argparse.Namespace) -> Iterator[tuple[int, random.Random]]:
+    """The number of each trial and its dice."""
+    for number in range(asked.count) if asked.only is None else [asked.only]:
+        yield number, random.Random(f"{asked.seed} {number}")
+
+
+def _disturbed(ways: dict[str, Callable[..., Outcome]]) -> Callable[..., Campaign]:
+    def campaign(asked: argparse.Namespace, known: list[Known], place: Path) -> Campaign:
+        kinds.flush_every(0.0)
+        for number, dice in _numbers(asked):
+            own, way = known[number % len(known)], list(ways)[number // len(known) % len(ways)]
+            yield number, own.kind.name, way, kills.tried(ways[way], own, place / f"trial-{number}", dice)
+
+    return campaign
+
+
+def _damaged(asked: argparse.Namespace, known: list[Known], place: Path) -> Campaign:
+    kinds.flush_every(0.0)
+    stored = [run for own in known for run in bits.prepared(own, _made(place / own.kind.name))]
+    kinds.flush_every(5.0)
+    for number, dice in _numbers(asked):
+        run, way = stored[number % len(stored)], bits.way(dice)
+        yield number, run.name, way, bits.tried(run, way, place / f"trial-{number}", dice)
+
+
+CAMPAIGNS: dict[str, Callable[..., Campaign]] = {
+    "kills": _disturbed(kills.KILLS),
+    "disk": _disturbed(kills.DISKS),
+    "bits": _damaged,
+    "processes": _disturbed(kills.PROCESSES),
+}
+
+
+def _made(directory: Path) -> Path:
+    directory.mkdir()
+    return directory
+
+
+def _print_table(what: str, counts: Counter[tuple[str, str, str]]) -> None:
+    """A row for each kind of run and fault, a column for each outcome."""
+    words = sorted({word for _, _, word in counts}, key=lambda word: (word not in GOOD, word))
+    print(f"{what:24}{'fault':20}" + "".join(f"{word:>16}" for word in words))
+    for kind, way in dict.fromkeys((kind, way) for kind, way, _ in counts):
+        print(f"{kind:24}{way:20}" + "".join(f"{counts[kind, way, word]:16}" for word in words))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
