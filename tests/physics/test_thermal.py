@@ -11,7 +11,7 @@ from scipy.integrate import solve_bvp
 from ertel.physics.flash import flash_temperature, moving_source_weights, partition, peclet_number, response
 from ertel.physics.thermal import (
     INLET_FACTORS,
-    SOLIDS,
+    Solid,
     gupta_factor,
     mean_rise,
     middle_rise,
@@ -20,7 +20,7 @@ from ertel.physics.thermal import (
     wilson_sheu_factor,
 )
 
-STEEL, GLASS = SOLIDS["steel"], SOLIDS["glass"]
+STEEL, GLASS = Solid(7850.0, 460.0, 47.0), Solid(2510.0, 858.0, 1.114)
 
 
 @pytest.mark.parametrize(
@@ -182,7 +182,5 @@ def test_thin_films_leave_the_partition_to_the_solids() -> None:
     assert_allclose(second / first, 2.0, rtol=1e-4)
 
 
-def test_materials_say_where_their_data_come_from() -> None:
-    assert {"steel", "glass", "sapphire"} <= set(SOLIDS)
-    assert all(len(solid.reference) > 10 for solid in SOLIDS.values())
+def test_effusivity() -> None:
     assert STEEL.effusivity == pytest.approx(sqrt(7850 * 460 * 47))

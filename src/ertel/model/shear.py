@@ -210,8 +210,8 @@ def _solved(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> 
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
     equation is psi(sliding(tau_m)/F) = psi(s/F).  For Eyring's law and sliding along the gradient its left side is
-    tau_m itself.  In other directions F is the largest fluidity of the resting film, so that the first guess, psi(s/F), is
-    rather too small than too large.
+    tau_m itself.  In other directions F is the largest fluidity of the resting film; the first guess, psi(s/F),
+    is then rather too small than too large.
     """
     resting = _resting(law, pressure, gradient)
     aim, _ = _bent(law, pressure, sliding / resting)

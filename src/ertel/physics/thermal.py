@@ -1,50 +1,29 @@
-"""Heat in the film: inlet shear heating, temperatures in the film, thermal data of solids and oils.
+"""Heat in the film: inlet shear heating, temperatures in the film, thermal data of a solid.
 
 All quantities in SI.  The viscosity's coefficient of temperature is beta = -d ln(eta)/dT in 1/K.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import asinh, log, sqrt
 from typing import Annotated, NamedTuple
 
 from ertel.physics.scales import require_not_negative, require_positive
-from ertel.physics.units import DENSITY, Unit
-
-CONDUCTIVITY = Unit("W/(m*K)", "46 W/(m*K)")
-HEAT_CAPACITY = Unit("J/(kg*K)", "460 J/(kg*K)")
-PER_KELVIN = Unit("1/K", "0.04 / K")
+from ertel.physics.units import CONDUCTIVITY, DENSITY, HEAT_CAPACITY
 
 
 @dataclass(frozen=True)
 class Solid:
-    """Thermal data of a body: density in kg/m^3, heat capacity in J/(kg K), conductivity in W/(m K); their source."""
+    """Thermal data of a body: density in kg/m^3, heat capacity in J/(kg K), conductivity in W/(m K)."""
 
     density: Annotated[float, DENSITY]
     heat_capacity: Annotated[float, HEAT_CAPACITY]
     conductivity: Annotated[float, CONDUCTIVITY]
-    reference: str = field(default="", compare=False)
 
     @property
     def effusivity(self) -> float:
         """(rho c k)^{1/2}, in J/(m^2 K s^{1/2})."""
         return sqrt(self.density * self.heat_capacity * self.conductivity)
-
-
-@dataclass(frozen=True)
-class OilHeat:
-    """Thermal data of an oil: conductivity in W/(m K), beta in 1/K; their source."""
-
-    conductivity: Annotated[float, CONDUCTIVITY] = 0.14
-    beta: Annotated[float, PER_KELVIN] = 0.04
-    reference: str = field(default="", compare=False)
-
-
-SOLIDS = {
-    "steel": Solid(7850.0, 460.0, 47.0, "bearing steel, as in the program EHL of C. M. Everitt (cmeveritt/EHL)"),
-    "glass": Solid(2510.0, 858.0, 1.114, "Schott AG, data sheet of the borosilicate crown glass N-BK7"),
-    "sapphire": Solid(3980.0, 785.0, 35.0, "Aggarwal RL, Ramdas AK. Physical properties of diamond and sapphire. 2019"),
-}
 
 
 # -- the inlet --------------------------------------------------------------------------------------------------------
