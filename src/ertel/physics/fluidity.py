@@ -63,6 +63,10 @@ class NewtonianOil:
     def stress(self, rate: Array, pressure: Array) -> Array:
         return rate
 
+    @classmethod
+    def of(cls, oil: object) -> "NewtonianOil":
+        return cls()
+
 
 @FLUIDITY_LAWS.register("ree-eyring")
 @dataclass(frozen=True)
@@ -154,11 +158,11 @@ class Limited:
     There the stress rises by sharpness * tau_L while the shear rate rises by a factor of e.  The traction's own limit
     is a matter of its integral (`ertel.physics.traction`).
 
-    slope: dtau_L/dp, Lambda, 0.03 to 0.1 for most oils.  ambient: tau_L at ambient pressure, without which an oil could
+    base: the law without a limit.  slope: dtau_L/dp, Lambda, 0.03 to 0.1 for most oils.  ambient: tau_L at ambient pressure, without which an oil could
     carry no stress at the edges of the film; 4 MPa is of a PAO.  sharpness: width of the exponential part.
     """
 
-    law: Fluidity
+    base: Fluidity
     slope: Annotated[float, ABOVE_ZERO]
     ambient: Annotated[float, STRESS] = 4e6
     sharpness: Annotated[float, SHARE] = 0.05
@@ -179,7 +183,7 @@ class Limited:
         below = xp.minimum(u, end)
         above = u - below
         slip = xp.atanh(below) - below + xp.expm1(growth * above) / (2.0 * end) - above
-        return self.law.fluidity(stress, pressure) + xp.maximum(slip, 0.0) / u
+        return self.base.fluidity(stress, pressure) + xp.maximum(slip, 0.0) / u
 
     def stress(self, rate: Array, pressure: Array) -> Array:
         """The smaller of the law's stress and of a limited Newtonian oil's, with a smooth passage."""
@@ -189,7 +193,7 @@ class Limited:
         above = xp.maximum(y - xp.atanh(end), 0.0)
         slipping = limit * (xp.minimum(xp.tanh(y), end) + xp.log1p(2.0 * end * above) / growth)
         steep = xp.maximum(rate, NO_STRESS)
-        thinning = steep / xp.maximum(self.law.stress(rate, pressure), NO_STRESS)
+        thinning = steep / xp.maximum(self.base.stress(rate, pressure), NO_STRESS)
         return rate * (thinning**4 + (steep / xp.maximum(slipping, NO_STRESS)) ** 4 - 1.0) ** -0.25
 
     def _end(self, xp: Any) -> tuple[Array, Array]:

@@ -139,6 +139,11 @@ class Scales:
         return self.a**2 / self.R
 
     @property
+    def shear_stress(self) -> float:
+        """Unit of the shear stress across the film (Pa): p_h a/R."""
+        return self.p_h * self.a / self.R
+
+    @property
     def load(self) -> float:
         """Unit of the load F (N): the Hertz load F* = (2 pi/3) a^2 p_h."""
         return HERTZ_LOAD * self.a**2 * self.p_h
