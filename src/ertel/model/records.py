@@ -137,6 +137,13 @@ def law_of(data: Any, laws: Registry, place: str) -> Any:
     return checked(record_of(record, rest, place), place)
 
 
+def checked_law(law: T, place: str) -> T:
+    """The same law of shear thinning; see `checked`, also for a law inside of it."""
+    for name in law_fields(type(law)):
+        checked_law(getattr(law, name), f"{place}.{name}")
+    return checked(law, place)
+
+
 def law_fields(record: Any) -> tuple[str, ...]:
     """The fields of a law (a class) that are laws of shear thinning themselves."""
     return tuple(name for name, hint in get_type_hints(record).items() if hint is Fluidity)

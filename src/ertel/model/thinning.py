@@ -49,11 +49,11 @@ class ThinningFlow:
         slope_x, slope_y = central_slopes(p, contact.spacing)
         across_x = (p[1:-1, 1:] - p[1:-1, :-1]) / contact.spacing
         across_y = (p[1:, 1:-1] - p[:-1, 1:-1]) / contact.spacing
-        on_x = jnp.stack([across_x, to_x_faces(slope_y)])
-        on_y = jnp.stack([to_y_faces(slope_x), across_y])
-        G_x = self._driven(contact, to_x_faces(p), to_x_faces(film), on_x)[0]
-        G_y = self._driven(contact, to_y_faces(p), to_y_faces(film), on_y)[1]
-        in_X, in_Y = to_x_faces(eps) * G_x, to_y_faces(eps) * G_y
+        slope = jnp.stack([_line(across_x, to_y_faces(slope_x)), _line(to_x_faces(slope_y), across_y)])
+        mean_P, mean_film = (_line(to_x_faces(f), to_y_faces(f)) for f in (p, film))
+        G = self._driven(contact, mean_P, mean_film, slope)
+        in_X = to_x_faces(eps) * G[0, : across_x.size].reshape(across_x.shape)
+        in_Y = to_y_faces(eps) * G[1, across_x.size :].reshape(across_y.shape)
         total: Array = ((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / contact.spacing
         return total
 
@@ -77,6 +77,11 @@ class ThinningFlow:
         gradient = H * slope * self.unit
         along_x = contact.lambda_bar * contact.lubricant.viscosity(P) * self.sliding / (12.0 * H) * self.unit
         return shear(self.law, self.p_h * P, jnp.stack([along_x, jnp.zeros_like(along_x)]), gradient), gradient
+
+
+def _line(on_x_faces: Array, on_y_faces: Array) -> Array:
+    """The values on all faces, one after the other: one program for both kinds takes half as long to compile."""
+    return jnp.concatenate([on_x_faces.ravel(), on_y_faces.ravel()])
 
 
 def _open(film: Array) -> Array:

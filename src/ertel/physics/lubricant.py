@@ -250,7 +250,8 @@ def _check_law(field_name: str, law: object, laws: Registry) -> None:
         if law in laws and law not in able:
             raise ValueError(f'{field_name} = "{law:.60}": has data of its own; give them as {{ law = "{law}", ... }}')
         if law not in able:
-            allowed = " or ".join([", ".join(repr(n) for n in able[:-1]), repr(able[-1])])
+            *others, last = map(repr, able)
+            allowed = f"{', '.join(others)} or {last}" if others else last
             raise ValueError(f'{field_name} = "{law:.60}": allowed: {allowed}')
     else:
         laws.name_of(law)
