@@ -21,6 +21,7 @@ from ertel.model.flow import Rate
 from ertel.model.pytrees import traceable
 from ertel.numerics import halfspace
 from ertel.numerics.grid import WHOLE, Even, Grid
+from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, diffusion, inside
 from ertel.numerics.symmetry import total
 from ertel.physics.geometry import CIRCLE, Geometry
@@ -39,6 +40,10 @@ class PressureFlow(Protocol):
         """The flux along X and along Y per unit pressure gradient, at the nodes; the gradient itself is held."""
         ...
 
+    def work(self, contact: "Contact", P: Array, H: Array, f: Array, plane: Plane) -> Array:
+        """The double integral of - flux . grad f over the grid."""
+        ...
+
 
 class NewtonianFlow(NamedTuple):
     """The flow of a law whose mobilities do not depend on the pressure gradient."""
@@ -51,6 +56,9 @@ class NewtonianFlow(NamedTuple):
     def mobility(self, contact: "Contact", P: Array, H: Array) -> Pair:
         oil = contact.lubricant
         return Pair.of(*self.law.mobility(oil.density(P), oil.viscosity(P), H, contact.lambda_bar))
+
+    def work(self, contact: "Contact", P: Array, H: Array, f: Array, plane: Plane) -> Array:
+        return plane.of_slopes(self.mobility(contact, P, H), P, f)
 
 
 NEWTONIAN_FLOW = NewtonianFlow()

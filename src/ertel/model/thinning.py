@@ -19,6 +19,7 @@ from jax.tree_util import register_dataclass
 
 from ertel.model.contact import NEWTONIAN_FLOW, Contact
 from ertel.model.shear import Shear, secant_mobility, shear
+from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, central_slopes, to_x_faces, to_y_faces
 from ertel.numerics.symmetry import extended
 from ertel.physics.fluidity import Fluidity
@@ -43,6 +44,17 @@ class ThinningFlow:
 
     def gain(self, contact: Contact, P: Array, H: Array) -> Array:
         """- div(Poiseuille flux), shape (n, n)."""
+        in_X, in_Y = self._faces(contact, P, H)
+        total: Array = ((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / contact.spacing
+        return total
+
+    def work(self, contact: Contact, P: Array, H: Array, f: Array, plane: Plane) -> Array:
+        """The double integral of - flux . grad f."""
+        in_X, in_Y = self._faces(contact, P, H)
+        return plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], f)
+
+    def _faces(self, contact: Contact, P: Array, H: Array) -> tuple[Array, Array]:
+        """Minus the flux through all faces around the nodes, shapes (n, n + 1) and (n + 1, n)."""
         p = extended(P, contact.even)
         eps = extended(NEWTONIAN_FLOW.mobility(contact, P, H).x, contact.even, "edge")
         film = extended(jnp.maximum(H, 0.0), contact.even, "edge")
@@ -52,10 +64,8 @@ class ThinningFlow:
         slope = jnp.stack([_line(across_x, to_y_faces(slope_x)), _line(to_x_faces(slope_y), across_y)])
         mean_P, mean_film = (_line(to_x_faces(f), to_y_faces(f)) for f in (p, film))
         G = self._driven(contact, mean_P, mean_film, slope)
-        in_X = to_x_faces(eps) * G[0, : across_x.size].reshape(across_x.shape)
-        in_Y = to_y_faces(eps) * G[1, across_x.size :].reshape(across_y.shape)
-        total: Array = ((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / contact.spacing
-        return total
+        G_x, G_y = G[0, : across_x.size].reshape(across_x.shape), G[1, across_x.size :].reshape(across_y.shape)
+        return to_x_faces(eps) * G_x, to_y_faces(eps) * G_y
 
     def mobility(self, contact: Contact, P: Array, H: Array) -> Pair:
         """The mobilities at the nodes for the preconditioner: what couples X and Y is left out."""
