@@ -70,7 +70,7 @@ class Contact:
     """Two surfaces and the oil between them.
 
     gap: undeformed gap minus roughness, shape (n, n).  kernel: from `halfspace.spectrum`.  flow: how the pressure
-    gradient drives the oil (`PressureFlow`).  even: the axes about which fields are even and stored on one side (`symmetry`).
+    gradient drives the oil.  even: the axes about which fields are even and stored on one side (`symmetry`).
     """
 
     gap: Array
@@ -115,7 +115,7 @@ def mass(contact: Contact, P: Array, H: Array) -> Array:
 
 
 def mobility(contact: Contact, P: Array, H: Array) -> Pair:
-    """The mobility along X and along Y: flux per unit pressure gradient, eps = rho H^3/(eta lambda_bar) if Newtonian."""
+    """The mobility along X and along Y, flux per unit pressure gradient: rho H^3/(eta lambda_bar) if Newtonian."""
     return contact.flow.mobility(contact, P, H)
 
 

@@ -71,7 +71,7 @@ class Plane:
         return self.across_faces(in_x.T, in_y, g) / self.spacing
 
     def across_faces(self, on_x: Array, on_y: Array, g: Array) -> Array:
-        """The double integral of a_x dg/dX + a_y dg/dY; a_x is given on the faces between nodes along X, a_y along Y."""
+        """The double integral of a_x dg/dX + a_y dg/dY; on_x: a_x between neighbours along X, on_y: a_y along Y."""
         in_y, in_x = on_y * (g[1:] - g[:-1]), on_x.T * (g.T[1:] - g.T[:-1])
         sides = [2.0 if even else 1.0 for even in self.even]  # the faces of an even axis lie on both of its sides
         return sides[0] * jnp.sum(in_y * self.wx) + sides[1] * jnp.sum(in_x * self.wy)

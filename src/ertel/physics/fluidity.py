@@ -158,8 +158,9 @@ class Limited:
     There the stress rises by sharpness * tau_L while the shear rate rises by a factor of e.  The traction's own limit
     is a matter of its integral (`ertel.physics.traction`).
 
-    base: the law without a limit.  slope: dtau_L/dp, Lambda, 0.03 to 0.1 for most oils.  ambient: tau_L at ambient pressure, without which an oil could
-    carry no stress at the edges of the film; 4 MPa is of a PAO.  sharpness: width of the exponential part.
+    base: the law without a limit.  slope: dtau_L/dp, Lambda, 0.03 to 0.1 for most oils.  ambient: tau_L at ambient
+    pressure, without which an oil could carry no stress at the edges of the film; 4 MPa is of a PAO.  sharpness: width
+    of the exponential part.
     """
 
     base: Fluidity

@@ -211,9 +211,10 @@ def respond_in_rolling(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> 
     if not case.is_steady:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "steady" for the response to passing waves')
     if not case.oil.is_newtonian:
+        said = show(law_data(case.oil.rheology, FLUIDITY_LAWS))
         raise ValueError(
-            f"lubricant.rheology = {show(law_data(case.oil.rheology, FLUIDITY_LAWS))}: the response to passing waves is "
-            'known for Newtonian oils only; use solver.method = "transient" with the waviness as its roughness'
+            f'lubricant.rheology = {said}: must be "newtonian" for the response to passing waves; use solver.method = '
+            '"transient" with the waviness as the roughness of the case'
         )
     features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)
