@@ -1,7 +1,8 @@
-"""The flow of a thinning oil on the grid: its limit, its order, its derivative, its symmetry, and overlapping surfaces."""
+"""The flow of a thinning oil on the grid: its limit, order, derivative and symmetry, and overlapping surfaces."""
 
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 
 import jax
 import jax.numpy as jnp
@@ -62,7 +63,7 @@ def test_the_flow_is_of_second_order(sliding: float):
         grid = square_grid(nodes)
         inner = slice((nodes - 1) // 32, -1, (nodes - 1) // 32)
         values.append(np.asarray(GAIN(thinning(grid, sliding=sliding), *fields(grid)))[inner, inner])
-    coarse, fine = (np.abs(a - b).max() for a, b in zip(values[:-1], values[1:], strict=True))
+    coarse, fine = (np.abs(a - b).max() for a, b in pairwise(values))
     assert 3.5 < coarse / fine < 4.6
     grid = square_grid(33)
     plain = np.asarray(NEWTONIAN_FLOW.gain(thinning(grid), *fields(grid)))[1:-1, 1:-1]
