@@ -293,6 +293,13 @@ def test_show_si(here):
     assert "µm" in text
 
 
+def test_show_of_a_run_that_ends_before_maximum_approach(ball):
+    said = ertel_("show", "a").stdout
+    assert "Maximum approach was not reached." in said
+    assert "Thinnest film of the run" in said
+    assert "Imbalance of the budgets: mass " in said
+
+
 def test_show_of_a_run_under_way(small):
     (small / "summary.json").unlink()
     assert json.loads(ertel_("show", "runs/small", "--json").stdout)["status"] == "running"

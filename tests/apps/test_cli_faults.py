@@ -69,15 +69,10 @@ def test_home_directory_in_every_path(here, monkeypatch):
         assert "converged" in ertel_(command, "~/res").stdout
 
 
-@pytest.mark.parametrize("out", ["", "file:///tmp/run", "s3://bucket/run", "~nobody-of-this-name/run"])
+@pytest.mark.parametrize("out", ["", "file:///tmp/run", "s3://bucket/run", "run::1", "~nobody-of-this-name/run"])
 def test_no_place_for_a_run(here, out):
     assert "'--out'" in said(ertel_("run", "case.toml", "--out", out, code=2))
     assert names(here) == {"case.toml", "steady.toml"}
-
-
-def test_a_name_with_colons_is_a_name(here):
-    ertel_("run", "case.toml", "--out", "run::1", "-q")
-    assert json.loads(ertel_("show", "run::1", "--json").stdout)["status"] == "converged"
 
 
 def test_commands_in_advice_are_quoted(done):

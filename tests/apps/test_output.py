@@ -2,7 +2,10 @@
 
 import json
 
+import pytest
+
 from ertel.apps import output, tables
+from ertel.apps.paths import in_shell
 
 
 def test_tables_show_no_control_characters(capsys):
@@ -16,3 +19,9 @@ def test_json_reads_back_in_any_terminal(capsys):
     printed = capsys.readouterr().out
     assert printed.isascii()
     assert json.loads(printed) == content
+
+
+@pytest.mark.parametrize(("name", "word"), [("a b", "'a b'"), ("-x", "./-x"), ("plain", "plain")])
+def test_a_path_in_advice_is_one_word_of_a_command(tmp_path, monkeypatch, name, word):
+    monkeypatch.chdir(tmp_path)
+    assert in_shell(tmp_path / name) == word

@@ -42,7 +42,7 @@ def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
     """Of F delta; the oil stores the integral of its energy of compression over the film, all of thickness 0.1."""
     case = case_of(oil=replace(BARUS, density="dowson-higginson"))
     grid = discretise.grid_of(case)
-    P, approach = steady.dry_guess(discretise.geometry_of(case), grid, 1.0)
+    P, approach = steady.dry_guess(case.geometry, grid, 1.0)
     c = discretise.contact_of(case, grid)
     H = contact.film_thickness(c, P, approach)
     solution = steady.steady(case_of(nodes=33)).finest

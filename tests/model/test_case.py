@@ -225,6 +225,7 @@ WAVE = {"shape": "waviness", "amplitude": 0.1, "wavelength_x": 0.5, "wavelength_
 RINGS = {"shape": "rings", "amplitude": 0.1, "wavelength": 0.5}
 SPOT = {"shape": "spot", "radius": 0.3, "height": 0.1}
 LUBRICANT = {"eta0": "0.04 Pa*s", "alpha": "2.2e-08 1/Pa"}
+OF_AN_ELLIPSE = {"E_prime": "2e11 Pa", "load": "40.0 N", "mean_speed": "0.6 m/s"}
 Change = tuple[dict[str, Any], str, Any]
 CHANGES: list[Change] = [
     *[
@@ -240,6 +241,7 @@ CHANGES: list[Change] = [
             "lubricant.z": 0.6,
             "solver.nodes": 129,
             "solver.half_width": 3.0,
+            "solver.half_width_y": 4.0,
             "solver.inlet": 2.5,
             "solver.tolerance": 1e-4,
             "solver.fold": False,
@@ -270,6 +272,8 @@ CHANGES: list[Change] = [
             "roughness.2.y": 1.0,
         }.items()
     ],
+    ({"contact": dict(MOES)}, "contact.radius_ratio", 0.5),
+    ({"contact": {"kind": "rolling", "radius_ratio": 0.5, **MOES}}, "contact.entrainment_angle", "30.0 deg"),
     ({"contact": dict(MOES)}, "contact.kind", "rolling"),
     ({"contact": dict(MOES)}, "solver.method", "radial"),
     ({"contact": {"kind": "rolling", **MOES}}, "solver.method", "transient"),
@@ -324,7 +328,27 @@ CHANGES: list[Change] = [
             },
             *change,
         )
-        for change in [("contact.load", "41.0 N"), ("contact.speed_1", "0.7 m/s"), ("contact.speed_2", "0.5 m/s")]
+        for change in [
+            ("contact.load", "41.0 N"),
+            ("contact.speed_1", "0.7 m/s"),
+            ("contact.speed_2", "0.5 m/s"),
+            ("lubricant.rheology", {"law": "ree-eyring", "tau0": "5000000.0 Pa"}),
+        ]
+    ],
+    *[
+        (
+            {"contact": {"kind": "rolling", **OF_AN_ELLIPSE, **radii}, "lubricant": LUBRICANT},
+            f"contact.{key}",
+            "0.015 m",
+        )
+        for radii, keys in [
+            ({"radius_x": "0.01 m", "radius_y": "0.02 m"}, ("radius_x", "radius_y")),
+            (
+                {"radius_x_1": "0.01 m", "radius_y_1": "0.01 m", "radius_y_2": "-0.02 m"},
+                ("radius_x_1", "radius_y_1", "radius_x_2", "radius_y_2"),
+            ),
+        ]
+        for key in keys
     ],
 ]
 
@@ -494,6 +518,7 @@ REFUSED: list[Refusal] = [
     (impact(), {"solver": Solver(nodes=39)}, "solver.nodes = 39: "),
     (impact(), {"solver": Solver(nodes=8193)}, "solver.nodes = 8193: must be less than or equal to 4097"),
     (impact(), {"solver": Solver(half_width=1.0)}, "solver.half_width = 1.0: must be greater than 1"),
+    (impact(), {"solver": Solver(half_width_y=1.0)}, "solver.half_width_y = 1.0: must be greater than 1"),
     (impact(), {"solver": Solver(tolerance=0.0)}, "solver.tolerance = 0.0: must be greater than 0"),
     (
         STEADY,
@@ -539,17 +564,17 @@ REFUSED: list[Refusal] = [
     (
         impact(),
         {"output": Output(1e-9)},
-        "output.interval = 1e-09: gives 1.1e+10 maps with 1.16e+07 GB; at most 100000 and 100 GB are allowed, take a ",
+        "output.interval = 1e-09: gives 2.47e+09 maps with 2.61e+06 GB; at most 100000 and 100 GB are allowed, take a ",
     ),
     (
         impact(solver=Solver(nodes=4097)),
-        {"output": Output(0.01)},
-        "output.interval = 0.01: gives 1.1e+03 maps with 295 GB",
+        {"output": Output(0.005)},
+        "output.interval = 0.005: gives 494 maps with 133 GB",
     ),
     (
         PHYSICAL,
-        {"output": Output(Quantity(1e-9, "s"))},
-        'output.interval = "1e-09 s": gives 4.18e+05 maps',
+        {"output": Output(Quantity(1e-10, "s"))},
+        'output.interval = "1e-10 s": gives 9.39e+05 maps',
     ),
     # name and source
     *[

@@ -15,6 +15,7 @@ from ertel.numerics import stencils
 from ertel.numerics.grid import Grid
 from ertel.numerics.stencils import Pair
 from ertel.physics import hertz
+from ertel.physics.geometry import Ellipse
 from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Isoviscous, Lubricant, Roelands
 from ertel.solvers import nonlinear
 
@@ -124,3 +125,21 @@ def test_the_wedge_is_exact_for_parabolas(b: float, U: float) -> None:
     mass = jnp.broadcast_to(1 + b * x + x**2, (33, 33))
     slope = (1 if U >= 0 else -1) * turned(stencils.upstream_slope(turned(mass), 0.125))
     np.testing.assert_allclose(np.asarray(slope)[:, 2:-2], np.broadcast_to(b + 2 * x, (33, 33))[:, 2:-2], atol=1e-11)
+
+
+@pytest.mark.parametrize(("D", "angle"), [(0.2, 0.0), (3.0, 0.0), (0.3, 35.0)])
+def test_dry_contact_of_an_ellipse(D: float, angle: float) -> None:
+    """The Hertz ellipsoid under the solver's kernel makes the gap zero inside, with order 2."""
+    ellipse = Ellipse(D, angle)
+    wide, high = ellipse.extent
+    errors = []
+    for cells in (10, 20, 40):  # per smaller half width
+        spacing = ellipse.smaller / cells
+        columns, rows = (2 * round(1.1 * side / spacing) + 1 for side in (wide, high))
+        grid = Grid(columns, rows, spacing)
+        c = contact.smooth_contact(ellipse, grid, 0.01, PLAIN)
+        X, Y = grid.x[None, :], grid.y[:, None]
+        H = np.asarray(contact.film_thickness(c, ellipse.dry_pressure(1.0, X, Y), ellipse.dry_approach(1.0)))
+        errors.append(np.abs(H[ellipse.distance(X, Y) < 0.8]).mean())
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert (orders > 1.8).all() and errors[-1] < 2e-4 * ellipse.dry_approach(1.0), (orders, errors)

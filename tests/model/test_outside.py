@@ -13,12 +13,12 @@ APPROACHING, ROLLING = Motion(-0.5, 1.0, 0.0, 0.0), Motion(0.9, 0.0, 1.0, 1.0)
 
 
 def around(grid: Grid, motion: Motion) -> outside.Surroundings:
-    return outside.around_grid(grid, LAMBDA_BAR, 0.2).at(motion)
+    return outside.around_grid(grid, LAMBDA_BAR).at(motion)
 
 
 def test_load_outside_a_circle_is_that_of_the_closed_form() -> None:
     """P = lambda_bar V/(4 H^2), H = r^2/2 + 1/2: beyond radius w the integral is pi lambda_bar V/(2 H(w))."""
-    found = outside.around_circle(np.linspace(0, 3, 9), LAMBDA_BAR, 0.2).at(APPROACHING)
+    found = outside.around_circle(np.linspace(0, 3, 9), LAMBDA_BAR).at(APPROACHING)
     assert found.load == pytest.approx(np.pi * LAMBDA_BAR / 2 / 5.0, rel=1e-6)
     assert found.edge[-1] == pytest.approx(LAMBDA_BAR / 4 / 5.0**2) and not found.edge[:-1].any()
 
@@ -46,7 +46,7 @@ def test_a_folded_grid_has_the_same_oil_outside() -> None:
 
 def test_a_guess_is_zero_near_the_contact() -> None:
     grid = Grid.square(33, 4.0)
-    guess = outside.around_grid(grid, LAMBDA_BAR, 0.2).guess(ROLLING)
+    guess = outside.around_grid(grid, LAMBDA_BAR).guess(ROLLING)
     assert guess[16, 16] == 0 and guess[16, 4] > 0 and guess[16, -4] == 0
 
 

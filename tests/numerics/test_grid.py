@@ -5,7 +5,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ertel.numerics.grid import LARGEST_COARSEST, SMALLEST_COARSEST, Grid, allowed_nodes, check_grid, check_nodes
+from ertel.numerics.grid import (
+    LARGEST_COARSEST,
+    SMALLEST_COARSEST,
+    Even,
+    Grid,
+    allowed_nodes,
+    check_grid,
+    check_nodes,
+    nodes_across,
+)
 
 
 @given(st.integers(4, 400), st.floats(0.5, 8.0))
@@ -63,3 +72,16 @@ def test_a_rectangle_is_coarsened_alike_in_both_directions(nodes_x: int, nodes_y
 def test_a_rectangle_that_multigrid_cannot_coarsen_is_refused(nodes_x: int, nodes_y: int, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         check_grid(Grid(nodes_x, nodes_y, 0.1))
+
+
+@given(st.sampled_from([33, 65, 129, 161, 257, 641]), st.floats(0.14, 6.7))
+def test_a_side_that_can_be_coarsened_as_often_as_the_other(nodes: int, ratio: float) -> None:
+    """A little longer than wanted; the middle is a node; the half grid has the same sides."""
+    across = nodes_across(nodes, ratio)
+    wanted = ratio * (nodes - 1)
+    assert -1e-4 <= (across - 1) - wanted < max(8, 0.25 * wanted) and across % 2 == 1
+    grid = Grid(nodes, across, 0.1, even=Even(True, False))
+    check_grid(grid)
+    assert min(grid.hierarchy()[-1].shape) >= 3
+    if across > 17 and nodes > 33:
+        assert nodes_across((nodes + 1) // 2, (across - 1) / (nodes - 1)) == (across + 1) // 2

@@ -9,19 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.physics import scales
+from ertel.physics.bodies import drop_speed, reduced_modulus, reduced_radius, sphere_mass
 from ertel.physics.scales import (
     Parameters,
     Scales,
-    drop_speed,
     hamrock_dowson,
     impact_scales,
     parameters,
     parameters_from_ugw,
-    reduced_modulus,
-    reduced_radius,
     rolling_scales,
     scales_of,
-    sphere_mass,
 )
 
 

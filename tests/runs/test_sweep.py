@@ -9,8 +9,10 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -111,6 +113,14 @@ def test_a_file_beside_the_results_runs_no_code(tmp_path: Path, name: str):
     assert not proof.exists()
 
 
+@pytest.mark.parametrize("body", [b"", b"PK\x03\x04 no archive", b"\x80\x04N.", b"text"])
+def test_a_file_of_another_kind_is_computed_again(tmp_path: Path, caplog: pytest.LogCaptureFixture, body: bytes):
+    """Also with the right checksum: only somebody else can have written it."""
+    (tmp_path / "a.result").write_bytes(hashlib.sha256(body).digest() + body)
+    assert sweep([Task("a", double, (1,))], Now(), tmp_path) == [2]
+    assert "is no file of plain data" in caplog.text
+
+
 def test_datasets_numbers_and_lists_come_back_exactly(tmp_path: Path):
     data = xr.Dataset(
         {"H": (("wave", "X"), np.array([[0.1, np.nan], [np.inf, -0.0]])), "event": ("X", np.array([1, 2], "int8"))},
@@ -173,6 +183,21 @@ def test_names_must_differ():
         sweep([Task("a", double, (1,)), Task("a", double, (2,))], Now())
 
 
+def test_workers_that_are_ended_leave_no_traceback(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Results cannot be written while other tasks wait: the pool's thread then stumbles over the cancelled ones."""
+    complaints: list[Any] = []
+    monkeypatch.setattr(threading, "excepthook", complaints.append)
+
+    def full_disk(task: Task, result: object) -> None:
+        raise OSError("no space left on device")
+
+    tasks = [Task(f"{seconds} s, {i}", time.sleep, (seconds,)) for i, seconds in enumerate((0.05, *[60.0] * 5))]
+    with pytest.raises(OSError, match="no space"), processes(1) as executor:
+        sweep(tasks, executor, tmp_path, full_disk)
+    assert complaints == []
+    assert threading.excepthook == complaints.append
+
+
 def test_worker_processes_keep_to_one_thread_each():
     with processes(1) as executor:
         [(threads, pid)] = sweep([Task("w", worker, (0,))], executor)
@@ -224,6 +249,7 @@ def test_a_result_of_other_sources_is_not_used(tmp_path: Path, monkeypatch: pyte
 INTERRUPTED = """
 import sys
 from pathlib import Path
+from typing import Any
 from ertel.runs.sweep import Task, processes, sweep
 from test_sweep import double, never_ends
 def interrupt(task, result):

@@ -9,6 +9,7 @@ did is not the same run to the bit, and ends with `Different`.
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -19,13 +20,13 @@ from typer.testing import CliRunner
 
 from ertel.apps.cli import app
 from ertel.inputs.case_files import load_case
+from ertel.numerics.programs import Program
 from ertel.runs import arrays
 from ertel.runs.courses import course_of
 from ertel.runs.drive import drive
 from ertel.runs.store import RunStore, compute, open_run
-from ertel.solvers import radial, steady, transient
+from ertel.solvers import radial
 
-SOLVES = ((radial, "solve"), (transient, "_step_program"), (steady, "_program"))
 WAVES = '[[roughness]]\nshape = "waviness"\namplitude = 0.01\nwavelength_x = 1.0\nwavelength_y = 1.0\n'
 MAPS = "[output]\ninterval = 0.02\n"
 CASES = {
@@ -67,10 +68,6 @@ class Remembered:
             self.known[key] = jax.block_until_ready(self.function(*arguments))
         return self.known[key]
 
-    def ready(self, *arguments: Any) -> "Remembered":
-        """Nothing is compiled ahead."""
-        return self
-
 
 def _digest(arguments: Any) -> str:
     digest = hashlib.sha256()
@@ -101,8 +98,14 @@ def flush_every(seconds: float) -> None:
 def record(chosen: dict[str, Kind]) -> None:
     """Run everything once, also in two parts, and remember all solves."""
     jax.config.update("jax_cpu_enable_async_dispatch", False)  # a child by fork has not the threads of its parent
-    for module, name in SOLVES:
-        setattr(module, name, Remembered(getattr(module, name)))
+    radial.solve = Remembered(radial.solve)
+    programs: dict[Program, Remembered] = {}
+    compute_it = Program.__call__
+
+    def remembered(program: Program, *arguments: Any) -> Any:
+        return programs.setdefault(program, Remembered(partial(compute_it, program)))(*arguments)
+
+    Program.__call__ = remembered  # type: ignore[method-assign, assignment]
     with TemporaryDirectory() as scratch:
         for kind in chosen.values():
             course = course_of(load_case(kind.case))
@@ -114,3 +117,4 @@ def record(chosen: dict[str, Kind]) -> None:
             for other in course.comparisons.values() if "--error" in kind.flags else ():
                 drive(other)
     Remembered.recording = False
+    Program.ready = lambda program, *arguments: None  # type: ignore[method-assign, assignment]

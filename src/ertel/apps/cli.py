@@ -7,7 +7,7 @@ Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing wr
 """
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -92,10 +92,10 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Run a case and store the results."""
-    with bad_input():
-        from ertel.apps import running
-        from ertel.inputs.case_files import load_case
+    from ertel.apps import running
+    from ertel.inputs.case_files import load_case
 
+    with bad_input():
         case = load_case(case_file, set_ or [])
     running.run(case, out, running.Wishes(as_json, error, quiet))
 
@@ -131,11 +131,11 @@ def warm_up(
     of a case may differ later. The programs serve all machines of this processor type that share the home directory,
     or the directory XDG_CACHE_HOME.
     """
-    with bad_input():
-        from ertel.apps import running
-        from ertel.inputs.case_files import load_case
-        from ertel.runs.warm_up import usual_cases
+    from ertel.apps import running
+    from ertel.inputs.case_files import load_case
+    from ertel.runs.warm_up import usual_cases
 
+    with bad_input():
         if set_ and not case_files:
             raise ValueError(f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")
         cases = [load_case(path, set_ or []) for path in case_files or []] or list(usual_cases())
@@ -168,36 +168,10 @@ def plot(
     ] = None,
 ) -> None:
     """Draw the figures of a run."""
-    from ertel.apps import running
-    from ertel.results.plots import figures_of
+    from ertel.apps import plotting, running
 
     with running.opened(directory) as run:
-        data = run.dataset()
-        with bad_input():
-            figures = {name: draw(data, **options) for name, draw, options in _at(figures_of(data), at)}
-        target = out or directory / "plots"
-        target.mkdir(parents=True, exist_ok=True)
-        for name, figure in figures.items():
-            figure.savefig(target / f"{name}.{format_.value}")
-            print(output.printable(shown(target / f"{name}.{format_.value}")))
-
-
-def _at(draws: Mapping[str, Callable[..., Any]], at: str | None) -> Iterator[tuple[str, Callable[..., Any], Any]]:
-    """Each figure with its options: figures of a single time get `at`, a time or the name of an event."""
-    import inspect
-
-    moment = {name: "at" in inspect.signature(draw).parameters for name, draw in draws.items()}
-    if at is not None and not any(moment.values()):
-        raise ValueError(f"--at {at}: the figures of this run do not show a single moment; leave it out")
-    for name, draw in draws.items():
-        yield name, draw, {"at": _time_or_event(at)} if at is not None and moment[name] else {}
-
-
-def _time_or_event(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
+        plotting.write_figures(run.dataset(), at, out or directory / "plots", format_.value)
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------
@@ -215,10 +189,11 @@ def params(given: Mapping[str, object], as_json: Json = False) -> None:
     and --alpha. An impact also needs --mass or --ball-density, and --speed or --drop-height. A rolling contact also
     needs --load, and --mean-speed (with --slide-to-roll if it slides) or --speed-1 and --speed-2.
     """
-    with bad_input():
-        from ertel.results.parameters import parameter_summary
+    from ertel.results.parameters import parameter_summary
 
-        content = parameter_summary(case_of_flags(given))
+    with bad_input():
+        case = case_of_flags(given)
+    content = parameter_summary(case)
     if as_json:
         output.print_json(content)
     else:
@@ -243,11 +218,11 @@ def film(
 
     Give a case file or flags. The flags are those of ertel params.
     """
-    with bad_input():
-        from ertel.apps import tables
-        from ertel.inputs.case_files import load_case
-        from ertel.results.summary import films
+    from ertel.apps import tables
+    from ertel.inputs.case_files import load_case
+    from ertel.results.summary import films
 
+    with bad_input():
         if case_file and given:
             raise ValueError(
                 f"{shown(case_file)} and {flag_of(next(iter(given)))} are given together; give only one of them"
@@ -255,7 +230,7 @@ def film(
         case = load_case(case_file) if case_file else case_of_flags({"kind": "rolling", **given})
         if case.starts_apart:
             raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
-        found = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
+    found = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if as_json:
         output.print_json(tables.films_as_data(case, found))
     else:

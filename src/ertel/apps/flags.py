@@ -9,16 +9,24 @@ import typer
 if TYPE_CHECKING:
     from ertel.model.case import Case
 
-NUMBERS = ("M", "L", "lambda_bar", "alpha_bar", "slide_to_roll", "nu1", "nu2")
+NUMBERS = ("M", "L", "lambda_bar", "alpha_bar", "radius_ratio", "slide_to_roll", "nu1", "nu2")
 FLAGS = {
     "kind": "kind of contact; default impact",
     "M": "load parameter of Moes",
     "L": "lubricant parameter of Moes",
     "lambda_bar": "dimensionless viscosity",
     "alpha_bar": "dimensionless pressure-viscosity index",
+    "radius_ratio": "R_x/R_y of a dimensionless elliptical contact",
     "radius": "reduced radius of curvature",
     "radius_1": "radius of body 1",
     "radius_2": "radius of body 2",
+    "radius_x": "reduced radius along the axis x of an elliptical contact",
+    "radius_y": "reduced radius along the axis y",
+    "radius_x_1": "radius of body 1 along x; negative: concave, left out: plane",
+    "radius_y_1": "radius of body 1 along y",
+    "radius_x_2": "radius of body 2 along x",
+    "radius_y_2": "radius of body 2 along y",
+    "entrainment_angle": "angle from the axis x to the entrainment, such as 30 deg",
     "mass": "mass of the ball (impact)",
     "ball_density": "density of the ball (impact)",
     "speed": "impact speed (impact)",

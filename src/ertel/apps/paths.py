@@ -10,7 +10,7 @@ def local_path(text: str | Path) -> Path:
     """A path as a user writes it, made absolute; ~ is the home directory.  Raises BadParameter if it cannot be."""
     if not str(text):
         raise typer.BadParameter("must not be empty")
-    if "://" in str(text):
+    if "://" in str(text) or "::" in str(text):  # xarray and others read a::b as two addresses
         raise typer.BadParameter(f"{text}: must be a path on this machine, not an address")
     try:
         return Path(text).expanduser().absolute()
@@ -27,5 +27,6 @@ def shown(path: Path) -> str:
 
 
 def in_shell(path: Path) -> str:
-    """A path as a word of a command."""
-    return shlex.quote(shown(path))
+    """A path as a word of a command; one that begins with - would be read as a flag."""
+    word = shown(path)
+    return shlex.quote(f"./{word}" if word.startswith("-") else word)

@@ -37,11 +37,9 @@ def run(case: Case, directory: Path | None, wishes: Wishes) -> None:
     """Run a case in a new directory: that one, or runs/NAME."""
     _prepare()
     with _within_memory(case):
-        with bad_input():
-            course = course_of(case)
-            others = course.comparisons if wishes.error else {}
-            made = _create(directory, course)
-        _finish(made, others, wishes)
+        course = course_of(case)
+        others = _compared(course, wishes)
+        _finish(_create(directory, course), others, wishes)
 
 
 def resume(directory: Path, wishes: Wishes) -> None:
@@ -53,9 +51,13 @@ def resume(directory: Path, wishes: Wishes) -> None:
             return
         _prepare()
         with _within_memory(found.case):
-            with bad_input():
-                others = found.course.comparisons if wishes.error else {}
-            _finish(found, others, wishes)
+            _finish(found, _compared(found.course, wishes), wishes)
+
+
+def _compared(course: Course, wishes: Wishes) -> Mapping[str, Course]:
+    """The runs with which a run is compared for its error.  A grid may have no half grid for them."""
+    with bad_input():
+        return course.comparisons if wishes.error else {}
 
 
 def show(directory: Path, as_json: bool) -> None:

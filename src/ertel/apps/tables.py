@@ -45,13 +45,13 @@ def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
 
 
 def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
-    """Values with their errors, restitution, then the film formulas at the load and the speed of that moment."""
+    """Values with their errors, restitution, what holds of the whole run, and the film formulas at that moment."""
     kind = KINDS[case.kind]
     values, errors = kind.values(summary), kind.errors(summary)
-    if not values:
+    if values:
+        out.print(value_table(case, kind.heading(summary), values, errors))
+    else:
         out.print(f"{kind.moment(summary).capitalize()}.")
-        return
-    out.print(value_table(case, kind.heading(summary), values, errors))
     estimate = summary.get("error_estimate") or {}
     if estimate:
         said = ", ".join(f"of {name} that of the {parts['dominant']}" for name, parts in estimate.items())
@@ -60,7 +60,8 @@ def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
         out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
     for line in (*extreme_lines(summary), *budget_lines(summary)):
         out.print(f"{line[0].upper()}{line[1:]}")
-    _print_formulas(out, case, values, errors)
+    if values:
+        _print_formulas(out, case, values, errors)
 
 
 def _print_formulas(out: Console, case: "Case", values: Mapping[str, float], errors: Errors) -> None:

@@ -22,13 +22,7 @@ THINNING = 'shear thinning is written lubricant.rheology = { law = "ree-eyring",
 
 # keys that a tribologist may try and that ertel does not support, with an explanation
 NOT_THERE = {
-    "radius_x": "ertel solves circular contacts only; elliptical contacts are not supported",
-    "radius_y": "ertel solves circular contacts only; elliptical contacts are not supported",
-    "radius_x_1": "ertel solves circular contacts only; elliptical contacts are not supported",
-    "radius_y_1": "ertel solves circular contacts only; elliptical contacts are not supported",
-    "radius_x_2": "ertel solves circular contacts only; elliptical contacts are not supported",
-    "radius_y_2": "ertel solves circular contacts only; elliptical contacts are not supported",
-    "ellipticity": "ertel solves circular contacts only; elliptical contacts are not supported",
+    "ellipticity": "give radius_ratio = R_x/R_y, or the radii radius_x and radius_y",
     "tau0": THINNING,
     "eyring": THINNING,
     "carreau": THINNING,

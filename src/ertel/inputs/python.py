@@ -89,9 +89,17 @@ def impact(
     L: float | None = None,
     lambda_bar: float | None = None,
     alpha_bar: float | None = None,
+    radius_ratio: float | None = None,
     radius: Number | None = None,
     radius_1: Number | None = None,
     radius_2: Number | None = None,
+    radius_x: Number | None = None,
+    radius_y: Number | None = None,
+    radius_x_1: Number | None = None,
+    radius_y_1: Number | None = None,
+    radius_x_2: Number | None = None,
+    radius_y_2: Number | None = None,
+    entrainment_angle: Number | None = None,
     mass: Number | None = None,
     ball_density: Number | None = None,
     speed: Number | None = None,
@@ -111,6 +119,7 @@ def impact(
     method: str | None = None,
     nodes: int | None = None,
     half_width: float | None = None,
+    half_width_y: float | None = None,
     inlet: float | None = None,
     tolerance: float | None = None,
     fold: bool | None = None,
@@ -131,6 +140,11 @@ def impact(
         Moes' load and lubricant parameters; or `lambda_bar`, `alpha_bar`; or physical input:
     radius, radius_1, radius_2 : float or str
         Radius of a ball on a plate, or of two balls of which the first moves (m).
+    radius_x, radius_y, radius_x_1, radius_y_1, radius_x_2, radius_y_2 : float or str
+        Reduced radii of an elliptical contact along its principal axes x and y (m), or those of each body: negative
+        where concave, left out where plane.  radius_ratio : float, R_x/R_y of a dimensionless contact.
+    entrainment_angle : float or str
+        From the axis x to the direction of entrainment (degrees).
     mass, ball_density, speed, drop_height : float or str
         Mass (kg) or density (kg/m^3) of the ball; its speed at first touch (m/s) or its drop height (m).
     mean_speed, slide_to_roll : float or str
@@ -149,7 +163,7 @@ def impact(
         files, the record of a law, or "newtonian".
     method : "2d" or "radial"
         On a square grid, or along the radius (smooth impacts, fast).
-    nodes, half_width, inlet, tolerance, fold
+    nodes, half_width, half_width_y, inlet, tolerance, fold
         Grid and tolerance, see `ertel.Solver`.
     motion : mapping
         load, entrainment (signals), slide_to_roll, inertia: as [motion] of a case file.
@@ -178,9 +192,17 @@ def rolling(
     L: float | None = None,
     lambda_bar: float | None = None,
     alpha_bar: float | None = None,
+    radius_ratio: float | None = None,
     radius: Number | None = None,
     radius_1: Number | None = None,
     radius_2: Number | None = None,
+    radius_x: Number | None = None,
+    radius_y: Number | None = None,
+    radius_x_1: Number | None = None,
+    radius_y_1: Number | None = None,
+    radius_x_2: Number | None = None,
+    radius_y_2: Number | None = None,
+    entrainment_angle: Number | None = None,
     load: Number | None = None,
     mean_speed: Number | None = None,
     slide_to_roll: float | None = None,
@@ -201,6 +223,7 @@ def rolling(
     method: str | None = None,
     nodes: int | None = None,
     half_width: float | None = None,
+    half_width_y: float | None = None,
     inlet: float | None = None,
     tolerance: float | None = None,
     fold: bool | None = None,
@@ -216,7 +239,8 @@ def rolling(
 
     Parameters
     ----------
-    M, L, lambda_bar, alpha_bar, radius, radius_1, radius_2, E_prime, E1, nu1, E2, nu2, roughness, name
+    M, L, lambda_bar, alpha_bar, radius_ratio, E_prime, E1, nu1, E2, nu2, roughness, name
+    radius, radius_1, radius_2, radius_x, radius_y, radius_x_1, radius_y_1, radius_x_2, radius_y_2, entrainment_angle
     material_1, material_2, oil, temperature, rheology
         As for `impact`; a material gives no density here, because a ball without one has no inertia.
     load : float or str
@@ -229,7 +253,7 @@ def rolling(
         "transient" if anything changes in time: load, speed, moving roughness.
     motion : mapping
         load, entrainment (signals), slide_to_roll, inertia: as [motion] of a case file.
-    nodes, half_width, inlet, tolerance, fold, until, step, time_tolerance, interval
+    nodes, half_width, half_width_y, inlet, tolerance, fold, until, step, time_tolerance, interval
         See `ertel.Solver` and `ertel.Time`.
 
     Raises ConfigError (a ValueError) that names the field, its value and what is allowed.

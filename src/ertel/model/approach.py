@@ -44,31 +44,35 @@ def _rate(rates: Weights, new: float, earlier: Sequence[float]) -> float:
     return float(rates[0] * new + sum(w * y for w, y in zip(rates[1:], earlier, strict=False)))
 
 
-def balanced(load: float = 1.0) -> ClosureLine:
-    """The film carries a given load, in units of the Hertz load F*: steady rolling."""
-    return ClosureLine(0.0, 1.0 / HERTZ_LOAD, load)
+def balanced(load: float = 1.0, hertz_load: float = HERTZ_LOAD) -> ClosureLine:
+    """The film carries a given load, in units of the Hertz load F*: steady rolling.
+
+    hertz_load: that of the geometry, the double integral of P under F*.
+    """
+    return ClosureLine(0.0, 1.0 / hertz_load, load)
 
 
 @dataclass(frozen=True)
 class NewtonsLaw:
-    """Newton's law inertia * Delta'' + F = w(T); F is the double integral of P over 2 pi/3, w is the applied load.
+    """Newton's law inertia * Delta'' + F = w(T); F is the double integral of P over hertz_load, w is the applied load.
 
-    A free ball (impact) has inertia 4/5 and w = 0: Delta'' = -15/(8 pi) double integral of P, eq. (4) in units
-    delta*/v0.  A rolling contact has inertia 0: a balanced load.  With backward differences Delta' = V and V' are both
-    linear in the new values, so V is eliminated.
+    hertz_load is that of the geometry, 2 pi/3 for a circle.  A free ball (impact) has inertia 4/5 and w = 0:
+    Delta'' = -15/(8 pi) double integral of P, eq. (4) in units delta*/v0.  A rolling contact has inertia 0: a balanced
+    load.  With backward differences Delta' = V and V' are both linear in the new values, so V is eliminated.
     """
 
     inertia: float
     load: Signal
+    hertz_load: float = HERTZ_LOAD
 
     @classmethod
-    def of(cls, motion: Motion) -> "NewtonsLaw":
-        return cls(motion.inertia, motion.load)
+    def of(cls, motion: Motion, hertz_load: float = HERTZ_LOAD) -> "NewtonsLaw":
+        return cls(motion.inertia, motion.load, hertz_load)
 
     def line(self, T: float, rates: Weights, approaches: Sequence[float], velocities: Sequence[float]) -> ClosureLine:
         a0 = float(rates[0])
         old = a0 * _rate(rates, 0.0, approaches) + _rate(rates, 0.0, velocities)
-        return ClosureLine(self.inertia * a0**2, 1.0 / HERTZ_LOAD, self.load(T) - self.inertia * old)
+        return ClosureLine(self.inertia * a0**2, 1.0 / self.hertz_load, self.load(T) - self.inertia * old)
 
     def velocity(self, T: float, rates: Weights, approach: float, approaches: Sequence[float]) -> float:
         return _rate(rates, approach, approaches)

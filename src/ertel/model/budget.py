@@ -128,7 +128,7 @@ def steady(case: Case, s: GridSolution) -> dict[str, float]:
     found = _steady_program(Plane.of(s.grid), c, jnp.asarray(s.P), jnp.asarray(s.H), s.approach, U, gap_change)
     motion = Motion(s.approach, 0.0, case.motion.load(0.0), U)
     around = Around(s.outside, discretise.outside_of(case, s.grid).at(motion).uplift)
-    return terms(found, 0.0, around, discretise.geometry_of(case).hertz_load)
+    return terms(found, 0.0, around, case.geometry.hertz_load)
 
 
 def _steady(

@@ -12,7 +12,7 @@ from functools import cached_property
 from math import inf
 from typing import Any
 
-from ertel.model import rules
+from ertel.model import extents, rules
 from ertel.model.conditions import Conditions, Kind
 from ertel.model.records import (
     checked,
@@ -45,6 +45,7 @@ from ertel.model.sections import (
     half_width_at,
 )
 from ertel.physics import film_formulas, surfaces
+from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
@@ -99,6 +100,9 @@ class Case:
             object.__setattr__(self, "oil", self.oil.completed())
         if self.solver.inlet == self.solver.half_width:
             object.__setattr__(self, "solver", replace(self.solver, inlet=None))
+        if self.solver.method != "radial" and self.solver.nodes > 1:
+            across = extents.half_width_y(self.solver, self.geometry)
+            object.__setattr__(self, "solver", replace(self.solver, half_width_y=across))
         if not self.is_steady:
             given = self.time or Time()
             start = START_APPROACH if given.start_approach is None and self.starts_apart else given.start_approach
@@ -114,7 +118,8 @@ class Case:
         rules.check_pressure_scale(self.oil, self.scales, self.parameters)
         rules.check_time(self.kind, self.solver, self.time, self.output)
         rules.check_drive(self.kind, self.contact, self.drive)
-        rules.check_grid(self.solver)
+        rules.check_geometry(self.solver, self.contact, self.motion)
+        rules.check_grid(self.solver, self.geometry)
         until: Stop | float = inf
         if self.time and self.output:
             until = self.schedule.until
@@ -143,16 +148,21 @@ class Case:
     @property
     def is_axisymmetric(self) -> bool:
         """Whether the contact is the same in all directions: no entrainment, and no roughness that has a direction."""
-        return not self.motion.flows and surfaces.axisymmetric(self.features)
+        return self.geometry is CIRCLE and not self.motion.flows and surfaces.axisymmetric(self.features)
 
     @cached_property
     def scales(self) -> Scales | None:
         """The SI value of one unit of each dimensionless quantity; None for a dimensionless case."""
         return self.contact.scales
 
+    @property
+    def geometry(self) -> Geometry:
+        """The undeformed gap and the constants of the dry contact."""
+        return self.contact.geometry
+
     @cached_property
     def parameters(self) -> Parameters:
-        """lambda_bar and alpha_bar."""
+        """lambda_bar, alpha_bar and the ratio of the radii."""
         return self.contact.parameters(self.oil)
 
     @cached_property
@@ -173,11 +183,11 @@ class Case:
                 entrainment = drive.entrainment or constant(mean / self.scales.front_speed)
             elif mean < 0:
                 entrainment = reversed_sign(entrainment)
-        return Motion(load, entrainment, self._inertia(drive, usual), slide or drive.slide_to_roll or 0.0)
+        return Motion(load, entrainment, self._inertia(drive), slide or drive.slide_to_roll or 0.0)
 
-    def _inertia(self, drive: Drive, usual: Motion) -> float:
+    def _inertia(self, drive: Drive) -> float:
         if self.starts_apart:
-            return usual.inertia
+            return self.geometry.free_inertia
         s = self.scales
         return self.contact.ball_mass * s.film / (s.load * s.t0**2) if s else drive.inertia or 0.0
 
@@ -205,7 +215,7 @@ class Case:
     def film_scale(self) -> float:
         """The expected film thickness in a^2/R: the scale of the trapped film (impact) or a formula (rolling)."""
         p = self.parameters
-        return p.trapped_film if self.starts_apart else film_formulas.nijenbanning_venner_moes(p.M, p.L)
+        return p.trapped_film if self.starts_apart else film_formulas.expected_film(p, self.contact.angle)
 
     def on_half_grid(self) -> "Case":
         """The same case with twice the grid spacing, for the discretisation error estimate."""
@@ -309,7 +319,11 @@ def _solver_of(
         half_width, inlet = CENTRED_HALF_WIDTH, None
     if contact.kind == "impact" and "half_width" not in written:
         rules.check_oil(oil, contact.scales)
-        half_width = half_width_at(half_width, contact.parameters(oil).M)
+        half_width = half_width_at(half_width, contact.parameters(oil).as_ball.M)
+    found = replace(found, half_width=half_width, inlet=inlet)
+    if method != "radial":
+        found = extents.suited(found, contact.geometry)
+    half_width, inlet = found.half_width, found.inlet
     width = given.half_width if "half_width" in written else half_width
     share = inlet and inlet * width / half_width
     rest = {key: getattr(given, key) for key in written if key not in ("half_width", "inlet")}

@@ -7,21 +7,25 @@ input in SI.  Each physical quantity must be given in exactly one of the allowed
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from math import inf
+from math import isclose
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
+from ertel.model import radii
 from ertel.model.records import checked, show
-from ertel.physics import scales
+from ertel.physics import bodies, scales
+from ertel.physics.geometry import Geometry, geometry
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.units import (
     ABOVE_ZERO,
+    ANGLE,
     DENSITY,
     FINITE,
     LENGTH,
     LOAD,
     MASS,
     NOT_NEGATIVE,
+    RADIUS,
     SPEED,
     STRESS,
     VELOCITY,
@@ -35,17 +39,19 @@ Kind = Literal["impact", "rolling"]
 KINDS: tuple[Kind, ...] = ("impact", "rolling")
 POISSON = Bounds(gt=-1, le=0.5)
 
+HALF_TURN = 180.0  # degrees
+ROUND_OFF = 1e-12  # by which the radii of a circular contact may differ
+
 Keys = tuple[str, ...]
 MOES: Keys = ("M", "L")
 BARS: Keys = ("lambda_bar", "alpha_bar")
-RADII = (("radius",), ("radius_1", "radius_2"))
 BALL = (("mass",), ("ball_density",))
 FALL = (("speed",), ("drop_height",))
 TRACK = (("mean_speed",), ("speed_1", "speed_2"))
 ELASTICITY = (("E_prime",), ("E1", "nu1", "E2", "nu2"))
 NEEDED: Mapping[Kind, tuple[tuple[Keys, ...], ...]] = {
-    "impact": (RADII, BALL, FALL, ELASTICITY),
-    "rolling": (RADII, (("load",),), TRACK, ELASTICITY),
+    "impact": (radii.WAYS, BALL, FALL, ELASTICITY),
+    "rolling": (radii.WAYS, (("load",),), TRACK, ELASTICITY),
 }
 OPTIONAL: Mapping[Kind, Keys] = {
     "impact": ("mean_speed", "slide_to_roll"),
@@ -56,8 +62,8 @@ PHYSICAL: Mapping[Kind, Keys] = {
     for kind, groups in NEEDED.items()
 }
 PHYSICAL_TEXT: Mapping[Kind, str] = {
-    "impact": "radius (or two radii), mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
-    "rolling": "radius (or two radii), load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
+    "impact": f"{radii.TEXT}, mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
+    "rolling": f"{radii.TEXT}, load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
 }
 FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and what to use instead
     "impact": {
@@ -90,8 +96,16 @@ class Conditions:
         Moes' load and lubricant parameters; or
     lambda_bar, alpha_bar : float
         the paper's parameters, eqs. (8), (12); or physical input:
+    radius_ratio : float
+        R_x/R_y of a dimensionless elliptical contact, from 1/100 to 100; 1 if left out.
     radius, radius_1, radius_2 : float
         Radius (m) of a ball on a plane, or the radii of two balls; in an impact the first one moves.
+    radius_x, radius_y : float
+        Reduced radii (m) of an elliptical contact along its principal axes x and y.
+    radius_x_1, radius_y_1, radius_x_2, radius_y_2 : float
+        Principal radii (m) of both bodies along the same axes: negative where concave, left out where plane.
+    entrainment_angle : float
+        From the axis x to the direction of entrainment, in degrees, -180 to 180; 0 if left out.
     E_prime, E1, nu1, E2, nu2 : float
         Reduced modulus (Pa), or Young's moduli (Pa) and Poisson's ratios.
     mass, ball_density : float
@@ -111,9 +125,17 @@ class Conditions:
     L: Annotated[float | None, NOT_NEGATIVE] = None
     lambda_bar: Annotated[float | None, ABOVE_ZERO] = None
     alpha_bar: Annotated[float | None, NOT_NEGATIVE] = None
+    radius_ratio: Annotated[float | None, radii.RATIO] = None
     radius: Annotated[float | None, LENGTH] = None
     radius_1: Annotated[float | None, LENGTH] = None
     radius_2: Annotated[float | None, LENGTH] = None
+    radius_x: Annotated[float | None, LENGTH] = None
+    radius_y: Annotated[float | None, LENGTH] = None
+    radius_x_1: Annotated[float | None, RADIUS] = None
+    radius_y_1: Annotated[float | None, RADIUS] = None
+    radius_x_2: Annotated[float | None, RADIUS] = None
+    radius_y_2: Annotated[float | None, RADIUS] = None
+    entrainment_angle: Annotated[float | None, ANGLE] = None
     mass: Annotated[float | None, MASS] = None
     ball_density: Annotated[float | None, DENSITY] = None
     speed: Annotated[float | None, SPEED] = None
@@ -133,11 +155,16 @@ class Conditions:
         if self.kind not in KINDS:
             raise ValueError(f"contact.kind = {show(self.kind)}: allowed: 'impact' or 'rolling'")
         checked(self, "contact")
+        if self.entrainment_angle is not None and not abs(self.entrainment_angle) <= HALF_TURN:
+            raise ValueError(f"{self.entry('entrainment_angle')}: must be from -180 deg to 180 deg")
         route = self._route()
         if route in (MOES, BARS):
             return
         for alternatives in NEEDED[self.kind]:
-            self._complete(self._only_one(alternatives))
+            keys = self._only_one(alternatives)
+            if keys != radii.PAIRS:
+                self._complete(keys)
+        radii.check(self)
         self._check_speeds()
 
     def __repr__(self) -> str:
@@ -168,6 +195,10 @@ class Conditions:
             if key in self.given:
                 article = "an impact" if self.kind == "impact" else "a rolling contact"
                 raise ValueError(f'{self.entry(key)}: not for {article} (contact.kind = "{self.kind}"): {instead}')
+        if self.radius_ratio is not None and any(key in self.given for key in PHYSICAL[self.kind]):
+            raise ValueError(
+                f"{self.entry('radius_ratio')}: belongs to dimensionless cases; give radius_x and radius_y"
+            )
         if "slide_to_roll" in self.given and any(key in self.given for key in (*MOES, *BARS)):
             raise ValueError(f"{self.entry('slide_to_roll')}: in a dimensionless case write motion.slide_to_roll")
         return self._only_one((MOES, BARS, PHYSICAL[self.kind]), PHYSICAL_TEXT[self.kind])
@@ -211,12 +242,35 @@ class Conditions:
         """The SI value of one unit of each dimensionless quantity; None for a dimensionless contact."""
         if not self.is_physical:
             return None
-        R = _following(scales.reduced_radius, self.radius or self.radius_1, self.radius_2 or inf)
-        E_prime = self.E_prime or _following(scales.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
+        R, _ = radii.reduced(self)
+        E_prime = self.E_prime or _following(bodies.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
         if self.kind == "rolling":
-            return _following(scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime)
-        speed = self.speed or _following(scales.drop_speed, self.drop_height)
-        return _following(scales.impact_scales, R, self.ball_mass, speed, E_prime)
+            return _following(scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime, self.ratio)
+        speed = self.speed or _following(bodies.drop_speed, self.drop_height)
+        return _following(scales.impact_scales, R, self.ball_mass, speed, E_prime, self.ratio)
+
+    @property
+    def is_ball(self) -> bool:
+        """Whether the bodies are balls, or a ball and a plane."""
+        return self.radius is not None or self.radius_1 is not None
+
+    @property
+    def ratio(self) -> float:
+        """R_x/R_y."""
+        if not self.is_physical:
+            return self.radius_ratio or 1.0
+        R_x, R_y = radii.reduced(self)
+        return 1.0 if isclose(R_x, R_y, rel_tol=ROUND_OFF) else R_x / R_y
+
+    @property
+    def angle(self) -> float:
+        """From the axis x to the direction of entrainment, in degrees."""
+        return self.entrainment_angle or 0.0
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        """The undeformed gap and the constants of the dry contact."""
+        return geometry(self.ratio, self.angle)
 
     @property
     def ball_mass(self) -> float:
@@ -224,7 +278,7 @@ class Conditions:
         if not any(key in self.given for keys in BALL for key in keys):
             return 0.0
         self._only_one(BALL)
-        return self.mass or _following(scales.sphere_mass, self.radius or self.radius_1, self.ball_density)
+        return self.mass or _following(bodies.sphere_mass, self.radius or self.radius_1, self.ball_density)
 
     @property
     def speeds(self) -> Speeds:
@@ -247,7 +301,7 @@ class Conditions:
         if not (oil.is_isoviscous and first in self.given):
             self._complete(route)
         make = Parameters.from_moes if route is MOES else Parameters
-        return _following(make, getattr(self, first), value or 0.0)
+        return _following(make, getattr(self, first), value or 0.0, self.ratio)
 
 
 def _following(law: Callable[..., T], *values: Any) -> T:

@@ -12,9 +12,8 @@ from ertel.model.contact import NEWTONIAN_FLOW, Contact, PressureFlow
 from ertel.model.outside import Outside
 from ertel.model.pytrees import traceable_law
 from ertel.model.thinning import ThinningFlow
-from ertel.numerics.grid import WHOLE, Even, Grid
+from ertel.numerics.grid import WHOLE, Even, Grid, nodes_across
 from ertel.physics import surfaces
-from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.surfaces import Feature
 
 INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
@@ -23,31 +22,27 @@ INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
 def grid_of(case: Case) -> Grid:
     """The grid of a case; the inlet is on the upstream side at T = 0."""
     s = case.solver
+    nodes_y = nodes_across(s.nodes, (s.half_width_y or s.half_width) / s.half_width)
     centre = 0.0 if s.inlet is None else s.half_width - s.inlet
     upstream_is_left = case.motion.entrainment(0.0) >= 0
     centre_x = centre if upstream_is_left else -centre
-    return Grid(s.nodes, s.nodes, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
+    return Grid(s.nodes, nodes_y, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
 
 
 def _symmetry(case: Case, centre_x: float) -> Even:
     """The axes about which a case is symmetric; the flow is along X."""
-    in_y, in_x = (a and b for a, b in zip(surfaces.even(case.features), geometry_of(case).even, strict=True))
+    in_y, in_x = (a and b for a, b in zip(surfaces.even(case.features), case.geometry.even, strict=True))
     return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
-
-
-def geometry_of(case: Case) -> Geometry:
-    """The geometry of the case's bodies; so far always a circular contact."""
-    return CIRCLE
 
 
 def outside_of(case: Case, grid: Grid) -> Outside:
     """The oil outside the grid."""
-    return outside.around_grid(grid, case.parameters.lambda_bar, geometry_of(case).compliance)
+    return outside.around_grid(grid, case.parameters.lambda_bar, case.geometry)
 
 
 def smooth_contact(case: Case, grid: Grid) -> Contact:
     """The two surfaces without roughness, and the oil at T = 0."""
-    smooth = contact.smooth_contact(geometry_of(case), grid, case.parameters.lambda_bar, case.lubricant)
+    smooth = contact.smooth_contact(case.geometry, grid, case.parameters.lambda_bar, case.lubricant)
     return replace(smooth, flow=flow_of(case, 0.0))
 
 
@@ -89,5 +84,5 @@ def gap_change(case: Case, grid: Grid, T: float) -> Array:
 def _gap(case: Case, grid: Grid, T: float, shift: float) -> Array:
     """The gap at time T, at nodes that have moved along X."""
     X, Y = grid.kept_x[None, :] + shift, grid.kept_y[:, None]
-    gap: Array = geometry_of(case).gap(X, Y) - surfaces.height(case.features, case.motion, T, X, Y)
+    gap: Array = case.geometry.gap(X, Y) - surfaces.height(case.features, case.motion, T, X, Y)
     return gap

@@ -14,6 +14,7 @@ from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
 from ertel.physics import far_field
 from ertel.physics.far_field import Motion
+from ertel.physics.geometry import CIRCLE, Geometry
 
 Floats = NDArray[np.float64]
 
@@ -46,47 +47,47 @@ class Outside:
     is_edge: NDArray[np.bool_]
     far: Floats
     lambda_bar: float
-    compliance: float
+    geometry: Geometry
 
     def at(self, motion: Motion) -> Surroundings:
         """The oil around the grid for a given motion."""
         X, Y, area = self.far
         edge = self._pressure(self.is_edge, motion)
-        forces = area * far_field.pressure(X, Y, motion, self.lambda_bar)
-        uplift = self.compliance * float((forces / np.hypot(X, Y)).sum())
+        forces = area * far_field.pressure(X, Y, motion, self.lambda_bar, self.geometry)
+        uplift = self.geometry.compliance * float((forces / np.hypot(X, Y)).sum())
         return Surroundings(jnp.asarray(edge), float(forces.sum()), uplift)
 
     def at_first(self, motion: Motion) -> Floats:
         """P on the grid while the surfaces are apart."""
-        return far_field.at_first(self.X, self.Y, motion, self.lambda_bar)
+        return far_field.at_first(self.X, self.Y, motion, self.lambda_bar, self.geometry)
 
     def guess(self, motion: Motion) -> Floats:
         """A guess of P on the grid where it is far from the contact, zero elsewhere."""
-        return self._pressure(self.is_edge | (np.hypot(self.X, self.Y) >= far_field.NEAREST), motion)
+        return self._pressure(self.is_edge | (self.geometry.distance(self.X, self.Y) >= far_field.NEAREST), motion)
 
     def _pressure(self, where: NDArray[np.bool_], motion: Motion) -> Floats:
         P = np.zeros(where.shape)
-        P[where] = far_field.pressure(self.X[where], self.Y[where], motion, self.lambda_bar)
+        P[where] = far_field.pressure(self.X[where], self.Y[where], motion, self.lambda_bar, self.geometry)
         return P
 
 
-def around_grid(grid: Grid, lambda_bar: float, compliance: float) -> Outside:
+def around_grid(grid: Grid, lambda_bar: float, geometry: Geometry = CIRCLE) -> Outside:
     """The oil outside a rectangle, which ends half a cell beyond the edge nodes."""
     X, Y = np.meshgrid(grid.kept_x, grid.kept_y)
     left, right, low, high = grid.x[0], grid.x[-1], grid.y[0], grid.y[-1]
     is_edge = (left == X) | (right == X) | (low == Y) | (high == Y)
     half = grid.spacing / 2
     corners = [left - half, right + half, low - half, high + half]
-    return Outside(X, Y, is_edge, beyond_rectangle(*corners), lambda_bar, compliance)
+    return Outside(X, Y, is_edge, beyond_rectangle(*corners), lambda_bar, geometry)
 
 
-def around_circle(r: Floats, lambda_bar: float, compliance: float) -> Outside:
+def around_circle(r: Floats, lambda_bar: float) -> Outside:
     """The oil outside a radial grid with nodes r."""
     u, weight = _gauss(0.0, 1.0)
     far = r[-1] / u
     area = 2 * np.pi * far**3 * weight / r[-1]
     return Outside(
-        r, np.zeros_like(r), np.arange(len(r)) == len(r) - 1, np.stack([far, 0 * far, area]), lambda_bar, compliance
+        r, np.zeros_like(r), np.arange(len(r)) == len(r) - 1, np.stack([far, 0 * far, area]), lambda_bar, CIRCLE
     )
 
 

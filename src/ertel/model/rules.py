@@ -8,6 +8,7 @@ from ertel.model.conditions import Conditions, Kind
 from ertel.model.records import checked, checked_law, show
 from ertel.model.sections import METHODS, STOPS, Drive, Output, Schedule, Solver, Stop, Time
 from ertel.numerics import grid
+from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import DowsonHigginson, Oil
 from ertel.physics.motion import Motion, Oscillation, Polyline
 from ertel.physics.registry import FLUIDITY_LAWS
@@ -19,7 +20,6 @@ LONGEST_NAME = 100  # bytes: a file name may have 255, and a run's directory has
 LONGEST_TEXT = 1000  # characters of the source of an oil's data
 LONGEST_RUN = 1e5  # t0; an impact lasts about 3
 MOST_STEPS = 1e7  # of a fixed length
-LONGEST_IMPACT = 10.0  # t0 from first touch to an event, for the number of maps
 MOST_MAPS = 1e5
 LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
 FEWEST_NODES = 17
@@ -153,8 +153,7 @@ def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | N
 
 def check_schedule(time: Time, output: Output, solver: Solver, schedule: Schedule) -> None:
     """A run must end after a reasonable number of steps, with maps that fit on a disk."""
-    until = schedule.until
-    end = LONGEST_IMPACT - schedule.start_approach if isinstance(until, str) else until
+    end = schedule.duration
     if end > LONGEST_RUN:
         raise ValueError(f"time.until = {show(time.until)}: is {end:g} t0; must be at most {LONGEST_RUN:g} t0")
     if schedule.step and end / schedule.step > MOST_STEPS:
@@ -191,7 +190,11 @@ def check_drive(kind: Kind, contact: Conditions, drive: Drive | None) -> None:
             "write contact.slide_to_roll, or contact.speed_1 and contact.speed_2"
         )
     if drive.inertia is not None and (kind == "impact" or contact.is_physical):
-        instead = "for an impact it is always 4/5" if kind == "impact" else "give contact.mass or contact.ball_density"
+        instead = (
+            "for an impact it follows from its scales"
+            if kind == "impact"
+            else "give contact.mass or contact.ball_density"
+        )
         raise ValueError(f"motion.inertia = {drive.inertia}: belongs to dimensionless rolling cases; {instead}")
     if kind == "impact" and drive.entrainment is not None and contact.speeds.mean is not None:
         raise ValueError(
@@ -200,7 +203,23 @@ def check_drive(kind: Kind, contact: Conditions, drive: Drive | None) -> None:
         )
 
 
-def check_grid(solver: Solver) -> None:
+def check_geometry(solver: Solver, contact: Conditions, motion: Motion) -> None:
+    """The radial method is for circular contacts; an angle needs something that is entrained."""
+    if contact.entrainment_angle is not None and not motion.flows:
+        raise ValueError(
+            f"{contact.entry('entrainment_angle')}: nothing is entrained; leave it out, or give motion.entrainment or "
+            "contact.mean_speed"
+        )
+    if solver.method == "radial" and contact.geometry is not CIRCLE:
+        raise ValueError(
+            f'solver.method = "radial": is for circular contacts, this one has R_x/R_y = {contact.ratio:.6g}; use '
+            'solver.method = "2d"'
+        )
+    if solver.method == "radial" and solver.half_width_y is not None:
+        raise ValueError(f"solver.half_width_y = {solver.half_width_y}: a radial grid has none; leave it out")
+
+
+def check_grid(solver: Solver, geometry: Geometry) -> None:
     """A grid must be large enough, contain the contact, and be one that can be coarsened."""
     if solver.nodes < FEWEST_NODES:
         raise ValueError(f"solver.nodes = {solver.nodes}: must be at least {FEWEST_NODES}")
@@ -210,12 +229,22 @@ def check_grid(solver: Solver) -> None:
         return
     try:
         grid.check_nodes(solver.nodes)
+        across = grid.nodes_across(solver.nodes, (solver.half_width_y or solver.half_width) / solver.half_width)
+        grid.check_grid(grid.Grid(solver.nodes, across, 1.0))
     except ValueError as error:
         raise ValueError(f"solver.{error}") from error
-    if solver.inlet is not None and not 1 < solver.inlet < 2 * solver.half_width - 1:
+    along_x, along_y = geometry.extent
+    for name, width, reach in (("", solver.half_width, along_x), ("_y", solver.half_width_y, along_y)):
+        if width is not None and not width > reach:
+            raise ValueError(
+                f"solver.half_width{name} = {width}: must be greater than {reach:g}, so that the contact lies inside "
+                "the grid"
+            )
+    if solver.inlet is not None and not along_x < solver.inlet < 2 * solver.half_width - along_x:
         raise ValueError(
-            f"solver.inlet = {solver.inlet}: must be above 1 and below {2 * solver.half_width - 1:g} = "
-            "2 half_width - 1, so that the contact lies inside the grid"
+            f"solver.inlet = {solver.inlet}: must be above {along_x:g} and below "
+            f"{2 * solver.half_width - along_x:g} = 2 half_width - {along_x:g}, so that the contact lies inside the "
+            "grid"
         )
 
 

@@ -6,6 +6,7 @@ from math import ceil
 from typing import Annotated, Literal, NamedTuple
 
 from ertel.model.conditions import Kind
+from ertel.physics import hertz
 from ertel.physics.motion import Signal
 from ertel.physics.units import DURATION, FINITE, NOT_NEGATIVE, SHARE, Amount, Bounds
 
@@ -22,8 +23,9 @@ class Solver:
     """Grid and tolerance; all lengths in units a (impact: a*).
 
     nodes: nodes per side (2^k c + 1) or along the radius (radial: 0 to half_width).  half_width: from the middle of the
-    grid to its edge; the default of an impact widens below M = 100, see `half_width_at`.  inlet: distance from the
-    contact's centre to the upstream edge; None: half_width (centred grid).
+    grid to its edge along x; the default of an impact widens below M = 100, see `half_width_at`.  half_width_y: the
+    same along y, where the spacing is the same; None: half_width.  inlet: distance from the contact's centre to the
+    upstream edge; None: half_width (centred grid).  For an ellipse the defaults follow its size, see `extents`.
     fold: compute on a half or a quarter of the plane if the case is symmetric.
     tolerance: tolerance of the discrete equations.  In a time step it is a film thickness in units of the expected film
     thickness (`Case.film_scale`), and 20 time.tolerance at most.  What a step leaves over, the next step makes good, so
@@ -33,10 +35,11 @@ class Solver:
 
     method: Method = "2d"
     nodes: Annotated[int, Bounds(gt=0, le=4097, whole=True)] = 257
-    half_width: Annotated[float, Bounds(gt=1, le=1000)] = 2.0
-    inlet: Annotated[float | None, Bounds(gt=1)] = None
+    half_width: Annotated[float, Bounds(gt=0, le=1000)] = 2.0
+    inlet: Annotated[float | None, Bounds(gt=0)] = None
     tolerance: Annotated[float, SHARE] = 1e-3
     fold: bool = True
+    half_width_y: Annotated[float | None, Bounds(gt=0, le=1000)] = None
 
 
 SOLVERS: Mapping[Method, Solver] = {  # the defaults
@@ -109,3 +112,14 @@ class Schedule(NamedTuple):
     tolerance: float
     step: float | None
     interval: float
+
+    @property
+    def duration(self) -> float:
+        """T at the end of the run; of an event about, as if the impact were dry."""
+        match self.until:
+            case "max-approach":
+                return hertz.HALF_CONTACT_TIME - self.start_approach
+            case "rebound":
+                return hertz.CONTACT_TIME - 2 * self.start_approach
+            case until:
+                return until

@@ -132,15 +132,29 @@ def check_nodes(nodes: int) -> None:
         )
 
 
+def nodes_across(nodes: int, ratio: float) -> int:
+    """Nodes for a side that is `ratio` times as long as one with `nodes`, or a little longer; the spacing is the same.
+
+    Multigrid can coarsen both sides equally often, down to a few nodes on the shorter one, and the middle is a node of
+    every grid.
+    """
+    cells = nodes - 1
+    wanted = max(ratio * cells, COARSE_ENOUGH - 1)
+    unit = 2
+    while cells % (2 * unit) == 0 and min(cells, wanted) / unit >= COARSE_ENOUGH - 1:
+        unit *= 2
+    return 1 + unit * ceil(wanted / unit - 1e-6)
+
+
 def check_grid(grid: Grid) -> None:
     """Raise ValueError unless multigrid can coarsen the grid in both directions, and equally often."""
     check_nodes(grid.nodes_x)
-    check_nodes(grid.nodes_y)
     coarsest = grid.hierarchy()[-1]
     if coarsest.size > LARGEST_RECTANGLE:
         raise ValueError(
-            f"nodes_x = {grid.nodes_x}, nodes_y = {grid.nodes_y}: the coarsest grid has {coarsest.nodes_x} x "
-            f"{coarsest.nodes_y} nodes; must be {LARGEST_RECTANGLE} at most, so take counts less different"
+            f"nodes = {grid.nodes_x} x {grid.nodes_y}: the coarsest grid that multigrid can make has "
+            f"{coarsest.nodes_x} x {coarsest.nodes_y} nodes; must be {LARGEST_RECTANGLE} at most, so take 2^k + 1 "
+            "nodes or sides less different"
         )
 
 

@@ -1,13 +1,14 @@
 """Film thickness formulas for steady rolling, for comparison and for extrapolation.
 
 All formulas are for fully flooded, isothermal, Newtonian contacts with smooth surfaces.  `films` evaluates them for a
-circular contact.
+circular or an elliptical contact.
 
 =========  ========================================================================================================
 symbol     meaning, in every formula here
 =========  ========================================================================================================
 E'         2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
-R          reduced radius along the flow, Rx (Chittenden: R_e); the one across the flow is Ry (R_s)
+R          reduced radius along the flow, Rx (Chittenden: R_e); the one across the flow is Ry (R_s); at an angle theta
+           to the axes 1/R_e = cos^2/Rx + sin^2/Ry, 1/R_s = sin^2/Rx + cos^2/Ry (`Flow`)
 U          eta0 u_m/(E' R) with the *mean* speed u_m = (u1 + u2)/2; Moes uses the sum of the speeds: twice this U
 G, W, W'   alpha E'; F/(E' R^2); load per unit length/(E' R) of a line contact
 M, L       W (2U)^{-3/4}, G (2U)^{1/4}
@@ -15,13 +16,15 @@ M, L       W (2U)^{-3/4}, G (2U)^{1/4}
 
 Formulas in M and L give H in units a^2/R.  Moes' own unit is (2U)^{1/2} R, so H_Moes = H (3M/2)^{2/3}.  Formulas in
 U, G, W give h/R as published; a^2/R^2 = (3W/2)^{2/3}.  In both groups a is the radius of the dry *circular* contact
-with the radius R under the load F.
+with the radius R under the load F.  `films` gives all in the scales of the contact itself.
 """
 
-from math import cbrt, exp, log, pi
+from math import cbrt, cos, exp, log, pi, radians, sin, sqrt
 from typing import NamedTuple
 
-from ertel.physics.scales import HamrockDowson, Parameters, require_not_negative, require_positive
+from ertel.physics.checks import require_not_negative, require_positive
+from ertel.physics.ellipse import hertz_ellipse
+from ertel.physics.scales import HamrockDowson, Parameters
 
 BALL = 1.03  # ellipticity of a ball by Hamrock and Dowson's fit k = 1.03 (Ry/Rx)^0.64; the exact value is 1
 CLOSE = 0.1  # an asymptote holds if it is within this relative distance of the Nijenbanning-Venner-Moes formula
@@ -121,8 +124,10 @@ def chittenden_central(parameters: HamrockDowson, radius_ratio: float = 1.0) -> 
     """Central film thickness h_c/R = 4.31 U^0.68 G^0.49 W^-0.073 {1 - exp[-1.23 (Ry/Rx)^{2/3}]}.
 
     Chittenden RJ, Dowson D, Dunn JF, Taylor CM. A theoretical analysis of the isothermal elastohydrodynamic lubrication
-    of concentrated contacts, I and II. Proc R Soc Lond A 1985;397:245-269, 271-294.  The flow is along one axis of the
-    ellipse: the minor axis if radius_ratio = Rx/Ry is below one, the major axis if it is above one.
+    of concentrated contacts, I and II. Proc R Soc Lond A 1985;397:245-269, 271-294.  radius_ratio: R_e/R_s, the
+    radius along the flow over that across it; below one the flow is along the minor axis of the ellipse, above one
+    along the major axis.  For flow at an angle to the axes R is R_e (`Flow`).  Other sources print 4.30 and 1.30 for
+    the first and the last constant.
     """
     U, G, W = _checked(parameters)
     require_positive("radius_ratio", radius_ratio)
@@ -159,17 +164,70 @@ def dowson_toyoda_central(parameters: HamrockDowson) -> float:
     return 3.06 * U**0.69 * G**0.56 * W**-0.10
 
 
-def line_contact(parameters: HamrockDowson) -> HamrockDowson:
-    """U, G, W' of the line contact that has the radius, speed and Hertz pressure of a circular contact.
+def line_contact(parameters: HamrockDowson, radius_ratio: float = 1.0) -> HamrockDowson:
+    """U, G, W' of the line contact that has the radius, speed and Hertz pressure of a point contact.
 
-    p_h/E' is a/(pi R) in the circular contact and (W'/(2 pi))^{1/2} in the line contact: W' = (2/pi) (3W/2)^{2/3}.
+    p_h/E' is b/(pi beta R) in the point contact with b^3 = 3 kappa beta F R/(2 E'), and (W'/(2 pi))^{1/2} in the line
+    contact: W' = (2/pi) (3 kappa beta W/2)^{2/3}/beta^2.
     """
     U, G, W = _checked(parameters)
-    return HamrockDowson(U, G, 2.0 / pi * cbrt(1.5 * W) ** 2)
+    e = hertz_ellipse(radius_ratio)
+    return HamrockDowson(U, G, 2.0 / pi * (cbrt(1.5 * e.kappa * e.beta * W) / e.beta) ** 2)
+
+
+class Flow(NamedTuple):
+    """The contact as the flow sees it: R_x/R_e, and R_e/R_s, both of the radii along and across the flow."""
+
+    curvature: float
+    radius_ratio: float
+
+    @classmethod
+    def at(cls, radius_ratio: float, angle: float) -> "Flow":
+        """For R_x/R_y and the angle (degrees) from x to the flow: Euler's theorem for the curvature."""
+        if radius_ratio == 1.0 or angle % 180.0 == 0.0:
+            return cls(1.0, radius_ratio)
+        if angle % 90.0 == 0.0:
+            return cls(radius_ratio, 1.0 / radius_ratio)
+        c2, s2 = cos(radians(angle)) ** 2, sin(radians(angle)) ** 2
+        along, across = c2 + radius_ratio * s2, s2 + radius_ratio * c2
+        return cls(along, across / along)
+
+    def moes(self, parameters: Parameters) -> tuple[float, float]:
+        """M and L with the radius along the flow."""
+        root = sqrt(sqrt(self.curvature))
+        return parameters.M * self.curvature * root, parameters.L * root
+
+    def ugw(self, ugw: HamrockDowson) -> HamrockDowson:
+        """U, G, W with the radius along the flow."""
+        return HamrockDowson(ugw.U * self.curvature, ugw.G, ugw.W * self.curvature**2)
+
+
+def expected_film(parameters: Parameters, angle: float = 0.0) -> float:
+    """A central film thickness to be expected in rolling, in the contact's own a^2/R, for all ellipses and angles.
+
+    It is the formula of Nijenbanning, Venner and Moes.  Where the flow is along the longer axis, for which it was not
+    made, it is that of a ball with the radius along the flow, less what Chittenden's formula says of the side leakage.
+    """
+    flow = Flow.at(parameters.radius_ratio, angle)
+    M, L = flow.moes(parameters)
+    wide = min(flow.radius_ratio, 1.0)
+    left = _kept(flow.radius_ratio) / _kept(wide)
+    return left * nijenbanning_venner_moes(M, L, wide) / moes_unit(M) * _own_unit(parameters, flow)
+
+
+def _kept(radius_ratio: float) -> float:
+    """Chittenden's factor of the side leakage."""
+    return 1.0 - exp(-1.23 * radius_ratio ** (-2 / 3))
+
+
+def _own_unit(parameters: Parameters, flow: Flow) -> float:
+    """Moes' unit with the radius along the flow, (2 U_e)^{1/2} R_e, in the contact's own a^2/R."""
+    e = parameters.ellipse
+    return 1.0 / (sqrt(flow.curvature) * cbrt(1.5 * e.kappa * e.beta * parameters.M) ** 2)
 
 
 class Film(NamedTuple):
-    """Result of one formula for a circular contact.
+    """Result of one formula for one contact.
 
     central, minimum: film thickness in a^2/R, None if the formula does not give it.  valid: the formula's range, in
     words.  inside: whether the contact is in that range, None if the source gives no bounds.
@@ -183,45 +241,77 @@ class Film(NamedTuple):
     inside: bool | None
 
 
-def films(parameters: Parameters, ugw: HamrockDowson | None = None) -> list[Film]:
-    """All formulas for a circular contact.  The formulas in U, G, W need `ugw` with G > 0."""
-    M, L = parameters.M, parameters.L
-    name, joined = "Nijenbanning-Venner-Moes", nijenbanning_venner_moes(M, L)
-    found = [Film(name, joined, None, SOURCES[name], "all M and L; Barus' law", True)]
+def films(parameters: Parameters, ugw: HamrockDowson | None = None, angle: float = 0.0) -> list[Film]:
+    """All formulas for a contact, in its own a^2/R.
+
+    ugw: U, G, W with the radius R_x; the formulas in U, G, W need it, with G > 0.  angle: from the axis x of the
+    ellipse to the flow, in degrees.  A formula that was not made for flow along the longer axis, or for flow at an
+    angle to the axes, is left out or marked as outside its range.
+    """
+    flow = Flow.at(parameters.radius_ratio, angle)
+    along_an_axis = parameters.radius_ratio == 1.0 or angle % 90.0 == 0.0
+    found = [] if flow.radius_ratio > 1.0 else [_joined(parameters, flow, along_an_axis)]
     if ugw is not None and ugw.G > 0:
-        found += _films_of_ugw(ugw)
-    asymptotes = {
-        "isoviscous, rigid": (isoviscous_rigid(M), "M small, L = 0"),
-        "isoviscous, elastic": (isoviscous_elastic(M), "M large, L = 0"),
-    }
-    if L > 0:
-        asymptotes |= {
-            "piezoviscous, rigid": (piezoviscous_rigid(M, L), "M small, L large"),
-            "piezoviscous, elastic": (piezoviscous_elastic(M, L), "M and L large"),
-        }
-    for regime, (film, valid) in asymptotes.items():
-        found.append(Film(regime, film, None, SOURCES[name], valid, abs(film / joined - 1.0) < CLOSE))
+        found += _films_of_ugw(ugw, parameters.radius_ratio, flow, along_an_axis)
+    if flow.radius_ratio <= 1.0:
+        found += _asymptotes(parameters, flow, along_an_axis)
     return found
 
 
-def _films_of_ugw(ugw: HamrockDowson) -> list[Film]:
+NVM = "Nijenbanning-Venner-Moes"
+
+
+def _joined(parameters: Parameters, flow: Flow, along_an_axis: bool) -> Film:
+    M, L = flow.moes(parameters)
+    film = nijenbanning_venner_moes(M, L, flow.radius_ratio) / moes_unit(M) * _own_unit(parameters, flow)
+    valid = "all M and L; Barus' law; flow along the shorter axis"
+    return Film(NVM, film, None, SOURCES[NVM], valid, along_an_axis)
+
+
+def _asymptotes(parameters: Parameters, flow: Flow, along_an_axis: bool) -> list[Film]:
+    """The four regimes of Nijenbanning, Venner and Moes."""
+    (M, L), D = flow.moes(parameters), flow.radius_ratio
+    unit, joined = _own_unit(parameters, flow) / moes_unit(M), nijenbanning_venner_moes(M, L, D)
+    asymptotes = {
+        "isoviscous, rigid": (isoviscous_rigid(M, D), "M small, L = 0"),
+        "isoviscous, elastic": (isoviscous_elastic(M, D), "M large, L = 0"),
+    }
+    if L > 0:
+        asymptotes |= {
+            "piezoviscous, rigid": (piezoviscous_rigid(M, L, D), "M small, L large"),
+            "piezoviscous, elastic": (piezoviscous_elastic(M, L, D), "M and L large"),
+        }
+    return [
+        Film(regime, film * unit, None, SOURCES[NVM], valid, along_an_axis and abs(film / joined - 1.0) < CLOSE)
+        for regime, (film, valid) in asymptotes.items()
+    ]
+
+
+def _films_of_ugw(ugw: HamrockDowson, radius_ratio: float, flow: Flow, along_an_axis: bool) -> list[Film]:
     """The formulas of Hamrock and Dowson, of Chittenden, and of the line contact with the same Hertz pressure."""
-    unit, line = cbrt(1.5 * ugw.W) ** 2, line_contact(ugw)
+    e, at = hertz_ellipse(radius_ratio), flow.ugw(ugw)
+    unit = flow.curvature * cbrt(1.5 * e.kappa * e.beta * ugw.W) ** 2  # the contact's own a^2/R over R_e
+    k = BALL * flow.radius_ratio**-0.64
 
     def film(name: str, central: float | None, minimum: float | None, valid: str, inside: bool | None = None) -> Film:
         c, m = (value if value is None else value / unit for value in (central, minimum))
         return Film(name, c, m, SOURCES[name], valid, inside)
 
-    hard = 8e-13 <= ugw.U <= 5.1e-11 and 2300 <= ugw.G <= 6800
+    hard = 8e-13 <= at.U <= 5.1e-11 and 2300 <= at.G <= 6800 and 1 <= k <= 8.1 and along_an_axis
+    hamrock_dowson = hamrock_dowson_central(at, k), hamrock_dowson_minimum(at, k)
+    chittenden = chittenden_central(at, flow.radius_ratio), chittenden_minimum(at, flow.radius_ratio)
+    found = [
+        film("Hamrock-Dowson", *hamrock_dowson, "U = 8e-13 to 5e-11, G = 2300 to 6800, k = 1 to 8", hard),
+        film("Chittenden et al.", *chittenden, "piezoviscous, elastic; flow at any angle to the axes"),
+    ]
+    if flow.radius_ratio > 1.0 or not along_an_axis:
+        return found
+    line = line_contact(at, flow.radius_ratio)
     long = 1e-13 <= line.U <= 1e-11 and 2500 <= line.G <= 5000 and 3e-5 <= line.W <= 3e-4
-    ranges = "U = 8e-13 to 5e-11, G = 2300 to 6800", "U = 1e-13 to 1e-11, G = 2500 to 5000, W' = 3e-5 to 3e-4"
-    same = "line contact of the same p_h"
-    hamrock_dowson = hamrock_dowson_central(ugw), hamrock_dowson_minimum(ugw)
-    chittenden = chittenden_central(ugw), chittenden_minimum(ugw)
+    same, range_ = "line contact of the same p_h", "U = 1e-13 to 1e-11, G = 2500 to 5000, W' = 3e-5 to 3e-4"
     return [
-        film("Hamrock-Dowson", *hamrock_dowson, ranges[0], hard),
-        film("Chittenden et al.", *chittenden, "piezoviscous, elastic"),
-        film("Dowson-Higginson", None, dowson_higginson_minimum(line), f"{same}: {ranges[1]}", long),
+        *found,
+        film("Dowson-Higginson", None, dowson_higginson_minimum(line), f"{same}: {range_}", long),
         film("Dowson-Toyoda", dowson_toyoda_central(line), None, same),
     ]
 

@@ -14,7 +14,7 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.physics.scales import require_positive
+from ertel.physics.checks import require_positive
 from ertel.physics.thermal import Solid
 
 Real = NDArray[np.float64]

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from ertel.physics.bodies import reduced_modulus
 from ertel.physics.oils import Sourced, ThermalData
-from ertel.physics.scales import reduced_modulus
 from ertel.physics.units import DENSITY, STRESS, Bounds
 
 

@@ -8,36 +8,29 @@ an impact (13), t0 = a/u_m in a rolling contact (9).
 symbol                  meaning
 ======================  =========================================================================================
 E_prime (E')            reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
-R                       reduced radius, 1/R = 1/R1 + 1/R2
+R                       reduced radius, 1/R = 1/R1 + 1/R2; of an ellipse R_x, that along its axis x
 a, p_h, delta*, F*      Hertz contact radius, pressure, approach and load: at the maximum of the dry impact (impact),
                         under the static load (rolling); F = (2/3) E' sqrt(R) delta^{3/2}, a^2 = R delta,
-                        p_h = E' a/(pi R)
+                        p_h = E' a/(pi R); of an ellipse a is the half width b along x, see `ellipse`
+D, kappa, beta          of an ellipse: R_x/R_y, and the constants that follow from it (`ellipse.HertzEllipse`)
 U, G, W                 Hamrock and Dowson's speed, material and load parameters; U uses the mean speed u_m
 M, L                    Moes' load and lubricant parameters; 2U is the speed parameter of the sum of the speeds
+M_BH, L_BH              those of Biboulet and Houpert (2010), M beta^{1/4} kappa and L beta^{-3/4}: with them every
+                        ellipse has the circle's relations to lambda_bar and alpha_bar
 ======================  =========================================================================================
 
 All functions take and return SI units.
 """
 
 from dataclasses import astuple, dataclass, fields
-from math import cbrt, inf, isfinite, pi, sqrt
+from math import cbrt, inf, pi, sqrt
 from typing import NamedTuple
 
-from ertel.physics.geometry import FREE_BALL_INERTIA, HERTZ_LOAD
+from ertel.physics.checks import require_not_negative, require_positive
+from ertel.physics.ellipse import HertzEllipse, hertz_ellipse
+from ertel.physics.geometry import FREE_BALL_INERTIA
 
 ISOVISCOUS_FILM = 0.3135  # H_c / sqrt(lambda_bar) at the maximum of an isoviscous impact (computed)
-
-
-def require_positive(name: str, value: float) -> None:
-    """Raise ValueError unless value is finite and above zero."""
-    if not (isfinite(value) and value > 0):
-        raise ValueError(f"{name} = {value}: must be finite and above zero")
-
-
-def require_not_negative(name: str, value: float) -> None:
-    """Raise ValueError unless value is finite and not below zero."""
-    if not (isfinite(value) and value >= 0):
-        raise ValueError(f"{name} = {value}: must be finite and not below zero")
 
 
 def _fourth_root(value: float) -> float:
@@ -46,7 +39,7 @@ def _fourth_root(value: float) -> float:
 
 @dataclass(frozen=True)
 class Parameters:
-    """The two dimensionless parameters of a smooth contact, for impact and rolling.
+    """The dimensionless parameters of a smooth contact, for impact and rolling.
 
     Parameters
     ----------
@@ -54,6 +47,8 @@ class Parameters:
         Speed parameter 12 eta0 R^2/(t0 a^2 p_h), eqs. (8), (12).  Above zero.
     alpha_bar : float
         Pressure-viscosity coefficient times Hertz pressure, alpha p_h.  Zero means isoviscous.
+    radius_ratio : float
+        D = R_x/R_y, from 1/100 to 100; 1 for a circular contact.
 
     Examples
     --------
@@ -64,32 +59,60 @@ class Parameters:
 
     lambda_bar: float
     alpha_bar: float
+    radius_ratio: float = 1.0
 
     def __post_init__(self) -> None:
         require_positive("lambda_bar", self.lambda_bar)
         require_not_negative("alpha_bar", self.alpha_bar)
+        hertz_ellipse(self.radius_ratio)  # raises where it is out of range
 
     @classmethod
-    def from_moes(cls, M: float, L: float) -> "Parameters":
+    def from_moes(cls, M: float, L: float, radius_ratio: float = 1.0) -> "Parameters":
         """Parameters from Moes' load parameter M > 0 and lubricant parameter L >= 0."""
         require_positive("M", M)
         require_not_negative("L", L)
-        return cls(lambda_bar=cbrt(128 * pi**3 / (3 * M)) / M, alpha_bar=L / pi * cbrt(1.5 * M))
+        e = hertz_ellipse(radius_ratio)
+        M_BH, L_BH = M * _fourth_root(e.beta) * e.kappa, L / _fourth_root(e.beta) ** 3
+        return cls(cbrt(128 * pi**3 / (3 * M_BH)) / M_BH, L_BH / pi * cbrt(1.5 * M_BH), radius_ratio)
+
+    @property
+    def ellipse(self) -> HertzEllipse:
+        """The constants of the dry contact."""
+        return hertz_ellipse(self.radius_ratio)
 
     @property
     def M(self) -> float:
-        """Moes' load parameter (128 pi^3/(3 lambda_bar^3))^{1/4}; the paper's list of symbols omits the last cube."""
-        return sqrt(sqrt(128 * pi**3 / (3 * self.lambda_bar)) / self.lambda_bar)
+        """Moes' load parameter, of a circle M_BH."""
+        return self.M_BH / (_fourth_root(self.ellipse.beta) * self.ellipse.kappa)
 
     @property
     def L(self) -> float:
-        """Moes' lubricant parameter alpha_bar (lambda_bar pi^3/6)^{1/4}."""
+        """Moes' lubricant parameter, of a circle L_BH."""
+        return self.L_BH * _fourth_root(self.ellipse.beta) ** 3
+
+    @property
+    def M_BH(self) -> float:
+        """Load parameter (128 pi^3/(3 lambda_bar^3))^{1/4}; the paper's list of symbols omits the last cube."""
+        return sqrt(sqrt(128 * pi**3 / (3 * self.lambda_bar)) / self.lambda_bar)
+
+    @property
+    def L_BH(self) -> float:
+        """Lubricant parameter alpha_bar (lambda_bar pi^3/6)^{1/4}."""
         return self.alpha_bar * _fourth_root(self.lambda_bar * pi**3 / 6)
 
     @property
     def stokes(self) -> float:
-        """Stokes number of the impact, St = m v0/(6 pi eta0 R^2) = 16/(15 lambda_bar)."""
-        return 16 / (15 * self.lambda_bar)
+        """Stokes number of the impact: m v0 over what the oil takes while the film of rigid bodies falls by a factor e.
+
+        For a ball m v0/(6 pi eta0 R^2) = 16/(15 lambda_bar); for an ellipse R^2 is 2 (R_x R_y)^{3/2}/(R_x + R_y).
+        """
+        D, e = self.radius_ratio, self.ellipse
+        return 16 / (15 * self.lambda_bar) * e.approach / e.kappa * (1 + D) * sqrt(D) / 2
+
+    @property
+    def as_ball(self) -> "Parameters":
+        """The ball with this Stokes number and alpha_bar: as much of its load is carried by the oil far away."""
+        return Parameters(16 / (15 * self.stokes), self.alpha_bar)
 
     @property
     def trapped_film(self) -> float:
@@ -97,13 +120,15 @@ class Parameters:
 
         It is sqrt(L/M) = sqrt(alpha_bar lambda_bar)/2, the film thickness at which a rigid ball stops in a Barus oil,
         but at least 0.3135 sqrt(lambda_bar), the film thickness that elastic deformation alone traps for alpha_bar = 0.
+        The pressure between rigid ellipsoids is 2/(1 + D) times that of balls, so that lambda_bar counts by that much.
         """
-        return max(0.5 * sqrt(self.alpha_bar * self.lambda_bar), ISOVISCOUS_FILM * sqrt(self.lambda_bar))
+        lambda_bar = self.lambda_bar * 2 / (1 + self.radius_ratio)
+        return max(0.5 * sqrt(self.alpha_bar * lambda_bar), ISOVISCOUS_FILM * sqrt(lambda_bar))
 
     def nabla2(self, wavelength: float) -> float:
-        """Operating parameter of amplitude reduction, eq. (16): wavelength sqrt(M/L), wavelength in units a.
+        """Operating parameter of amplitude reduction, eq. (16): wavelength sqrt(M_BH/L_BH), wavelength in units a.
 
-        It is infinite for alpha_bar = 0; the theory does not cover that case.
+        It is infinite for alpha_bar = 0; the theory does not cover that case.  It was made for circular contacts.
         """
         require_positive("wavelength", wavelength)
         return wavelength * 2 / sqrt(self.alpha_bar * self.lambda_bar) if self.alpha_bar > 0 else inf
@@ -121,6 +146,8 @@ class Scales:
         Units of X, Y (m) and of P (Pa): Hertz contact radius and pressure.
     t0 : float
         Unit of T (s).
+    radius_ratio : float
+        D = R_x/R_y, from 1/100 to 100; 1 for a circular contact.
     """
 
     R: float
@@ -128,14 +155,26 @@ class Scales:
     a: float
     p_h: float
     t0: float
+    radius_ratio: float = 1.0
 
     def __post_init__(self) -> None:
         for name, value in zip([f.name for f in fields(self)], astuple(self), strict=True):
             require_positive(name, value)
+        hertz_ellipse(self.radius_ratio)  # raises where it is out of range
+
+    @property
+    def ellipse(self) -> HertzEllipse:
+        """The constants of the dry contact."""
+        return hertz_ellipse(self.radius_ratio)
+
+    @property
+    def a_y(self) -> float:
+        """Half width (m) of the Hertz contact along its axis y; that along x is a."""
+        return self.a / self.ellipse.kappa
 
     @property
     def film(self) -> float:
-        """Unit of H, Delta and roughness (m): a^2/R = delta*, the Hertz approach."""
+        """Unit of H, Delta and roughness (m): a^2/R; of a circular contact delta*, the Hertz approach."""
         return self.a**2 / self.R
 
     @property
@@ -144,9 +183,19 @@ class Scales:
         return self.p_h * self.a / self.R
 
     @property
+    def approach(self) -> float:
+        """The Hertz approach delta* (m)."""
+        return self.ellipse.approach * self.film
+
+    @property
+    def force(self) -> float:
+        """Unit of the double integral of P (N): a^2 p_h."""
+        return self.a**2 * self.p_h
+
+    @property
     def load(self) -> float:
-        """Unit of the load F (N): the Hertz load F* = (2 pi/3) a^2 p_h."""
-        return HERTZ_LOAD * self.a**2 * self.p_h
+        """Unit of the load F (N): the Hertz load F* = (2 pi/3) a a_y p_h."""
+        return self.ellipse.load * self.a**2 * self.p_h
 
     @property
     def speed(self) -> float:
@@ -175,37 +224,41 @@ class Scales:
 
     @property
     def energy(self) -> float:
-        """Unit of energy (J): F* delta*; m v0^2/2 of an impact is 2/5 of it."""
+        """Unit of energy (J): F* a^2/R; m v0^2/2 of a ball's impact is 2/5 of it."""
         return self.load * self.film
 
     @property
     def power(self) -> float:
-        """Unit of power (W): F* delta*/t0."""
+        """Unit of power (W): F* a^2/(R t0)."""
         return self.energy / self.t0
 
     @property
     def ball_mass(self) -> float:
-        """Mass (kg) of the ball whose dry impact has these scales: m v0^2/2 = (2/5) F* delta*."""
-        return FREE_BALL_INERTIA * self.load * self.t0**2 / self.film
+        """Mass (kg) of the body whose dry impact has these scales: m v0^2/2 = (2/5) F* delta*."""
+        return FREE_BALL_INERTIA * self.ellipse.approach * self.load * self.t0**2 / self.film
 
 
-def _hertz_scales(R: float, E_prime: float, a: float, t0: float) -> Scales:
-    return Scales(R=R, E_prime=E_prime, a=a, p_h=E_prime * a / (pi * R), t0=t0)
+def _hertz_scales(R: float, E_prime: float, a: float, t0: float, radius_ratio: float) -> Scales:
+    p_h = E_prime * a / (pi * hertz_ellipse(radius_ratio).beta * R)
+    return Scales(R=R, E_prime=E_prime, a=a, p_h=p_h, t0=t0, radius_ratio=radius_ratio)
 
 
-def impact_scales(R: float, mass: float, speed: float, E_prime: float) -> Scales:
-    """Scales of a ball's impact: the Hertz contact at the maximum of the dry impact, t0 = delta*/v0, eq. (13).
+def impact_scales(R: float, mass: float, speed: float, E_prime: float, radius_ratio: float = 1.0) -> Scales:
+    """Scales of an impact: the Hertz contact at the maximum of the dry impact, t0 = a^2/(R v0), eq. (13).
 
-    At the maximum all kinetic energy is stored elastically, m v0^2/2 = (4/15) E' sqrt(R) delta*^{5/2}.
+    At the maximum all kinetic energy is stored elastically, m v0^2/2 = (2/5) F* delta*; for a ball that is
+    (4/15) E' sqrt(R) delta*^{5/2}.
 
     Parameters
     ----------
     R : float
-        Reduced radius (m).
+        Reduced radius (m), of an ellipse R_x.
     mass, speed : float
         The ball's mass m (kg) and speed v0 at first touch (m/s).
     E_prime : float
         Reduced modulus (Pa).
+    radius_ratio : float
+        D = R_x/R_y.
 
     Examples
     --------
@@ -215,28 +268,34 @@ def impact_scales(R: float, mass: float, speed: float, E_prime: float) -> Scales
     """
     for name, value in {"R": R, "mass": mass, "speed": speed, "E_prime": E_prime}.items():
         require_positive(name, value)
-    delta = (15 * mass * speed**2 / (8 * E_prime * sqrt(R))) ** 0.4
-    return _hertz_scales(R, E_prime, a=sqrt(R * delta), t0=delta / speed)
+    e = hertz_ellipse(radius_ratio)
+    film = (15 * mass * speed**2 * e.kappa * e.beta / (8 * E_prime * sqrt(R) * e.approach)) ** 0.4
+    return _hertz_scales(R, E_prime, a=sqrt(R * film), t0=film / speed, radius_ratio=radius_ratio)
 
 
-def rolling_scales(R: float, load: float, mean_speed: float, E_prime: float) -> Scales:
+def rolling_scales(R: float, load: float, mean_speed: float, E_prime: float, radius_ratio: float = 1.0) -> Scales:
     """Scales of a rolling contact: the Hertz contact under the static load, t0 = a/u_m, eq. (9).
+
+    The half width is a^3 = 3 kappa beta F R/(2 E').
 
     Parameters
     ----------
     R : float
-        Reduced radius (m).
+        Reduced radius (m), of an ellipse R_x.
     load : float
         Static load F (N).
     mean_speed : float
         Mean speed of the surfaces, u_m = (u1 + u2)/2 (m/s).
     E_prime : float
         Reduced modulus (Pa).
+    radius_ratio : float
+        D = R_x/R_y.
     """
     for name, value in {"R": R, "load": load, "mean_speed": mean_speed, "E_prime": E_prime}.items():
         require_positive(name, value)
-    a = cbrt(1.5 * load * R / E_prime)
-    return _hertz_scales(R, E_prime, a=a, t0=a / mean_speed)
+    e = hertz_ellipse(radius_ratio)
+    a = cbrt(1.5 * load * R / E_prime * e.kappa * e.beta)
+    return _hertz_scales(R, E_prime, a=a, t0=a / mean_speed, radius_ratio=radius_ratio)
 
 
 def scales_of(parameters: Parameters, R: float, E_prime: float, eta0: float, alpha: float) -> Scales:
@@ -249,8 +308,9 @@ def scales_of(parameters: Parameters, R: float, E_prime: float, eta0: float, alp
         require_positive(name, value)
     require_positive("alpha_bar", parameters.alpha_bar)
     p_h = parameters.alpha_bar / alpha
-    a = pi * R * p_h / E_prime
-    return _hertz_scales(R, E_prime, a=a, t0=12 * eta0 * R**2 / (parameters.lambda_bar * a**2 * p_h))
+    a = pi * parameters.ellipse.beta * R * p_h / E_prime
+    t0 = 12 * eta0 * R**2 / (parameters.lambda_bar * a**2 * p_h)
+    return _hertz_scales(R, E_prime, a=a, t0=t0, radius_ratio=parameters.radius_ratio)
 
 
 def parameters(scales: Scales, eta0: float, alpha: float) -> Parameters:
@@ -261,7 +321,7 @@ def parameters(scales: Scales, eta0: float, alpha: float) -> Parameters:
     require_positive("eta0", eta0)
     require_not_negative("alpha", alpha)
     lambda_bar = 12 * eta0 * scales.R**2 / (scales.t0 * scales.a**2 * scales.p_h)
-    return Parameters(lambda_bar=lambda_bar, alpha_bar=alpha * scales.p_h)
+    return Parameters(lambda_bar, alpha * scales.p_h, scales.radius_ratio)
 
 
 class HamrockDowson(NamedTuple):
@@ -273,7 +333,10 @@ class HamrockDowson(NamedTuple):
 
 
 def hamrock_dowson(scales: Scales, eta0: float, alpha: float) -> HamrockDowson:
-    """U, G, W of a contact with the given scales; an impact uses F* as the load and a/t0 as the speed u_m."""
+    """U, G, W of a contact with the given scales; an impact uses F* as the load and a/t0 as the speed u_m.
+
+    For an ellipse R is R_x.
+    """
     require_positive("eta0", eta0)
     require_not_negative("alpha", alpha)
     return HamrockDowson(
@@ -283,42 +346,10 @@ def hamrock_dowson(scales: Scales, eta0: float, alpha: float) -> HamrockDowson:
     )
 
 
-def parameters_from_ugw(U: float, G: float, W: float) -> Parameters:
+def parameters_from_ugw(U: float, G: float, W: float, radius_ratio: float = 1.0) -> Parameters:
     """lambda_bar and alpha_bar from Hamrock and Dowson's parameters by Moes' M = W (2U)^{-3/4}, L = G (2U)^{1/4}."""
     require_positive("U", U)
     require_not_negative("G", G)
     require_positive("W", W)
     root = _fourth_root(2 * U)
-    return Parameters.from_moes(M=W / root**3, L=G * root)
-
-
-def reduced_modulus(E1: float, nu1: float, E2: float, nu2: float) -> float:
-    """Reduced modulus E' (Pa), 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, from Young's moduli (Pa), Poisson's ratios."""
-    for name, E in {"E1": E1, "E2": E2}.items():
-        require_positive(name, E)
-    for name, nu in {"nu1": nu1, "nu2": nu2}.items():
-        if not -1 < nu <= 0.5:
-            raise ValueError(f"{name} = {nu}: Poisson's ratio must be above -1 and not above 0.5")
-    return 2 / ((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
-
-
-def reduced_radius(R1: float, R2: float = inf) -> float:
-    """Reduced radius R (m), 1/R = 1/R1 + 1/R2, of two balls, or of a ball on a plane (R2 infinite)."""
-    require_positive("R1", R1)
-    if not R2 > 0:
-        raise ValueError(f"R2 = {R2}: must be above zero (infinite for a plane)")
-    return 1 / (1 / R1 + 1 / R2)
-
-
-def sphere_mass(radius: float, density: float) -> float:
-    """Mass (kg) of a solid ball of the given radius (m) and density (kg/m^3)."""
-    require_positive("radius", radius)
-    require_positive("density", density)
-    return 4 * pi / 3 * density * radius**3
-
-
-def drop_speed(height: float, g: float = 9.80665) -> float:
-    """Speed v0 = sqrt(2 g h) (m/s) of a ball dropped from a height (m), without air drag."""
-    require_positive("height", height)
-    require_positive("g", g)
-    return sqrt(2 * g * height)
+    return Parameters.from_moes(M=W / root**3, L=G * root, radius_ratio=radius_ratio)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import asinh, log, sqrt
 from typing import Annotated, NamedTuple
 
-from ertel.physics.scales import require_not_negative, require_positive
+from ertel.physics.checks import require_not_negative, require_positive
 from ertel.physics.units import CONDUCTIVITY, DENSITY, HEAT_CAPACITY
 
 

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ertel.physics.checks import require_positive
 from ertel.physics.fluidity import Array
-from ertel.physics.scales import require_positive
 
 
 def circle_unit(a_over_R: float) -> float:

@@ -59,6 +59,8 @@ DENSITY = Unit("kg/m^3", "7850 kg/m^3")
 SPEED = Unit("m/s", "0.1 m/s")
 VELOCITY = Unit("m/s", "0.6 m/s", signed=True)
 LOAD = Unit("N", "40 N")
+RADIUS = Unit("m", "10 mm", signed=True)  # of curvature: negative where the surface is concave
+ANGLE = Unit("deg", "30 deg", signed=True)
 STRESS = Unit("Pa", "210 GPa")
 VISCOSITY = Unit("Pa*s", "40 mPa*s")
 COMPLIANCE = Unit("1/Pa", "22 / GPa")

@@ -85,9 +85,11 @@ def _inlet_warning(case: Case, P: xr.DataArray, T: float) -> str:
     With M = 10 to 1000, L = 0 to 10 and the edge at 2.75 and 4.5 the films were thinner than with the edge at 9, by 0.2
     to 0.7 of the pressure there (p_h) where that is above 0.02.
     """
-    s = case.solver
-    upstream = -(s.inlet or s.half_width) if case.motion.entrainment(T) >= 0 else s.inlet or s.half_width
-    halfway = float(P.sel(Y=0.0, method="nearest").sel(X=upstream / 2, method="nearest"))
+    s, reach, unit = case.solver, case.geometry.extent[0], case.geometry.smaller
+    inlet = 1 + ((s.inlet or s.half_width) - reach) / unit  # of a circle whose edge is as far from the contact
+    place = reach + (inlet / 2 - 1) * unit
+    upstream = -place if case.motion.entrainment(T) >= 0 else place
+    halfway = float(P.sel(Y=0.0, method="nearest").sel(X=upstream, method="nearest"))
     if halfway <= INLET_PRESSURE:
         return ""
     return (
@@ -206,9 +208,13 @@ def _film_warning(case: Case, data: xr.Dataset) -> str:
 
 
 def front_length(case: Case) -> float:
-    """Length of the front's pressure sweep sqrt(alpha_bar lambda_bar dA/dT) in a*, at X = 0.9 of the dry impact."""
+    """Length of the front's pressure sweep sqrt(alpha_bar lambda_bar dA/dT) in a*, at X = 0.9 of the dry impact.
+
+    The dry impact of an ellipsoid takes longer by the dry approach in a*^2/R.
+    """
     p = case.parameters
-    return float(np.sqrt(max(p.alpha_bar, 1.0) * p.lambda_bar * hertz.front_speed(FRONT_POSITION)))
+    speed = hertz.front_speed(FRONT_POSITION) / p.ellipse.approach
+    return float(np.sqrt(max(p.alpha_bar, 1.0) * p.lambda_bar * speed))
 
 
 def _front_warning(case: Case, data: xr.Dataset) -> str:

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.model.case import Case
-from ertel.physics.geometry import HERTZ_LOAD
+from ertel.physics.ellipse import hertz_ellipse
 
 Values = NDArray[np.float64]
 
@@ -32,12 +32,14 @@ def outer_load(data: xr.Dataset) -> xr.DataArray:
     Far out the film is thick and rigid, H = H_w + (r^2 - w^2)/2, and the oil that it displaces flows outwards,
     H^3 dP/dr = -lambda_bar V r/2.  Without an edge that gives P = lambda_bar V/(4 H^2).  The flow through the edge does
     not feel that P = 0 there: it gives lambda_bar V.  The load 2 pi H_w P_w beyond the edge is left out; inside, P is
-    too low by P_w everywhere, because an even pressure drives no flow.
+    too low by P_w everywhere, because an even pressure drives no flow.  For an ellipse 4 is 2 (1 + D), and the load
+    beyond the edge is D^(-1/2) times as large.
     """
     displaced, H, area = _through_the_edge(data)
-    P_w = displaced / 4 * np.mean(H**-2.0, axis=1)
+    D = float(data.attrs.get("radius_ratio", 1.0))
+    P_w = displaced / (2 * (1 + D)) * np.mean(H**-2.0, axis=1)
     H_w = np.mean(H**-2.0, axis=1) ** -0.5
-    return xr.DataArray(P_w * (area + 2 * np.pi * H_w) / HERTZ_LOAD, dims="frame")
+    return xr.DataArray(P_w * (area + 2 * np.pi * H_w / D**0.5) / hertz_ellipse(D).load, dims="frame")
 
 
 def _through_the_edge(data: xr.Dataset) -> tuple[Values, Values, float]:
@@ -52,8 +54,10 @@ def _through_the_edge(data: xr.Dataset) -> tuple[Values, Values, float]:
     flow = sum(
         np.sum((H_edge**3 + H_next**3) / 2 * (P_next - P_edge), axis=1) for P_edge, P_next, H_edge, H_next in parts
     )
-    width, spacing = float(np.ptp(data["X"].values)), float(data["X"][1] - data["X"][0])
-    return flow / (width - spacing) ** 2, np.concatenate([part[2] for part in parts], axis=1), width**2
+    width, height = (float(np.ptp(data[axis].values)) for axis in ("X", "Y"))
+    spacing = float(data["X"][1] - data["X"][0])
+    crossed = (width - spacing) * (height - spacing)
+    return flow / crossed, np.concatenate([part[2] for part in parts], axis=1), width * height
 
 
 def needed_half_width(case: Case, share: float) -> float:

@@ -75,7 +75,7 @@ def extreme_lines(summary: Mapping[str, Any]) -> Iterator[str]:
 def budget_lines(summary: Mapping[str, Any]) -> Iterator[str]:
     """The imbalance of every budget, in one line; none where there are no budgets yet."""
     known = {name: terms["imbalance"] for name, terms in summary.get("budgets", {}).items()}
-    said = ", ".join(f"{name} {share * 100:.1g} %" for name, share in known.items() if share is not None)
+    said = ", ".join(f"{name} {share:.2%}" for name, share in known.items() if share is not None)
     if said:
         yield f"imbalance of the budgets: {said}"
 

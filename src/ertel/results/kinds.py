@@ -90,13 +90,18 @@ class Kind(ABC):
         return self.moment(summary)
 
 
+def _across(solver: "Solver") -> str:
+    """How far the grid reaches across the flow, where that differs."""
+    return "" if solver.half_width_y is None else f", {solver.half_width_y:.4g} a across"
+
+
 class Impact(Kind):
     """The impact of a ball: its scales are those of the dry impact, its values those at maximum approach."""
 
     conditions = (Condition("$v_0$", "v0_m_per_s", "m/s"), Condition("$p_h^*$", "p_h_Pa", "Pa"))
 
     def domain(self, solver: "Solver") -> str:
-        return f"{solver.nodes} nodes to {solver.half_width:g} a*"
+        return f"{solver.nodes} nodes to {solver.half_width:.4g} a*{_across(solver)}"
 
     def parameters(self, p: Parameters) -> dict[str, float]:
         return {"stokes": p.stokes, "trapped_film": p.trapped_film}
@@ -105,8 +110,8 @@ class Impact(Kind):
         return {"v0_m_per_s": scales.speed}
 
     def si(self, p: Parameters, scales: Scales) -> dict[str, float]:
-        film = p.trapped_film * scales.film
-        return {"contact_time_s": hertz.CONTACT_TIME * scales.t0, "mass_kg": scales.ball_mass, "trapped_film_m": film}
+        film, contact_time = p.trapped_film * scales.film, hertz.CONTACT_TIME * p.ellipse.approach * scales.t0
+        return {"contact_time_s": contact_time, "mass_kg": scales.ball_mass, "trapped_film_m": film}
 
     def values(self, summary: Outcome) -> dict[str, float]:
         return dict(summary["max_approach"] or {})
@@ -135,7 +140,8 @@ class Rolling(Kind):
 
     def domain(self, solver: "Solver") -> str:
         inlet = solver.inlet or solver.half_width
-        return f"{solver.nodes} nodes, {inlet:g} a upstream to {2 * solver.half_width - inlet:g} a downstream"
+        outlet = 2 * solver.half_width - inlet
+        return f"{solver.nodes} nodes, {inlet:.4g} a upstream to {outlet:.4g} a downstream{_across(solver)}"
 
     def speed(self, scales: Scales) -> dict[str, float]:
         return {"u_m_m_per_s": scales.front_speed}
@@ -155,7 +161,10 @@ class Rolling(Kind):
     def moment(self, summary: Outcome) -> str:
         if summary["H_c"] is None:
             return "no step was taken"
-        return f"at T = {summary['T']:.4g}" if "T" in summary else f"on {summary['nodes']} x {summary['nodes']} nodes"
+        if "T" in summary:
+            return f"at T = {summary['T']:.4g}"
+        nodes = summary["nodes"]
+        return f"on {nodes} x {summary.get('nodes_y', nodes)} nodes"
 
     def heading(self, summary: Outcome) -> str:
         return "at the last time" if "T" in summary else self.moment(summary)

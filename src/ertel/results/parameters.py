@@ -13,9 +13,13 @@ if TYPE_CHECKING:  # the case brings JAX with it
 
 
 def parameters_of(case: "Case") -> dict[str, float]:
-    """The dimensionless parameters by name."""
+    """The dimensionless parameters by name; of an ellipse also its shape and the angle of entrainment in degrees."""
     p = case.parameters
-    return {"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar, "M": p.M, "L": p.L}
+    found = {"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar, "M": p.M, "L": p.L}
+    if p.radius_ratio == 1.0:
+        return found
+    shape = {"radius_ratio": p.radius_ratio, "kappa": p.ellipse.kappa, "entrainment_angle": case.contact.angle}
+    return {**found, **shape, "M_BH": p.M_BH, "L_BH": p.L_BH}
 
 
 def parameter_summary(case: "Case") -> dict[str, Any]:
@@ -46,5 +50,6 @@ def scales_of(case: "Case") -> dict[str, float]:
     s = case.scales
     if s is None:
         return {}
-    named = {"R_m": s.R, "E_prime_Pa": s.E_prime, "a_m": s.a, "p_h_Pa": s.p_h, "delta_m": s.film}
+    across = {} if s.radius_ratio == 1.0 else {"a_y_m": s.a_y}
+    named = {"R_m": s.R, "E_prime_Pa": s.E_prime, "a_m": s.a, **across, "p_h_Pa": s.p_h, "delta_m": s.approach}
     return named | {"F_N": s.load, "t0_s": s.t0} | KINDS[case.kind].speed(s)

@@ -13,7 +13,6 @@ from ertel.model.status import Status
 from ertel.numerics.richardson import Extrapolation
 from ertel.physics import film_formulas
 from ertel.physics.film_formulas import Film
-from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.scales import HamrockDowson, Parameters
 from ertel.results import budgets, diagnostics, errors, variables
 from ertel.results.extremes import extremes, in_si
@@ -88,7 +87,7 @@ def rolling_summary(
     last = {name: float(data[name][-1]) for name in names if name in data and len(data.time)}
     measured = {"T": last.pop("time", None), **dict.fromkeys(variables.MEASURED), **last}
     F = measured.pop("F", None)
-    measured["load"] = None if F is None else F * HERTZ_LOAD
+    measured["load"] = None if F is None else F * case.geometry.hertz_load
     found = budgets.in_time(case, data)
     said = [*diagnostics.rolling_warnings(case, data), *diagnostics.budget_warnings(case, found)]
     return _rolling_summary(case, measured, {}, {"extremes": extremes(data), "budgets": found, **work}, status, said)
@@ -127,8 +126,10 @@ def steady_summary(
             error = _error_of(rolling.extrapolate(name))
             estimates |= {f"{name}_{what}": value for what, value in error.items()}
     values = rolling.finest.measure()
-    measured = {"nodes": rolling.finest.grid.nodes, **{name: values[name] for name in variables.MEASURED}}
-    found = budgets.steady(case, budget.steady(case, rolling.finest), values["load"] / HERTZ_LOAD)
+    grid = rolling.finest.grid
+    across = {} if grid.nodes_y == grid.nodes_x else {"nodes_y": grid.nodes_y}
+    measured = {"nodes": grid.nodes_x, **across, **{name: values[name] for name in variables.MEASURED}}
+    found = budgets.steady(case, budget.steady(case, rolling.finest), values["load"] / case.geometry.hertz_load)
     said = [*diagnostics.steady_warnings(case, solutions), *diagnostics.budget_warnings(case, found)]
     return _rolling_summary(case, measured, estimates, {"budgets": found, **counts, **work}, status, said)
 
@@ -154,7 +155,7 @@ def _rolling_summary(
 
 
 def _with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
-    """A rolling contact's summary with its values in SI; approach_m is Delta, delta_m its scale."""
+    """A rolling contact's summary with its values in SI; approach_m is Delta, delta_m that of the dry contact."""
     if case.scales is None:
         return dict(content)
     values = {
@@ -212,9 +213,9 @@ def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]
     if case.starts_apart or load <= 0 or speed == 0:
         return []
     p = case.parameters
-    at = Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25)
+    at = Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25, p.radius_ratio)
     ugw = ugw_of(case) if case.scales else None
-    found = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load))
+    found = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load), case.contact.angle)
     unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
 
     def own(film: float | None) -> float | None:

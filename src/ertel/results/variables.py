@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from math import floor, log10
 from typing import TYPE_CHECKING
 
-from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.scales import Scales
 
 if TYPE_CHECKING:
@@ -120,7 +119,7 @@ FIELDS: Mapping[str, Variable] = {
     "H": _film("film thickness", "H", "h"),
 }
 OF_A_GRID: Mapping[str, Variable] = {  # of a steady contact, with some of the scalars
-    "load": Variable("load carried by the film", "integral of P", "a*^2 p_h*", "load", "load", "N", 1 / HERTZ_LOAD),
+    "load": Variable("load carried by the film", "integral of P", "a*^2 p_h*", "force", "load", "N"),
     "residual": Variable("maximum residual", "res"),
     "history": Variable("maximum residual after each iteration", "res"),
 }

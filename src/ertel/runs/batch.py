@@ -128,6 +128,8 @@ def _shape(case: Case) -> dict[str, object]:
         "solver.method": case.solver.method,
         "solver.nodes": grid.nodes,
         "solver.half_width": case.solver.half_width,
+        "solver.half_width_y": case.solver.half_width_y,
+        "contact.radius_ratio": case.contact.ratio,
         "solver.inlet": grid.centre_x,
         "roughness (axes of symmetry)": tuple(grid.even),
         "lubricant.viscosity": _structure(oil.viscosity_law),

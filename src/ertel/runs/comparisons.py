@@ -41,4 +41,5 @@ def wider(solver: Solver) -> Solver:
     spacing = 2 * solver.half_width / (solver.nodes - 1)
     nodes = allowed_nodes(WIDER_DOMAIN * (solver.nodes - 1) + 1)
     inlet = solver.inlet and solver.inlet + spacing * ((nodes - solver.nodes) * solver.inlet // (2 * solver.half_width))
-    return replace(solver, nodes=nodes, half_width=spacing * (nodes - 1) / 2, inlet=inlet)
+    across = solver.half_width_y and WIDER_DOMAIN * solver.half_width_y
+    return replace(solver, nodes=nodes, half_width=spacing * (nodes - 1) / 2, half_width_y=across, inlet=inlet)

@@ -140,13 +140,9 @@ class TransientCourse(ABC):
     def fraction(self, item: Step) -> float:
         if not item.record:
             return 0.0
-        T, start, until = item.record["T"], self.case.schedule.start_approach, self.case.schedule.until
-        if not isinstance(until, str):
-            return min(T / until, 1.0)
-        touch, half, whole = -start, 1.47 - start, 2.95 - 2 * start
-        if until == "rebound":
-            return min(T / whole, 1.0)
-        return 1.0 if item.record["V"] <= 0 else min(T / half, 1.0) if T > touch else T / half
+        if self.case.schedule.until == "max-approach" and item.record["V"] <= 0:
+            return 1.0
+        return min(item.record["T"] / self.case.schedule.duration, 1.0)
 
     def news(self, item: Step) -> str:
         record, counts = item.record, item.state.counts
@@ -239,7 +235,7 @@ class GridStep:
             return {}
         s = self.solutions[-1]
         work = {"newton_iterations": s.newton, "krylov_iterations": s.krylov, "residual": s.residual}
-        return {**s.measure(), **work, "nodes": s.grid.nodes}
+        return {**s.measure(), **work, "nodes": s.grid.nodes_x, "nodes_y": s.grid.nodes_y}
 
 
 class SteadyCourse:
@@ -268,7 +264,7 @@ class SteadyCourse:
     def news(self, item: GridStep) -> str:
         r = item.record
         work = f"{r['newton_iterations']} Newton, {r['krylov_iterations']} Krylov"
-        return f"{r['nodes']} x {r['nodes']}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
+        return f"{r['nodes']} x {r['nodes_y']}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
 
     def to_arrays(self, item: GridStep) -> dict[str, NDArray[Any]]:
         solutions = item.solutions

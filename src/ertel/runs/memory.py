@@ -17,7 +17,6 @@ from ertel.runs import compiling
 BASE = 0.55e9  # Python, JAX and the compiler
 ARRAYS, ARRAYS_WITH_STEADY = 150, 210  # a run of rolling contains the steady film
 MATRICES = 80  # radial: dense matrices of nodes x nodes
-LONGEST_IMPACT = 3.0  # t0 from the first touch to the rebound, about; it only counts maps
 EXHAUSTED = "RESOURCE_EXHAUSTED"  # how JAX begins such messages
 
 
@@ -34,10 +33,7 @@ def _maps(case: Case) -> float:
     """The number of maps that are stored, approximately; the summary reads all of them."""
     if case.is_steady:
         return 2.0
-    schedule = case.schedule
-    until = schedule.until
-    last = LONGEST_IMPACT - schedule.start_approach if isinstance(until, str) else until
-    return 2.0 * (last / schedule.interval + 2)
+    return 2.0 * (case.schedule.duration / case.schedule.interval + 2)
 
 
 def available() -> float:

@@ -39,8 +39,11 @@ def read(path: Path) -> Any:
     body = content[CHECKSUM:]
     if hashlib.sha256(body).digest() != content[:CHECKSUM]:
         raise ValueError(f"{path}: is damaged, its checksum does not fit")
-    with np.load(io.BytesIO(body), allow_pickle=False) as archive:
-        return _decoded(json.loads(archive["text"].item()), archive)
+    try:
+        with np.load(io.BytesIO(body), allow_pickle=False) as archive:
+            return _decoded(json.loads(archive["text"].item()), archive)
+    except Exception as error:  # of zipfile, zlib, json, NumPy: somebody else wrote this file
+        raise ValueError(f"{path}: is no file of plain data") from error
 
 
 def digest(content: Any) -> str:

@@ -313,8 +313,3 @@ def run(case: Case, directory: str | Path, progress: bool = False, observers: Se
 def open_run(directory: str | Path) -> Result:
     """The run in a directory, as far as it is written.  Raises StoreError where there is none."""
     return RunStore.open(Path(directory)).result()
-
-
-def to_json(summary: Mapping[str, Any]) -> str:
-    """A summary as the text of summary.json."""
-    return json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

@@ -49,17 +49,22 @@ class Failure:
 
 @contextmanager
 def processes(jobs: int) -> Iterator[Executor]:
-    """Worker processes with one thread each, which share the memory of a GPU.  An interrupt ends them at once."""
+    """Worker processes with one thread each, which share the memory of a GPU.  An error ends them at once."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when a worker starts: many small dense solves
     os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
     context, others = multiprocessing.get_context("spawn"), set(multiprocessing.active_children())  # JAX fears forks
+    complain = threading.excepthook
     with ProcessPoolExecutor(jobs, mp_context=context, initializer=_start_worker) as pool:
         try:
             yield pool
         except BaseException:
+            threading.excepthook = lambda _: None  # the pool's thread stumbles over tasks that were cancelled
             for worker in set(multiprocessing.active_children()) - others:
                 worker.terminate()
+            pool.shutdown()
             raise
+        finally:
+            threading.excepthook = complain
 
 
 def _start_worker() -> None:

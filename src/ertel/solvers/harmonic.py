@@ -121,9 +121,9 @@ class _Problem:
 def respond(case: Case, film: GridSolution, wave: Wave) -> Response:
     """The response of the steady film of a case to a wave, to first order in its height."""
     motion = case.motion
-    line = balanced(0.0)._replace(approach_weight=-motion.inertia * wave.frequency**2)
+    line = balanced(0.0, case.geometry.hertz_load)._replace(approach_weight=-motion.inertia * wave.frequency**2)
     c = discretise.smooth_contact(case, film.grid)
-    elastic = multigrid.elasticities(film.grid, discretise.geometry_of(case).compliance, PRECISION)
+    elastic = multigrid.elasticities(film.grid, case.geometry.compliance, PRECISION)
     problem = _Problem(c, elastic, film.P, film.H, line, motion.entrainment(0.0), wave.frequency, wave.shape)
     dP, dH, approach, iterations = _solve(problem)
     k, converged = int(iterations), bool((iterations < LIMIT) & jnp.isfinite(approach))

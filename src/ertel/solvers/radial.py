@@ -226,7 +226,7 @@ class RadialImpact(Method):
     def __init__(self, case: Case, closure: Closure | None = None):
         self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width))
         self.lambda_bar = case.parameters.lambda_bar
-        self.outside = outside.around_circle(np.asarray(self.mesh.r), self.lambda_bar, CIRCLE.compliance)
+        self.outside = outside.around_circle(np.asarray(self.mesh.r), self.lambda_bar)
         self.oil = traceable(case.lubricant)
         self.closure = closure or NewtonsLaw.of(case.motion)
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film

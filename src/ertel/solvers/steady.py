@@ -75,7 +75,7 @@ def nested(
         if solutions:
             guess = first_guess(c, solutions[-1], richardson.expected([s.approach for s in solutions]))
         else:
-            P, approach = dry_guess(discretise.geometry_of(case), grid, case.motion.load(0.0))
+            P, approach = dry_guess(case.geometry, grid, case.motion.load(0.0))
             P += discretise.outside_of(case, grid).guess(motion_of(case, approach))
             first = solve(case, grid, c, P, approach, tolerance, precision)
             guess = first.P, first.approach  # with the oil outside of the lubricated contact
@@ -154,12 +154,12 @@ def solve(
 
 def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: float, precision: str) -> Problem:
     """The equations of the steady film on one grid.  outside: the load that the oil outside the grid carries."""
-    geometry = discretise.geometry_of(case)
+    geometry = case.geometry
     return Problem(
         c,
         multigrid.elasticities(grid, geometry.compliance, precision),
         steady_rate(case.motion.entrainment(0.0)),
-        balanced(case.motion.load(0.0)).less(outside),
+        balanced(case.motion.load(0.0), geometry.hertz_load).less(outside),
         tolerance,
         tolerance / geometry.hertz_load,
         nonlinear.bordered,

@@ -68,7 +68,7 @@ def advance(method: Transient2D, smooth: Sequence[State], changes: Sequence[Stat
         raise ValueError(f"motion.inertia = {motion.inertia}: must be above zero for a tangent-linear run")
     times = [level.T for level in smooth[:3]]
     rates = bdf.derivative_weights(times)
-    law = NewtonsLaw(motion.inertia, constant(0.0))  # the applied load does not change
+    law = NewtonsLaw(motion.inertia, constant(0.0), method.geometry.hertz_load)  # the applied load does not change
     approaches = [level.approach for level in changes]
     line = law.line(new.T, rates, approaches, [level.velocity for level in changes])
     before = len(times) - 1

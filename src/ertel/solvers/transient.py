@@ -95,10 +95,10 @@ class Transient2D(Method):
         self.case = case
         self.grid = discretise.grid_of(case)
         check_grid(self.grid)
-        self.geometry = discretise.geometry_of(case)
+        self.geometry = case.geometry
         self.contact = discretise.smooth_contact(case, self.grid)
         self.outside = discretise.outside_of(case, self.grid)
-        self.closure = closure or NewtonsLaw.of(case.motion)
+        self.closure = closure or NewtonsLaw.of(case.motion, self.geometry.hertz_load)
         self.elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
         self.space = Plane.of(self.grid)

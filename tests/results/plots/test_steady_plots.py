@@ -8,9 +8,11 @@ from made_up import BALL_ROLLS as BALL
 from made_up import C1, H_C, H_MIN, in_time, solutions, steady
 from made_up import MOES_ROLLS as MOES
 
+from ertel.inputs.python import rolling
 from ertel.model.sections import SOLVERS
 from ertel.model.state import Rolling
 from ertel.physics import hertz
+from ertel.physics.geometry import Ellipse
 from ertel.results import plots
 from ertel.results.dataset import assemble_steady
 from ertel.results.plots import steady as steady_plots
@@ -192,3 +194,40 @@ def test_sliding_is_said():
 def test_heading_of_a_run_in_time():
     heading = plots.overview(in_time(BALL)).get_suptitle()
     assert "$u_m$ = 0.5026 m/s" in heading and "$F$ = 38.89 N" in heading and "v_0" not in heading
+
+
+# -- an ellipse -------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def ellipse():
+    """Wide across the flow, whose direction is 30 degrees off the axis."""
+    return steady(rolling(M=200, L=10, radius_ratio=0.2, entrainment_angle=30.0, nodes=81))
+
+
+def test_maps_of_an_ellipse_have_equal_axes_and_show_all_of_it(ellipse):
+    geometry = Ellipse(0.2, 30.0)
+    along, across = geometry.extent
+    for name in ("film", "pressure"):
+        pressed = geometry.dry_pressure(1.0, ellipse["X"].values[None, :], ellipse["Y"].values[:, None])
+        axes = panels(getattr(plots, name)(ellipse.assign(P=(("Y", "X"), pressed, ellipse["P"].attrs))))[0]
+        assert axes.get_aspect() == 1.0
+        (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+        assert -left > along and -low > across and high > across and right > along
+
+
+def test_heading_and_grids_of_an_ellipse(ellipse):
+    figure = plots.overview(ellipse)
+    heading = figure.get_suptitle()
+    assert "$R_x/R_y$ = 0.2" in heading and "angle 30°" in heading
+    ticks = [text.get_text() for axes in figure.axes for text in axes.get_xticklabels()]
+    grid = solutions(rolling(M=200, L=10, radius_ratio=0.2, entrainment_angle=30.0, nodes=81))[-1].grid
+    assert f"{grid.nodes_x} x {grid.nodes_y}" in ticks
+
+
+def test_dashed_is_the_hertz_pressure_of_the_ellipse(ellipse):
+    axes = panels(plots.midlines(ellipse))[1]  # across the flow
+    (dry,) = [line for line in right_of(axes.figure, axes).get_lines() if line.get_linestyle() == "--"]
+    y, P = dry.get_data()
+    load = float(ellipse["load"][-1]) / Ellipse(0.2).hertz_load
+    assert P == pytest.approx(Ellipse(0.2, 30.0).dry_pressure(load, 0 * y, y))

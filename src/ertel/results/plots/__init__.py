@@ -6,8 +6,8 @@ A run in time has overview, film, pressure, maps, profiles and history; a steady
 midlines and convergence.  `at` chooses the moment of a run in time: a time in t0 (the map next to it is drawn) or an
 event, "max-approach" or "end"; by default maximum approach, or the last map where there is none.
 
-Every function raises ValueError where there is nothing to draw yet, for a figure that such a run has not, and for a
-moment that the run has not.
+Every function raises `NoFigure`, a ValueError, where there is nothing to draw yet, and for a figure or a moment that
+the run has not.
 """
 
 import xarray as xr
@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from ertel.results.kinds import is_steady
 from ertel.results.plots import steady, transient
-from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, At, Figures
+from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, At, Figures, NoFigure
 
 __all__ = [
     "BLUE",
@@ -23,6 +23,7 @@ __all__ = [
     "GREY",
     "ORANGE",
     "ORDERED_COLOURS",
+    "NoFigure",
     "convergence",
     "figures_of",
     "film",
@@ -45,7 +46,7 @@ def _draw(name: str, dataset: xr.Dataset, at: At) -> Figure:
     known = {**figures_of(dataset), **more}
     if name not in known:
         run = "a steady contact" if is_steady(dataset) else "a run in time"
-        raise ValueError(f"{name}: {run} has no such figure; it has {', '.join(known)}")
+        raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(known)}")
     return known[name](dataset, at)
 
 

@@ -35,11 +35,16 @@ UNITS = {
     "a*": "$a^*$", "a*^2/R": "$a^{*2}/R$", "p_h*": "$p_h^*$", "F*": "$F^*$", "a*/t0": "$a^*/t_0$", "t0": "$t_0$",
     "a": "$a$", "a^2/R": "$a^2/R$", "p_h": "$p_h$", "F": "$F$", "u_m": "$u_m$",
 }  # fmt: skip
-MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so far from its centre
+MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
+LONG = 2.0  # ratio of the sides from which a map is long
 LOADED = 0.02  # of the maximum pressure: where there is less, the film carries nothing to speak of
 
 
 # -- units and labels -------------------------------------------------------------------------------------------------
+
+
+class NoFigure(ValueError):
+    """A run has no such figure, no such moment, or nothing to draw yet."""
 
 
 class Draw(Protocol):
@@ -110,6 +115,10 @@ def title(dataset: xr.Dataset) -> list[str]:
     a, kind = dataset.attrs, KINDS[dataset.attrs["kind"]]
     name = str(a["title"]).partition(", M = ")[0].replace("_", " ")  # the conditions say M and L of a case without name
     conditions = [f"{name[:1].upper()}{name[1:]}", f"$M$ = {a['M']:.4g}", f"$L$ = {a['L']:.3g}"]
+    if "radius_ratio" in a:
+        conditions.append(f"$R_x/R_y$ = {a['radius_ratio']:.3g}")
+    if a.get("entrainment_angle"):
+        conditions.append(f"angle {a['entrainment_angle']:.3g}°")
     if kind.names_sliding and (sliding := stored.slide_to_roll(dataset)):
         conditions.append(f"slide-to-roll {sliding:.3g}")
     if not is_physical(dataset):
@@ -145,9 +154,15 @@ def map_of(dataset: xr.Dataset, name: str, frame: int | None = None) -> Field:
     return Field(x, x, np.interp(np.hypot(x[:, None], x[None, :]), r, values))
 
 
-def extent(x: Values, P: Values) -> float:
-    """How far from the centre a profile is shown."""
-    return min(MARGIN * reach(x, P), WIDEST)
+def extent(dataset: xr.Dataset, x: Values, P: Values) -> float:
+    """How far from the centre a profile along x is shown."""
+    return min(MARGIN * reach(x, P), WIDEST * stored.geometry(dataset).extent[0])
+
+
+def stretch(dataset: xr.Dataset) -> float:
+    """How many times as far the dry contact reaches along y as along x."""
+    along, across = stored.geometry(dataset).extent
+    return across / along
 
 
 def reach(x: Values, P: Values) -> float:
@@ -157,18 +172,18 @@ def reach(x: Values, P: Values) -> float:
     return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch
 
 
-def film_inside(x: Values, P: Values, H: Values) -> float:
-    """The maximum film thickness well inside the contact, of a profile."""
-    return float(H[np.abs(x) < 0.8 * min(reach(x, P), 1.0)].max())
+def film_inside(dataset: xr.Dataset, x: Values, P: Values, H: Values) -> float:
+    """The maximum film thickness well inside the contact, of a profile along x."""
+    return float(H[np.abs(x) < 0.8 * min(reach(x, P), stored.geometry(dataset).extent[0])].max())
 
 
 def draw_map(axes: Axes, dataset: xr.Dataset, field: Field, side: float, z: Scale, steps: Values, colours: str) -> None:
-    """Colours and contour lines at `steps` (as shown) up to `side` from the centre.
+    """Colours and contour lines at `steps` (as shown) up to `side` from the centre along x.
 
-    What is above the highest step has its colour.
+    Along y as far as suits the shape of the contact.  What is above the highest step has its colour.
     """
     across = lateral(dataset)
-    columns, rows = np.abs(field.x) <= side, np.abs(field.y) <= side
+    columns, rows = np.abs(field.x) <= side, np.abs(field.y) <= side * stretch(dataset)
     x, y, shown = (
         field.x[columns] * across.factor,
         field.y[rows] * across.factor,
@@ -179,8 +194,16 @@ def draw_map(axes: Axes, dataset: xr.Dataset, field: Field, side: float, z: Scal
     if shown.min() < steps[-1] and shown.max() > steps[1]:
         axes.contour(x, y, shown, levels=steps[1:], colors="black", linewidths=0.4, alpha=0.6)
     axes.set(xlabel=axis_label(dataset, "x"), ylabel=axis_label(dataset, "y"), aspect="equal")
+    _thin_ticks(axes, stretch(dataset))
     extend = "max" if shown.max() > steps[-1] else "neither"
     figure_of(axes).colorbar(image, ax=axes, label=z.label, extend=extend)
+
+
+def _thin_ticks(axes: Axes, stretch: float) -> None:
+    """Few ticks on the short axis of a long map."""
+    short = axes.xaxis if stretch > 1 else axes.yaxis
+    if max(stretch, 1 / stretch) > LONG:
+        short.set_major_locator(MaxNLocator(2))
 
 
 def draw_film(axes: Axes, dataset: xr.Dataset, field: Field, side: float, top: float, lines: int = 10) -> None:

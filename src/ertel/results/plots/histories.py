@@ -22,7 +22,8 @@ def draw_motion(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
         "F": ("load $F/F^*$", ORANGE, "-"),
         "V": ("speed $v/v_0$", GREY, "-."),
     }
-    _draw_series(axes, dataset, p, lines, 1.0)
+    shares = dataset.assign(Delta=dataset["Delta"] / stored.geometry(dataset).dry_approach(1.0))
+    _draw_series(axes, shares, p, lines, 1.0)
     axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(ylabel="share of the dry impact's", ylim=(-1.1, 1.35))
     axes.legend(loc="upper left", edgecolor="none", ncols=3, columnspacing=1.0, handlelength=1.5, fontsize="small")
@@ -78,7 +79,8 @@ def draw_front(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     X_min = np.hypot(dataset["X_min"].values, dataset["Y_min"].values)
     front = np.where(loaded & (X_min > 0), X_min, np.nan)
     touch = -stored.start_approach(dataset)
-    dry = np.where(hertz.contact_radius(T - touch) > 0, hertz.contact_radius(T - touch), np.nan)
+    dry = hertz.contact_radius((T - touch) / stored.geometry(dataset).dry_approach(1.0))
+    dry = np.where(dry > 0, dry, np.nan)
     time = scale(dataset, "time", 1.0)
     axes.plot(T * time.factor, dry * across.factor, color=GREY, linestyle="--", label="edge of the dry contact")
     lines = {"X_min": ("front: place of the minimum film thickness", GREEN, "-")}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from ertel.results.plots.drawing import At, Values, scale
+from ertel.results.plots.drawing import At, NoFigure, Values, scale
 from ertel.results.variables import EVENTS, with_prefix
 
 MAXIMUM, LAST, END, CHOSEN = "maximum approach", "last map", "end of the run", "chosen map"
@@ -38,11 +38,11 @@ def profiles_of(dataset: xr.Dataset, at: At = None) -> Profiles:
     at: a time in t0 (the map next to it is taken) or an event, "max-approach" or "end"; by default maximum approach, or
     the last map where there is none.
 
-    Raises ValueError where there is no map yet, and for a time or an event that the run has not.
+    Raises NoFigure, a ValueError, where there is no map yet, and for a time or an event that the run has not.
     """
     T = np.asarray(dataset["frame"].values)
     if not len(T):
-        raise ValueError("dataset: has no maps yet, there is nothing to draw")
+        raise NoFigure("dataset: has no maps yet, there is nothing to draw")
     chosen, moment = _choose(dataset, at)
     if "r" in dataset:
         x, P, H = (_mirrored(dataset[name].values, odd=name == "r") for name in ("r", "P", "H"))
@@ -64,7 +64,7 @@ def _choose(dataset: xr.Dataset, at: At) -> tuple[int, str]:
         return int(np.abs(T - at).argmin()), CHOSEN
     known = ", ".join(f'"{event}"' for event in events) or "no events"
     span = f"{T[0]:.4g} to {T[-1]:.4g} t0"
-    raise ValueError(f"at = {at!r}: must be a time from {span} or an event of this run, which has {known}")
+    raise NoFigure(f"at = {at!r}: must be a time from {span} or an event of this run, which has {known}")
 
 
 def _events(dataset: xr.Dataset) -> dict[str, int]:

@@ -12,8 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ertel.numerics.richardson import Extrapolation, extrapolate
-from ertel.physics import hertz
-from ertel.physics.geometry import HERTZ_LOAD
 from ertel.results.plots import stored
 from ertel.results.plots.drawing import (
     BLUE,
@@ -22,6 +20,7 @@ from ertel.results.plots.drawing import (
     ORDERED_COLOURS,
     At,
     Figures,
+    NoFigure,
     Panel,
     Values,
     axis_label,
@@ -34,6 +33,7 @@ from ertel.results.plots.drawing import (
     map_of,
     named,
     scale,
+    stretch,
     title,
 )
 from ertel.results.plots.roughness import draw_band, draw_contours, set_height
@@ -89,7 +89,19 @@ def draw_spike(axes: Axes, dataset: xr.Dataset) -> None:
 def _side(dataset: xr.Dataset) -> float:
     """How far from the centre the contact is shown."""
     field = map_of(dataset, "P")
-    return extent(field.x, field.values.max(axis=0))
+    return extent(dataset, field.x, field.values.max(axis=0))
+
+
+def _dry_pressure(dataset: xr.Dataset, X: Values, Y: Values) -> Values:
+    """Hertz' pressure under the load of the contact."""
+    geometry = stored.geometry(dataset)
+    return np.asarray(geometry.dry_pressure(float(dataset["load"].values[-1]) / geometry.hertz_load, X, Y))
+
+
+def _nodes(dataset: xr.Dataset, along: int) -> str:
+    """The nodes of a grid: 65², or 65 x 97."""
+    X, Y = dataset.sizes["X"], dataset.sizes["Y"]
+    return f"{along}²" if X == Y else f"{along} x {round((along - 1) * (Y - 1) / (X - 1)) + 1}"
 
 
 def _flow(dataset: xr.Dataset) -> float:
@@ -105,13 +117,13 @@ def draw_midline(axes: Axes, dataset: xr.Dataset, along: str) -> None:
     H, P = section["H"].values, section["P"].values
     across, h = lateral(dataset), scale(dataset, "H", float(dataset["H_c"].values[-1]))
     p, right = scale(dataset, "P", float(P.max())), axes.twinx()
-    radius = float(dataset["load"].values[-1] / HERTZ_LOAD) ** (1 / 3)
-    right.plot(x * across.factor, hertz.pressure(x, radius) * p.factor, color=GREY, linewidth=0.8, linestyle="--")
+    dry = _dry_pressure(dataset, *((x, 0 * x) if along == "x" else (0 * x, x)))
+    right.plot(x * across.factor, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across.factor, P * p.factor, color=ORANGE)
     axes.plot(x * across.factor, H * h.factor, color=BLUE)
-    side = _side(dataset) * across.factor
+    side = _side(dataset) * (1.0 if along == "x" else stretch(dataset)) * across.factor
     axes.set(xlim=(-side, min(side, x[-1] * across.factor)), xlabel=axis_label(dataset, along))
-    top = 1.1 * max(float(P.max()), radius) * p.factor
+    top = 1.1 * max(float(P.max()), float(dry.max())) * p.factor
     rough = draw_band(axes, dataset, 0.0, x, 4.0 * float(dataset["H_c"].values[-1]) * h.factor, along)
     set_height(right, top, rough)
     for scaled, z, colour in ((axes, h, BLUE), (right, p, ORANGE)):
@@ -126,7 +138,9 @@ def draw_convergence(axes: Axes, dataset: xr.Dataset) -> None:
     grids = dataset["grid"].values
     for nodes, colour, history in zip(grids, _shades(len(grids)), dataset["history"].values, strict=True):
         known = history[np.isfinite(history)]
-        axes.semilogy(np.arange(len(known)), known, "o-", color=colour, markersize=3.5, label=f"{int(nodes)}²")
+        axes.semilogy(
+            np.arange(len(known)), known, "o-", color=colour, markersize=3.5, label=_nodes(dataset, int(nodes))
+        )
     tolerance = stored.tolerance(dataset)
     axes.axhline(tolerance, color="black", linewidth=0.8, linestyle=":", label="tolerance")
     axes.set(xlabel="Newton iteration", ylabel="maximum residual", title="Convergence on each grid")
@@ -152,7 +166,7 @@ def draw_grids(axes: Axes, dataset: xr.Dataset) -> None:
         axes.plot(place[-1:], [film.extrapolated * z.factor], marker, color=colour, markerfacecolor="white")
         axes.axhline(film.extrapolated * z.factor, color=colour, linewidth=0.8, linestyle="--")
         top = max(top, float(np.nanmax([*film.values, film.extrapolated])) * z.factor)
-    axes.set_xticks(place, [*(f"{nodes}²" for nodes in grids), "∞"])
+    axes.set_xticks(place, [*(_nodes(dataset, nodes) for nodes in grids), "∞"])
     axes.set(xlabel="nodes (∞: extrapolated)", ylabel=f"film thickness ({z.unit})", ylim=(0.0, 1.4 * top))
     axes.set_title("Film on each grid with its error estimate")
     axes.legend(loc="upper left", frameon=False, fontsize="small")
@@ -194,9 +208,9 @@ def convergence(dataset: xr.Dataset, at: At = None) -> Figure:
 
 def _of(dataset: xr.Dataset, at: At, rows: list[list[Panel]]) -> Figure:
     if at is not None:
-        raise ValueError(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
+        raise NoFigure(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
     if not dataset.sizes["grid"]:
-        raise ValueError("dataset: has no solution yet, there is nothing to draw")
+        raise NoFigure("dataset: has no solution yet, there is nothing to draw")
     dataset = dataset.load()
     films = [_with_error(dataset, name) for name in ("H_c", "H_min")]
     return compose(dataset, rows, [*title(dataset), *films])

@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ertel.model.case import Case
 from ertel.physics import surfaces
+from ertel.physics.geometry import Geometry
+from ertel.physics.geometry import geometry as of_ratio
 
 
 def _case_of(dataset: xr.Dataset) -> Case:
@@ -21,6 +23,11 @@ def _case_of(dataset: xr.Dataset) -> Case:
 @lru_cache(maxsize=4)
 def _case(written: str) -> Case:
     return Case.from_data(json.loads(written))
+
+
+def geometry(dataset: xr.Dataset) -> Geometry:
+    """The dry contact and its directions."""
+    return of_ratio(dataset.attrs.get("radius_ratio", 1.0), dataset.attrs.get("entrainment_angle", 0.0))
 
 
 def slide_to_roll(dataset: xr.Dataset) -> float:

@@ -60,22 +60,28 @@ PLACE: Mapping[Kind, MomentPanel] = {IMPACT: draw_front, ROLLING: draw_minimum_f
 def draw_film_map(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     """Film thickness at the chosen moment, with contour lines at equal steps as an interferometer shows them."""
     P, H = p.P[p.chosen], p.H[p.chosen]
-    field, side = map_of(dataset, "H", p.chosen), extent(p.x, P)
-    draw_film(axes, dataset, field, side, 1.5 * film_inside(p.x, P, H))
+    top = 1.5 * film_inside(dataset, p.x, P, H)
+    draw_film(axes, dataset, map_of(dataset, "H", p.chosen), _side(dataset, p.chosen), top)
     draw_contours(axes, dataset, p.time)
     draw_flow(axes, entrainment(dataset, p.time))
 
 
 def draw_pressure_map(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     """Pressure at the chosen moment, with contour lines at equal steps."""
-    draw_pressure(axes, dataset, map_of(dataset, "P", p.chosen), extent(p.x, p.P[p.chosen]))
+    draw_pressure(axes, dataset, map_of(dataset, "P", p.chosen), _side(dataset, p.chosen))
     draw_contours(axes, dataset, p.time)
     draw_flow(axes, entrainment(dataset, p.time))
 
 
+def _side(dataset: xr.Dataset, frame: int) -> float:
+    """How far from the centre a map is shown along x."""
+    field = map_of(dataset, "P", frame)
+    return extent(dataset, field.x, field.values.max(axis=0))
+
+
 def draw_film_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     """Film along the mid-line through time, the chosen moment in black."""
-    top = 2.0 * film_inside(p.x, p.P[p.chosen], p.H[p.chosen])
+    top = 2.0 * film_inside(dataset, p.x, p.P[p.chosen], p.H[p.chosen])
     z = scale(dataset, "H", top / 2)
     rough = _draw_profiles(axes, dataset, p, p.H * z.factor, top * z.factor)
     axes.set(ylabel=z.label)
@@ -107,7 +113,7 @@ def _draw_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles, values: Values,
     if shown[-1] > last:
         axes.plot([], [], color=GREY, linestyle="--", linewidth=0.8, label="rebound")
     rough = draw_band(axes, dataset, p.time, p.x, top)
-    side = extent(p.x, p.P[p.chosen]) * across.factor
+    side = extent(dataset, p.x, p.P[p.chosen]) * across.factor
     axes.set(xlim=(-side, min(side, x[-1])), xlabel=axis_label(dataset, "x"))
     figure_of(axes).colorbar(colours, ax=axes, label=time.label)
     return rough

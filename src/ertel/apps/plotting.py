@@ -1,0 +1,45 @@
+"""The figures of a run as files."""
+
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from ertel.apps.exits import BAD_INPUT, leave
+from ertel.apps.output import printable
+from ertel.apps.paths import shown
+from ertel.results import plots
+
+
+def write_figures(data: xr.Dataset, at: str | None, target: Path, kind: str) -> None:
+    """Draw all figures of a run, then write them into a directory and print their names.
+
+    at: the moment, a time or the name of an event.  kind: png, svg or pdf.
+    """
+    try:
+        figures = {name: draw(data, **options) for name, draw, options in _at(plots.figures_of(data), at)}
+    except plots.NoFigure as error:
+        leave(BAD_INPUT, str(error))
+    target.mkdir(parents=True, exist_ok=True)
+    for name, figure in figures.items():
+        path = target / f"{name}.{kind}"
+        figure.savefig(path)
+        print(printable(shown(path)))
+
+
+def _at(draws: Mapping[str, Callable[..., Any]], at: str | None) -> Iterator[tuple[str, Callable[..., Any], Any]]:
+    """Each figure with its options: figures of a single time get `at`, a time or the name of an event."""
+    moment = {name: "at" in inspect.signature(draw).parameters for name, draw in draws.items()}
+    if at is not None and not any(moment.values()):
+        raise plots.NoFigure(f"--at {at}: the figures of this run do not show a single moment; leave it out")
+    for name, draw in draws.items():
+        yield name, draw, {"at": _time_or_event(at)} if at is not None and moment[name] else {}
+
+
+def _time_or_event(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text

@@ -1,0 +1,187 @@
+"""Elliptical contacts as a user gives them: radii of both bodies, reduced radii, or a ratio; and what is refused."""
+
+import json
+
+import pytest
+from cases import ertel_
+
+import ertel
+from ertel.inputs.case_files import load_case, parse_case
+from ertel.inputs.messages import ConfigError
+from ertel.model import discretise
+from ertel.physics.geometry import CIRCLE, Ellipse
+
+ROLLING = {"kind": "rolling", "load": "100 N", "mean_speed": "0.5 m/s", "E_prime": "226.37 GPa"}
+IMPACT = {"mass": "33 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
+OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
+REDUCED = {"radius_x": "10 mm", "radius_y": "50 mm"}
+MOES = {"M": 200, "L": 10}
+
+
+def case_of(contact: dict, **sections: dict) -> ertel.Case:
+    oil = {} if "M" in contact else {"lubricant": OIL}
+    return parse_case({"contact": contact, **oil, **sections})
+
+
+@pytest.mark.parametrize(
+    "radii",
+    [
+        REDUCED,
+        {"radius_x_1": "10 mm", "radius_y_1": "50 mm"},  # against a plane
+        {"radius_x_1": "20 mm", "radius_x_2": "20 mm", "radius_y_1": "25 mm", "radius_y_2": "-50 mm"},
+    ],
+)
+def test_the_worked_example_in_three_ways(radii: dict) -> None:
+    case = case_of({**ROLLING, **radii})
+    assert case.scales is not None
+    assert (case.scales.a, case.scales.p_h) == pytest.approx((139.690e-6, 846.615e6), rel=4e-6)
+    assert (case.parameters.M_BH, case.parameters.L_BH) == pytest.approx((185.188, 8.96790), rel=4e-6)
+    assert case.parameters.radius_ratio == pytest.approx(0.2)
+
+
+def test_a_ball_in_the_groove_of_an_inner_ring() -> None:
+    """A ball of 6 mm radius on an inner ring of 20 mm with a groove of 6.24 mm: 1/R_x = 1/6 + 1/20, 1/R_y = 1/156."""
+    bodies = {"radius_x_1": "6 mm", "radius_y_1": "6 mm", "radius_x_2": "20 mm", "radius_y_2": "-6.24 mm"}
+    case = case_of({**ROLLING, **bodies})
+    assert case.scales is not None
+    assert case.scales.R == pytest.approx(60 / 13 * 1e-3)
+    assert case.parameters.radius_ratio == pytest.approx(60 / 13 / 156)
+
+
+def test_equal_radii_are_the_circle() -> None:
+    one = case_of({**ROLLING, "radius_x": "10 mm", "radius_y": "10 mm"})
+    ball = case_of({**ROLLING, "radius": "10 mm"})
+    assert one.geometry is CIRCLE
+    assert (one.scales, one.parameters, one.solver) == (ball.scales, ball.parameters, ball.solver)
+
+
+def test_keywords_are_those_of_case_files(tmp_path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(
+        '[contact]\nkind = "rolling"\nM = 200\nL = 10\nradius_ratio = 0.4\nentrainment_angle = "0.5 rad"\n',
+        encoding="utf-8",
+    )
+    case = ertel.rolling(M=200, L=10, radius_ratio=0.4, entrainment_angle="0.5 rad")
+    assert load_case(path).contact == case.contact
+    assert case.contact.angle == pytest.approx(28.64788975654)
+    assert ertel.rolling(M=200, L=10, radius_ratio=0.4, entrainment_angle=30).geometry == Ellipse(0.4, 30.0)
+    assert ertel.rolling(M=200, L=10, radius_ratio=0.4, entrainment_angle="90 deg").geometry == Ellipse(0.4, 90.0)
+    assert ertel.Case.from_data(case.to_data()) == case
+    assert ertel.impact(
+        radius_x=0.01, radius_y=0.05, **IMPACT, oil=ertel.Oil(**OIL)
+    ).parameters.radius_ratio == pytest.approx(0.2)
+
+
+BAD = [
+    ({**ROLLING, "radius_x_1": "10 mm"}, "contact.radius_y_1: missing"),
+    (
+        {**ROLLING, "radius_x_1": "10 mm", "radius_y_1": "10 mm", "radius_y_2": "-9 mm"},
+        'contact.radius_y_1 = "10 mm" and contact.radius_y_2 = "-9 mm"',
+    ),
+    ({**ROLLING, "radius_x_1": "10 mm", "radius_y_1": "10 mm", "radius_y_2": "-10 mm"}, "no contact at a point"),
+    ({**ROLLING, "radius_x_1": "0 mm", "radius_y_1": "10 mm"}, "contact.radius_x_1 = "),
+    ({**ROLLING, "radius_x": "10 mm"}, "contact.radius_y: missing"),
+    ({**ROLLING, "radius_x": "-10 mm", "radius_y": "10 mm"}, "contact.radius_x = "),
+    ({**ROLLING, "radius_x": "10 mm", "radius_y": "1.1 m"}, "allowed: from 1/100 to 100"),
+    ({**ROLLING, **REDUCED, "radius": "10 mm"}, "are given together"),
+    ({**ROLLING, **REDUCED, "radius_ratio": 0.2}, "contact.radius_ratio = 0.2"),
+    ({**ROLLING, **REDUCED, "entrainment_angle": "200 deg"}, 'contact.entrainment_angle = "200 deg"'),
+    ({**ROLLING, **REDUCED, "entrainment_angle": 30}, "contact.entrainment_angle = 30"),
+    ({**ROLLING, **REDUCED, "entrainment_angle": "30 mm"}, "contact.entrainment_angle = "),
+    ({**ROLLING, **REDUCED, "ball_density": "7850 kg/m^3"}, 'contact.ball_density = "7850 kg/m^3"'),
+    ({"kind": "rolling", **MOES, "radius_ratio": 0.005}, "contact.radius_ratio = 0.005"),
+    ({"kind": "rolling", **MOES, "radius_ratio": -1.0}, "contact.radius_ratio = -1.0"),
+    ({**MOES, "radius_ratio": 0.5, "entrainment_angle": "30 deg"}, 'contact.entrainment_angle = "30 deg"'),
+    ({**MOES, "ellipticity": 2.0}, "give radius_ratio"),
+]
+
+
+@pytest.mark.parametrize(("contact", "said"), BAD)
+def test_bad_input_is_refused(contact: dict, said: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        case_of(contact)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("solver", "said"),
+    [
+        ({"method": "radial"}, 'solver.method = "radial": is for circular contacts, this one has R_x/R_y = 0.5'),
+        ({"half_width_y": 1.5}, "solver.half_width_y = 1.5"),
+    ],
+)
+def test_grids_that_do_not_suit_an_ellipse_are_refused(solver: dict, said: str) -> None:
+    with pytest.raises(ConfigError, match=r"^solver\.") as caught:
+        case_of({**MOES, "radius_ratio": 0.5}, solver=solver)
+    assert said in str(caught.value)
+
+
+def test_a_radial_grid_has_one_half_width() -> None:
+    with pytest.raises(ConfigError, match=r"solver\.half_width_y = 3"):
+        case_of(dict(MOES), solver={"method": "radial", "half_width_y": 3.0})
+
+
+# -- the default domain -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["impact", "rolling"])
+@pytest.mark.parametrize("D", [0.05, 0.3, 1.0, 3.0, 20.0])
+@pytest.mark.parametrize("angle", [0.0, 35.0, 90.0])
+def test_the_default_grid_follows_the_ellipse(kind: str, D: float, angle: float) -> None:
+    """Distances from the contact, and the spacing, are those of the circle in units of the smaller half width."""
+    turned = {"entrainment_angle": f"{angle} deg"} if angle else {}
+    drive = {"motion": {"entrainment": 0.5}} if kind == "impact" and angle else {}
+    case = case_of({"kind": kind, **MOES, "radius_ratio": D, **turned}, **drive)
+    grid, unit, (wide, high) = discretise.grid_of(case), case.geometry.smaller, case.geometry.extent
+    circle = discretise.grid_of(case_of({"kind": kind, "M": case.parameters.as_ball.M, "L": 10.0}))
+    left, right = (1e-9 + (abs(edge) - 1) * unit for edge in (circle.x[0], circle.x[-1]))
+    assert -grid.x[0] - wide >= 0.94 * left and grid.x[-1] - wide >= 0.94 * right - 0.02
+    assert grid.x[-1] - grid.x[0] >= 2 * wide + left + right - 1e-6
+    assert grid.y[-1] - high >= 0.999 * unit * (circle.y[-1] - 1)
+    assert 0.8 * circle.spacing * unit < grid.spacing <= 1.15 * circle.spacing * unit
+    assert has_a_node_at_zero(grid.x) and has_a_node_at_zero(grid.y)
+
+
+def has_a_node_at_zero(axis) -> bool:
+    return bool((abs(axis) < 1e-9).any())
+
+
+def test_a_half_grid_covers_the_same_domain() -> None:
+    case = case_of({"kind": "rolling", **MOES, "radius_ratio": 0.17}, solver={"nodes": 129})
+    fine, half = discretise.grid_of(case), discretise.grid_of(case.on_half_grid())
+    assert (half.nodes_x, half.nodes_y) == ((fine.nodes_x + 1) // 2, (fine.nodes_y + 1) // 2)
+    assert (half.x[0], half.y[0]) == pytest.approx((fine.x[0], fine.y[0]))
+
+
+# -- the command line -------------------------------------------------------------------------------------------------
+
+FLAGS = ["--kind", "rolling", "--load", "100 N", "--mean-speed", "0.5 m/s", "--E-prime", "226.37 GPa"]
+FLAGS += ["--eta0", "40 mPa*s", "--alpha", "22 / GPa"]
+
+
+def test_params_of_the_worked_example() -> None:
+    flags = ["--radius-x-1", "10 mm", "--radius-y-1", "20 mm", "--radius-y-2", "-33.333333333 mm"]
+    content = json.loads(ertel_("params", *FLAGS, *flags, "--json").stdout)
+    named = {"lambda_bar": 0.01039991, "alpha_bar": 18.62553, "M": 512.567, "L": 10.21061}
+    named |= {"M_BH": 185.188, "L_BH": 8.96790, "radius_ratio": 0.2, "kappa": 0.345999}
+    assert {name: content[name] for name in named} == pytest.approx(named, rel=4e-6)
+    si = {"a_m": 139.690e-6, "a_y_m": 403.729e-6, "p_h_Pa": 846.615e6, "delta_m": 2.60564e-6}
+    assert {name: content["si"][name] for name in si} == pytest.approx(si, rel=4e-6)
+
+
+def test_films_of_the_worked_example() -> None:
+    content = json.loads(ertel_("film", *FLAGS, "--radius-x", "10 mm", "--radius-y", "50 mm", "--json").stdout)
+    films = {row["name"]: row["si"] for row in content["films"]}
+    assert films["Nijenbanning-Venner-Moes"]["h_c_m"] == pytest.approx(203.69e-9, abs=5e-12)
+    assert films["Hamrock-Dowson"]["h_min_m"] == pytest.approx(151.39e-9, abs=5e-12)
+
+
+def test_films_at_an_angle() -> None:
+    """R_e at 90 degrees is R_y: the film of a slender contact is thinner, though its radius is larger."""
+    flags = [*FLAGS, "--radius-x", "10 mm", "--radius-y", "50 mm", "--json"]
+    films = []
+    for angle in ("0 deg", "60 deg", "90 deg"):
+        content = json.loads(ertel_("film", *flags, "--entrainment-angle", angle).stdout)
+        films.append({row["name"]: row["si"]["h_c_m"] for row in content["films"]}["Chittenden et al."])
+    assert films[0] > films[1] > films[2]

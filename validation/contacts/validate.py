@@ -1,0 +1,159 @@
+"""Validate elliptical contacts: film formulas, rolling resistance, flow at an angle; writes a table of each.
+
+    python validation/contacts/validate.py [formula] [resistance] [angle] [--nodes N]
+
+Each table takes some minutes on two cores, most of them for compiling: every ellipse has a grid of its own.
+"""
+
+import sys
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ertel import Case, parse_case
+from ertel.model.state import GridSolution, Rolling
+from ertel.physics.film_formulas import expected_film
+from ertel.results import diagnostics, summary
+from ertel.solvers import steady
+
+HERE = Path(__file__).parent
+BARUS = {"viscosity": "barus", "density": "incompressible"}
+FLUIDS = {"barus, incompressible": BARUS, "roelands, dowson-higginson": {}}
+ISOVISCOUS = {"viscosity": "isoviscous", "density": "incompressible"}
+TABLE = [(20, 10), (200, 10), (1000, 10), (200, 5), (200, 0)]
+RATIOS = [1.0, 0.5, 0.2, 0.1, 0.05]
+
+
+def case(M: float, L: float, D: float, nodes: int, oil: dict[str, Any], **more: Any) -> Case:
+    contact = {"kind": "rolling", "M": M, "L": L, "radius_ratio": D, **more.pop("contact", {})}
+    return parse_case(
+        {
+            "contact": contact,
+            "lubricant": oil if L else ISOVISCOUS,
+            "solver": {"nodes": nodes, "tolerance": 0.03, **more},
+        }
+    )
+
+
+def table(head: list[str], rows: list[list[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+
+
+def moes(c: Case) -> float:
+    """H of Moes over H in a^2/R."""
+    p = c.parameters
+    return float((1.5 * p.ellipse.kappa * p.ellipse.beta * p.M) ** (2 / 3))
+
+
+# -- film thickness formula -------------------------------------------------------------------------------------------
+
+
+def formula(nodes: int) -> str:
+    """The central film against Nijenbanning, Venner and Moes, in Moes' unit."""
+    rows = []
+    for D, (M, L), (fluid, oil) in product(RATIOS, TABLE, FLUIDS.items()):
+        if L or oil:
+            rows.append(_formula(case(M, L, D, nodes, oil), fluid if L else "isoviscous", M, L, D))
+            print(rows[-1], flush=True)
+    head = ["R_x/R_y", "M", "L", "fluid", "grid", "H_Moes", "extrapolated", "formula", "formula/extrapolated - 1"]
+    return table([*head, "Krylov per Newton iteration", "warned of"], rows)
+
+
+def _formula(c: Case, fluid: str, M: float, L: float, D: float) -> list[str]:
+    rolling = steady.steady(c)
+    s, x, unit = rolling.finest, rolling.extrapolate("H_c"), moes(c)
+    joined = expected_film(c.parameters) * unit
+    said = [name for name in ("inlet", "uncertain") if any(name in text for text in _warnings(c, rolling))]
+    return [
+        *(f"{D:g}", f"{M:g}", f"{L:g}", fluid, f"{s.grid.nodes_x} x {s.grid.nodes_y}"),
+        *(f"{x.value * unit:.3f}", f"{x.extrapolated * unit:.3f}", f"{joined:.3f}"),
+        *(f"{joined / (x.extrapolated * unit) - 1:+.1%}", f"{s.krylov / s.newton:.1f}", ", ".join(said)),
+    ]
+
+
+def _warnings(c: Case, rolling: Rolling) -> list[str]:
+    return diagnostics.steady_warnings(c, rolling.solutions)
+
+
+# -- rolling resistance -----------------------------------------------------------------------------------------------
+
+
+def resistance(nodes: int) -> str:
+    """1/2 of the double integral of H dP/dX, over the limit 7.5/(kappa M_BH) of Biboulet and Houpert (2010)."""
+    rows = []
+    for D, M_BH, inlet in product([1.0, 0.25], [50.0, 100.0, 200.0], [4.5, 9.0, 18.0]):
+        c = _long_inlet(D, M_BH, inlet, nodes)
+        kappa = c.parameters.ellipse.kappa
+        coarse, fine = (_moment(s) * kappa * M_BH / 7.5 for s in steady.steady(c).solutions[-2:])
+        rows.append([f"{D:g}", f"{M_BH:g}", f"{inlet:g}", f"{fine:.3f}", f"{fine + (fine - coarse) / 3:.3f}"])
+        print(rows[-1], flush=True)
+    return table(["R_x/R_y", "M_BH", "inlet", "share of the limit", "extrapolated"], rows)
+
+
+def _long_inlet(D: float, M_BH: float, inlet: float, nodes: int) -> Case:
+    """With Barus' oil, L = 10; the spacing is that of the inlet 4.5."""
+    e = case(100.0, 10.0, D, nodes, BARUS).parameters.ellipse
+    cells = {4.5: nodes - 1, 9.0: 7 * (nodes - 1) // 4, 18.0: 13 * (nodes - 1) // 4}[inlet]
+    length = 6.0 * cells / (nodes - 1)
+    inlet = length * round(inlet / length * 16) / 16
+    return case(M_BH / (e.beta**0.25 * e.kappa), 10.0, D, cells + 1, BARUS, half_width=length / 2, inlet=inlet)
+
+
+def _moment(s: GridSolution) -> float:
+    P, H, h = s.whole(s.P), s.whole(s.H), s.grid.spacing
+    return float(0.5 * (H * np.gradient(P, h, axis=1)).sum() * h**2)
+
+
+# -- flow at an angle -------------------------------------------------------------------------------------------------
+
+
+def angle(nodes: int) -> str:
+    """Films at angles from 0 to 90 degrees against Chittenden's formula; a steel contact with R_x/R_y = 1/4."""
+    rows = []
+    for degrees in (0.0, 30.0, 60.0, 90.0):
+        c = parse_case(
+            {
+                "contact": {
+                    **{"kind": "rolling", "radius_x": "10 mm", "radius_y": "40 mm", "load": "60 N"},
+                    **{"mean_speed": "1.5 m/s", "E_prime": "226.37 GPa", "entrainment_angle": f"{degrees} deg"},
+                },
+                "lubricant": {**BARUS, "eta0": "40 mPa*s", "alpha": "22 / GPa"},
+                "solver": {"nodes": nodes, "tolerance": 0.03},
+            }
+        )
+        rows.append(_angle(c, degrees))
+        print(rows[-1], flush=True)
+    head = ["angle", "grid", "h_c (nm)", "extrapolated", "Chittenden", "h_min (nm)", "extrapolated", "Chittenden"]
+    return table(head, rows)
+
+
+def _angle(c: Case, degrees: float) -> list[str]:
+    assert c.scales is not None
+    rolling, nm = steady.steady(c), c.scales.film * 1e9
+    chittenden = next(film for film in summary.films(c) if film.name.startswith("Chittenden"))
+    cells = []
+    for name, by in (("H_c", chittenden.central), ("H_min", chittenden.minimum)):
+        x = rolling.extrapolate(name)
+        cells += [f"{value * nm:.0f}" for value in (x.value, x.extrapolated, by or 0.0)]
+    grid = rolling.finest.grid
+    return [f"{degrees:g}", f"{grid.nodes_x} x {grid.nodes_y}", *cells]
+
+
+ALL = {name: globals()[name] for name in ("formula", "resistance", "angle")}
+
+
+def main(arguments: list[str]) -> None:
+    nodes = 129
+    if "--nodes" in arguments:
+        at = arguments.index("--nodes")
+        nodes = int(arguments[at + 1])
+        arguments = arguments[:at] + arguments[at + 2 :]
+    for name in arguments or ALL:
+        (HERE / f"{name}.md").write_text(ALL[name](nodes), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
