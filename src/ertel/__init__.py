@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from ertel.physics.lubricant import Lubricant as Lubricant
     from ertel.physics.motion import Motion as Motion
     from ertel.physics.registry import DENSITY_LAWS as density_laws
+    from ertel.physics.registry import FLUIDITY_LAWS as fluidity_laws
     from ertel.physics.registry import SHAPES as shapes
     from ertel.physics.registry import VISCOSITY_LAWS as viscosity_laws
     from ertel.physics.scales import Parameters as Parameters
@@ -78,6 +79,7 @@ _HOMES = {  # name: module, or module:name there
     "Lubricant": "physics.lubricant",
     "Motion": "physics.motion",
     "density_laws": "physics.registry:DENSITY_LAWS",
+    "fluidity_laws": "physics.registry:FLUIDITY_LAWS",
     "shapes": "physics.registry:SHAPES",
     "viscosity_laws": "physics.registry:VISCOSITY_LAWS",
     "Parameters": "physics.scales",

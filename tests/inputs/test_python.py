@@ -40,6 +40,7 @@ def test_keywords_are_the_keys_of_case_files(function, kind):
     assert set(parameters) == expected | {
         "oil",
         "temperature",
+        "rheology",
         "material_1",
         "material_2",
         "motion",

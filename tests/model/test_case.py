@@ -328,7 +328,12 @@ CHANGES: list[Change] = [
             },
             *change,
         )
-        for change in [("contact.load", "41.0 N"), ("contact.speed_1", "0.7 m/s"), ("contact.speed_2", "0.5 m/s")]
+        for change in [
+            ("contact.load", "41.0 N"),
+            ("contact.speed_1", "0.7 m/s"),
+            ("contact.speed_2", "0.5 m/s"),
+            ("lubricant.rheology", {"law": "ree-eyring", "tau0": "5000000.0 Pa"}),
+        ]
     ],
     *[
         (

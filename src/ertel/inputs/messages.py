@@ -7,8 +7,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from ertel.inputs import schema
-from ertel.model.records import printable, show, show_key
-from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
+from ertel.model.records import OIL_LAWS, printable, show, show_key
+from ertel.physics.registry import SHAPES
 
 
 class ConfigError(ValueError):
@@ -18,12 +18,14 @@ class ConfigError(ValueError):
         super().__init__(printable(message))
 
 
+THINNING = 'shear thinning is written lubricant.rheology = { law = "ree-eyring", tau0 = "5 MPa" }'
+
 # keys that a tribologist may try and that ertel does not support, with an explanation
 NOT_THERE = {
     "ellipticity": "give radius_ratio = R_x/R_y, or the radii radius_x and radius_y",
-    "tau0": "ertel's oils are Newtonian; shear thinning is not supported",
-    "eyring": "ertel's oils are Newtonian; shear thinning is not supported",
-    "rheology": "ertel's oils are Newtonian; shear thinning is not supported",
+    "tau0": THINNING,
+    "eyring": THINNING,
+    "carreau": THINNING,
     "friction": "ertel does not compute friction",
     "spin": "ertel does not know spin; the surfaces move along x",
     "thermal": "ertel is isothermal; give eta0 and alpha at the temperature of the inlet",
@@ -42,15 +44,19 @@ def message(error: ValidationError) -> str:
             return f"{field_name([*place, key])} = {show(value)}: unknown key; {_known_keys(key, known)}"
         case "value_error":
             return f"{field}: {first['ctx']['error']}"
+        case "literal_error" if place[0] == "lubricant" and first["input"] in OIL_LAWS.get(str(place[1]), {}):
+            law = first["input"]
+            return f'{field}: has data of its own; give them as {{ law = "{law}", ... }}'
         case "literal_error":
             return f"{field}: allowed: {first['ctx']['expected']}"
         case "union_tag_not_found" if place[0] == "roughness" and not isinstance(first["input"], dict):
             return f"{field}: must be a table with a shape; allowed: {_list(SHAPES)}"
         case "union_tag_not_found" if place[0] == "roughness":
             return _unknown_name(place, "shape", first["input"], SHAPES)
+        case "union_tag_not_found" if place[0] == "lubricant" and len(place) > 2 and isinstance(first["input"], str):
+            return f"{field}: must be a table with a law and its data"
         case "union_tag_not_found" if place[0] == "lubricant":
-            laws = VISCOSITY_LAWS if place[-1] == "viscosity" else DENSITY_LAWS
-            return _unknown_name(place, "law", first["input"], laws)
+            return _unknown_name(place, "law", first["input"], OIL_LAWS[str(place[1])])
         case "union_tag_not_found" | "too_short":
             return f"{field}: must be {schema.SIGNAL_TEXT}"
         case "tuple_type" if place == ["roughness"]:

@@ -16,10 +16,12 @@ from ertel.inputs.names import MATERIAL_KEYS
 from ertel.inputs.quantities import parse_quantity
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
-from ertel.model.records import checked, oil_data, show
+from ertel.model.records import checked, law_data, oil_data, show
 from ertel.model.sections import Output, Solver, Time
 from ertel.physics import lubricant
+from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
+from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.surfaces import Feature, Shape
 from ertel.physics.units import HEIGHT, LARGEST, TEMPERATURE, TIME, Quantity, Unit, marks
 
@@ -35,6 +37,7 @@ def Oil(  # reads as the record that it makes
     p0: Number = lubricant.P0_ROELANDS,
     z: float | None = None,
     reference: str = "",
+    rheology: str | Fluidity = "newtonian",
 ) -> lubricant.Oil:
     """An oil.
 
@@ -48,6 +51,8 @@ def Oil(  # reads as the record that it makes
         Roelands' pressure (Pa) and exponent; z follows from eta0 and alpha if it is not given.
     reference : str
         Source of the data.
+    rheology : str or record
+        "newtonian", or the record of a law of shear thinning.
 
     Raises ValueError, naming the argument, for a value that is not allowed.
 
@@ -60,7 +65,7 @@ def Oil(  # reads as the record that it makes
     kinds = marks(lubricant.Oil)
     si = {name: _si(f"oil.{name}", value, kinds[name]) for name, value in given.items()}
     try:
-        oil = lubricant.Oil(viscosity, density, si["eta0"], si["alpha"], si["p0"] or p0, _plain(z), reference)  # type: ignore[arg-type]
+        oil = lubricant.Oil(viscosity, density, si["eta0"], si["alpha"], si["p0"] or p0, _plain(z), reference, rheology)  # type: ignore[arg-type]
         return checked(oil, "oil")
     except ValueError as error:
         raise ConfigError(str(error)) from error
@@ -110,6 +115,7 @@ def impact(
     material_2: str | None = None,
     oil: lubricant.Oil | str | None = None,
     temperature: Number | None = None,
+    rheology: str | Mapping[str, Any] | Fluidity | None = None,
     method: str | None = None,
     nodes: int | None = None,
     half_width: float | None = None,
@@ -152,6 +158,9 @@ def impact(
         of an oil, "squalane", see `ertel.oils`, with its
     temperature : float or str
         Temperature in the inlet (K, or "40 degC").
+    rheology : str, mapping or record
+        How the oil thins under shear, instead of the oil's own: {"law": "ree-eyring", "tau0": "5 MPa"} as in case
+        files, the record of a law, or "newtonian".
     method : "2d" or "radial"
         On a square grid, or along the radius (smooth impacts, fast).
     nodes, half_width, half_width_y, inlet, tolerance, fold
@@ -210,6 +219,7 @@ def rolling(
     material_2: str | None = None,
     oil: lubricant.Oil | str | None = None,
     temperature: Number | None = None,
+    rheology: str | Mapping[str, Any] | Fluidity | None = None,
     method: str | None = None,
     nodes: int | None = None,
     half_width: float | None = None,
@@ -231,7 +241,7 @@ def rolling(
     ----------
     M, L, lambda_bar, alpha_bar, radius_ratio, E_prime, E1, nu1, E2, nu2, roughness, name
     radius, radius_1, radius_2, radius_x, radius_y, radius_x_1, radius_y_1, radius_x_2, radius_y_2, entrainment_angle
-    material_1, material_2, oil, temperature
+    material_1, material_2, oil, temperature, rheology
         As for `impact`; a material gives no density here, because a ball without one has no inertia.
     load : float or str
         Static load (N).
@@ -287,6 +297,9 @@ def _lubricant(wanted: Mapping[str, Any]) -> dict[str, Any] | None:
     data = oil_data(oil) if isinstance(oil, lubricant.Oil) else {} if oil is None else {"oil": oil}
     if "temperature" in wanted:
         data["temperature"] = _with_unit(wanted["temperature"], TEMPERATURE)
+    if "rheology" in wanted:
+        law = wanted["rheology"]
+        data["rheology"] = law_data(law, FLUIDITY_LAWS) if hasattr(law, "fluidity") else law
     return data or None
 
 

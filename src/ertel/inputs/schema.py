@@ -4,7 +4,7 @@ A quantity is a string with a unit ("10 mm"), a dimensionless number a plain num
 number in the units of the case, a, a^2/R or t0, or a quantity.  The rules for valid input are in the model.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, fields
 from functools import cache, partial
 from typing import Annotated, Any, Literal, get_origin, get_type_hints
@@ -14,10 +14,11 @@ from pydantic_core import PydanticCustomError
 
 from ertel.inputs.quantities import parse_amount, parse_number, parse_quantity
 from ertel.model.conditions import Conditions
+from ertel.model.records import OIL_LAWS, law_fields
 from ertel.model.sections import STOPS, Drive, Output, Solver, Time
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation
-from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
+from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
 from ertel.physics.units import DURATION, FINITE, TIME, Bounds, Quantity, Unit, marks
 
 NUMBER, POINTS, TABLE, NAME = "<number>", "<points>", "<table>", "<name>"  # tags, no part of a field's name
@@ -109,7 +110,7 @@ Signal = Annotated[
 Until = Annotated[float | Quantity | str, BeforeValidator(_event_or_time)]
 
 
-def _tag_of(key: str, records: Registry) -> Callable[[object], str | None]:
+def _tag_of(key: str, records: Mapping[str, type]) -> Callable[[object], str | None]:
     """The tag that distinguishes the tables of a registry: the name under a key."""
 
     def tag(value: object) -> str | None:
@@ -119,10 +120,11 @@ def _tag_of(key: str, records: Registry) -> Callable[[object], str | None]:
     return tag
 
 
-def _tables(key: str, records: Registry) -> Iterator[Any]:
+def _tables(key: str, records: Mapping[str, type]) -> Iterator[Any]:
     """A table for every record of a registry, told apart by its name under a key."""
     for name, record in records.items():
-        own = create_model(name, __base__=section_of(record), **{key: (Literal[name], ...)})  # type: ignore[call-overload]
+        inside = {part: _inner_law() for part in law_fields(record)}
+        own = create_model(name, __base__=section_of(record, **inside), **{key: (Literal[name], ...)})  # type: ignore[call-overload]
         if key == "shape":
             own = create_model(name, __base__=own, surface=(_one_of(1, 2), 1))
         yield Annotated[own, Tag(f"<{name}>")]
@@ -147,18 +149,24 @@ def _law(laws: Registry) -> Any:
     return _union([Annotated[Literal[able], Tag(NAME)], *_tables("law", laws)], form)
 
 
+def _inner_law() -> Any:
+    """A law of shear thinning inside of another one: a table; there is no third one inside of it."""
+    plain = {name: law for name, law in FLUIDITY_LAWS.items() if not law_fields(law)}
+    return _union(list(_tables("law", plain)), _tag_of("law", plain))
+
+
 # -- the whole file ---------------------------------------------------------------------------------------------------
 
 
 def case_file() -> type[Section]:
     """The layout of a whole case file, with the laws and shapes that are registered now."""
-    return _case_file(*(tuple(registry.items()) for registry in (VISCOSITY_LAWS, DENSITY_LAWS, SHAPES)))
+    return _case_file(*(tuple(registry.items()) for registry in (VISCOSITY_LAWS, DENSITY_LAWS, FLUIDITY_LAWS, SHAPES)))
 
 
 @cache
 def _case_file(*registered: tuple[tuple[str, type], ...]) -> type[Section]:
     feature: Any = _union(list(_tables("shape", SHAPES)), _tag_of("shape", SHAPES))
-    oil = section_of(Oil, "Lubricant", viscosity=_law(VISCOSITY_LAWS), density=_law(DENSITY_LAWS))
+    oil = section_of(Oil, "Lubricant", **{name: _law(registry) for name, registry in OIL_LAWS.items()})
     sections: dict[str, Any] = {
         "schema_version": (Annotated[_one_of(1), Field(alias="schema")], 1),
         "name": (str, ""),

@@ -1,6 +1,6 @@
 """The budgets of mass and energy of the film: what is stored, what flows, what is lost, at one time.
 
-Mass: Reynolds' equation integrated over the grid, with the Poiseuille flux rho q = -eps grad P:
+Mass: Reynolds' equation integrated over the grid, with the Poiseuille flux rho q (Newtonian: -eps grad P):
 
     d/dT [integral of rho H] + outflow - inflow = cavity source
 
@@ -15,8 +15,10 @@ H = -Delta + G + D has the gap G (with the roughness) and the deformation D.  Th
 * E_solids = 1/2 integral of P D: elastic energy of the solids.  D has the uplift by the oil outside.  The energy that
   its pressure shares with that on the grid, 1/2 uplift times load, comes on top.
 * E_oil = integral of (rho h - P) H: elastic energy of the compressed oil.
-* dissipation = integral of eps grad P.grad h: viscous, of the Poiseuille flow.  Sliding of the surfaces dissipates too,
-  exactly what it takes to drive it; both are left out.
+* dissipation = - integral of rho q.grad h: what the pressure spends on the Poiseuille flow.  For a Newtonian oil it is
+  viscous, eps grad P.grad h.  Sliding of the surfaces dissipates too, exactly what it takes to drive it; both are left
+  out.  For an oil that thins, sliding and pressure act together: the flux is that of `thinning`, and the work of
+  sliding, tau_m.(u1 - u2), is again left out on both sides.
 * surface power = - integral of P DG/DT: what the moving surfaces do on the film, by rolling (- U P dG/dX, whose sum is
   the hydrodynamic rolling resistance) and by roughness that moves relative to the flow.  Where the gap closes the film
   takes power from the surfaces, where it opens it gives most of it back.
@@ -44,7 +46,7 @@ from ertel.model.flow import wedge
 from ertel.model.state import GridSolution
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import Program
-from ertel.numerics.stencils import Pair, diffusion, inside
+from ertel.numerics.stencils import Pair, inside
 from ertel.physics.far_field import Motion
 from ertel.physics.lubricant import Lubricant
 
@@ -57,24 +59,28 @@ ENERGIES = ("elastic_energy", "oil_energy", "dissipation", "power_from_surfaces"
 class Film(NamedTuple):
     """The film at one time.
 
-    P, H, eps: pressure, film thickness, mobility.  deformation: of the solids.  growth: D(rho H)/DT - div(Poiseuille
-    flux), the residual of Reynolds' equation, which is not zero where P = 0.  U: entrainment.  gap_change: DG/DT.
+    P, H, eps: pressure, film thickness, mobility.  dissipation: the double integral of - rho q.grad h.  deformation: of
+    the solids.  growth: D(rho H)/DT - div(Poiseuille flux), the residual of Reynolds' equation, which is not zero where
+    P = 0.  U: entrainment.  gap_change: DG/DT.
     """
 
     P: Array
     H: Array
     eps: Pair
+    dissipation: Array
     deformation: Array
     growth: Array
     U: Number
     gap_change: Number
 
 
-def film_of(c: Contact, P: Array, H: Array, approach: Number, change: Array, U: Number, gap_change: Array) -> Film:
+def film_of(
+    plane: Plane, c: Contact, P: Array, H: Array, approach: Number, change: Array, U: Number, gap_change: Array
+) -> Film:
     """The film on the 2-D grid.  change: D(rho H)/DT."""
-    eps = mobility(c, P, H)
-    growth = change - inside(diffusion(eps, P, c.even), c.even) / c.spacing**2
-    return Film(P, H, eps, H + approach - c.gap, growth, U, gap_change)
+    dissipation = c.flow.work(c, P, H, c.lubricant.enthalpy(P), plane)
+    growth = change - inside(c.flow.gain(c, P, H), c.even)
+    return Film(P, H, mobility(c, P, H), dissipation, H + approach - c.gap, growth, U, gap_change)
 
 
 def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
@@ -91,7 +97,7 @@ def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
         "cavity_source": space.total(jnp.where(P > 0.0, 0.0, film.growth)),
         "elastic_energy": space.total(P * film.deformation) / 2,
         "oil_energy": space.total(compressed),
-        "dissipation": space.of_slopes(eps, P, enthalpy),
+        "dissipation": film.dissipation,
         "power_from_surfaces": space.total(P * jnp.maximum(-film.gap_change, 0.0)),
         "power_to_surfaces": space.total(P * jnp.maximum(film.gap_change, 0.0)),
         "outside_power": space.around(energy_out),
@@ -129,7 +135,7 @@ def _steady(
     space: Plane, c: Contact, P: Array, H: Array, approach: Number, U: Number, gap_change: Array
 ) -> dict[str, Array]:
     change = wedge(mass(c, P, H), U, c.spacing)
-    return integrals(space, c.lubricant, film_of(c, P, H, approach, change, U, gap_change))
+    return integrals(space, c.lubricant, film_of(space, c, P, H, approach, change, U, gap_change))
 
 
 _steady_program = Program(jax.jit(_steady), ANY_SIZE)

@@ -113,6 +113,7 @@ class Case:
     def _check(self) -> None:
         """Raise ValueError if the case is not valid."""
         rules.check_oil(self.oil, self.scales)
+        rules.check_rheology(self.oil, self.scales, self.solver)
         rules.check_scales(self.scales, self.parameters)
         rules.check_pressure_scale(self.oil, self.scales, self.parameters)
         rules.check_time(self.kind, self.solver, self.time, self.output)

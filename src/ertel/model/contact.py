@@ -3,7 +3,7 @@
     D(rho H)/DT - div(Poiseuille flux) = 0   where P > 0
                                       >= 0   where P = 0
 
-    D(rho H)/DT - d/dX(eps dP/dX) - d/dY(eps dP/dY),    eps = rho H^3 / (eta lambda_bar)
+    D(rho H)/DT - d/dX(eps dP/dX) - d/dY(eps dP/dY),    eps = rho H^3 / (eta lambda_bar)      (Newtonian oil)
 
 D/DT = d/dT + U d/dX is the rate of change following the mean flow (`flow`): squeeze and wedge are one term.  Impact has
 U = 0 (eq. 1) and rolling has U = 1.  Otherwise they differ only in the scales and in the equation for Delta.
@@ -11,6 +11,7 @@ All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fi
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
 
 import jax
 from jax import Array
@@ -20,6 +21,7 @@ from ertel.model.flow import Rate
 from ertel.model.pytrees import traceable
 from ertel.numerics import halfspace
 from ertel.numerics.grid import WHOLE, Even, Grid
+from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, diffusion, inside
 from ertel.numerics.symmetry import total
 from ertel.physics.geometry import CIRCLE, Geometry
@@ -27,13 +29,48 @@ from ertel.physics.lubricant import Lubricant
 from ertel.physics.rheology import NEWTONIAN, Rheology
 
 
+class PressureFlow(Protocol):
+    """The flow by the pressure gradient, by the law of the oil.  A JAX pytree of numbers."""
+
+    def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
+        """- div(Poiseuille flux): what the flow brings to each node; without meaning on the edge.  Shape (n, n)."""
+        ...
+
+    def mobility(self, contact: "Contact", P: Array, H: Array) -> Pair:
+        """The flux along X and along Y per unit pressure gradient, at the nodes; the gradient itself is held."""
+        ...
+
+    def work(self, contact: "Contact", P: Array, H: Array, f: Array, plane: Plane) -> Array:
+        """The double integral of - flux . grad f over the grid."""
+        ...
+
+
+class NewtonianFlow(NamedTuple):
+    """The flow of a law whose mobilities do not depend on the pressure gradient."""
+
+    law: Rheology = NEWTONIAN
+
+    def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
+        return diffusion(self.mobility(contact, P, H), P, contact.even) / contact.spacing**2
+
+    def mobility(self, contact: "Contact", P: Array, H: Array) -> Pair:
+        oil = contact.lubricant
+        return Pair.of(*self.law.mobility(oil.density(P), oil.viscosity(P), H, contact.lambda_bar))
+
+    def work(self, contact: "Contact", P: Array, H: Array, f: Array, plane: Plane) -> Array:
+        return plane.of_slopes(self.mobility(contact, P, H), P, f)
+
+
+NEWTONIAN_FLOW = NewtonianFlow()
+
+
 @register_dataclass
 @dataclass(frozen=True)
 class Contact:
     """Two surfaces and the oil between them.
 
-    gap: undeformed gap minus roughness, shape (n, n).  kernel: from `halfspace.spectrum`.  flow: the rheology of the
-    film (`rheology`).  even: the axes about which fields are even and stored on one side (`symmetry`).
+    gap: undeformed gap minus roughness, shape (n, n).  kernel: from `halfspace.spectrum`.  flow: how the pressure
+    gradient drives the oil.  even: the axes about which fields are even and stored on one side (`symmetry`).
     """
 
     gap: Array
@@ -42,7 +79,7 @@ class Contact:
     lambda_bar: float
     lubricant: Lubricant
     even: Even = field(default=WHOLE, metadata={"static": True})
-    flow: Rheology = NEWTONIAN
+    flow: "PressureFlow" = NEWTONIAN_FLOW
 
 
 def smooth_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
@@ -78,14 +115,14 @@ def mass(contact: Contact, P: Array, H: Array) -> Array:
 
 
 def mobility(contact: Contact, P: Array, H: Array) -> Pair:
-    """The mobility eps = rho H^3/(eta lambda_bar) along X and along Y: flux per unit pressure gradient."""
-    oil = contact.lubricant
-    return Pair.of(*contact.flow.mobility(oil.density(P), oil.viscosity(P), H, contact.lambda_bar))
+    """The mobility along X and along Y, flux per unit pressure gradient: rho H^3/(eta lambda_bar) if Newtonian."""
+    return contact.flow.mobility(contact, P, H)
 
 
 def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """Reynolds' equation, eq. (1): rate of change following the flow - div(Poiseuille flux), zero on the edge."""
-    return balance(mass(contact, P, H), mobility(contact, P, H), P, rate, contact.spacing, contact.even)
+    change = rate.of(mass(contact, P, H), contact.spacing)
+    return inside(change - contact.flow.gain(contact, P, H), contact.even)
 
 
 def balance(mass: Array, eps: Pair, P: Array, rate: Rate, spacing: Array | float, even: Even = WHOLE) -> Array:

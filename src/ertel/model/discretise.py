@@ -8,8 +8,10 @@ from jax import Array
 
 from ertel.model import contact, outside
 from ertel.model.case import Case
-from ertel.model.contact import Contact
+from ertel.model.contact import NEWTONIAN_FLOW, Contact, PressureFlow
 from ertel.model.outside import Outside
+from ertel.model.pytrees import traceable_law
+from ertel.model.thinning import ThinningFlow
 from ertel.numerics.grid import WHOLE, Even, Grid, nodes_across
 from ertel.physics import surfaces
 from ertel.physics.surfaces import Feature
@@ -39,8 +41,19 @@ def outside_of(case: Case, grid: Grid) -> Outside:
 
 
 def smooth_contact(case: Case, grid: Grid) -> Contact:
-    """The two surfaces without roughness, and the oil."""
-    return contact.smooth_contact(case.geometry, grid, case.parameters.lambda_bar, case.lubricant)
+    """The two surfaces without roughness, and the oil at T = 0."""
+    smooth = contact.smooth_contact(case.geometry, grid, case.parameters.lambda_bar, case.lubricant)
+    return replace(smooth, flow=flow_of(case, 0.0))
+
+
+def flow_of(case: Case, T: float) -> PressureFlow:
+    """How the pressure gradient drives the oil at time T: a thinning oil is thinned by the sliding at that time."""
+    if case.oil.is_newtonian:
+        return NEWTONIAN_FLOW
+    scales = case.scales
+    assert scales is not None  # `rules.check_rheology`
+    sliding = case.motion.slide_to_roll * case.motion.entrainment(T)
+    return ThinningFlow(traceable_law(case.oil.fluidity_law), scales.p_h, scales.shear_stress, sliding)
 
 
 def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
@@ -49,7 +62,8 @@ def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
 
 
 def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
-    """The smooth contact with the case's roughness added at its position at time T."""
+    """The smooth contact with the case's roughness added at its position at time T, and the oil's flow at that time."""
+    smooth = replace(smooth, flow=flow_of(case, T))
     if not case.features:
         return smooth
     return replace(smooth, gap=smooth.gap - heights(case.features, case, grid, T))

@@ -9,17 +9,19 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass, replace
 from math import inf, log10
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_type_hints
 
+from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Polyline, Signal, constant
-from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
+from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
 from ertel.physics.scales import Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import TIME, Bounds, Quantity, Unit, marks
 
 T = TypeVar("T")
 Data = Mapping[str, Any]
+OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}  # by field of an oil
 
 
 # -- writing ----------------------------------------------------------------------------------------------------------
@@ -54,6 +56,8 @@ def _plain(value: Any, mark: object = None) -> Any:
             return first if start == 0.0 and not rest else [[_plain(T), v] for T, v in value.points]
         case Oscillation():
             return data_of(value)
+        case _ if hasattr(value, "fluidity"):  # a law inside of another one
+            return law_data(value, FLUIDITY_LAWS)
     raise ValueError(f"{show(value)}: cannot be written down; allowed: numbers, texts, signals, records with a name")
 
 
@@ -64,8 +68,8 @@ def law_data(law: object, laws: Registry) -> Any:
 
 def oil_data(oil: Oil) -> dict[str, Any]:
     """An oil as plain data."""
-    written = {"viscosity": law_data(oil.viscosity, VISCOSITY_LAWS), "density": law_data(oil.density, DENSITY_LAWS)}
-    plain = data_of(replace(oil, viscosity="isoviscous", density="incompressible"))
+    written = {name: law_data(getattr(oil, name), laws) for name, laws in OIL_LAWS.items()}
+    plain = data_of(replace(oil, viscosity="isoviscous", density="incompressible", rheology="newtonian"))
     return {**plain, **written}
 
 
@@ -128,13 +132,26 @@ def law_of(data: Any, laws: Registry, place: str) -> Any:
     if name not in laws:
         raise ValueError(f"{place}.law = {show(name)}: allowed: {', '.join(laws)}")
     record: Any = laws[str(name)]
-    return checked(record_of(record, {k: v for k, v in data.items() if k != "law"}, place), place)
+    inside = law_fields(record)
+    rest = {k: law_of(v, laws, f"{place}.{k}") if k in inside else v for k, v in data.items() if k != "law"}
+    return checked(record_of(record, rest, place), place)
+
+
+def checked_law(law: T, place: str) -> T:
+    """The same law of shear thinning; see `checked`, also for a law inside of it."""
+    for name in law_fields(type(law)):
+        checked_law(getattr(law, name), f"{place}.{name}")
+    return checked(law, place)
+
+
+def law_fields(record: Any) -> tuple[str, ...]:
+    """The fields of a law (a class) that are laws of shear thinning themselves."""
+    return tuple(name for name, hint in get_type_hints(record).items() if hint is Fluidity)
 
 
 def oil_of(data: Data, place: str) -> Oil:
     """An oil from plain data."""
-    laws = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS}
-    read = {k: law_of(v, laws[k], f"{place}.{k}") if k in laws else v for k, v in data.items()}
+    read = {k: law_of(v, OIL_LAWS[k], f"{place}.{k}") if k in OIL_LAWS else v for k, v in data.items()}
     return record_of(Oil, read, place)
 
 

@@ -5,12 +5,13 @@ from dataclasses import is_dataclass, replace
 from math import inf
 
 from ertel.model.conditions import Conditions, Kind
-from ertel.model.records import checked, show
+from ertel.model.records import checked, checked_law, show
 from ertel.model.sections import METHODS, STOPS, Drive, Output, Schedule, Solver, Stop, Time
 from ertel.numerics import grid
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import DowsonHigginson, Oil
 from ertel.physics.motion import Motion, Oscillation, Polyline
+from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import ABOVE_ZERO, FINITE, LARGEST, NOT_NEGATIVE, Quantity
@@ -65,6 +66,18 @@ def check_oil(oil: Oil, scales: Scales | None) -> None:
     for key, example in {"eta0": "40 mPa*s", "alpha": "22 / GPa"}.items() if scales else ():
         if getattr(oil, key) is None and not (key == "alpha" and oil.is_isoviscous):
             raise ValueError(f'lubricant.{key}: missing, a physical contact needs it, for example "{example}"')
+
+
+def check_rheology(oil: Oil, scales: Scales | None, solver: Solver) -> None:
+    """An oil that thins under shear has a stress in Pa, and flows on the 2-D grid only."""
+    law = checked_law(oil.fluidity_law, "lubricant.rheology")
+    if oil.is_newtonian:
+        return
+    given = f'lubricant.rheology = {{ law = "{FLUIDITY_LAWS.name_of(law)}", ... }}'
+    if scales is None:
+        raise ValueError(f"{given}: has stresses in Pa, which a dimensionless case has not; give the contact in SI")
+    if solver.method == "radial":
+        raise ValueError(f'{given}: solver.method = "radial" is for Newtonian oils only; use solver.method = "2d"')
 
 
 def check_scales(scales: Scales | None, parameters: Parameters) -> None:

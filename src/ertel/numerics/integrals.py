@@ -67,11 +67,14 @@ class Plane:
         return jnp.sum(self.wy[:, None] * f * self.wx)
 
     def of_slopes(self, c: Pair, f: Array, g: Array) -> Array:
-        in_y, in_x = (
-            0.5 * (k[1:] + k[:-1]) * (a[1:] - a[:-1]) * (b[1:] - b[:-1]) for k, a, b in ((c.y, f, g), (c.x.T, f.T, g.T))
-        )
+        in_y, in_x = (0.5 * (k[1:] + k[:-1]) * (a[1:] - a[:-1]) for k, a in ((c.y, f), (c.x.T, f.T)))
+        return self.across_faces(in_x.T, in_y, g) / self.spacing
+
+    def across_faces(self, on_x: Array, on_y: Array, g: Array) -> Array:
+        """The double integral of a_x dg/dX + a_y dg/dY; on_x: a_x between neighbours along X, on_y: a_y along Y."""
+        in_y, in_x = on_y * (g[1:] - g[:-1]), on_x.T * (g.T[1:] - g.T[:-1])
         sides = [2.0 if even else 1.0 for even in self.even]  # the faces of an even axis lie on both of its sides
-        return (sides[0] * jnp.sum(in_y * self.wx) + sides[1] * jnp.sum(in_x * self.wy)) / self.spacing
+        return sides[0] * jnp.sum(in_y * self.wx) + sides[1] * jnp.sum(in_x * self.wy)
 
     def edge(self, f: Array) -> Array:
         return self._line(f, f, 0)

@@ -43,6 +43,23 @@ def diffusion(eps: Pair, f: Array, even: Even = WHOLE) -> Array:
     return total
 
 
+def to_x_faces(f: Array) -> Array:
+    """The mean of two neighbours along X; f has one more node on every side (`symmetry.extended`)."""
+    return 0.5 * (f[1:-1, 1:] + f[1:-1, :-1])
+
+
+def to_y_faces(f: Array) -> Array:
+    """The mean of two neighbours along Y; f has one more node on every side."""
+    return 0.5 * (f[1:, 1:-1] + f[:-1, 1:-1])
+
+
+def central_slopes(f: Array, spacing: Array | float) -> tuple[Array, Array]:
+    """df/dX and df/dY by central differences, zero where a neighbour is missing; shape of f."""
+    along_x, along_y = f[:, 2:] - f[:, :-2], f[2:] - f[:-2]
+    twice = 2.0 * spacing
+    return jnp.pad(along_x, ((0, 0), (1, 1))) / twice, jnp.pad(along_y, ((1, 1), (0, 0))) / twice
+
+
 def face_sum(eps: Pair, even: Even = WHOLE) -> Array:
     """Sum of the coefficient over the four faces of each cell: the diagonal of - `diffusion`."""
     c = _beyond(eps, even)

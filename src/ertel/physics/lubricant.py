@@ -20,8 +20,9 @@ from typing import Annotated, Any, ClassVar, Protocol
 
 import numpy as np
 
+from ertel.physics.fluidity import Fluidity, NewtonianOil
 from ertel.physics.pressure_laws import arrays_of
-from ertel.physics.registry import DENSITY_LAWS, VISCOSITY_LAWS, Registry
+from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, VISCOSITY_LAWS, Registry
 from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, STRESS, VISCOSITY
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
@@ -176,6 +177,8 @@ class Oil:
         Roelands' pressure (Pa) and exponent; z follows from eta0 and alpha if it is not given.
     reference : str
         Source of the data.
+    rheology : str or record
+        How the oil thins under shear: "newtonian", it does not; or the record of a registered law (`fluidity`).
 
     Raises ValueError for a law that is not registered.
     """
@@ -187,9 +190,10 @@ class Oil:
     p0: Annotated[float, STRESS] = P0_ROELANDS
     z: Annotated[float | None, ABOVE_ZERO] = None
     reference: str = field(default="", compare=False)
+    rheology: str | Fluidity = "newtonian"
 
     def __post_init__(self) -> None:
-        for name, laws in {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS}.items():
+        for name, laws in {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}.items():
             _check_law(name, getattr(self, name), laws)
 
     @property
@@ -208,6 +212,17 @@ class Oil:
         """The record of the density law."""
         law = self.density
         return DENSITY_LAWS[law].of(self) if isinstance(law, str) else law  # type: ignore[attr-defined]
+
+    @property
+    def is_newtonian(self) -> bool:
+        """Whether the viscosity is independent of the shear stress."""
+        return self.rheology == "newtonian" or isinstance(self.rheology, NewtonianOil)
+
+    @property
+    def fluidity_law(self) -> Fluidity:
+        """The record of the law of shear thinning."""
+        law = self.rheology
+        return FLUIDITY_LAWS[law].of(self) if isinstance(law, str) else law  # type: ignore[attr-defined]
 
     def completed(self) -> "Oil":
         """The oil with missing data filled in from a typical mineral oil."""
@@ -235,7 +250,8 @@ def _check_law(field_name: str, law: object, laws: Registry) -> None:
         if law in laws and law not in able:
             raise ValueError(f'{field_name} = "{law:.60}": has data of its own; give them as {{ law = "{law}", ... }}')
         if law not in able:
-            allowed = " or ".join([", ".join(repr(n) for n in able[:-1]), repr(able[-1])])
+            *others, last = map(repr, able)
+            allowed = f"{', '.join(others)} or {last}" if others else last
             raise ValueError(f'{field_name} = "{law:.60}": allowed: {allowed}')
     else:
         laws.name_of(law)

@@ -4,8 +4,9 @@
     @dataclass(frozen=True)
     class Power: ...
 
-Other packages add laws and shapes through entry points in the groups "ertel.viscosity_laws", "ertel.density_laws" and
-"ertel.shapes".  The name of the entry point is the name of the law; the entry point loads the record.
+Other packages add laws and shapes through entry points in the groups "ertel.viscosity_laws", "ertel.density_laws",
+"ertel.fluidity_laws" and "ertel.shapes".  The name of the entry point is the name of the law; the entry point loads the
+record.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -74,4 +75,5 @@ def _home(record: type) -> tuple[str, str]:
 
 VISCOSITY_LAWS = Registry("viscosity law", "ertel.viscosity_laws")
 DENSITY_LAWS = Registry("density law", "ertel.density_laws")
+FLUIDITY_LAWS = Registry("fluidity law", "ertel.fluidity_laws")
 SHAPES = Registry("shape", "ertel.shapes")

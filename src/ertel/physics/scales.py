@@ -178,6 +178,11 @@ class Scales:
         return self.a**2 / self.R
 
     @property
+    def shear_stress(self) -> float:
+        """Unit of the shear stress across the film (Pa): p_h a/R."""
+        return self.p_h * self.a / self.R
+
+    @property
     def approach(self) -> float:
         """The Hertz approach delta* (m)."""
         return self.ellipse.approach * self.film

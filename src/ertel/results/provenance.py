@@ -13,7 +13,9 @@ from ertel.version import installed_version
 
 def provenance(case: Case) -> dict[str, object]:
     """Attributes that make a run self-describing: case, versions, platform, time, references."""
-    laws = (case.lubricant.viscosity_law, case.lubricant.density_law)
+    laws: list[object] = [case.lubricant.viscosity_law, case.lubricant.density_law]
+    if not case.oil.is_newtonian:
+        laws.append(case.oil.fluidity_law)
     return {
         "Conventions": "CF-1.11",
         "title": case.name or f"{case.kind}, M = {case.parameters.M:.4g}, L = {case.parameters.L:.4g}",

@@ -24,7 +24,7 @@ from jax import Array, tree
 
 from ertel.model import discretise
 from ertel.model.case import Case
-from ertel.model.pytrees import traceable
+from ertel.model.pytrees import traceable, traceable_law
 from ertel.model.status import Status
 from ertel.results.result import Result
 from ertel.runs.courses import METHODS, course_of
@@ -134,6 +134,7 @@ def _shape(case: Case) -> dict[str, object]:
         "roughness (axes of symmetry)": tuple(grid.even),
         "lubricant.viscosity": _structure(oil.viscosity_law),
         "lubricant.density": _structure(oil.density_law),
+        "lubricant.rheology": _structure(traceable_law(case.oil.fluidity_law)),
         "motion.entrainment": "some" if case.motion.flows else "none",
         "motion.inertia": "some" if case.motion.inertia > 0 else "none",
     }

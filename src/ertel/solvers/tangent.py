@@ -73,7 +73,7 @@ def advance(method: Transient2D, smooth: Sequence[State], changes: Sequence[Stat
     line = law.line(new.T, rates, approaches, [level.velocity for level in changes])
     before = len(times) - 1
     problem = TangentProblem(
-        method.contact,
+        method.contact_at(new.T),
         method.elastic,
         new.fields,
         stacked(smooth[1 : before + 1]),

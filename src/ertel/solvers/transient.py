@@ -297,7 +297,7 @@ def _integrals(
     """The terms of the budgets after a step.  masses: at the new time and the last two, shape (3, n, n)."""
     change = rate_in_time(rates, masses[1:], flow, c.spacing).of(masses[0], c.spacing)
     U = 0.0 if flow is None else flow.entrainment
-    return budget.integrals(space, c.lubricant, budget.film_of(c, P, H, approach, change, U, gap_change))
+    return budget.integrals(space, c.lubricant, budget.film_of(space, c, P, H, approach, change, U, gap_change))
 
 
 _integrals_program = Program(jax.jit(_integrals), budget.ANY_SIZE)

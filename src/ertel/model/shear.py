@@ -1,0 +1,316 @@
+"""The isothermal flow of an oil that thins under shear, exact in two dimensions.
+
+Across a thin film the shear stress is linear, tau = tau_m + zeta grad p with zeta from -h/2 to h/2.  The oil's law
+gives the shear rate du/dz = (phi/eta) tau.  From the velocities of the surfaces follow two equations for the stress
+tau_m in the middle of the film, and then the flux (Yang P, Wen S. J Tribol 1990;112:631-636, where eta and rho are
+uniform across the film).  With g = h grad p and s = eta (u1 - u2)/h, both in Pa, and zeta in units of h:
+
+    integral of phi tau dzeta = s                            (sliding)
+    volume flux = u_m h - (h^2/eta) Q,     Q = integral of zeta phi tau dzeta           Newtonian: tau_m = s, Q = g/12
+
+Surface 1 is the upper one, at z = h/2.  phi = phi(|tau|) contains both components: sliding thins the oil for the flow
+in all directions, and so does the pressure gradient in pure rolling.
+
+* The integrals are sums over NODES nodes.  With the sums S_k of zeta^k phi they are S_0 tau_m + S_1 g and S_1 tau_m +
+  S_2 g.  The nodes lie in pairs, so that a Newtonian oil gets exactly S_1 = 0.
+* tau_m comes from Newton's iteration in a variable in which the equations are nearly linear: Eyring's asinh.
+* The derivative is that of an implicit function, from the moments A, C, D = integrals of (1, zeta, zeta^2) d(phi
+  tau)/dtau:  A dtau_m = ds - C dg,  dQ = C dtau_m + D dg.  These are symmetric, and D - C A^-1 C is positive definite.
+
+Vectors have the shape (2, ...): along X and along Y, then the shape of the fields.
+"""
+
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.custom_derivatives import SymbolicZero
+
+from ertel.numerics.pointwise import TINY, Matrix, Tensor, divided, dot, length, product, square, times, transposed
+from ertel.physics.fluidity import Fluidity
+
+NODES = 8  # across the film, even
+SPREAD = 10.0  # growth of ln(phi) towards a wall over half the film at which the nodes begin to move to the walls
+PLAIN = 1e-6  # a spread that stands for none
+TOLERANCE = 1e-5  # of the last change of tau_m in units of the stress at the walls; the error is about its square
+LIMIT = 40  # of Newton iterations
+
+
+class Shear(NamedTuple):
+    """The flow across the film.
+
+    stress: tau_m, shape (2, ...), in Pa.  flux: Q, shape (2, ...), in Pa; the volume flux is u_m h - (h^2/eta) Q.
+    iterations: Newton iterations that were needed, the largest of all nodes.
+    """
+
+    stress: Array
+    flux: Array
+    iterations: Array
+
+
+def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> Shear:
+    """The mid-plane stress and the flux.
+
+    pressure: in Pa, shape (...).  sliding: s = eta (u1 - u2)/h in Pa, the mid-plane stress of a Newtonian oil, shape
+    (2, ...).  gradient: g = h grad p in Pa, shape (2, ...).  All finite; differentiable (forward and reverse) in all of
+    them and in the numbers of the law, which must be a JAX pytree (`pytrees.traceable_law`).
+    """
+    fixed = jax.lax.stop_gradient((law, pressure, sliding, gradient))
+    stress, nodes, iterations = _solved(*fixed)
+    return Shear(*_attached((law, pressure), sliding, gradient, stress, nodes), iterations)
+
+
+def dissipation(found: Shear, sliding: Array, gradient: Array) -> Array:
+    """Heat per area over h/eta, in Pa^2, shape (...): the mean of phi tau^2 across the film."""
+    return dot(found.stress, sliding) + dot(found.flux, gradient)
+
+
+class Mobility(NamedTuple):
+    """Flow factors: the flux is Q = factor * g/12, 1 for a Newtonian oil.  Symmetric tensors, components xx, xy, yy."""
+
+    xx: Array
+    xy: Array
+    yy: Array
+
+
+def secant_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Array) -> Mobility:
+    """The tensor K with Q = K g/12 and the axes of the stress: smaller across tau_m, larger along it.
+
+        K/12 = S_2 + tau_m tau_m S_1/(tau_m . g)
+
+    It has a limit where tau_m . g = 0.  In a small gradient it is phi across and d(phi tau)/dtau along tau_m.  The
+    off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
+    """
+    t, nodes = found.stress, _nodes(law, pressure, found.stress, gradient)
+    zeta, weight = nodes
+    phi, slope = _both(law, pressure, t, gradient, zeta)
+    across = dot(t, gradient)
+    # |tau+|^2 - |tau-|^2 = 4 zeta tau_m . g; where it is too small for a quotient, the mean slope by |tau|^2 serves
+    difference = 4.0 * zeta * across
+    size = square(t)[None] + zeta**2 * square(gradient)[None]
+    apart = jnp.abs(difference) > 1e-6 * size
+    quotient = (phi[0] - phi[1]) / jnp.where(apart, difference, 1.0)
+    by_square = jnp.where(apart, quotient, 0.25 * (slope[0] + slope[1]))
+    along = 12.0 * jnp.sum(weight * 4.0 * zeta**2 * by_square, axis=0)
+    even = 12.0 * jnp.sum(weight * zeta**2 * (phi[0] + phi[1]), axis=0)
+    return Mobility(even + along * t[0] ** 2, along * t[0] * t[1], even + along * t[1] ** 2)
+
+
+def tangent_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Array) -> Mobility:
+    """The tensor dQ/dg times 12 at constant sliding, positive definite: of the flux's exact derivative."""
+    nodes = _nodes(law, pressure, found.stress, gradient)
+    _, _, by_gradient = _derivative(law, pressure, found.stress, gradient, nodes)
+    return Mobility(*(12.0 * component for component in by_gradient))
+
+
+# -- integrals across the film ----------------------------------------------------------------------------------------
+
+Nodes = tuple[Array, Array]  # zeta > 0 and weight of each pair, shape (NODES/2, ...)
+
+
+def _nodes(law: Fluidity, pressure: Array, stress: Array, gradient: Array) -> Nodes:
+    """Gauss nodes for the middle stress and gradient, near the walls where the fluidity grows steeply there.
+
+    zeta = asinh(z sinh c)/(2 c) with Gauss nodes z in (-1, 1): Gauss's own for c = 0.  c grows with the rate of growth
+    of ln(phi) at the wall with the larger stress.
+    """
+    wall = stress + jnp.where(dot(stress, gradient) >= 0.0, 0.5, -0.5) * gradient
+    phi, slope = _fluidity(law, pressure, length(wall))
+    growth = slope / phi * jnp.abs(dot(wall, gradient)) / 2.0
+    c = jnp.maximum(growth / SPREAD, PLAIN)[None]
+    z, w = _gauss(pressure.ndim)
+    moved = z * jnp.sinh(c)
+    return jnp.asinh(moved) / (2.0 * c), w * jnp.sinh(c) / (2.0 * c * jnp.sqrt(1.0 + moved**2))
+
+
+def _gauss(ndim: int) -> tuple[Any, Any]:
+    """Gauss's nodes in (0, 1) and weights, for fields of so many dimensions."""
+    z, weight = (both[NODES // 2 :].reshape(-1, *[1] * ndim) for both in np.polynomial.legendre.leggauss(NODES))
+    return z, weight
+
+
+def _fluidity(law: Fluidity, pressure: Array, size: Array) -> tuple[Array, Array]:
+    """phi and phi'/|tau| at |tau|."""
+    phi, slope = jax.jvp(lambda x: law.fluidity(x, pressure), (size,), (jnp.ones_like(size),))
+    return phi, slope / size
+
+
+def _both(law: Fluidity, pressure: Array, t: Array, g: Array, zeta: Array) -> tuple[Array, Array]:
+    """phi and phi'/|tau| at + zeta and at - zeta, each of shape (2, NODES/2, ...)."""
+    mean, along = square(t) + zeta**2 * square(g), 2.0 * zeta * dot(t, g)
+    size = jnp.sqrt(jnp.maximum(jnp.stack([mean + along, mean - along]), TINY**2))
+    return _fluidity(law, pressure, size)
+
+
+class _Moments(NamedTuple):
+    """The sums over the nodes with phi (s0, s1, s2), and A, C, D."""
+
+    s0: Array
+    s1: Array
+    s2: Array
+    A: Tensor
+    C: Tensor
+    D: Tensor
+
+
+def _moments(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> _Moments:
+    zeta, weight = nodes
+    phi, slope = _both(law, pressure, t, g, zeta)
+    weights = [weight, weight * zeta, weight * zeta**2, weight * zeta**3, weight * zeta**4]
+    s = [_paired(w, phi, k) for k, w in enumerate(weights[:3])]
+    r = [_paired(w, slope, k) for k, w in enumerate(weights)]
+    A, C, D = (_tensor(s[k], r[k], r[k + 1], r[k + 2], t, g) for k in range(3))
+    return _Moments(s[0], s[1], s[2], A, C, D)
+
+
+def _slid(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> tuple[Array, Array, Tensor]:
+    """Of the moments, those that the sliding needs: s0, s1 and A."""
+    zeta, weight = nodes
+    phi, slope = _both(law, pressure, t, g, zeta)
+    weights = [weight, weight * zeta, weight * zeta**2]
+    s0, s1 = (_paired(w, phi, k) for k, w in enumerate(weights[:2]))
+    r0, r1, r2 = (_paired(w, slope, k) for k, w in enumerate(weights))
+    return s0, s1, _tensor(s0, r0, r1, r2, t, g)
+
+
+def _paired(weight: Array, values: Array, power: int) -> Array:
+    """The sum over the nodes of weight * values, odd in zeta if the power is."""
+    both = values[0] - values[1] if power % 2 else values[0] + values[1]
+    return jnp.sum(weight * both, axis=0)
+
+
+def _tensor(s: Array, r0: Array, r1: Array, r2: Array, t: Array, g: Array) -> Tensor:
+    """Integral of zeta^k (phi + tau tau phi'/|tau|) with tau = t + zeta g."""
+    xx = s + (r0 * t[0] ** 2 + 2.0 * r1 * t[0] * g[0] + r2 * g[0] ** 2)
+    yy = s + (r0 * t[1] ** 2 + 2.0 * r1 * t[1] * g[1] + r2 * g[1] ** 2)
+    return xx, r0 * t[0] * t[1] + r1 * (t[0] * g[1] + t[1] * g[0]) + r2 * g[0] * g[1], yy
+
+
+# -- the stress in the middle -----------------------------------------------------------------------------------------
+
+
+class _Iterate(NamedTuple):
+    """The best tau_m so far, the change to try next, and the size of the residual there, at every node.
+
+    left: the largest change to try in units of the stress at the walls.
+    """
+
+    stress: Array
+    change: Array
+    residual: Array
+    left: Array
+    iterations: Array
+
+
+def _solved(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> tuple[Array, Nodes, Array]:
+    """tau_m, the nodes of its integrals, and the number of iterations.
+
+    With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
+    equation is psi(sliding(tau_m)/F) = psi(s/F).  For Eyring's law and sliding along the gradient its left side is
+    tau_m itself.  In other directions F is the largest fluidity of the resting film; the first guess, psi(s/F),
+    is then rather too small than too large.
+    """
+    resting = _resting(law, pressure, gradient)
+    aim, _ = _bent(law, pressure, sliding / resting)
+    nodes = _nodes(law, pressure, aim, gradient)
+
+    def unsolved(it: _Iterate) -> Array:
+        return (it.left > TOLERANCE) & (it.iterations < LIMIT)
+
+    def improve(it: _Iterate) -> _Iterate:
+        """Try the change; where it does not reduce the residual, try half of it next."""
+        t = it.stress + it.change
+        s0, s1, A = _slid(law, pressure, t, gradient, nodes)
+        now, unbent = _bent(law, pressure, (s0 * t + s1 * gradient) / resting)
+        residual = length(aim - now)
+        better = residual < it.residual
+        change = jnp.where(better, divided(A, resting * unbent(aim - now)), 0.5 * it.change)
+        stress = jnp.where(better, t, it.stress)
+        left = jnp.max(length(change) / (length(stress) + length(gradient)))
+        return _Iterate(stress, change, jnp.where(better, residual, it.residual), left, it.iterations + 1)
+
+    far = jnp.full_like(pressure, jnp.inf)
+    first = _Iterate(aim, jnp.zeros_like(aim), far, jnp.max(far), jnp.zeros((), jnp.int32))
+    last = jax.lax.while_loop(unsolved, improve, first)
+    return last.stress + last.change, nodes, last.iterations
+
+
+def _resting(law: Fluidity, pressure: Array, gradient: Array) -> Array:
+    """The integral of d(phi tau)/dtau along the gradient, without sliding: (sinh Sigma)/Sigma for Eyring's law."""
+    z, weight = _gauss(pressure.ndim)
+    size = 0.5 * z * length(gradient)
+    phi, slope = _fluidity(law, pressure, size)
+    resting: Array = jnp.sum(weight * (phi + slope * size**2), axis=0)
+    return resting
+
+
+def _bent(law: Fluidity, pressure: Array, v: Array) -> tuple[Array, Any]:
+    """psi(v) = stress(|v|) v/|v|, and the map from a change of psi to the change of v."""
+    size = length(v)
+    stress, slope = jax.jvp(lambda x: law.stress(x, pressure), (size,), (jnp.ones_like(size),))
+    axis = v / size
+
+    def unbent(change: Array) -> Array:
+        along = dot(axis, change) * axis
+        return along / slope + (change - along) * (size / stress)
+
+    return stress * axis, unbent
+
+
+# -- its derivative ---------------------------------------------------------------------------------------------------
+
+
+@jax.custom_jvp
+def _attached(oil: Any, sliding: Array, gradient: Array, stress: Array, nodes: Nodes) -> tuple[Array, Array]:
+    """tau_m and Q.  oil: the law and the pressure.  stress: the solution for these arguments, whose changes follow."""
+    law, pressure = oil
+    m = _moments(law, pressure, stress, gradient, nodes)
+    return stress, m.s1 * stress + m.s2 * gradient
+
+
+@partial(_attached.defjvp, symbolic_zeros=True)
+def _change(primals: Any, tangents: Any) -> Any:
+    oil, _, gradient, t, nodes = primals
+    found = _attached(*primals)
+    A, by_sliding, by_gradient = _derivative(oil[0], oil[1], t, gradient, nodes)
+    d_oil, ds, dg = (jax.tree.map(_given, part, is_leaf=_is_zero) for part in tangents[:3])
+    missing = ds
+    extra = jnp.zeros_like(t)
+    if not all(_is_zero(leaf) for leaf in jax.tree.leaves(tangents[0], is_leaf=_is_zero)):
+        flow = partial(_integrals, t=t, gradient=gradient, nodes=nodes)
+        _, (slid, extra) = jax.jvp(flow, (oil,), (d_oil,))
+        missing = ds - slid
+    d_stress = divided(A, missing) - product(transposed(by_sliding), dg)
+    d_flux = product(by_sliding, missing) + times(by_gradient, dg) + extra
+    return found, (d_stress, d_flux)
+
+
+def _integrals(oil: Any, t: Array, gradient: Array, nodes: Nodes) -> tuple[Array, Array]:
+    """The sliding and the flux of a given middle stress."""
+    zeta, weight = nodes
+    law, pressure = oil
+    phi, _ = _both(law, pressure, t, gradient, zeta)
+    s0, s1, s2 = (_paired(weight * zeta**k, phi, k) for k in range(3))
+    return s0 * t + s1 * gradient, s1 * t + s2 * gradient
+
+
+def _derivative(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> tuple[Tensor, Matrix, Tensor]:
+    """A, C A^-1 and D - C A^-1 C."""
+    m = _moments(law, pressure, t, g, nodes)
+    columns = divided(m.A, jnp.stack(m.C[:2])), divided(m.A, jnp.stack(m.C[1:]))  # of A^-1 C
+    share = columns[0][0], columns[0][1], columns[1][0], columns[1][1]  # its transpose C A^-1, row by row
+    xx = m.D[0] - (share[0] * m.C[0] + share[1] * m.C[1])
+    xy = m.D[1] - (share[0] * m.C[1] + share[1] * m.C[2])
+    yy = m.D[2] - (share[2] * m.C[1] + share[3] * m.C[2])
+    return m.A, share, (xx, xy, yy)
+
+
+def _is_zero(tangent: Any) -> bool:
+    return isinstance(tangent, SymbolicZero)
+
+
+def _given(tangent: Any) -> Any:
+    return jnp.zeros(tangent.shape, tangent.dtype) if _is_zero(tangent) else tangent

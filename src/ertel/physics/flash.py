@@ -1,0 +1,78 @@
+"""Flash temperature: how much the surfaces of a sliding contact are hotter than their bodies.
+
+    T(x) = (pi rho c k |u|)^{-1/2} * integral of q(x') |x - x'|^{-1/2} dx' over all x' upstream of x
+
+q is the heat flux into the body, in W/m^2, and u the speed of its surface through the contact.  Heat flows into the
+depth only, so that the speed must be high: Peclet number |u| a rho c/(2 k) above about 5 (Blok H. Proc Inst Mech Eng
+General Discussion on Lubrication 1937;2:222-235; Carslaw HS, Jaeger JC. Conduction of heat in solids. Oxford; 1959).
+
+The kernel is singular at x' = x.  It is integrated exactly over every cell, with q linear between the nodes.
+"""
+
+from math import pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ertel.physics.checks import require_positive
+from ertel.physics.thermal import Solid
+
+Real = NDArray[np.float64]
+SLOWEST = 5.0  # Peclet number below which heat that flows along the surface counts
+
+
+def peclet_number(solid: Solid, speed: float, half_width: float) -> float:
+    """|u| a rho c/(2 k): speed in m/s, half width of the heated strip in m."""
+    return abs(speed) * half_width * solid.density * solid.heat_capacity / (2.0 * solid.conductivity)
+
+
+def moving_source_weights(nodes: int, spacing: float) -> Real:
+    """Weights of the kernel x^{-1/2}: the integral at node i is the sum over j <= i of weights[i - j] q[j].
+
+    (4/3) spacing^{1/2} [(m + 1)^{3/2} - 2 m^{3/2} + |m - 1|^{3/2}] for m >= 1, and 4/3 spacing^{1/2} for m = 0: exact
+    where q is linear between nodes and zero before the first.  Second order where q is smooth.  Shape (nodes,).
+    """
+    m = np.arange(nodes, dtype=float)
+    weights = (m + 1.0) ** 1.5 - 2.0 * m**1.5 + np.abs(m - 1.0) ** 1.5
+    weights[0] = 1.0
+    return np.asarray(4.0 / 3.0 * sqrt(spacing) * weights)
+
+
+def response(solid: Solid, speed: float, nodes: int, spacing: float) -> Real:
+    """The matrix K with T = q @ K.T along X: temperature rise (K) from the heat flux (W/m^2), shape (nodes, nodes).
+
+    speed: of the surface along X, m/s, with its sign.  spacing in m.  Raises ValueError for speed = 0: from a surface
+    at rest heat flows away to all sides, and the formula does not hold.
+    """
+    require_positive("|speed|", abs(speed))
+    weights = moving_source_weights(nodes, spacing) / (sqrt(pi * abs(speed)) * solid.effusivity)
+    lag = np.arange(nodes)[:, None] - np.arange(nodes)[None, :]
+    matrix = np.where(lag >= 0, weights[np.abs(lag)], 0.0)
+    return matrix if speed > 0 else np.asarray(matrix.T)
+
+
+def flash_temperature(heat: Real, solid: Solid, speed: float, spacing: float) -> Real:
+    """Temperature rise of a moving surface, in K.
+
+    heat: flux into the body in W/m^2, shape (..., n), index along X last.  The other arguments as in `response`.
+    """
+    found: Real = heat @ response(solid, speed, heat.shape[-1], spacing).T
+    return found
+
+
+def partition(heat: Real, film: Real, conductivity: float, into_1: Real, into_2: Real) -> tuple[Real, Real]:
+    """Heat fluxes into the two surfaces, in W/m^2: half of the heat each, and what the film conducts between them.
+
+        q_1 = q/2 + k (T_2 - T_1)/h,    q_2 = q/2 - k (T_2 - T_1)/h,    T_i = K_i q_i
+
+    Both surfaces belong to bodies of the same temperature.  heat: q = tau |u1 - u2|, shape (..., n).  film: h > 0 in m,
+    the same shape.  conductivity: of the oil.  into_1, into_2: K of the surfaces from `response`, shape (n, n).  The
+    equations of each row are solved as they are, so that thin films need no iteration.
+    """
+    rows, films = heat.reshape(-1, heat.shape[-1]), film.reshape(-1, heat.shape[-1])
+    solved = np.empty_like(rows)
+    for row, (q, h) in enumerate(zip(rows, films, strict=True)):
+        system = np.diag(h / conductivity) + into_1 + into_2
+        solved[row] = np.linalg.solve(system, (into_2 - into_1) @ (0.5 * q))
+    crossing = solved.reshape(heat.shape)
+    return 0.5 * heat + crossing, 0.5 * heat - crossing

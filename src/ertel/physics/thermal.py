@@ -1,0 +1,127 @@
+"""Heat in the film: inlet shear heating, temperatures in the film, thermal data of a solid.
+
+All quantities in SI.  The viscosity's coefficient of temperature is beta = -d ln(eta)/dT in 1/K.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import asinh, log, sqrt
+from typing import Annotated, NamedTuple
+
+from ertel.physics.checks import require_not_negative, require_positive
+from ertel.physics.units import CONDUCTIVITY, DENSITY, HEAT_CAPACITY
+
+
+@dataclass(frozen=True)
+class Solid:
+    """Thermal data of a body: density in kg/m^3, heat capacity in J/(kg K), conductivity in W/(m K)."""
+
+    density: Annotated[float, DENSITY]
+    heat_capacity: Annotated[float, HEAT_CAPACITY]
+    conductivity: Annotated[float, CONDUCTIVITY]
+
+    @property
+    def effusivity(self) -> float:
+        """(rho c k)^{1/2}, in J/(m^2 K s^{1/2})."""
+        return sqrt(self.density * self.heat_capacity * self.conductivity)
+
+
+# -- the inlet --------------------------------------------------------------------------------------------------------
+
+
+def thermal_loading(eta0: float, beta: float, u_m: float, conductivity: float) -> float:
+    """L_t = eta0 beta u_m^2/k, the thermal loading of the inlet (not Moes' L).  u_m: mean speed, m/s."""
+    require_positive("conductivity", conductivity)
+    return eta0 * beta * u_m**2 / conductivity
+
+
+def gupta_factor(L_t: float, slide_to_roll: float, p_h_over_E: float) -> float:
+    """Film with inlet shear heating over the isothermal film.
+
+        phi_T = (1 - 13.2 (p_h/E') L_t^0.42)/(1 + 0.213 (1 + 2.23 S^0.83) L_t^0.64)
+
+    Gupta PK, Cheng HS, Zhu D, Forster NH, Schrand JB. Viscoelastic effects in MIL-L-7808-type lubricant, part I. Tribol
+    Trans 1992;35:269-274.  S = |u1 - u2|/u_m with the mean speed.  Below L_t = 0.1 the factor is above 0.9 in pure
+    rolling; up to L_t of about 1 the film is set in the inlet, as the formula assumes.
+
+    Raises ValueError for negative arguments.
+
+    Examples
+    --------
+    >>> round(gupta_factor(1.0, 0.2, 0.5 / 226), 4)
+    0.7256
+    """
+    _check_inlet(L_t, slide_to_roll)
+    require_not_negative("p_h_over_E", p_h_over_E)
+    return (1.0 - 13.2 * p_h_over_E * L_t**0.42) / (1.0 + 0.213 * (1.0 + 2.23 * slide_to_roll**0.83) * L_t**0.64)
+
+
+def wilson_sheu_factor(L_t: float, slide_to_roll: float) -> float:
+    """phi_T = 1/(1 + 0.1 (1 + 14.8 S^0.83) L_t^0.64): a rigid inlet, without the load.
+
+    Wilson WRD, Sheu S. Effect of inlet shear heating due to sliding on elastohydrodynamic film thickness. J Lubr
+    Technol 1983;105:187-188.  S as in `gupta_factor`.
+    """
+    _check_inlet(L_t, slide_to_roll)
+    return 1.0 / (1.0 + 0.1 * (1.0 + 14.8 * slide_to_roll**0.83) * L_t**0.64)
+
+
+class InletFactor(NamedTuple):
+    """A formula for phi_T from (L_t, S, p_h/E'), with its source and its range in words."""
+
+    formula: Callable[[float, float, float], float]
+    source: str
+    valid: str
+    largest_L_t: float
+
+
+INLET_FACTORS = {
+    "gupta": InletFactor(gupta_factor, "Gupta et al. 1992, Zhu and Cheng", "L_t up to about 1", 1.0),
+    "wilson-sheu": InletFactor(
+        lambda L_t, S, _: wilson_sheu_factor(L_t, S), "Wilson and Sheu 1983", "L_t up to about 1, low load", 1.0
+    ),
+}
+
+
+def _check_inlet(L_t: float, slide_to_roll: float) -> None:
+    require_not_negative("L_t", L_t)
+    require_not_negative("slide_to_roll", slide_to_roll)
+
+
+# -- the film ---------------------------------------------------------------------------------------------------------
+
+
+def middle_rise(stress: float, sliding: float, film: float, conductivity: float) -> float:
+    """Rise in the middle of the film above the mean of its walls, tau |u1 - u2| h/(8 k), in K.
+
+    Conduction across the film only, heat released uniformly.  stress in Pa, sliding in m/s, film in m; also arrays.
+    """
+    return stress * sliding * film / (8.0 * conductivity)
+
+
+def mean_rise(stress: float, sliding: float, film: float, conductivity: float) -> float:
+    """Mean rise across the film above the mean of its walls, tau |u1 - u2| h/(12 k), in K; see `middle_rise`."""
+    return stress * sliding * film / (12.0 * conductivity)
+
+
+class Nahme(NamedTuple):
+    """A sheared film that heats itself: largest beta (T - T_wall), and effective viscosity over that at the walls."""
+
+    largest_rise: float
+    viscosity: float
+
+
+def nahme(number: float) -> Nahme:
+    """Shear between walls of one temperature with eta = eta_wall exp(-beta (T - T_wall)), in closed form.
+
+    number: Na = eta_wall beta (u1 - u2)^2/k.  theta_max = ln(1 + Na/8) and tau h/(eta_wall |u1 - u2|) = asinh(s)/(s (1
+    + s^2)^{1/2}) with s^2 = Na/8.  Nahme R. Ing Arch 1940;11:191-209.
+
+    Examples
+    --------
+    >>> round(nahme(8.0).viscosity, 6)
+    0.623225
+    """
+    require_not_negative("number", number)
+    s = sqrt(number / 8.0)
+    return Nahme(log(1.0 + number / 8.0), asinh(s) / (s * sqrt(1.0 + s**2)) if s > 0 else 1.0)

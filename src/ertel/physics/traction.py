@@ -1,0 +1,161 @@
+"""Traction: the friction coefficient from the shear stress, and formulas to compare with.
+
+The traction coefficient is the tangential force over the load.  With stresses in units p_h a/R, lengths in a and the
+load in units of the Hertz load, F* = (2 pi/3) p_h a^2,
+
+    mu = (3/(2 pi)) (a/R) * double integral of tau_m dXdY / load
+
+for a circular contact; `unit` is the factor (3/(2 pi)) a/R, or of an ellipse what its geometry gives.
+"""
+
+from dataclasses import dataclass
+from math import asinh, exp, log, pi
+from typing import NamedTuple
+
+import numpy as np
+
+from ertel.physics.checks import require_positive
+from ertel.physics.fluidity import Array
+
+
+def circle_unit(a_over_R: float) -> float:
+    """Factor of the traction coefficient of a circular contact, (3/(2 pi)) a/R."""
+    require_positive("a_over_R", a_over_R)
+    return 1.5 / pi * a_over_R
+
+
+def sliding_traction(stress: Array, cell: float, load: float, unit: float) -> float:
+    """Traction coefficient of the mid-plane stress.
+
+    stress: one component of tau_m in units p_h a/R, shape (n, n), on the nodes of the whole grid.  cell: area of a cell
+    in a^2.  load: in units of the Hertz load.  unit: see `circle_unit`.
+    """
+    return float(unit * cell * stress.sum() / load)
+
+
+def rolling_resistance(film: Array, slope: Array, cell: float, load: float, unit: float) -> float:
+    """Traction coefficient of the flow by the pressure gradient, -(1/2) double integral of H dP/dX.
+
+    It acts on both surfaces against the rolling; the stress at the walls is tau_m +- (1/2) H dP/dX.  film: H in a^2/R.
+    slope: dP/dX, the same shape.  The other arguments as in `sliding_traction`.
+    """
+    return float(-0.5 * unit * cell * (film * slope).sum() / load)
+
+
+def limited_stress(stress: Array, limit: Array) -> Array:
+    """The stress vector with its length cut off at a limit: the limiting shear stress in the integral of the traction.
+
+    stress: shape (2, ...).  limit: shape (...), in the same unit, above zero.
+    """
+    xp = stress.__array_namespace__()
+    length = xp.sqrt(stress[0] ** 2 + stress[1] ** 2)
+    return stress * (limit / xp.maximum(length, limit))
+
+
+# -- an Eyring oil in a film of uniform thickness ---------------------------------------------------------------------
+
+
+def hertz_mean_stress(S_c: float, alpha_p_h: float) -> float:
+    """Mean of tau/tau0 over a Hertz contact with a film of uniform thickness, Eyring's and Barus' laws.
+
+    The mean of asinh(S_c exp(alpha (p - p_mean))), p_mean = 2 p_h/3, over the circle or ellipse: p = p_h s with the
+    weight 2 s ds.  S_c = eta0 |u1 - u2|/(h tau0) exp(alpha p_mean).  mu is this times tau0/p_mean.
+
+    Examples
+    --------
+    >>> round(hertz_mean_stress(1.0, 20.0), 4)
+    2.4266
+    """
+    require_positive("S_c", S_c)
+    node, weight = np.polynomial.legendre.leggauss(80)
+    s = 0.5 * (node + 1.0)
+    stress = np.arcsinh(S_c * np.exp(alpha_p_h * (s - 2.0 / 3.0)))
+    return float(np.sum(weight * s * stress))
+
+
+def uniform_film_traction(alpha: float, tau0: float, p_mean: float, newtonian: float) -> float:
+    """mu = alpha tau0 + (tau0/p_mean) ln(2 eta0 |u1 - u2|/(h tau0)): the limit of `hertz_mean_stress` for S_c >> 1.
+
+    newtonian: eta0 |u1 - u2|/h, Pa.  Johnson KL, Tevaarwerk JL. Proc R Soc Lond A 1977;356:215-236, in form.
+    """
+    return alpha * tau0 + tau0 / p_mean * log(2.0 * newtonian / tau0)
+
+
+# -- Arana et al. -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ModulusOil:
+    """An oil with the viscosity K exp(C/(D + T)) exp(p/(a1 + a2 T + (b1 + b2 T) p)); T in K, p in Pa.
+
+    limit: Lambda, limiting shear stress over pressure.  Density in kg/m^3 at 15 degC.
+    """
+
+    a1: float
+    a2: float
+    b1: float
+    b2: float
+    C: float
+    D: float
+    K: float
+    density: float
+    limit: float
+
+    def viscosity(self, p: float, temperature: float) -> float:
+        """eta in Pa s."""
+        return self.K * exp(self.C / (self.D + temperature)) * exp(p / self._modulus(p, temperature))
+
+    def pressure_coefficient(self, p: float, temperature: float) -> float:
+        """ln(eta(p)/eta(0))/p, the secant coefficient alpha(p) in 1/Pa."""
+        return 1.0 / self._modulus(p, temperature)
+
+    def _modulus(self, p: float, temperature: float) -> float:
+        return self.a1 + self.a2 * temperature + (self.b1 + self.b2 * temperature) * p
+
+
+ARANA = "Arana A, Larranaga J, Ulacia I, et al. Proc Inst Mech Eng J 2019;233:303-316"
+ARANA_OILS = {
+    "N100": ModulusOil(-7.23e7, 3.48e5, 5.00e-3, -1.83e-5, 650.0, -206.0, 161.60e-6, 900.0, 0.053),
+    "M100": ModulusOil(-2.28e7, 2.26e5, -68.20e-3, 27.68e-5, 890.0, -182.0, 86.86e-6, 882.0, 0.047),
+    "PAO100": ModulusOil(-5.73e7, 3.90e5, -39.50e-3, 23.54e-5, 1740.0, -116.0, 12.26e-6, 840.0, 0.035),
+}
+
+
+def arana_traction(limit: float, alpha: float, p_mean: float, viscosity: float, sliding: float, film: float) -> float:
+    """mu = min{(2 Lambda/(alpha p_mean)) asinh[eta alpha V_s/(2 Lambda h)], Lambda}; source: `ARANA`.
+
+    It is Eyring's law with tau_E = 2 Lambda/alpha and the limit Lambda p_mean.  limit: Lambda.  alpha in 1/Pa.
+    p_mean in Pa.  viscosity: eta in Pa s at that pressure and the film's temperature.  sliding: V_s = |u1 - u2| in m/s.
+    film: central film phi_T h_c in m, with inlet shear heating (`ertel.physics.thermal`).
+    """
+    eyring = 2.0 * limit / alpha
+    return min(eyring / p_mean * asinh(viscosity * sliding / (film * eyring)), limit)
+
+
+# -- waviness in a sliding contact ------------------------------------------------------------------------------------
+
+
+class SlidingWaviness(NamedTuple):
+    """Ripples in a sliding contact over those of the undeformed surface, complex: modulus and phase."""
+
+    clearance: complex
+    pressure: complex
+
+
+def hooke_waviness(
+    wavelength: float, film: float, E_prime: float, effective_viscosity: float, lag: float, bulk_modulus: float
+) -> SlidingWaviness:
+    """Ripples of clearance and of pressure (Pa/m) under sliding over the amplitude of the waviness: linear theory.
+
+        clearance = (1 - i C Q)/(1 - i Q - i C Q),    pressure = (w E'/4) i Q/(1 - i Q - i C Q)
+        Q = (12/pi^2) eta_eff (v - u) wavelength^2/(E' h^3),    C = h E' w/(4 B),    w = 2 pi/wavelength
+
+    Hooke CJ. Proc Inst Mech Eng J 2006;220:259-275.  effective_viscosity: dtau/d(shear rate) in the contact, for
+    Eyring's law eta/(1 + B^2)^{1/2}, Pa s.  lag: v - u, speed of the waviness minus mean speed of the oil, m/s.
+    bulk_modulus: of the oil, B in Pa (infinite: an oil that is not compressible).
+    """
+    w = 2.0 * pi / wavelength
+    Q = 12.0 / pi**2 * effective_viscosity * lag * wavelength**2 / (E_prime * film**3)
+    C = film * E_prime * w / (4.0 * bulk_modulus)
+    below = 1.0 - 1j * Q - 1j * C * Q
+    return SlidingWaviness((1.0 - 1j * C * Q) / below, 0.25 * w * E_prime * 1j * Q / below)

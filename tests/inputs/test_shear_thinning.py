@@ -1,0 +1,95 @@
+"""The key `rheology` of a case: laws of shear thinning in case files and in Python, written down and read back."""
+
+import dataclasses
+from typing import Any
+
+import pytest
+
+from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.inputs.python import Oil, impact, rolling
+from ertel.model.case import Case
+from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
+from ertel.runs.batch import check_alike
+from ertel.runs.response import respond_in_rolling
+
+BALL = {"radius": 0.01, "E_prime": 226e9, "oil": Oil(eta0=0.04, alpha=20e-9), "nodes": 65}
+LOADED = {**BALL, "load": 20.0, "mean_speed": 1.0}
+LIMITED = {"law": "limited", "base": {"law": "carreau", "G": "6 MPa", "n": 0.42}, "slope": 0.05}
+WRITTEN: list[tuple[Any, Fluidity]] = [
+    ({"law": "ree-eyring", "tau0": "5 MPa"}, ReeEyring(5e6)),
+    ({"law": "carreau", "G": "6 MPa", "n": 0.42}, Carreau(6e6, 0.42)),
+    ({"law": "carreau-yasuda", "G": "6 MPa", "n": 1, "a": 1.5}, CarreauYasuda(6e6, 1.0, 1.5)),
+    (LIMITED, Limited(Carreau(6e6, 0.42), 0.05)),
+]
+
+
+@pytest.mark.parametrize(("written", "law"), WRITTEN, ids=lambda x: x["law"] if isinstance(x, dict) else "")
+def test_a_law_is_written_and_read_back(written: Any, law: Fluidity) -> None:
+    case = rolling(**LOADED, rheology=written)
+    assert case.oil.fluidity_law == law
+    assert case == rolling(**LOADED, rheology=law) == Case.from_data(case.to_data())
+    assert case.digest != rolling(**LOADED).digest
+
+
+def test_newtonian_is_the_default() -> None:
+    case = rolling(**LOADED)
+    assert case.oil.fluidity_law == NewtonianOil()
+    assert case == rolling(**LOADED, rheology="newtonian") == Case.from_data(case.to_data())
+
+
+def test_an_oil_by_name_takes_a_law() -> None:
+    named = {**LOADED, "oil": "squalane", "temperature": "40 degC"}
+    assert rolling(**named).oil.is_newtonian
+    assert rolling(**named, rheology=LIMITED).oil.rheology == Limited(Carreau(6e6, 0.42), 0.05)
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ({"law": "ree-eyring", "tau0": "0 MPa"}, r'rheology\.tau0 = "0 MPa": must be a quantity above zero'),
+        ({"law": "ree-eyring", "tau0": "-5 MPa"}, r'rheology\.tau0 = "-5 MPa": must be a quantity above zero'),
+        ({"law": "ree-eyring", "tau0": 5}, r"rheology\.tau0 = 5: must be a quantity"),
+        ({"law": "ree-eyring"}, r"rheology\.tau0: missing"),
+        ({"law": "carreau", "G": "6 MPa", "n": 1.5}, r"rheology\.n = 1\.5: must be less than or equal to 1"),
+        ({"law": "carreau", "G": "6 MPa", "n": 0}, r"rheology\.n = 0: must be greater than 0"),
+        ({"law": "eyring", "tau0": "5 MPa"}, r'rheology\.law = "eyring"; allowed: newtonian, ree-eyring'),
+        ("ree-eyring", r'rheology = "ree-eyring": has data of its own; give them as \{ law = "ree-eyring", \.\.\. \}'),
+        ("eyring", r'rheology = "eyring": allowed: '),
+        ({**LIMITED, "base": "newtonian"}, r'rheology\.base = "newtonian": must be a table'),
+        ({**LIMITED, "base": {"law": "carreau", "G": "6 MPa", "n": 2}}, r"rheology\.base\.n = 2: must be less than"),
+        (ReeEyring(-1.0), r"rheology\.tau0 = .*above zero"),
+    ],
+)
+def test_what_is_wrong_is_said(written: Any, said: str) -> None:
+    with pytest.raises(ConfigError, match=rf"^lubricant\.{said}"):
+        rolling(**LOADED, rheology=written)
+
+
+def test_a_key_in_the_wrong_place_is_explained() -> None:
+    with pytest.raises(ConfigError, match=r'rheology = \{ law = "ree-eyring", tau0 = "5 MPa" \}'):
+        parse_case({"contact": {"M": 100, "L": 10}, "lubricant": {"tau0": "5 MPa"}})
+
+
+def test_a_record_in_a_case_is_checked() -> None:
+    case = rolling(**LOADED)
+    for law in (ReeEyring(-1.0), Limited(Carreau(6e6, 2.0), 0.05)):
+        with pytest.raises(ValueError, match=r"^lubricant\.rheology.*(above zero|less than or equal to 1)"):
+            dataclasses.replace(case, oil=dataclasses.replace(case.oil, rheology=law))
+
+
+def test_where_an_oil_that_thins_does_not_work() -> None:
+    with pytest.raises(ConfigError, match=r"rheology.*dimensionless.*in SI"):
+        rolling(M=200, L=10, rheology=ReeEyring(5e6))
+    with pytest.raises(ConfigError, match=r'rheology.*"radial" is for Newtonian oils only'):
+        impact(**BALL, ball_density=7850, speed=0.1, method="radial", rheology=ReeEyring(5e6))
+    with pytest.raises(ValueError, match=r'rheology.*must be "newtonian" for the response'):
+        respond_in_rolling(rolling(**LOADED, rheology=ReeEyring(5e6)), [])
+
+
+def test_a_batch_takes_one_kind_of_law() -> None:
+    first, second, other = (
+        rolling(**LOADED, method="transient", rheology=law) for law in (ReeEyring(5e6), ReeEyring(2e6), "newtonian")
+    )
+    check_alike([first, second])
+    with pytest.raises(ValueError, match=r"^lubricant\.rheology"):
+        check_alike([first, other])

@@ -1,0 +1,186 @@
+"""Inlet shear heating, the film's temperatures and the flash temperature, against tables and closed forms."""
+
+import itertools
+from math import log, pi, sqrt
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import solve_bvp
+
+from ertel.physics.flash import flash_temperature, moving_source_weights, partition, peclet_number, response
+from ertel.physics.thermal import (
+    INLET_FACTORS,
+    Solid,
+    gupta_factor,
+    mean_rise,
+    middle_rise,
+    nahme,
+    thermal_loading,
+    wilson_sheu_factor,
+)
+
+STEEL, GLASS = Solid(7850.0, 460.0, 47.0), Solid(2510.0, 858.0, 1.114)
+
+
+@pytest.mark.parametrize(
+    ("L_t", "factors"),
+    [
+        (0.01, (0.9848, 0.9784, 0.9611)),
+        (0.1, (0.9429, 0.9178, 0.8543)),
+        (0.5, (0.8605, 0.8039, 0.6786)),
+        (1, (0.8003, 0.7256, 0.5751)),
+        (3, (0.6668, 0.5668, 0.3991)),
+    ],
+)
+def test_inlet_factor_of_gupta(L_t: float, factors: tuple) -> None:
+    assert [round(gupta_factor(L_t, S, 0.5 / 226), 4) for S in (0, 0.2, 1)] == list(factors)
+
+
+def test_inlet_factors_by_name() -> None:
+    assert set(INLET_FACTORS) == {"gupta", "wilson-sheu"}
+    assert INLET_FACTORS["gupta"].formula(1.0, 0.2, 0.002) == gupta_factor(1.0, 0.2, 0.002)
+    assert INLET_FACTORS["wilson-sheu"].formula(1.0, 0.2, 0.002) == wilson_sheu_factor(1.0, 0.2)
+    for factor in INLET_FACTORS.values():
+        assert factor.formula(0.0, 0.5, 0.002) == 1.0
+        falling = [factor.formula(L_t, 0.5, 0.002) for L_t in (0.01, 0.1, 1.0, factor.largest_L_t)]
+        assert falling == sorted(falling, reverse=True) and falling[-1] > 0
+
+
+def test_wilson_sheu() -> None:
+    assert wilson_sheu_factor(1.0, 0.0) == pytest.approx(1 / 1.1)
+    assert wilson_sheu_factor(1.0, 1.0) == pytest.approx(1 / 2.58)
+
+
+def test_thermal_loading() -> None:
+    assert thermal_loading(0.04, 0.04, 5.0, 0.14) == pytest.approx(0.04 * 0.04 * 25 / 0.14)
+
+
+@pytest.mark.parametrize("bad", [{"L_t": -1.0}, {"slide_to_roll": -0.1}, {"p_h_over_E": float("nan")}], ids=str)
+def test_impossible_inlets(bad: dict) -> None:
+    with pytest.raises(ValueError, match=rf"^{next(iter(bad))} = .*must be finite and not below zero"):
+        gupta_factor(**{"L_t": 1.0, "slide_to_roll": 0.1, "p_h_over_E": 0.002, **bad})
+
+
+# -- the film ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("Na", "ratio"),
+    [(0.1, 0.991749), (1, 0.924196), (8, 0.623225), (50, 0.244707), (100, 0.152069), (1000, 0.024775), (1e4, 0.003406)],
+)
+def test_nahme(Na: float, ratio: float) -> None:
+    assert nahme(Na).viscosity == pytest.approx(ratio, abs=6e-7)
+    assert nahme(Na).largest_rise == pytest.approx(log(1 + Na / 8))
+
+
+def test_nahme_solves_the_equation_of_heat() -> None:
+    """theta'' + Na sigma^2 e^theta = 0 with sigma = tau h/(eta Delta u) and integral of sigma e^theta = 1."""
+    Na = 20.0
+    sigma = nahme(Na).viscosity
+    z = np.linspace(0, 1, 41)
+    solved = solve_bvp(
+        lambda z, y: np.stack([y[1], -Na * sigma**2 * np.exp(y[0])]),
+        lambda low, high: np.array([low[0], high[0]]),
+        z,
+        np.stack([4 * nahme(Na).largest_rise * z * (1 - z), nahme(Na).largest_rise * (4 - 8 * z)]),
+        tol=1e-8,
+    )
+    fine = np.linspace(0, 1, 4001)
+    theta = solved.sol(fine)[0]
+    assert theta.max() == pytest.approx(nahme(Na).largest_rise, rel=1e-6)
+    assert sigma * np.trapezoid(np.exp(theta), fine) == pytest.approx(1.0, rel=1e-6)
+
+
+def test_weak_heating_is_the_mean_rise() -> None:
+    """Na -> 0: the viscosity falls by beta times the mean rise, Na/12."""
+    assert nahme(0.0) == (0.0, 1.0)
+    assert nahme(1e-4).viscosity == pytest.approx(1 - 1e-4 / 12, abs=1e-9)
+
+
+# -- the surfaces -----------------------------------------------------------------------------------------------------
+
+
+def test_worked_example() -> None:
+    """40 MPa, 1 m/s, 100 nm, k = 0.14: 3.57 K and 2.38 K in the film; steel at 0.5 m/s over 280 um: 41 K."""
+    assert middle_rise(40e6, 1.0, 100e-9, 0.14) == pytest.approx(3.57, abs=0.005)
+    assert mean_rise(40e6, 1.0, 100e-9, 0.14) == pytest.approx(2.38, abs=0.005)
+    heat = np.full(281, 0.5 * 40e6 * 1.0)
+    heat[0] /= 2
+    assert flash_temperature(heat, STEEL, 0.5, 1e-6)[-1] == pytest.approx(41.0, abs=0.5)
+
+
+def closed_uniform(q: float, x: float, speed: float) -> float:
+    return 2 * q * sqrt(x / (pi * speed)) / STEEL.effusivity
+
+
+def test_linear_sources_are_exact() -> None:
+    """The kernel is integrated exactly: q = x gives (4/3) x^{3/2}."""
+    x = np.linspace(0.0, 1.0, 33)
+    weights = moving_source_weights(33, x[1])
+    assert_allclose(np.convolve(weights, x)[:33], 4 / 3 * x**1.5, rtol=1e-12, atol=1e-15)
+
+
+def error_of_uniform(n: int) -> float:
+    heat = np.ones(n + 1)
+    heat[0] = 0.5
+    return abs(flash_temperature(heat, STEEL, 2.0, 1.0 / n)[-1] / closed_uniform(1.0, 1.0, 2.0) - 1)
+
+
+def test_order_two_behind_the_edge_of_a_uniform_source() -> None:
+    errors = [error_of_uniform(n) for n in (16, 32, 64, 128)]
+    orders = [log(coarse / fine) / log(2) for coarse, fine in itertools.pairwise(errors)]
+    assert errors[-1] < 1e-5 and min(orders) > 1.9
+
+
+def test_order_two_for_a_smooth_source() -> None:
+    def last(n: int) -> float:
+        x = np.linspace(0.0, 1.0, n + 1)
+        return float(flash_temperature(np.sin(pi * x) ** 2, STEEL, 1.0, 1.0 / n)[3 * n // 4])
+
+    exact = last(4096)
+    errors = [abs(last(n) - exact) for n in (16, 32, 64)]
+    assert min(log(coarse / fine) / log(2) for coarse, fine in itertools.pairwise(errors)) > 1.9
+
+
+def test_a_surface_that_moves_back_is_heated_from_the_other_side() -> None:
+    heat = np.exp(-((np.linspace(-3, 1, 41)) ** 2))
+    there, back = flash_temperature(heat, STEEL, 1.0, 0.1), flash_temperature(heat[::-1], STEEL, -1.0, 0.1)
+    assert_allclose(back[::-1], there, rtol=1e-14)
+    with pytest.raises(ValueError, match=r"^\|speed\| = 0"):
+        response(STEEL, 0.0, 5, 0.1)
+
+
+def test_peclet_number_of_the_worked_example() -> None:
+    assert peclet_number(STEEL, -0.5, 140e-6) == pytest.approx(0.5 * 140e-6 * 7850 * 460 / 94)
+
+
+def test_equal_surfaces_take_half_each() -> None:
+    heat, film = np.ones((2, 20)), np.full((2, 20), 1e-7)
+    into = response(STEEL, 1.0, 20, 1e-5)
+    first, second = partition(heat, film, 0.14, into, into)
+    assert_allclose(first, 0.5)
+    assert_allclose(second, 0.5)
+
+
+@pytest.mark.parametrize("speed", [1.0, -1.0])
+def test_partition_satisfies_its_equations(speed: float) -> None:
+    draw = np.random.default_rng(5)
+    heat, film = draw.uniform(1e8, 1e9, (3, 30)), draw.uniform(5e-8, 5e-7, (3, 30))
+    into_1, into_2 = response(STEEL, 0.7, 30, 1e-5), response(GLASS, speed, 30, 1e-5)
+    first, second = partition(heat, film, 0.14, into_1, into_2)
+    T1, T2 = first @ into_1.T, second @ into_2.T
+    assert_allclose(first + second, heat, rtol=1e-13)
+    assert_allclose(first, heat / 2 + 0.14 * (T2 - T1) / film, rtol=1e-8)
+
+
+def test_thin_films_leave_the_partition_to_the_solids() -> None:
+    """h -> 0: both surfaces have one temperature, and uniform heat is shared by the effusivities."""
+    heat, film = np.full((1, 200), 1e8), np.full((1, 200), 1e-12)
+    slow, fast = response(STEEL, 1.0, 200, 1e-6), response(STEEL, 4.0, 200, 1e-6)
+    first, second = partition(heat, film, 0.14, slow, fast)
+    assert_allclose(second / first, 2.0, rtol=1e-4)
+
+
+def test_effusivity() -> None:
+    assert STEEL.effusivity == pytest.approx(sqrt(7850 * 460 * 47))

@@ -1,0 +1,86 @@
+"""Contacts with an oil that thins: steady rolling, rolling in time, impact; the Newtonian limit and the work."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from cases import march
+from numpy.testing import assert_allclose
+
+from ertel.inputs.python import Oil, impact, rolling
+from ertel.model import budget
+from ertel.model.case import Case
+from ertel.model.state import Rolling
+from ertel.physics.fluidity import Carreau, Fluidity, Limited, ReeEyring
+from ertel.results import budgets
+from ertel.solvers import steady
+from ertel.solvers.transient import Transient2D
+
+OIL = Oil(eta0=0.04, alpha=20e-9)
+BALL = {"radius": 0.01, "E_prime": 226e9, "oil": OIL}
+LOADED = {**BALL, "load": 20.0, "mean_speed": 1.0}  # M = 61, L = 11, p_h = 0.79 GPa
+STIFF = ReeEyring(1e15)
+
+
+def rolled(law: Fluidity | str, slide_to_roll: float, nodes: int = 65, **changes: object) -> Case:
+    return rolling(**{**LOADED, "slide_to_roll": slide_to_roll, "nodes": nodes, "rheology": law, **changes})
+
+
+@cache
+def film(law: Fluidity | str, slide_to_roll: float = 0.0) -> Rolling:
+    return steady.steady(rolled(law, slide_to_roll))
+
+
+def krylov(found: Rolling) -> int:
+    return sum(s.krylov for s in found.solutions)
+
+
+def test_without_thinning_the_film_is_newtonian():
+    newtonian, found = film("newtonian").finest, film(STIFF, 0.5).finest
+    for field in ("P", "H"):
+        assert_allclose(getattr(found, field), getattr(newtonian, field), rtol=0, atol=1e-12)
+    assert (found.newton, found.krylov) == (newtonian.newton, newtonian.krylov)
+
+
+@pytest.mark.parametrize(
+    ("law", "work"),
+    [(ReeEyring(2e6), 1.5), (Limited(Carreau(6e6, 0.42), 0.05), 2.0)],  # the aim is 1.5; near a limit it is 1.57
+    ids=["eyring", "limited-carreau"],
+)
+def test_sliding_makes_the_film_thinner_at_little_more_work(law: Fluidity, work: float):
+    """Also pure rolling thins it, by the pressure gradient in the inlet."""
+    found = [film("newtonian"), *(film(law, S) for S in (0.0, 0.5, 1.9))]
+    assert all(f.finest.status.ok for f in found)
+    assert np.all(np.diff([f.finest.measure()["H_c"] for f in found]) < -1e-4)
+    assert max(map(krylov, found[1:])) <= work * krylov(found[0])
+
+
+def test_the_budgets_close_as_well_as_those_of_a_newtonian_oil():
+    imbalances = []
+    for law, S in (("newtonian", 0.0), (ReeEyring(2e6), 1.9)):
+        case = rolled(law, S)
+        found = budgets.steady(case, budget.steady(case, film(law, S).finest), 1.0)
+        imbalances.append([found[name]["imbalance"] for name in ("mass", "energy")])
+    assert np.all(np.array(imbalances[1]) <= imbalances[0])
+
+
+def test_the_direction_of_rolling_does_not_matter():
+    backwards = steady.steady(rolled(ReeEyring(2e6), 0.5, mean_speed=-1.0)).finest
+    assert_allclose(np.asarray(backwards.H)[:, ::-1], film(ReeEyring(2e6), 0.5).finest.H, rtol=0, atol=1e-9)
+
+
+def test_a_steady_film_stays_as_it_is():
+    case = rolled(ReeEyring(2e6), 1.0, 33, method="transient", until=1.0)
+    method = Transient2D(case)
+    start, newest = method.start(), march(method, 0.2, 3)[0]
+    assert_allclose(newest.H, start.H, rtol=0, atol=3e-5)
+
+
+def test_an_impact_of_an_oil_that_thins():
+    """On a track that moves and slides: as a Newtonian one without thinning, thinner with it."""
+    films = {}
+    for law in ("newtonian", STIFF, ReeEyring(2e4)):
+        case = impact(**BALL, ball_density=7850, speed=0.1, mean_speed=0.5, slide_to_roll=1.0, nodes=33, rheology=law)
+        films[law] = march(Transient2D(case), 0.2, 4)[0]
+    assert_allclose(films[STIFF].H, films["newtonian"].H, rtol=0, atol=1e-10)  # tolerance of the steps: 1e-3
+    assert float(films[ReeEyring(2e4)].H.min()) < float(films["newtonian"].H.min()) - 1e-3
