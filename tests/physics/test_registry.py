@@ -5,7 +5,7 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-from ertel.physics import registry
+from ertel.physics import registry, surfaces  # noqa: F401  # surfaces registers the shapes
 from ertel.physics.lubricant import Barus
 from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
 from ertel.physics.units import marks

@@ -154,6 +154,7 @@ def test_no_flipped_bit_is_silent_in_a_resumed_run(runs, copy, tmp_path):
 OTHERS = {  # of what is no number
     **{'"impact"': '"rolling"', '"rolling"': '"impact"', '"2d"': '"radial"', '"steady"': '"transient"'},
     **{'"roelands"': '"barus"', '"barus"': '"roelands"', "true": "false"},
+    '"newtonian"': '{ law = "ree-eyring", tau0 = "5 MPa" }',
     **{'"dowson-higginson"': '"incompressible"', '"incompressible"': '"dowson-higginson"', "33": "65", "65": "33"},
 }
 

@@ -42,17 +42,26 @@ def test_without_thinning_the_film_is_newtonian():
     assert (found.newton, found.krylov) == (newtonian.newton, newtonian.krylov)
 
 
-@pytest.mark.parametrize(
-    ("law", "work"),
-    [(ReeEyring(2e6), 1.5), (Limited(Carreau(6e6, 0.42), 0.05), 2.0)],  # the aim is 1.5; near a limit it is 1.57
-    ids=["eyring", "limited-carreau"],
-)
-def test_sliding_makes_the_film_thinner_at_little_more_work(law: Fluidity, work: float):
+EYRING, LIMITED = ReeEyring(2e6), Limited(Carreau(6e6, 0.42), 0.05)
+SLIDING = (0.0, 0.5, 1.9)
+BEYOND = pytest.mark.xfail(strict=True, reason="near a limiting stress it is 1.57 times the Newtonian work")
+
+
+@pytest.mark.parametrize("law", [EYRING, LIMITED], ids=["eyring", "limited-carreau"])
+def test_sliding_makes_the_film_thinner(law: Fluidity):
     """Also pure rolling thins it, by the pressure gradient in the inlet."""
-    found = [film("newtonian"), *(film(law, S) for S in (0.0, 0.5, 1.9))]
+    found = [film("newtonian"), *(film(law, S) for S in SLIDING)]
     assert all(f.finest.status.ok for f in found)
     assert np.all(np.diff([f.finest.measure()["H_c"] for f in found]) < -1e-4)
-    assert max(map(krylov, found[1:])) <= work * krylov(found[0])
+
+
+@pytest.mark.parametrize(
+    ("law", "sliding"),
+    [(EYRING, SLIDING), pytest.param(LIMITED, (0.5,), marks=BEYOND)],
+    ids=["eyring", "limited-carreau"],
+)
+def test_thinning_takes_little_more_work(law: Fluidity, sliding: tuple[float, ...]):
+    assert max(krylov(film(law, S)) for S in sliding) <= 1.5 * krylov(film("newtonian"))
 
 
 def test_the_budgets_close_as_well_as_those_of_a_newtonian_oil():
