@@ -47,7 +47,9 @@ SLIDING = (0.0, 0.5, 1.9)
 BEYOND = pytest.mark.xfail(strict=True, reason="near a limiting stress it is 1.57 times the Newtonian work")
 
 
-@pytest.mark.parametrize("law", [EYRING, LIMITED], ids=["eyring", "limited-carreau"])
+@pytest.mark.parametrize(
+    "law", [EYRING, pytest.param(LIMITED, marks=pytest.mark.slow)], ids=["eyring", "limited-carreau"]
+)
 def test_sliding_makes_the_film_thinner(law: Fluidity):
     """Also pure rolling thins it, by the pressure gradient in the inlet."""
     found = [film("newtonian"), *(film(law, S) for S in SLIDING)]
@@ -57,7 +59,7 @@ def test_sliding_makes_the_film_thinner(law: Fluidity):
 
 @pytest.mark.parametrize(
     ("law", "sliding"),
-    [(EYRING, SLIDING), pytest.param(LIMITED, (0.5,), marks=BEYOND)],
+    [(EYRING, SLIDING), pytest.param(LIMITED, (0.5,), marks=[BEYOND, pytest.mark.slow])],
     ids=["eyring", "limited-carreau"],
 )
 def test_thinning_takes_little_more_work(law: Fluidity, sliding: tuple[float, ...]):
