@@ -60,7 +60,7 @@ class Film(NamedTuple):
     """The film at one time.
 
     P, H, eps: pressure, film thickness, mobility.  dissipation: the double integral of - rho q.grad h.  deformation: of
-    the solids.  growth: D(rho H)/DT - div(Poiseuille flux), the residual of Reynolds' equation, which is not zero where
+    the solids.  growth: D(rho H)/DT + div(Poiseuille flux), the residual of Reynolds' equation, which is not zero where
     P = 0.  U: entrainment.  gap_change: DG/DT.
     """
 

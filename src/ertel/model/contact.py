@@ -1,9 +1,11 @@
 """The lubricated contact: film thickness and residual of Reynolds' equation, for impact and rolling.
 
-    D(rho H)/DT - div(Poiseuille flux) = 0   where P > 0
+    D(rho H)/DT + div(Poiseuille flux) = 0   where P > 0
                                       >= 0   where P = 0
 
-    D(rho H)/DT - d/dX(eps dP/dX) - d/dY(eps dP/dY),    eps = rho H^3 / (eta lambda_bar)      (Newtonian oil)
+The Poiseuille flux of a Newtonian oil is -eps grad P, so that
+
+    D(rho H)/DT - d/dX(eps dP/dX) - d/dY(eps dP/dY) = 0,    eps = rho H^3 / (eta lambda_bar)
 
 D/DT = d/dT + U d/dX is the rate of change following the mean flow (`flow`): squeeze and wedge are one term.  Impact has
 U = 0 (eq. 1) and rolling has U = 1.  Otherwise they differ only in the scales and in the equation for Delta.
@@ -79,7 +81,7 @@ class Contact:
     lambda_bar: float
     lubricant: Lubricant
     even: Even = field(default=WHOLE, metadata={"static": True})
-    flow: "PressureFlow" = NEWTONIAN_FLOW
+    flow: PressureFlow = NEWTONIAN_FLOW
 
 
 def smooth_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
@@ -120,7 +122,7 @@ def mobility(contact: Contact, P: Array, H: Array) -> Pair:
 
 
 def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
-    """Reynolds' equation, eq. (1): rate of change following the flow - div(Poiseuille flux), zero on the edge."""
+    """Reynolds' equation, eq. (1): rate of change following the flow + div(Poiseuille flux), zero on the edge."""
     change = rate.of(mass(contact, P, H), contact.spacing)
     return inside(change - contact.flow.gain(contact, P, H), contact.even)
 
