@@ -73,7 +73,7 @@ def parse_amount(value: object, unit: Unit) -> Amount | None:
     if value is None or isinstance(value, Quantity):
         return value
     if isinstance(value, str):
-        return Quantity(parse_quantity(value, unit) or 0.0, unit.unit)
+        return Quantity(parse_quantity(value, unit.in_si) or 0.0, unit.unit)
     if isinstance(value, bool) or not isinstance(value, int | float) or not unit.allows(value):
         least = "" if unit.signed else " above zero"
         raise ValueError(f'must be a number{least}, in units {unit.own}, or a quantity such as "{unit.example}"')
