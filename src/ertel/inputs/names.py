@@ -13,6 +13,7 @@ from typing import Any
 
 from ertel.inputs import library, oils
 from ertel.inputs.messages import ConfigError
+from ertel.inputs.oil_rheology import completed
 from ertel.model.records import oil_data, show
 from ertel.physics.units import DENSITY, STRESS
 
@@ -51,11 +52,13 @@ def _lubricant(written: Mapping[str, Any]) -> dict[str, Any]:
     if not isinstance(temperature, str):
         raise ConfigError(f'temperature = {show(temperature)}: must be a temperature with its unit, such as "40 degC"')
     known = oil_data(oils.at(oil.name, temperature))
+    law = completed(given.get("rheology", known["rheology"]), oil, library.parse_temperature(temperature))
     if any(key in given for key in OF_PRESSURE) and not isinstance(known["viscosity"], str):
         known["viscosity"] = "roelands"
     if given and "reference" not in given:
         known["reference"] += f" Given: {', '.join(given)}."
-    return {**known, **given}
+        known["reference"] += "".join(f" Rheology: {source}." for source in law.sources)
+    return {**known, **given, "rheology": law.law}
 
 
 def _contact(written: Mapping[str, Any]) -> dict[str, Any]:
