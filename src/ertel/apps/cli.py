@@ -14,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from ertel.apps import output
+from ertel.apps import cases, output
 from ertel.apps.arguments import CaseFile, Estimate, Json, Quiet, RunDirectory, Set
 from ertel.apps.exits import bad_input
 from ertel.apps.faults import Commands
@@ -75,6 +75,10 @@ def run(
     as_json: Json = False,
     error: Estimate = False,
     quiet: Quiet = False,
+    help_keys: Annotated[
+        bool,
+        typer.Option("--help-keys", is_eager=True, callback=cases.print_keys, help="Print all keys of case files."),
+    ] = False,
 ) -> None:
     """Run a case and store the results."""
     from ertel.apps import running
@@ -250,4 +254,5 @@ def about() -> None:
     tables.print_names(tables.console(), about())
 
 
-app.command()(paper)
+for command in (cases.new, cases.check, cases.schema, paper):
+    app.command()(command)

@@ -4,6 +4,7 @@ It takes every file that ertel takes, as far as units are spelled as in `spellin
 together: that is in the rules of the model, and `ertel check` says it.
 """
 
+import json
 from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema
@@ -39,3 +40,8 @@ def json_schema() -> dict[str, Any]:
         if table["properties"].get("law", {}).get("const") in OF_OILS:  # a named oil may have the rest
             table["required"] = ["law"]
     return {"$schema": DIALECT, **found, "title": "Case file of ertel"}
+
+
+def json_schema_text() -> str:
+    """The JSON schema as a text in ASCII."""
+    return json.dumps(json_schema(), indent=2) + "\n"

@@ -1,6 +1,6 @@
 """All keys of case files, read off the records of the model: for the table of keys, `--help-keys` and templates."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, fields
 from math import isfinite
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
@@ -42,7 +42,8 @@ class Place(NamedTuple):
 
 def places() -> Iterator[Place]:
     """All sections and tables of a case file, with the laws and shapes that are registered now."""
-    yield Place("(top)", "the case", tuple(_explained(name, TOP[name], "text", "") for name in ("name", "schema")))
+    top = (_explained("name", TOP["name"], "text", ""), _explained("schema", TOP["schema"], "1", "1"))
+    yield Place("(top)", "the case", top)
     for name, part in SECTIONS.items():
         if name == "time":
             yield from _roughness()
@@ -87,8 +88,10 @@ def keys_of(record: Any) -> tuple[Key, ...]:
 def _explained(name: str, meaning: Meaning, kind: str, default: str, mark: object = None) -> Key:
     if meaning.example is not None:
         example = show(meaning.example)
+    elif default not in ("", NEEDED):
+        example = default
     else:
-        example = show(mark.example) if isinstance(mark, Unit) else "" if default == NEEDED else default
+        example = show(mark.example) if isinstance(mark, Unit) else ""
     return Key(name, kind, meaning.text, default, example)
 
 
@@ -140,13 +143,21 @@ def _by_name(values: Mapping[Any, Any], name: str) -> str:
 # -- as text ----------------------------------------------------------------------------------------------------------
 
 
-def table() -> str:
-    """The table of all keys in Markdown."""
+def table(found: Iterable[Place]) -> str:
+    """The table of the keys of some places in Markdown."""
     lines = ["| section | key | value | meaning | default |", "| --- | --- | --- | --- | --- |"]
-    for title, text, keys in places():
-        lines.append(f"| `{title}` | | | **{text}** | |")
-        lines += [f"| | `{key.name}` | {key.kind} | {key.meaning} | {_code(key.default)} |" for key in keys]
+    for title, text, keys in found:
+        lines.append(f"| `{title}` | | | {_cell(text)} | |")
+        for key in keys:
+            lines.append(
+                f"| | `{key.name}` | {key.kind} | {_cell(key.meaning)} | {_code(key.default)} |".replace("  ", " ")
+            )
     return "\n".join(lines) + "\n"
+
+
+def _cell(text: str) -> str:
+    """A text in a table, where a line between bars would end its cell."""
+    return text.replace("|", "\\|")
 
 
 def _code(default: str) -> str:

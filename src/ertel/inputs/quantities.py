@@ -45,7 +45,7 @@ def parse_quantity(value: object, unit: Unit) -> float | None:
     if not unit.allows(found):
         raise ValueError(f"must be {wanted}")
     if complaint := unit.size_complaint(found):
-        raise ValueError(f"{complaint} {unit.unit}")
+        raise ValueError(complaint)
     return found
 
 
@@ -78,7 +78,7 @@ def parse_amount(value: object, unit: Unit) -> Amount | None:
         least = "" if unit.signed else " above zero"
         raise ValueError(f'must be a number{least}, in units {unit.own}, or a quantity such as "{unit.example}"')
     if complaint := unit.size_complaint(value):
-        raise ValueError(f"{complaint}, in units {unit.own}")
+        raise ValueError(complaint)
     return float(value)
 
 

@@ -30,7 +30,7 @@ class Solver:
 
     method: Annotated[
         Method,
-        Meaning("impact: 2d on a square grid, or radial along the radius; rolling: steady, or transient in time"),
+        Meaning("an impact is computed on a square grid (2d) or along the radius (radial), rolling steady or in time"),
     ] = "2d"
     nodes: Annotated[
         int,

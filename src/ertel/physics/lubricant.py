@@ -174,12 +174,14 @@ class Oil:
     viscosity: Annotated[str | Viscosity, Meaning("how the viscosity follows from the pressure: a law")] = "roelands"
     density: Annotated[str | Density, Meaning("how the density follows from the pressure: a law")] = "dowson-higginson"
     eta0: Annotated[
-        float | None, VISCOSITY, Meaning("viscosity at ambient pressure and inlet temperature; needed in SI")
+        float | None,
+        VISCOSITY,
+        Meaning("viscosity at ambient pressure, at the inlet; needed in SI, otherwise 40 mPa*s if left out"),
     ] = None
     alpha: Annotated[
         float | None,
         COMPLIANCE,
-        Meaning("pressure-viscosity coefficient at ambient pressure; needed in SI unless isoviscous"),
+        Meaning("pressure-viscosity coefficient at ambient pressure; needed in SI, otherwise 22 / GPa if left out"),
     ] = None
     p0: Annotated[float, STRESS, Meaning("Roelands' pressure", "0.196 GPa")] = P0_ROELANDS
     z: Annotated[float | None, ABOVE_ZERO, Meaning("Roelands' exponent; left out: from eta0 and alpha", 0.6)] = None
@@ -187,7 +189,11 @@ class Oil:
         default="", compare=False
     )
     rheology: Annotated[
-        str | Fluidity, Meaning("how the oil thins under shear: a law; in SI, not by the radial method")
+        str | Fluidity,
+        Meaning(
+            "how the oil thins under shear: a law; in SI, not by the radial method",
+            {"law": "ree-eyring", "tau0": "5 MPa"},
+        ),
     ] = "newtonian"
 
     def __post_init__(self) -> None:

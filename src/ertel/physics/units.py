@@ -56,7 +56,8 @@ class Unit:
 
     def size_complaint(self, value: float) -> str:
         """Between which sizes the value must be, or "" if it is."""
-        return _size_complaint(value, -self.most if self.signed else self.least, self.most)
+        complaint = _size_complaint(value, -self.most if self.signed else self.least, self.most)
+        return complaint and f"{complaint}{f', in units {self.own}' if self.scale else f' {self.unit}'}"
 
     def complaint(self, value: float) -> str:
         """What the value must be, or "" if it is allowed."""
@@ -127,7 +128,8 @@ class Bounds:
             limit = getattr(self, name)
             if limit is not None and not inside[name](limit):
                 return f"must be {words} {limit:g}"
-        return _size_complaint(value, self.least if self.gt == 0 else -self.most, self.most)
+        lowest = -self.most if self.ge is None else self.ge
+        return _size_complaint(value, self.least if self.gt == 0 else lowest, self.most)
 
 
 FINITE = Bounds()
