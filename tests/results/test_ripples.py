@@ -72,23 +72,6 @@ def found(law: Fluidity | str, nodes: int, length: float, **oil: Any) -> tuple[S
     return ripples.ripples(data, 0, length), ripples.hooke(chosen, at, length), number
 
 
-def test_a_thick_newtonian_oil_leaves_what_its_compressibility_does() -> None:
-    """Q = 2400 and eight nodes in a wave: C/(1 + C) of the height."""
-    computed, theory, Q = found("newtonian", 65, 0.5)
-    assert Q > 1000
-    assert abs(theory.clearance) == pytest.approx(0.12, abs=0.01)
-    assert abs(computed.clearance - theory.clearance) < 0.02
-
-
-@pytest.mark.slow
-def test_eyrings_oil_leaves_the_waves_that_a_newtonian_oil_flattens() -> None:
-    """The same contact: Q = 0.7 instead of 2400.  Eight nodes in a wave."""
-    left, expected, Q = found(ReeEyring(5e6), 65, 0.5)
-    assert 0.5 < Q < 1.0
-    assert abs(left.clearance) > 4 * abs(found("newtonian", 65, 0.5)[0].clearance)
-    assert abs(abs(left.clearance) - abs(expected.clearance)) < 0.12
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("tau0", "alpha", "Q"),
@@ -101,3 +84,10 @@ def test_ripples_follow_hookes_theory(tau0: float | None, alpha: float, Q: float
     assert abs(computed.clearance - theory.clearance) < 0.08
     assert abs(abs(computed.clearance) - abs(theory.clearance)) < 0.03
     assert abs(computed.pressure) == pytest.approx(abs(theory.pressure), rel=0.12)
+
+
+@pytest.mark.slow
+def test_eyrings_oil_leaves_the_waves_that_a_newtonian_oil_flattens() -> None:
+    """The same contact and the same viscosity at rest: 0.75 and 0.13 of the height."""
+    left, flattened = (found(law, 129, 0.5, alpha=20e-9)[0].clearance for law in (ReeEyring(5e6), "newtonian"))
+    assert abs(left) > 5 * abs(flattened)
