@@ -1,7 +1,7 @@
 """Warnings if grid, domain, inlet or initial gap are not sufficient, each with a remedy."""
 
 from collections.abc import Sequence
-from math import inf
+from math import cbrt, inf
 
 import numpy as np
 import xarray as xr
@@ -10,6 +10,7 @@ from ertel.model.case import Case
 from ertel.model.state import GridSolution, Rolling
 from ertel.numerics.grid import allowed_nodes
 from ertel.physics import hertz
+from ertel.physics.lubricant import Barus
 from ertel.results import domain, variables
 from ertel.results.budgets import Budgets
 
@@ -26,6 +27,7 @@ BUDGETS = {  # what an open budget means
     "energy": "the dissipation is uncertain by more than that",
 }
 LARGE_CONTACT = 0.3  # a/R, up to which the parabola is within a few per cent of a sphere
+BARUS_PRESSURE = 0.7e9  # Pa, above which Barus' law says nothing about traction
 CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 
@@ -46,7 +48,7 @@ def rolling_warnings(case: Case, data: xr.Dataset) -> list[str]:
 def case_warnings(case: Case) -> list[str]:
     """Warnings that follow from the case alone, without a run; an empty list if there are none."""
     said = _gap_warning(case) if case.starts_apart else _centre_warning(case)
-    return _spoken([said, _roughness_warning(case), _size_warning(case)])
+    return _spoken([said, _roughness_warning(case), _traction_warning(case), _size_warning(case)])
 
 
 def budget_warnings(case: Case, found: Budgets) -> list[str]:
@@ -216,6 +218,21 @@ def _size_warning(case: Case) -> str:
     return (
         f"the contact is not small (a = {s.a / s.R:.2g} R): Hertz' theory, the half-space and the parabolic gap are "
         f"good up to about {LARGE_CONTACT:g} R"
+    )
+
+
+def _traction_warning(case: Case) -> str:
+    """Barus' law gives far too large viscosities above 0.7 GPa.  The film, made in the inlet, hardly feels them."""
+    if case.scales is None or not isinstance(case.oil.viscosity_law, Barus):
+        return ""
+    heaviest = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
+    p = case.scales.p_h * cbrt(heaviest)
+    if p <= BARUS_PRESSURE or (case.oil.is_newtonian and case.motion.slide_to_roll == 0):
+        return ""
+    return (
+        f'lubricant.viscosity = "barus": gives far too large viscosities above {BARUS_PRESSURE / 1e9:g} GPa, and this '
+        f'contact has {p / 1e9:.2g} GPa: shear stress and traction mean nothing; use "roelands", or a modulus or '
+        "Doolittle's law with measured constants"
     )
 
 

@@ -18,7 +18,7 @@ from jax import Array
 
 from ertel.model import discretise
 from ertel.model.case import Case
-from ertel.model.records import law_data, scaled_all, show
+from ertel.model.records import scaled_all
 from ertel.model.sections import Time
 from ertel.model.state import State, combined, interpolated
 from ertel.model.status import Status
@@ -26,13 +26,12 @@ from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
 from ertel.physics import surfaces
 from ertel.physics.motion import Motion
-from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.surfaces import Feature, Waviness
 from ertel.physics.units import plain
 from ertel.results.dataset import assemble_steady
 from ertel.runs.courses import METHODS, ImpactCourse
 from ertel.runs.drive import Gathering, Observer, drive
-from ertel.runs.stepping import Frame, Step, turning_time
+from ertel.runs.stepping import Step, frame_of, turning_time
 from ertel.solvers import harmonic, steady, tangent
 from ertel.solvers.harmonic import Wave
 from ertel.solvers.transient import Transient2D
@@ -175,7 +174,7 @@ def _assemble(
     levels = last.state.levels
     T = turning_time(levels) if status.ok else levels[0].T
     peak = interpolated(levels, T)
-    frame = Frame(T, {name: np.asarray(method.whole(f)) for name, f in peak.fields.items()}, "max-approach")
+    frame = frame_of(method, peak, "max-approach")
     data = gathering.course.dataset(gathering.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]
@@ -210,12 +209,6 @@ def respond_in_rolling(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> 
     """
     if not case.is_steady:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "steady" for the response to passing waves')
-    if not case.oil.is_newtonian:
-        said = show(law_data(case.oil.rheology, FLUIDITY_LAWS))
-        raise ValueError(
-            f'lubricant.rheology = {said}: must be "newtonian" for the response to passing waves; use solver.method = '
-            '"transient" with the waviness as the roughness of the case'
-        )
     features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)
     case = replace(case, solver=replace(case.solver, fold=fold))
