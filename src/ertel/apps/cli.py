@@ -14,8 +14,8 @@ from typing import Annotated
 
 import typer
 
-from ertel.apps import cases, output
-from ertel.apps.arguments import CaseFile, Estimate, Json, Quiet, RunDirectory, Set
+from ertel.apps import cases, completion, output
+from ertel.apps.arguments import CaseFile, Estimate, Flush, Json, OptionalRun, Quiet, RunDirectory, Set
 from ertel.apps.exits import bad_input
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
@@ -25,7 +25,6 @@ from ertel.apps.paths import local_path, shown
 app = typer.Typer(
     cls=Commands,
     help="Elastohydrodynamic lubrication of point contacts: a ball hits an oiled surface, or rolls and slides on it.",
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
@@ -75,6 +74,7 @@ def run(
     as_json: Json = False,
     error: Estimate = False,
     quiet: Quiet = False,
+    flush: Flush = None,
     help_keys: Annotated[
         bool,
         typer.Option("--help-keys", is_eager=True, callback=cases.print_keys, help="Print all keys of case files."),
@@ -86,15 +86,17 @@ def run(
 
     with bad_input():
         case = load_case(case_file, set_ or [])
-    running.run(case, out, running.Wishes(as_json, error, quiet))
+    running.run(case, out, running.Wishes(as_json, error, quiet, flush))
 
 
 @app.command()
-def resume(directory: RunDirectory, as_json: Json = False, error: Estimate = False, quiet: Quiet = False) -> None:
+def resume(
+    directory: RunDirectory, as_json: Json = False, error: Estimate = False, quiet: Quiet = False, flush: Flush = None
+) -> None:
     """Continue a run that was interrupted."""
     from ertel.apps import running
 
-    running.resume(directory, running.Wishes(as_json, error, quiet))
+    running.resume(directory, running.Wishes(as_json, error, quiet, flush))
 
 
 @app.command("warm-up")
@@ -139,6 +141,15 @@ def show(directory: RunDirectory, as_json: Json = False) -> None:
 @app.command()
 def plot(
     directory: RunDirectory,
+    what: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Draw one figure only, such as film.",
+            autocompletion=completion.figures,
+            show_default=False,
+        ),
+    ] = None,
     at: Annotated[
         str | None,
         typer.Option(
@@ -157,7 +168,7 @@ def plot(
     from ertel.apps import plotting, running
 
     with running.opened(directory) as run:
-        plotting.write_figures(run.dataset(), at, out or directory / "plots", format_.value)
+        plotting.write_figures(run.dataset(), what, at, out or directory / "plots", format_.value)
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------
@@ -246,12 +257,23 @@ def oils(
 
 
 @app.command()
-def about() -> None:
-    """Print versions, devices and how to cite ertel."""
-    from ertel.apps import tables
-    from ertel.apps.about import about
+def about(
+    directory: OptionalRun = None,
+    cite: Annotated[bool, typer.Option("--cite", help="Print BibTeX entries of ertel and of the paper.")] = False,
+) -> None:
+    """Print versions, devices and how to cite ertel; or of a run with what and where it was computed, and its end."""
+    from ertel.apps import about, running, tables
 
-    tables.print_names(tables.console(), about())
+    if directory is None:
+        found, version = {} if cite else about.about(), None
+    else:
+        with running.opened(directory) as run:
+            found = about.of_run(run)
+        version = found["ertel"]
+    if cite:
+        print(about.bibtex(version), end="")
+    else:
+        tables.print_names(tables.console(), found)
 
 
 for command in (cases.new, cases.check, cases.schema, paper):

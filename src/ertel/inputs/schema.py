@@ -123,8 +123,9 @@ def _type(hint: Any, mark: object) -> Any:
         )
         return Annotated[kind | None, BeforeValidator(partial(read, unit=mark)), WithJsonSchema(told(mark))]
     if isinstance(mark, Bounds):
-        kind = int if mark.whole else float
-        return Annotated[kind, BeforeValidator(partial(parse_number, bounds=mark)), WithJsonSchema(number_schema(mark))]
+        number: Any = int if mark.whole else float
+        reader = BeforeValidator(partial(parse_number, bounds=mark))
+        return Annotated[number, reader, WithJsonSchema(number_schema(mark))]
     return Annotated[hint, Field(strict=False)] if get_origin(hint) is tuple else hint
 
 
@@ -160,8 +161,10 @@ def _signal_form(value: object) -> str | None:
     return TABLE if isinstance(value, dict | Section) else None
 
 
-Moment = _type(None, TIME)
-Number = _type(None, FINITE)
+Moment = Annotated[
+    float | Quantity, BeforeValidator(partial(parse_amount, unit=TIME)), WithJsonSchema(amount_schema(TIME))
+]
+Number = Annotated[float, BeforeValidator(partial(parse_number, bounds=FINITE)), WithJsonSchema(number_schema(FINITE))]
 Point = Annotated[tuple[Moment, Number], Field(strict=False)]
 OscillationTable = section_of(Oscillation)
 Signal = Annotated[

@@ -31,7 +31,7 @@ def steps(case: Case) -> int:
         return round(time.duration / time.step)
     wanted = STEPS * time.duration * (Time().tolerance / time.tolerance) ** STEPS_POWER
     period = case.motion.shortest_period
-    return round(max(wanted, STEPS_OF_A_PERIOD * time.duration / period if isfinite(period) else 0.0))
+    return int(max(wanted, STEPS_OF_A_PERIOD * time.duration / period if isfinite(period) else 0.0))
 
 
 def seconds(case: Case) -> float:
