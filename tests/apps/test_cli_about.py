@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -29,10 +30,19 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory):
+    """A run that has ended."""
+    directory = tmp_path_factory.mktemp("about")
+    (directory / "small.toml").write_text(CASE)
+    ertel_("run", str(directory / "small.toml"), "--out", str(directory / "small"), "--quiet")
+    return directory / "small"
+
+
 @pytest.fixture
-def small(here):
-    ertel_("run", "small.toml", "--quiet")
-    return here / "runs" / "small"
+def small(here, finished):
+    """A copy of it in the working directory."""
+    return Path(shutil.copytree(finished, here / "runs" / "small"))
 
 
 def progress(directory):
@@ -54,7 +64,7 @@ def test_about_a_run(small):
 def test_about_a_run_that_has_not_ended(small):
     (small / "summary.json").unlink()
     ProgressFile(small, course_of(load_case(small / "case.toml"))).write(course_of(load_case("small.toml")).begin())
-    assert re.search(r"end +not yet, 0% were done at 20", ertel_("about", "runs/small").stdout)
+    assert re.search(r"end +not yet, 0% done at 20", ertel_("about", "runs/small").stdout)
     (small / PROGRESS).unlink()
     assert re.search(r"end +not yet\n", ertel_("about", "runs/small").stdout)
 
@@ -197,3 +207,4 @@ def test_progress_that_cannot_be_written_stops_no_run(here):
     (here / "run" / PROGRESS).mkdir()
     assert store.compute(run)["status"] == "converged"
     assert progress_file.read(here / "run") is None
+    assert not list((here / "run").glob("*.partial"))

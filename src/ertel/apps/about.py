@@ -72,7 +72,7 @@ def _end(run: RunStore) -> str:
     summary: dict[str, Any] | None = run.summary()
     if summary is None:
         progress = progress_file.read(run.directory)
-        far = f", {progress['done']:.0%} were done at {progress['written']}" if progress else ""
+        far = f", {progress['done']:.0%} done at {progress['written']}" if progress else ""
         return f"not yet{far}"
     status = Status(summary["status"])
     advice = f"; {status.advice}" if status.advice else ""

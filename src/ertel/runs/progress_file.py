@@ -25,6 +25,7 @@ from ertel.runs.courses import Course, Item
 
 PROGRESS = "progress.json"
 INTERVAL = 1.0  # s
+_KEYS = {"status", "T", "step", "done", "seconds", "seconds_left", "written", "process"}
 
 
 class ProgressFile:
@@ -58,9 +59,12 @@ class ProgressFile:
             "process": os.getpid(),
         }
         draft = self._path.with_name(f"{self._path.name}.partial")
-        with suppress(OSError):
+        try:
             draft.write_text(json.dumps(content) + "\n", encoding="ascii")
             draft.replace(self._path)
+        except OSError:
+            with suppress(OSError):
+                draft.unlink()  # a full disk needs its space
 
     def _left(self, status: Status, done: float) -> float | None:
         """Seconds to the end at the pace since the first item; compiling came before it."""
@@ -76,5 +80,5 @@ def read(directory: Path) -> dict[str, Any] | None:
     """The progress of a run; None where there is none or it cannot be read."""
     with suppress(OSError, ValueError):
         found: dict[str, Any] = json.loads((directory / PROGRESS).read_text(encoding="ascii"))
-        return found
+        return found if isinstance(found, dict) and _KEYS <= found.keys() else None
     return None
