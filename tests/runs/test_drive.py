@@ -205,7 +205,7 @@ def test_the_summary_has_the_promised_keys() -> None:
 
 def test_progress_goes_from_nothing_to_all() -> None:
     for until in ("max-approach", "rebound", 2.0):
-        course = course_of(impact(200, 10, 33, time={"until": until}))
+        course = course_of(impact(200, 10, 65, solver={"method": "radial"}, time={"until": until}))
         shares: list[float] = []
         drive(course, [lambda step, course=course, shares=shares: shares.append(course.fraction(step))])
         assert 0 <= shares[0] < 0.05
