@@ -62,7 +62,9 @@ def _oil(lubricant: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, st
         return {}
     oil = library.oil(lubricant["oil"])
     found = {"beta": _text(oil.thinning_at(library.parse_temperature(given["temperature"])), EXPANSION)}
-    return found if oil.thermal is None else {**found, "conductivity": _text(oil.thermal.data.conductivity, CONDUCTIVITY)}
+    return (
+        found if oil.thermal is None else {**found, "conductivity": _text(oil.thermal.data.conductivity, CONDUCTIVITY)}
+    )
 
 
 def _body(number: int, contact: Mapping[str, Any]) -> dict[str, str]:
@@ -87,11 +89,12 @@ def _text(value: float, unit: Unit) -> str:
 def _missing(key: str, mark: object, lubricant: Mapping[str, Any], contact: Mapping[str, Any]) -> str:
     """What to do for a key that nothing gives."""
     assert isinstance(mark, Unit)
-    *_, number = key.split("_")
-    section, name, noun = (
-        (contact, f"material_{number}", "thermal data") if number in ("1", "2") else (lubricant, "oil", key)
-    )
-    place = "contact" if section is contact else "lubricant"
-    if name in section:
-        return f'thermal.{key}: missing; the library has no {noun} for {place}.{name} = {show(section[name])}, give it, for example "{mark.example}"'
-    return f'thermal.{key}: missing; give it, for example "{mark.example}", or name the {"material" if place == "contact" else "oil"}, {place}.{name}'
+    number = key[-1] if key[-2] == "_" else ""
+    place, name = ("contact", f"material_{number}") if number else ("lubricant", "oil")
+    named = (contact if number else lubricant).get(name)
+    if key == "temperature":
+        return 'thermal.temperature: missing; give that of the oil in the inlet, for example "40 degC"'
+    wanted = f'give it, for example "{mark.example}"'
+    if named is None:
+        return f"thermal.{key}: missing; {wanted}, or name the {name.partition('_')[0]}, {place}.{name}"
+    return f"thermal.{key}: missing; the library has none for {place}.{name} = {show(named)}, {wanted}"

@@ -49,12 +49,12 @@ for _law in (Houpert, Exponential):
 class Heated(NamedTuple):
     """The temperatures of a contact and the friction of its warm film.
 
-    inlet: L_t and phi_T.  film: phi_T H in a^2/R, shape (n_y, n_x) as the film's.  T_1, T_2, T_film: temperatures of the
-    surfaces and mean temperature of the film, in K, shape (n_y, n_x); without a stress T_film is the surfaces' mean.
-    stress: tau_m along X and Y in p_h a/R, zero where P = 0, shape (2, n_y, n_x).  sliding: its force over the load
-    along X and Y, in a/R, shape (2,); times a/R it is the traction coefficient.  peclet: numbers of both surfaces.
-    iterations: of Newton's method; applications: how often both surfaces' temperatures were
-    computed from their heat, one convolution each; converged: whether the temperatures are found.
+    inlet: L_t and phi_T.  film: phi_T H in a^2/R, of the film's shape (n_y, n_x), as are all maps.  T_1, T_2, T_film:
+    temperatures of the surfaces and mean temperature of the film, in K; where P = 0 T_film is the mean of the surfaces.
+    heat: of sliding per area, in W/m^2.  stress: tau_m along X and Y in p_h a/R, zero where P = 0, shape (2, n_y, n_x).
+    sliding: its force over the load along X and Y, in a/R, shape (2,); times a/R it is the traction coefficient.
+    peclet: numbers of both surfaces.  iterations: of Newton's method; applications: how often the temperatures of both
+    surfaces were computed from their heat, a convolution each; converged: whether the temperatures are found.
     """
 
     inlet: Inlet
@@ -62,6 +62,7 @@ class Heated(NamedTuple):
     T_1: Real
     T_2: Real
     T_film: Real
+    heat: Real
     stress: Array
     sliding: Array
     peclet: tuple[float, ...]
@@ -87,7 +88,7 @@ class _Film:
     even: Even = field(metadata={"static": True})
 
     def stress(self, warmer: Array) -> Array:
-        """tau_m in Pa along X and Y where the film is so much warmer (K) than the inlet; zero where P = 0."""
+        """tau_m in Pa along X and Y in a film that is so much warmer (K) than the inlet; zero where P = 0."""
         log_ratio = jnp.log(self.oil.viscosity(self.P))
         viscosity = self.eta0 * jnp.exp(log_ratio + self.warm.change(log_ratio, warmer))
         slopes = central_slopes(extended(self.P, self.even), self.spacing)
@@ -95,6 +96,11 @@ class _Film:
         sliding = viscosity * self.speed / self.H
         found = shear(self.law, self.p_h * self.P, jnp.stack([sliding, jnp.zeros_like(sliding)]), gradient)
         return jnp.where(self.P > 0.0, found.stress, 0.0)
+
+    def heat(self, warmer: Real) -> tuple[Real, Real]:
+        """tau_m.(u1 - u2) in W/m^2, and its derivative by the temperature."""
+        stress, slope = _program(self, warmer)
+        return np.asarray(stress[0]) * self.speed, np.asarray(slope[0]) * self.speed
 
 
 def _stress_and_slope(film: _Film, warmer: Array) -> tuple[Array, Array]:
@@ -126,43 +132,35 @@ def heated(case: Case, P: Any, H: Any, slide_to_roll: float | None = None, heat:
     if thermal is None or s is None or eta0 is None:
         raise ValueError("thermal: the case has no such section, and so no data for temperatures")
     S = case.motion.slide_to_roll if slide_to_roll is None else slide_to_roll
-    mean = case.motion.entrainment(0.0) * s.front_speed
-    inlet, grid = thermal.inlet(eta0, s, mean, S), discretise.grid_of(case)
-    moving = tuple(zip(thermal.bodies, (mean * (1.0 + 0.5 * S), mean * (1.0 - 0.5 * S)), strict=True))
+    mean, grid = case.motion.entrainment(0.0) * s.front_speed, discretise.grid_of(case)
+    inlet = thermal.inlet(eta0, s, mean, S)
     film = opened(inlet.factor * jnp.asarray(H))
-    sheared = _Film(
-        traceable_law(case.oil.fluidity_law),
-        thermal.viscosity_of(eta0),
-        traceable(case.lubricant),
-        eta0,
-        s.p_h,
-        jnp.asarray(P),
-        film * s.film,
-        S * mean,
-        grid.spacing * s.a,
-        grid.even,
-    )
-
-    def released(warmer: Real) -> tuple[Real, Real]:
-        stress, slope = (np.asarray(part)[0] for part in _program(sheared, warmer))
-        return stress * sheared.speed, slope * sheared.speed
-
-    resistance = np.asarray(sheared.H) / thermal.conductivity
-    found = warmed(
-        released, tuple(_rise(body, speed, s.a, grid) for body, speed in moving), resistance, thermal.warmer, heat
-    )
+    sheared = _sheared(case, grid, thermal.viscosity_of(eta0), P, film, S * mean)
+    moving = list(zip(thermal.bodies, (mean * (1.0 + 0.5 * S), mean * (1.0 - 0.5 * S)), strict=True))
+    rises = [_rise(body, speed, s.a, grid) for body, speed in moving]
+    found = warmed(sheared.heat, rises, np.asarray(sheared.H) / thermal.conductivity, thermal.warmer, heat)
     stress = _program(sheared, found.film)[0] / s.shear_stress
     return Heated(
-        inlet,
-        film,
-        *(thermal.temperature + T for T in (found.surface_1, found.surface_2, found.film)),
-        stress,
-        _force(grid, stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
-        tuple(flash.peclet_number(body, speed, s.a) for body, speed in moving),
-        found.iterations,
-        found.applications,
-        found.converged,
+        inlet=inlet,
+        film=film,
+        T_1=thermal.temperature + found.surface_1,
+        T_2=thermal.temperature + found.surface_2,
+        T_film=thermal.temperature + found.film,
+        heat=found.heat,
+        stress=stress,
+        sliding=_force(grid, stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
+        peclet=tuple(flash.peclet_number(body, speed, s.a) for body, speed in moving),
+        iterations=found.iterations,
+        applications=found.applications,
+        converged=found.converged,
     )
+
+
+def _sheared(case: Case, grid: Grid, warm: WarmViscosity, P: Any, film: Array, speed: float) -> _Film:
+    s, eta0 = case.scales, case.oil.eta0
+    assert s is not None and eta0 is not None  # `heated`
+    law, oil = traceable_law(case.oil.fluidity_law), traceable(case.lubricant)
+    return _Film(law, warm, oil, eta0, s.p_h, jnp.asarray(P), film * s.film, speed, grid.spacing * s.a, grid.even)
 
 
 def _force(grid: Grid, stress: Array) -> Array:

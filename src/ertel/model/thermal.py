@@ -56,9 +56,10 @@ class Thermal:
     inlet_factor: InletName = "gupta"
 
     def __post_init__(self) -> None:
-        for name, laws in {"viscosity": WARM_VISCOSITIES, "inlet_factor": INLET_FACTORS}.items():
-            if getattr(self, name) not in laws:
-                raise ValueError(f"{name} = {show(getattr(self, name))}: allowed: {', '.join(laws)}")
+        allowed: dict[str, list[str]] = {"viscosity": [*WARM_VISCOSITIES], "inlet_factor": [*INLET_FACTORS]}
+        for name, known in allowed.items():
+            if getattr(self, name) not in known:
+                raise ValueError(f"{name} = {show(getattr(self, name))}: allowed: {', '.join(known)}")
         for name in ("temperature_1", "temperature_2"):
             if getattr(self, name) is None:
                 object.__setattr__(self, name, self.temperature)
