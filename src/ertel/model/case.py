@@ -63,8 +63,8 @@ class Case:
 
     contact: the operating conditions.  oil, solver, roughness: see their records; amounts are numbers in the units of
     the case, or quantities in SI.  drive: load and entrainment as functions of time; None: the default of an impact or
-    of rolling.  time, output: for a run in time, None if the case is steady.  thermal: data for the
-    temperatures of a steady contact, None if they are not wanted.  name: not part of equality or digest.
+    of rolling.  time, output: for a run in time, None if the case is steady.  name: not part of equality or digest.
+    thermal: for the temperatures of a steady contact, None if they are not wanted.
 
     Raises ValueError, naming the field, its value and what is allowed, if the input is not valid.
 
@@ -84,8 +84,8 @@ class Case:
     roughness: tuple[Feature, ...] = ()
     time: Time | None = None
     output: Output | None = None
-    thermal: Thermal | None = None
     name: str = field(default="", compare=False)
+    thermal: Thermal | None = None
 
     def __post_init__(self) -> None:
         rules.check_name(self.name)
@@ -130,8 +130,7 @@ class Case:
         rules.check_motion(self.kind, self.solver, self.motion, until)
         rules.check_roughness(self.solver, self.motion, self.features)
         if self.thermal:
-            checked(self.thermal, "thermal")
-            thermal.check(self.thermal, self.oil, self.scales, self.solver, self.motion)
+            thermal.check(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
         self.lubricant  # noqa: B018  # raises if its data give no law
 
     # -- what follows -------------------------------------------------------------------------------------------------
