@@ -28,6 +28,7 @@ from ertel.model.case import Case
 from ertel.model.contact import opened
 from ertel.model.pytrees import traceable, traceable_law
 from ertel.model.shear import shear
+from ertel.model.state import GridSolution
 from ertel.model.thermal import Inlet
 from ertel.numerics import halfspace
 from ertel.numerics.grid import Even, Grid
@@ -111,7 +112,14 @@ def _stress_and_slope(film: _Film, warmer: Array) -> tuple[Array, Array]:
 _program = Program(jax.jit(_stress_and_slope), ANY_SIZE)
 
 
-def heated(case: Case, P: Any, H: Any, slide_to_roll: float | None = None, heat: Real | None = None) -> Heated:
+def of_solution(case: Case, s: GridSolution) -> Heated:
+    """The temperatures of a steady contact with the section [thermal], on one of its grids."""
+    return heated(case, s.P, s.H, grid=s.grid)
+
+
+def heated(
+    case: Case, P: Any, H: Any, slide_to_roll: float | None = None, heat: Real | None = None, grid: Grid | None = None
+) -> Heated:
     """The temperatures of a steady contact with the section [thermal].
 
     Parameters
@@ -125,6 +133,8 @@ def heated(case: Case, P: Any, H: Any, slide_to_roll: float | None = None, heat:
     heat : array, optional
         Heat of sliding per area (W/m^2) from which the iteration starts; none if it is left out.  There is one
         solution, wherever it starts, see `physics.warming`.
+    grid : Grid, optional
+        That of P and H, if it is not the case's.
 
     Raises ValueError if the case has no section [thermal].
     """
@@ -132,7 +142,7 @@ def heated(case: Case, P: Any, H: Any, slide_to_roll: float | None = None, heat:
     if thermal is None or s is None or eta0 is None:
         raise ValueError("thermal: the case has no such section, and so no data for temperatures")
     S = case.motion.slide_to_roll if slide_to_roll is None else slide_to_roll
-    mean, grid = case.motion.entrainment(0.0) * s.front_speed, discretise.grid_of(case)
+    mean, grid = case.motion.entrainment(0.0) * s.front_speed, grid or discretise.grid_of(case)
     inlet = thermal.inlet(eta0, s, mean, S)
     film = opened(inlet.factor * jnp.asarray(H))
     sheared = _sheared(case, grid, thermal.viscosity_of(eta0), P, film, S * mean)

@@ -28,6 +28,22 @@ def peclet_number(solid: Solid, speed: float, half_width: float) -> float:
     return abs(speed) * half_width * solid.density * solid.heat_capacity / (2.0 * solid.conductivity)
 
 
+def slow_excess(peclet: float) -> float:
+    """By what share a temperature rise is too high where a surface is slow.
+
+    Below AT_REST the surface counts as one at rest; above it, heat that flows along the surface is left out.  Compared
+    with 2 q a/[k (4 + pi Pe)^{1/2}], the highest temperature of a circle with uniform heat, which joins both limits
+    (Tian X, Kennedy FE. J Tribol 1994;116:167-174).
+
+    Examples
+    --------
+    >>> round(slow_excess(SLOWEST), 2)
+    0.12
+    """
+    ratio = peclet / AT_REST
+    return sqrt(1.0 + min(ratio, 1.0 / ratio if ratio > 0 else 0.0)) - 1.0
+
+
 def moving_source_weights(nodes: int, spacing: float) -> Real:
     """Weights of the kernel x^{-1/2}: the integral at node i is the sum over j <= i of weights[i - j] q[j].
 

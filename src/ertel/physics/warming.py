@@ -82,13 +82,15 @@ def warmed(
     x, applications = np.stack([q, np.zeros_like(q)]), 2
     state = problem.at(x)
     for iteration in range(1, LIMIT + 1):
+        if not np.all(np.isfinite(state.film + state.slope)):
+            break
         change, needed = problem.newton_change(state)
         x = x + change
         before, state = state.film, problem.at(x)
         applications += needed + 1
         if np.max(np.abs(state.film - before)) <= TOLERANCE * np.max(np.abs(state.film - min(bodies)), initial=1e-300):
             return Warmed(x[0], state.surface_1, state.surface_2, state.film, iteration, applications, True)
-    return Warmed(x[0], state.surface_1, state.surface_2, state.film, LIMIT, applications, False)
+    return Warmed(x[0], state.surface_1, state.surface_2, state.film, iteration, applications, False)
 
 
 class _State(NamedTuple):
