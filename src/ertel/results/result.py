@@ -19,8 +19,10 @@ from ertel.results.variables import to_si
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
-IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history")
-STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence")
+    from ertel.physics.optics import Light, Rig
+
+IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history", "interferogram")
+STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence", "interferogram")
 DOTS_PER_INCH = 80  # of the picture in a notebook
 
 
@@ -65,6 +67,18 @@ class Plot:
     def convergence(self, at: float | str | None = None) -> "Figure":
         """Convergence and film thickness on every grid of a steady contact."""
         return self._draw("convergence", at)
+
+    def interferogram(
+        self,
+        at: float | str | None = None,
+        light: "Light | None" = None,
+        rig: "Rig | None" = None,
+        film_scale: float | None = None,
+    ) -> "Figure":
+        """What an experimenter sees of a physical case: `ertel.plots.interferogram`, with lights of `ertel.optics`."""
+        from ertel.results import plots
+
+        return plots.interferogram(self.dataset, at, light, rig, film_scale)
 
     def _draw(self, name: str, at: float | str | None) -> "Figure":
         from ertel.results import plots

@@ -76,14 +76,14 @@ def draw_horseshoe(axes: Axes, dataset: xr.Dataset) -> None:
     H = float(dataset["H_c"].values[-1])
     draw_film(axes, dataset, map_of(dataset, "H"), _side(dataset), 1.75 * H, lines=16)
     draw_contours(axes, dataset, 0.0)
-    draw_flow(axes, _flow(dataset))
+    draw_flow(axes, flow(dataset))
 
 
 def draw_spike(axes: Axes, dataset: xr.Dataset) -> None:
     """Pressure of a steady contact with its spike."""
     draw_pressure(axes, dataset, map_of(dataset, "P"), _side(dataset))
     draw_contours(axes, dataset, 0.0)
-    draw_flow(axes, _flow(dataset))
+    draw_flow(axes, flow(dataset))
 
 
 def _side(dataset: xr.Dataset) -> float:
@@ -104,7 +104,7 @@ def _nodes(dataset: xr.Dataset, along: int) -> str:
     return f"{along}²" if X == Y else f"{along} x {round((along - 1) * (Y - 1) / (X - 1)) + 1}"
 
 
-def _flow(dataset: xr.Dataset) -> float:
+def flow(dataset: xr.Dataset) -> float:
     """+1 where the oil goes to the right: pressure reaches far upstream, and ends soon behind the contact."""
     X = dataset["X"].values
     return -float(np.sign(np.mean(X[(dataset["P"].values > 0).any(axis=0)])))
@@ -206,14 +206,21 @@ def convergence(dataset: xr.Dataset, at: At = None) -> Figure:
     return _of(dataset, at, [[draw_convergence, draw_grids]])
 
 
-def _of(dataset: xr.Dataset, at: At, rows: list[list[Panel]]) -> Figure:
+def films(dataset: xr.Dataset, at: At) -> list[str]:
+    """The films of a steady contact with their errors, for a heading.
+
+    Raises NoFigure where there is nothing to draw yet, and for a moment: it has none.
+    """
     if at is not None:
         raise NoFigure(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
     if not dataset.sizes["grid"]:
         raise NoFigure("dataset: has no solution yet, there is nothing to draw")
-    dataset = dataset.load()
-    films = [_with_error(dataset, name) for name in ("H_c", "H_min")]
-    return compose(dataset, rows, [*title(dataset), *films])
+    return [_with_error(dataset, name) for name in ("H_c", "H_min")]
+
+
+def _of(dataset: xr.Dataset, at: At, rows: list[list[Panel]]) -> Figure:
+    said, dataset = films(dataset, at), dataset.load()
+    return compose(dataset, rows, [*title(dataset), *said])
 
 
 STEADY_FIGURES: Figures = {

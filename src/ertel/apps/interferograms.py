@@ -1,0 +1,103 @@
+"""The interferogram of a run as a picture or a movie."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+from ertel.apps.exits import BAD_INPUT, leave
+from ertel.apps.output import printable
+from ertel.apps.paths import shown
+
+if TYPE_CHECKING:  # these take long to import
+    import xarray as xr
+
+    from ertel.physics.optics import Light, Rig
+
+MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: who writes it
+
+
+class Sight(StrEnum):
+    """How a contact is looked at."""
+
+    mono = "mono"
+    two_beam = "two-beam"
+    white = "white"
+
+
+@dataclass(frozen=True)
+class View:
+    """The flags of an interferogram.  wavelength: a quantity, or None for green light."""
+
+    sight: Sight | None
+    wavelength: str | None
+    at: str | None
+    kind: str
+
+    def check(self) -> None:
+        """Leave with a message where flags do not go together."""
+        if self.kind in MOVIES and self.sight is None:
+            leave(BAD_INPUT, f"--format {self.kind}: only an interferogram moves; add --interferogram mono")
+        if self.kind in MOVIES and self.at is not None:
+            leave(BAD_INPUT, f"--at {self.at}: a movie shows all times; leave it out, or use --format png")
+        if self.wavelength is not None and self.sight in (None, Sight.white):
+            leave(BAD_INPUT, f"--wavelength {self.wavelength}: only for --interferogram mono or two-beam")
+
+    def optics(self) -> tuple["Light", "Rig"]:
+        """The light and the rig.  Raises ValueError for a wavelength that is none."""
+        from ertel.physics.optics import Monochromatic, Rig, TwoBeams, White
+
+        rig = TwoBeams() if self.sight is Sight.two_beam else Rig()
+        if self.sight is Sight.white:
+            return White(), rig
+        return Monochromatic(self._metres()) if self.wavelength else Monochromatic(), rig
+
+    def _metres(self) -> float:
+        from ertel.inputs.quantities import parse_quantity
+        from ertel.physics.units import Unit
+
+        try:
+            return parse_quantity(self.wavelength, Unit("m", "532 nm")) or 0.0
+        except ValueError as error:
+            raise ValueError(f"--wavelength {self.wavelength}: {error}") from error
+
+
+def write(data: "xr.Dataset", view: View, target: Path) -> None:
+    """Write the interferogram into a directory and print its name."""
+    from ertel.apps.plotting import time_or_event
+    from ertel.results import plots
+
+    path = target / f"interferogram-{view.sight}.{view.kind}"
+    try:
+        light, rig = view.optics()
+        if view.kind in MOVIES:
+            drawn = plots.animation(data, light, rig)
+        else:
+            at = None if view.at is None else time_or_event(view.at)
+            figure = plots.interferogram(data, at, light, rig)
+    except ValueError as error:
+        leave(BAD_INPUT, str(error))
+    target.mkdir(parents=True, exist_ok=True)
+    if view.kind in MOVIES:
+        _find_ffmpeg(view.kind)
+        drawn.save(path, writer=MOVIES[view.kind])
+    else:
+        figure.savefig(path)
+    print(printable(shown(path)))
+
+
+def _find_ffmpeg(kind: str) -> None:
+    """Tell matplotlib where the program of the extra is."""
+    if MOVIES[kind] != "ffmpeg":
+        return
+    from matplotlib import rcParams
+
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+    except ImportError:
+        _missing(kind)
+    rcParams["animation.ffmpeg_path"] = get_ffmpeg_exe()
+
+
+def _missing(kind: str) -> NoReturn:
+    leave(BAD_INPUT, f"--format {kind}: needs a package more, pip install 'ertel[movie]'; gif and webp need none")
