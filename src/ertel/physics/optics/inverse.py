@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from ertel.physics.optics.rig import Rig
 
 Array = NDArray[np.float64]
-FLAT = 0.02  # of the contrast: nearer to an extreme the direction of the film cannot be told
+ON_FRINGE = np.arccos(1.0 - 2.0 * 0.04)  # rad, within 4 % of the contrast from the darkest or the brightest
+BESIDE = np.arccos(1.0 - 2.0 * 0.1)  # rad, 10 % from there the fringe has been left, whatever the noise
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,10 @@ class Phases:
         share = np.clip(constant / np.abs(coefficient), -1.0, 1.0)
         return cls(-np.angle(coefficient), np.arccos(share))
 
+    def at(self, points: slice, side: int, order: float) -> Array:
+        """The phases of some points, on a side of the middle and of an order."""
+        return self.middle[points] + side * self.spread[points] + 2.0 * np.pi * order
+
 
 def film_of_intensity(
     intensity: ArrayLike,
@@ -43,9 +48,9 @@ def film_of_intensity(
     """The film thickness along a profile of monochromatic intensity.
 
     Every intensity belongs to two phases in each period, exactly, with all beams of the rig.  The film begins with the
-    phase nearest to `start`, and continues from point to point with the phase nearest to the straight continuation of
-    the last two.  So it passes from the one branch to the other at bright and dark fringes, and stays on its branch
-    where the film itself turns between them.
+    phase nearest to `start`.  It passes to the other branch at every bright and dark fringe, that is where the intensity
+    comes within 4 % of the contrast to the brightest or the darkest.  Where the intensity turns earlier, the film itself
+    turns round, and stays on its branch.
 
     Parameters
     ----------
@@ -71,11 +76,11 @@ def film_of_intensity(
 
     Raises ValueError if the profile is no row of finite numbers or begins on a bright or dark fringe.
 
-    Limits: at least eight points from a fringe to the next like it.  Where the film turns round on a bright or dark
-    fringe itself, within about 2 % of the contrast, the two branches meet, and the way on cannot be told from the
-    intensity; the same holds for noise on a flat film there.  Steps of more than a quarter of wavelength/n between two
-    points lose the count.  An error e of the intensity, as a share of the contrast, moves the film by
-    about wavelength e/(2 pi n), and by wavelength sqrt(e)/(2 pi n) on a bright or dark fringe.
+    Limits: there must be eight points at least from a fringe to the next like it, and noise of a few per cent of the
+    contrast at most.  Where the film turns round on a bright or dark fringe itself (within the 4 %), the two branches
+    meet, and the way on cannot be told from the intensity; it is then taken to go on as before.  The same holds for a
+    flat film of that thickness.  An error e of the intensity, as a share of the contrast, moves the film by about
+    wavelength e/(2 pi n), and by wavelength sqrt(e)/(2 pi n) on a bright or dark fringe.
     """
     measured = np.asarray(intensity, dtype=float)
     if measured.ndim != 1 or len(measured) < 3 or not np.isfinite(measured).all():
@@ -85,12 +90,13 @@ def film_of_intensity(
     index = np.broadcast_to(rig.index(density), measured.shape)
     reflectance = measured if limits is None else _calibrated(measured, rig, wavelength, limits)
     phases = Phases.of(reflectance, rig, wavelength, index)
-    if min(phases.spread[0], np.pi - phases.spread[0]) < np.arccos(1.0 - 2.0 * FLAT):
+    if _from_fringe(phases.spread)[0] < ON_FRINGE:
         raise ValueError(
             f"intensity[0] = {measured[0]:.4g}: is on a bright or dark fringe, where the film may grow or fall; "
             "begin the profile beside it"
         )
-    return _follow(phases, wavelength / (4.0 * np.pi * index), start)
+    length = wavelength / (4.0 * np.pi * index)  # m per radian
+    return length * _unwrapped(phases, start / length[0])
 
 
 def _calibrated(intensity: Array, rig: Rig, wavelength: float, limits: tuple[float, float]) -> Array:
@@ -106,14 +112,45 @@ def _calibrated(intensity: Array, rig: Rig, wavelength: float, limits: tuple[flo
     return low + (intensity - dark) / (bright - dark) * (high - low)
 
 
-def _follow(phases: Phases, length: Array, start: float) -> Array:
-    """The films of the phases, each the nearest to the continuation of the last two.  length: m per radian, points."""
-    film = np.empty(len(length))
-    expected = start
-    for point in range(len(length)):
-        films = length[point] * (phases.middle[point] + phases.spread[point] * np.array([-1.0, 1.0]))
-        period = 2.0 * np.pi * length[point]
-        films += period * np.round((expected - films) / period)
-        film[point] = films[np.argmin(np.abs(films - expected))]
-        expected = 2.0 * film[point] - film[point - 1] if point else film[0]
-    return film
+def _from_fringe(spread: Array) -> Array:
+    """How far the phase is from the nearest bright or dark fringe, in rad."""
+    return np.minimum(spread, np.pi - spread)
+
+
+def _unwrapped(phases: Phases, start: float) -> Array:
+    """The phase along the profile: middle + side spread + 2 pi order, on one side between two fringes.
+
+    start: the phase at the first point, about.
+    """
+    sides = np.array([-1, 1])
+    first = phases.middle[0] + sides * phases.spread[0]
+    orders = np.round((start - first) / (2.0 * np.pi))
+    chosen = int(np.argmin(np.abs(first + 2.0 * np.pi * orders - start)))
+    side, order, begin = int(sides[chosen]), float(orders[chosen]), 0
+    phase = np.empty(len(phases.spread))
+    for turn in _fringes_passed(phases.spread):
+        phase[begin:turn] = phases.at(slice(begin, turn), side, order)
+        order += side * (phases.spread[turn] > np.pi / 2)  # from pi on one side to pi on the other, a period on
+        side, begin = -side, turn
+    phase[begin:] = phases.at(slice(begin, None), side, order)
+    return phase
+
+
+def _fringes_passed(spread: Array) -> list[int]:
+    """The first point behind every bright or dark fringe."""
+    distance, passed, nearest = _from_fringe(spread), [], -1
+    for point, here in enumerate(distance):
+        if nearest >= 0 and here > BESIDE:
+            passed.append(_behind(distance, nearest))
+            nearest = -1
+        elif here < (distance[nearest] if nearest >= 0 else ON_FRINGE):
+            nearest = point
+    return passed if nearest < 0 else [*passed, _behind(distance, nearest)]
+
+
+def _behind(distance: Array, nearest: int) -> int:
+    """Whether the point nearest to a fringe is behind it, or the next one is: so that the steps are more even."""
+    if nearest + 1 >= len(distance):
+        return nearest
+    before, here, after = distance[nearest - 1 : nearest + 2]
+    return nearest if abs(before - after - 2.0 * here) > abs(before - after + 2.0 * here) else nearest + 1

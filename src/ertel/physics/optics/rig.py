@@ -218,8 +218,8 @@ class Rig:
 class TwoBeams(Rig):
     """The same rig without the light that goes through the film more than once: I0 + I1 cos(4 pi n h/wavelength + phi).
 
-    A film thickness that follows from fitting this cosine between the darkest and the brightest fringe is wrong by up to
-    11, 16, 20 nm with 5, 10, 15 nm of chromium in light of 550 nm.
+    A film thickness that follows from this cosine, scaled between the darkest and the brightest fringe, is wrong by up
+    to 11, 16, 20 nm with 5, 10, 15 nm of chromium in light of 550 nm.
     """
 
     def beams(self, wavelength: ArrayLike, index: ArrayLike) -> Beams:
