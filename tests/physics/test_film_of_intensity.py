@@ -33,7 +33,7 @@ def test_round_trip(rig, name):
 
 
 def test_round_trip_under_pressure():
-    """With the density that the oil has along the profile; without it the film is too thick by the share of the index."""
+    """With the density that the oil has along the profile; without it the film is too thick as the index is too low."""
     film, density = FILMS["rolling"], 1.0 + 0.2 * np.sqrt(np.maximum(1.0 - (X / 0.8) ** 2, 0.0))
     intensity = seen(Rig(), film, density)
     np.testing.assert_allclose(film_of_intensity(intensity, Rig(), GREEN, film[0], density), film, atol=1e-9)

@@ -60,7 +60,7 @@ def test_colours_that_a_screen_has_not():
     np.testing.assert_allclose(np.cross(shown[0] - grey, wild[0] - grey), 0.0, atol=1e-15)  # the same hue
 
 
-# -- films in white light -----------------------------------------------------------------------------------------------
+# -- films in white light ---------------------------------------------------------------------------------------------
 
 
 def test_reference_colours():
@@ -104,7 +104,7 @@ def fringes(picture):
 
 @pytest.mark.parametrize("pixels", [24, 48, 96, 400])
 def test_no_ghost_rings(pixels):
-    """A paraboloid has fringes that get finer outwards: as many as there are or fewer, and grey where they are too fine."""
+    """The fringes of a paraboloid get finer outwards: they are grey where the pixels cannot show them."""
     x = np.linspace(-1.0, 1.0, pixels)
     film = 10e-6 * (x[:, None] ** 2 + x[None, :] ** 2)
     chart = Chart(RIG, Monochromatic(coherence=np.inf), film.max())

@@ -67,6 +67,7 @@ def write(data: "xr.Dataset", view: View, target: Path) -> None:
     from ertel.apps.plotting import time_or_event
     from ertel.results import plots
 
+    _find_writer(view.kind)
     path = target / f"interferogram-{view.sight}.{view.kind}"
     try:
         light, rig = view.optics()
@@ -79,16 +80,15 @@ def write(data: "xr.Dataset", view: View, target: Path) -> None:
         leave(BAD_INPUT, str(error))
     target.mkdir(parents=True, exist_ok=True)
     if view.kind in MOVIES:
-        _find_ffmpeg(view.kind)
         drawn.save(path, writer=MOVIES[view.kind])
     else:
         figure.savefig(path)
     print(printable(shown(path)))
 
 
-def _find_ffmpeg(kind: str) -> None:
-    """Tell matplotlib where the program of the extra is."""
-    if MOVIES[kind] != "ffmpeg":
+def _find_writer(kind: str) -> None:
+    """Tell matplotlib where the program is that writes a format, if it is not matplotlib itself."""
+    if MOVIES.get(kind) != "ffmpeg":
         return
     from matplotlib import rcParams
 

@@ -21,8 +21,8 @@ if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
 
     from ertel.physics.optics import Light, Rig
 
-IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history", "interferogram")
-STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence", "interferogram")
+IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history")
+STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence")
 DOTS_PER_INCH = 80  # of the picture in a notebook
 
 
@@ -87,7 +87,8 @@ class Plot:
         return figure
 
     def _names(self) -> tuple[str, ...]:
-        return STEADY if is_steady(self.dataset) else IN_TIME
+        names = STEADY if is_steady(self.dataset) else IN_TIME
+        return (*names, "interferogram") if "si_factor" in self.dataset["H"].attrs else names
 
     def __dir__(self) -> Iterable[str]:
         return [*self._names(), "dataset"]

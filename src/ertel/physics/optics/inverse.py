@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from ertel.physics.optics.rig import Rig
 
 Array = NDArray[np.float64]
-ON_FRINGE = np.arccos(1.0 - 2.0 * 0.04)  # rad, within 4 % of the contrast from the darkest or the brightest
-BESIDE = np.arccos(1.0 - 2.0 * 0.1)  # rad, 10 % from there the fringe has been left, whatever the noise
+ON_FRINGE = np.arccos(1.0 - 2.0 * 0.08)  # rad, within 8 % of the contrast from the darkest or the brightest
+BESIDE = np.arccos(1.0 - 2.0 * 0.2)  # rad, 20 % from there the fringe has been left, whatever the noise
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,9 @@ def film_of_intensity(
     """The film thickness along a profile of monochromatic intensity.
 
     Every intensity belongs to two phases in each period, exactly, with all beams of the rig.  The film begins with the
-    phase nearest to `start`.  It passes to the other branch at every bright and dark fringe, that is where the intensity
-    comes within 4 % of the contrast to the brightest or the darkest.  Where the intensity turns earlier, the film itself
-    turns round, and stays on its branch.
+    phase nearest to `start`.  It passes to the other branch at every bright and dark fringe, that is where the
+    intensity comes within 8 % of the contrast to the brightest or the darkest.  Where the intensity turns earlier, the
+    film itself turns round, and stays on its branch.
 
     Parameters
     ----------
@@ -76,11 +76,11 @@ def film_of_intensity(
 
     Raises ValueError if the profile is no row of finite numbers or begins on a bright or dark fringe.
 
-    Limits: there must be eight points at least from a fringe to the next like it, and noise of a few per cent of the
-    contrast at most.  Where the film turns round on a bright or dark fringe itself (within the 4 %), the two branches
-    meet, and the way on cannot be told from the intensity; it is then taken to go on as before.  The same holds for a
-    flat film of that thickness.  An error e of the intensity, as a share of the contrast, moves the film by about
-    wavelength e/(2 pi n), and by wavelength sqrt(e)/(2 pi n) on a bright or dark fringe.
+    Limits: there must be eight points at least from a fringe to the next like it, and noise with a standard deviation
+    of 1 % of the contrast at most.  Where the film turns round on a bright or dark fringe itself (within the 8 %), the
+    two branches meet, and the way on cannot be told from the intensity; it is then taken to go on as before.  The same
+    holds for a flat film of that thickness.  An error e of the intensity, as a share of the contrast, moves the film by
+    about wavelength e/(2 pi n), and by wavelength sqrt(e)/(2 pi n) on a bright or dark fringe.
     """
     measured = np.asarray(intensity, dtype=float)
     if measured.ndim != 1 or len(measured) < 3 or not np.isfinite(measured).all():

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from ertel.results.kinds import is_steady
 from ertel.results.plots import steady, transient
 from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, At, Figures, NoFigure
-from ertel.results.plots.interferogram import animation, interferogram
+from ertel.results.plots.interferograms import animation, interferogram
 
 __all__ = [
     "BLUE",
