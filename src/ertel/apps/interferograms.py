@@ -1,11 +1,13 @@
 """The interferogram of a run as a picture or a movie."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
-from ertel.apps.exits import BAD_INPUT, leave
+from ertel.apps.exits import BAD_INPUT, bad_input, leave
 from ertel.apps.output import printable
 from ertel.apps.paths import shown
 
@@ -64,26 +66,25 @@ class View:
 
 def write(data: "xr.Dataset", view: View, target: Path) -> None:
     """Write the interferogram into a directory and print its name."""
+    _find_writer(view.kind)
+    with bad_input():
+        save = _drawn(data, view)
+    target.mkdir(parents=True, exist_ok=True)
+    path = target / f"interferogram-{view.sight}.{view.kind}"
+    save(path)
+    print(printable(shown(path)))
+
+
+def _drawn(data: "xr.Dataset", view: View) -> Callable[[Path], object]:
+    """What saves the picture or the movie.  Raises ValueError where there is nothing to draw."""
     from ertel.apps.plotting import time_or_event
     from ertel.results import plots
 
-    _find_writer(view.kind)
-    path = target / f"interferogram-{view.sight}.{view.kind}"
-    try:
-        light, rig = view.optics()
-        if view.kind in MOVIES:
-            drawn = plots.animation(data, light, rig)
-        else:
-            at = None if view.at is None else time_or_event(view.at)
-            figure = plots.interferogram(data, at, light, rig)
-    except ValueError as error:
-        leave(BAD_INPUT, str(error))
-    target.mkdir(parents=True, exist_ok=True)
+    light, rig = view.optics()
     if view.kind in MOVIES:
-        drawn.save(path, writer=MOVIES[view.kind])
-    else:
-        figure.savefig(path)
-    print(printable(shown(path)))
+        return partial(plots.animation(data, light, rig).save, writer=MOVIES[view.kind])
+    at = None if view.at is None else time_or_event(view.at)
+    return plots.interferogram(data, at, light, rig).savefig
 
 
 def _find_writer(kind: str) -> None:
@@ -95,9 +96,5 @@ def _find_writer(kind: str) -> None:
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
     except ImportError:
-        _missing(kind)
+        leave(BAD_INPUT, f"--format {kind}: needs a package more, pip install 'ertel[movie]'; gif and webp need none")
     rcParams["animation.ffmpeg_path"] = get_ffmpeg_exe()
-
-
-def _missing(kind: str) -> NoReturn:
-    leave(BAD_INPUT, f"--format {kind}: needs a package more, pip install 'ertel[movie]'; gif and webp need none")

@@ -294,7 +294,7 @@ def _animated(
         shown = scene(frame)
         picture = chart.picture(shown.seen.film, shown.seen.density)
         image.set_data(picture[..., 0] if picture.shape[-1] == 1 else picture)
-        axes.set_title(f"Interferogram{_named(chart.light)}, {time.symbol} = {T[frame] * time.factor:.1f} {time.unit}")
+        axes.set_title(f"Interferogram{_named(chart.light)}, {time.symbol} = {T[frame] * time.factor:.4g} {time.unit}")
         return []
 
     return FuncAnimation(figure, update, frames=frames, interval=1000 / PER_SECOND)  # type: ignore[arg-type]
