@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from ertel.apps.exits import BAD_INPUT, bad_input, leave
 from ertel.apps.output import printable
@@ -25,6 +27,18 @@ class Sight(StrEnum):
     mono = "mono"
     two_beam = "two-beam"
     white = "white"
+
+
+Interferogram = Annotated[
+    Sight | None,
+    typer.Option(
+        help="Draw the fringes that an experimenter sees: of one wavelength, of two beams only, or in white light.",
+        show_default=False,
+    ),
+]
+Wavelength = Annotated[
+    str | None, typer.Option(metavar="LENGTH", help="Of the fringes; default 532 nm.", show_default=False)
+]
 
 
 @dataclass(frozen=True)
