@@ -8,8 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 from ertel.physics.optics.rig import Rig
 
 Array = NDArray[np.float64]
-ON_FRINGE = np.arccos(1.0 - 2.0 * 0.08)  # rad, within 8 % of the contrast from the darkest or the brightest
-BESIDE = np.arccos(1.0 - 2.0 * 0.2)  # rad, 20 % from there the fringe has been left, whatever the noise
+BESIDE, ON_FRINGE = 0.93, 0.57  # rad from the brightest or the darkest phase: 20 % and 8 % of the contrast
+ENOUGH = 15  # points beside a fringe from which the way of the phase is told
+CLEARLY = 1.3  # times as smooth is the way of a film that turns on a fringe as that of one that goes on
 
 
 @dataclass(frozen=True)
@@ -48,9 +49,9 @@ def film_of_intensity(
     """The film thickness along a profile of monochromatic intensity.
 
     Every intensity belongs to two phases in each period, exactly, with all beams of the rig.  The film begins with the
-    phase nearest to `start`.  It passes to the other branch at every bright and dark fringe, that is where the
-    intensity comes within 8 % of the contrast to the brightest or the darkest.  Where the intensity turns earlier, the
-    film itself turns round, and stays on its branch.
+    phase nearest to `start`.  At every bright or dark fringe it passes to the other branch; or, where that makes the
+    phase smoother, it turns and stays on its branch, or passes, turns and passes back.  Where the intensity turns away
+    from fringes, the film itself turns.
 
     Parameters
     ----------
@@ -77,10 +78,10 @@ def film_of_intensity(
     Raises ValueError if the profile is no row of finite numbers or begins on a bright or dark fringe.
 
     Limits: there must be eight points at least from a fringe to the next like it, and noise with a standard deviation
-    of 1 % of the contrast at most.  Where the film turns round on a bright or dark fringe itself (within the 8 %), the
-    two branches meet, and the way on cannot be told from the intensity; it is then taken to go on as before.  The same
-    holds for a flat film of that thickness.  An error e of the intensity, as a share of the contrast, moves the film by
-    about wavelength e/(2 pi n), and by wavelength sqrt(e)/(2 pi n) on a bright or dark fringe.
+    of 1 % of the contrast at most.  With so much noise about one film in ten that turns on a fringe itself is taken to
+    go on, and is wrong from there; with 0.3 % none is.  A film that lies flat on a fringe does not tell its way.  An
+    error e of the intensity, as a share of the contrast, moves the film by about wavelength e/(2 pi n), and by
+    wavelength sqrt(e)/(2 pi n) on a bright or dark fringe.
     """
     measured = np.asarray(intensity, dtype=float)
     if measured.ndim != 1 or len(measured) < 3 or not np.isfinite(measured).all():
@@ -137,20 +138,41 @@ def _unwrapped(phases: Phases, start: float) -> Array:
 
 
 def _fringes_passed(spread: Array) -> list[int]:
-    """The first point behind every bright or dark fringe."""
-    distance, passed, nearest = _from_fringe(spread), [], -1
-    for point, here in enumerate(distance):
-        if nearest >= 0 and here > BESIDE:
-            passed.append(_behind(distance, nearest))
-            nearest = -1
-        elif here < (distance[nearest] if nearest >= 0 else ON_FRINGE):
-            nearest = point
-    return passed if nearest < 0 else [*passed, _behind(distance, nearest)]
+    """The first point behind every bright or dark fringe that the film passes."""
+    distance, passed = _from_fringe(spread), []
+    near = np.flatnonzero(np.diff(np.concatenate([[False], distance < BESIDE, [False]])))  # begin, end, begin, ...
+    for begin, end in near.reshape(-1, 2):
+        if distance[begin:end].min() < ON_FRINGE:
+            passed += _passages(distance, begin, end)
+    return passed
 
 
-def _behind(distance: Array, nearest: int) -> int:
-    """Whether the point nearest to a fringe is behind it, or the next one is: so that the steps are more even."""
-    if nearest + 1 >= len(distance):
+def _passages(distance: Array, begin: int, end: int) -> list[int]:
+    """The points behind one fringe, in its neighbourhood: one, none where the film turns, or two where it comes back."""
+    once = [_behind(distance, begin, end)]
+    if end - begin < ENOUGH:
+        return once
+    on = begin + np.flatnonzero(distance[begin:end] < ON_FRINGE)
+    middle = max(on[0] + int(distance[on[0] : on[-1] + 1].argmax()), begin + 1)
+    twice = [_behind(distance, begin, middle), _behind(distance, middle, end)]
+    back = min([], twice, key=lambda passed: _roughness(distance, begin, end, passed))
+    clearly = CLEARLY * _roughness(distance, begin, end, back) < _roughness(distance, begin, end, once)
+    return back if clearly else once
+
+
+def _behind(distance: Array, begin: int, end: int) -> int:
+    """The first point behind the fringe: the nearest to it, or the next, so that the steps are more even."""
+    nearest = begin + int(distance[begin:end].argmin())
+    if not 0 < nearest < len(distance) - 1:
         return nearest
-    before, here, after = distance[nearest - 1 : nearest + 2]
-    return nearest if abs(before - after - 2.0 * here) > abs(before - after + 2.0 * here) else nearest + 1
+    uneven = distance[nearest - 1] - distance[nearest + 1]
+    return nearest if abs(uneven + 2.0 * distance[nearest]) < abs(uneven - 2.0 * distance[nearest]) else nearest + 1
+
+
+def _roughness(distance: Array, begin: int, end: int, passed: list[int]) -> float:
+    """How far the phase is from a parabola, as the intensity shows it."""
+    points, way = np.arange(begin, end), distance[begin:end].copy()
+    for point in passed:
+        way[points >= point] *= -1.0
+    parabola = np.polynomial.Polynomial.fit(points, way, 2, w=np.maximum(np.sin(distance[begin:end]), 0.1))
+    return float(np.sum((np.cos(way) - np.cos(parabola(points))) ** 2))
