@@ -50,15 +50,16 @@ def test_any_unit():
     np.testing.assert_allclose(film_of_intensity(counts, Rig(), GREEN, film[0], limits=limits), film, atol=2e-9)
 
 
-@given(st.floats(0.05e-6, 1e-6), st.floats(-1.0, 1.0), st.floats(-2.0, 2.0), st.floats(0.0, 6.0))
-def test_round_trip_of_random_films(base, slope, bend, phase):
-    """Films that rise or fall all the way, of several fringes, wherever they begin beside one."""
-    film = base + 2e-6 + 1e-6 * np.cumsum(1.1 + 0.5 * slope + 0.25 * bend * X + 0.1 * np.sin(5 * X + phase)) / len(X)
+@given(st.floats(0.05e-6, 1e-6), st.floats(0.0, 2.0), st.floats(-2.0, 2.0), st.floats(0.0, 400e-9))
+def test_round_trip_of_random_films(base, slope, bend, spacer):
+    """Films that rise all the way, over several fringes, behind any spacer, wherever they begin beside a fringe."""
+    rig = Rig(coatings=(Layer(CHROMIUM, 8e-9), Layer(SILICA, spacer)))
+    film = base + 1e-6 * np.cumsum(0.6 + 0.5 * slope + 0.25 * bend * X) / len(X)
     try:
-        found = film_of_intensity(seen(Rig(), film), Rig(), GREEN, film[0])
+        found = film_of_intensity(seen(rig, film), rig, GREEN, film[0])
     except ValueError:
         return  # begins on a fringe
-    np.testing.assert_allclose(found, film, atol=1e-9)
+    np.testing.assert_allclose(found[:-2], film[:-2], atol=1e-9)  # the end may be on a fringe
 
 
 def test_noise():

@@ -31,7 +31,8 @@ class Phases:
         coefficient = 2.0 * (np.conj(top) * far + reflectance * ratio)
         constant = reflectance * (1.0 + np.abs(ratio) ** 2) - np.abs(top) ** 2 - np.abs(far) ** 2
         share = np.clip(constant / np.abs(coefficient), -1.0, 1.0)
-        return cls(-np.angle(coefficient), np.arccos(share))
+        first = coefficient.flat[0]  # the middle hardly changes along a profile, and must not jump by a period
+        return cls(-np.angle(first) - np.angle(coefficient / first), np.arccos(share))
 
     def at(self, points: slice, side: int, order: float) -> Array:
         """The phases of some points, on a side of the middle and of an order."""
@@ -148,7 +149,7 @@ def _fringes_passed(spread: Array) -> list[int]:
 
 
 def _passages(distance: Array, begin: int, end: int) -> list[int]:
-    """The points behind one fringe, in its neighbourhood: one, none where the film turns, or two where it comes back."""
+    """The points behind one fringe, near it: one, none where the film turns, or two where it comes back."""
     once = [_behind(distance, begin, end)]
     if end - begin < ENOUGH:
         return once
