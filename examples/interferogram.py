@@ -17,22 +17,29 @@ RIG = optics.Rig(oil_index=1.48)  # glass with 8 nm of chromium, oil, steel
 
 
 def impact(nodes: int = 201) -> ertel.Result:
-    """The ball at maximum approach."""
-    oil = ertel.oils.at("mineral-100", "40 degC")
+    """The ball until maximum approach, on a grid along the radius."""
     ball = ertel.impact(
-        radius="10 mm", speed=0.05, material_1="steel", material_2="glass", oil=oil, method="radial", nodes=nodes
+        radius="10 mm",
+        speed=0.05,  # m/s
+        material_1="steel",
+        material_2="glass",
+        oil=ertel.oils.at("mineral-100", "40 degC"),
+        method="radial",
+        nodes=nodes,
+        half_width=4,
+        start_approach=-2,
     )
     return ertel.simulate(ball)
 
 
 def films(result: ertel.Result) -> tuple[np.ndarray, np.ndarray]:
-    """The film along the radius (m) as computed, and as it follows from the fringes."""
-    last = result.si.isel(frame=-1)
-    last = last.interp(r=np.linspace(0.1, 1.2, 400) * result.case.scales.a, method="cubic")  # m
+    """The film from near the centre outwards (m): as computed, and as it follows from the fringes."""
+    a = result.case.scales.a
+    last = result.si.isel(frame=-1).interp(r=np.linspace(0.15 * a, 1.2 * a, 400), method="cubic")
     film, density = last["h"].values, result.case.lubricant.density(last["p"].values / result.case.scales.p_h)
     n = RIG.index(density)
     intensity = RIG.fringes(GREEN.wavelength, n).reflectance(n * film)
-    return film, optics.film_of_intensity(intensity, RIG, GREEN.wavelength, start=film[0] + 10e-9, density=density)
+    return film, optics.film_of_intensity(intensity, RIG, GREEN.wavelength, start=1.02 * film[0], density=density)
 
 
 if __name__ == "__main__":
@@ -40,4 +47,4 @@ if __name__ == "__main__":
     for name, light in {"green": GREEN, "white": optics.White()}.items():
         result.plot.interferogram(light=light, rig=RIG).savefig(f"interferogram-{name}.png")
     computed, seen = films(result)
-    print(f"trapped film: computed {computed[0] * 1e9:.1f} nm, from the fringes {seen[0] * 1e9:.1f} nm")
+    print(f"thinnest film: computed {computed.min() * 1e9:.2f} nm, from the fringes {seen.min() * 1e9:.2f} nm")

@@ -32,6 +32,12 @@ def test_round_trip(rig, name):
     assert np.median(np.abs(found - film)) < 1e-14
 
 
+def test_coating_whose_phase_is_half_a_period():
+    """The phase does not jump by a period where its middle passes from pi to -pi."""
+    rig, film = Rig(coatings=(Layer(CHROMIUM, 8e-9), Layer(SILICA, 82e-9))), FILMS["wedge"]
+    np.testing.assert_allclose(film_of_intensity(seen(rig, film), rig, GREEN, film[0])[:-2], film[:-2], atol=1e-9)
+
+
 def test_round_trip_under_pressure():
     """With the density that the oil has along the profile; without it the film is too thick as the index is too low."""
     film, density = FILMS["rolling"], 1.0 + 0.2 * np.sqrt(np.maximum(1.0 - (X / 0.8) ** 2, 0.0))

@@ -53,6 +53,22 @@ def test_fringes_of_a_ball_beside_its_contact(ball):
     assert crossings(grey[len(grey) // 2]) == pytest.approx(4 * orders, abs=4)  # twice a fringe, on both sides
 
 
+@pytest.mark.parametrize("every", [1, 4, 8])
+def test_rings_of_a_paraboloid_on_a_coarse_grid(ball, every):
+    """As many as its film has half wavelengths, also where a ring is finer than a cell; none that is not there."""
+    coarse = ball.isel(X=slice(0, None, every), Y=slice(0, None, every), frame=[48])
+    r2 = coarse["X"] ** 2 + coarse["Y"] ** 2
+    coarse = coarse.assign(H=(coarse["H"].dims, np.broadcast_to(r2.T, coarse["H"].shape).copy(), coarse["H"].attrs))
+    light, rig = Monochromatic(coherence=np.inf), TwoBeams()
+    scale = 4 * light.wavelength / rig.oil_index  # m: eight rings to r = a, the last ones a sixteenth of it wide
+    figure = plots.interferogram(coarse, light=light, rig=rig, film_scale=scale)
+    grey = images(figure)[0]
+    side = figure.axes[0].get_xlim()[1] / (ball["X"].attrs["si_factor"] * 1e6)
+    outwards = grey[len(grey) // 2, grey.shape[1] // 2 :]
+    orders = 8 * side**2
+    assert crossings(outwards) == pytest.approx(2 * orders, abs=1)
+
+
 def test_picture_is_the_film_of_the_run(rolls, few_pixels):
     """Each pixel has the grey of the film and of the oil's density at its place."""
     light, rig = Monochromatic(coherence=np.inf), TwoBeams()
