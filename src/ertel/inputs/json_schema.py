@@ -33,6 +33,7 @@ def json_schema() -> dict[str, Any]:
     found = case_file().model_json_schema(schema_generator=_WithoutNull)
     for name, part in SECTIONS.items():
         found["$defs"][name.capitalize()]["description"] = part.text
+    del found["$defs"]["Thermal"]["required"]  # the named oil and materials may complete it
     laws = found["$defs"]["Lubricant"]["properties"]["rheology"]["oneOf"]
     laws[0] = {"type": "string", "enum": ["newtonian", *OF_OILS]}
     for table in found["$defs"].values():

@@ -10,6 +10,7 @@ from ertel.inputs.schema import SECTIONS, SURFACE, TOP, first_paragraph
 from ertel.inputs.spellings import kind_of
 from ertel.model.records import OIL_LAWS, law_fields, show
 from ertel.model.sections import ENDS, METHODS, SOLVERS, START_APPROACH, STOPS, Solver, Time
+from ertel.model.thermal import Thermal
 from ertel.physics.motion import Oscillation, Signal
 from ertel.physics.registry import SHAPES, Registry
 from ertel.physics.units import Bounds, Meaning, Unit, marks, meanings
@@ -119,7 +120,7 @@ def _default(record: Any, item: Any, meaning: Meaning) -> str:
     if record is Time and item.name in ("start_approach", "until"):
         return show(START_APPROACH) if item.name == "start_approach" else _by_name(ENDS, item.name)
     if item.default is MISSING and item.default_factory is MISSING:
-        return NEEDED
+        return "" if record is Thermal else NEEDED  # a named oil and named materials complete it
     value = item.default
     if value in (None, "", ()) or (isinstance(value, float) and not isfinite(value)):
         return ""

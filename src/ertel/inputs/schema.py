@@ -30,6 +30,7 @@ from ertel.inputs.spellings import amount_schema, number_schema, quantity_schema
 from ertel.model.conditions import Conditions
 from ertel.model.records import OIL_LAWS, law_fields
 from ertel.model.sections import STOPS, Drive, Output, Solver, Time
+from ertel.model.thermal import Thermal
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
@@ -62,6 +63,7 @@ SECTIONS: Mapping[str, Part] = {
     "motion": Part(Drive, "load and speed as functions of time"),
     "time": Part(Time, "start, end and steps of a run in time"),
     "output": Part(Output, "which maps are kept, besides those at maximum approach and at the end"),
+    "thermal": Part(Thermal, "rolling: temperatures of a steady contact in SI, may be empty where all is named"),
 }
 TOP: Mapping[str, Meaning] = {  # keys of the file itself
     "schema": Meaning("version of this layout"),

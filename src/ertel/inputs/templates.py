@@ -53,7 +53,8 @@ def template(kind: Kind, name: str) -> str:
     ]
     given = GIVEN[kind]
     for place in places():
-        if place.title.startswith("[") or place.title == f'shape = "{SHAPE}"':
+        is_told = place.title.startswith("[") or place.title == f'shape = "{SHAPE}"'
+        if is_told and not _is_of_other(place.text, kind):
             lines += _section(place, given, kind)
     return "\n".join(lines) + "\n"
 
@@ -66,15 +67,15 @@ def _section(place: Place, given: Mapping[str, Mapping[str, Any]], kind: Kind) -
         yield ""
         yield from _line(f"{mark}{place.title}", place.text)
     foreign = FOREIGN[kind] if place.title == "[contact]" else ()
-    ours = [key for key in place.keys if key.name not in foreign and not _is_of_other(key, kind)]
+    ours = [key for key in place.keys if key.name not in foreign and not _is_of_other(key.meaning, kind)]
     for key in sorted(ours, key=lambda key: key.name not in values):
         yield from _line(_written(key, values, _examples(place.title, kind)), key.meaning)
 
 
-def _is_of_other(key: Key, kind: Kind) -> bool:
-    """Whether the meaning says that a key is for the other kind of contact only."""
+def _is_of_other(meaning: str, kind: Kind) -> bool:
+    """Whether a meaning says that a key or a section is for the other kind of contact only."""
     other = "rolling" if kind == "impact" else "impact"
-    return key.meaning.startswith(f"{other}:")
+    return meaning.startswith(f"{other}:")
 
 
 def _written(key: Key, values: Mapping[str, Any], examples: Mapping[str, str]) -> str:
