@@ -92,13 +92,13 @@ def draw_spike(axes: Axes, dataset: xr.Dataset) -> None:
 def draw_stress_map(axes: Axes, dataset: xr.Dataset) -> None:
     """Shear stress of a steady contact, with contour lines at equal steps."""
     draw_stress(axes, dataset)
-    draw_flow(axes, _flow(dataset))
+    draw_flow(axes, flow(dataset))
 
 
 def draw_loss_map(axes: Axes, dataset: xr.Dataset) -> None:
     """Power loss per area of a steady contact, with contour lines at equal steps."""
     draw_loss(axes, dataset)
-    draw_flow(axes, _flow(dataset))
+    draw_flow(axes, flow(dataset))
 
 
 def _dry_pressure(dataset: xr.Dataset, X: Values, Y: Values) -> Values:
