@@ -8,7 +8,7 @@ from cases import march
 from numpy.testing import assert_allclose
 
 from ertel.inputs.python import Oil, impact, rolling
-from ertel.model import budget
+from ertel.model import budget, friction
 from ertel.model.case import Case
 from ertel.model.state import Rolling
 from ertel.physics.fluidity import Carreau, Fluidity, Limited, ReeEyring
@@ -95,3 +95,15 @@ def test_an_impact_of_an_oil_that_thins():
         films[law] = march(Transient2D(case), 0.2, 4)[0]
     assert_allclose(films[STIFF].H, films["newtonian"].H, rtol=0, atol=1e-10)  # tolerance of the steps: 1e-3
     assert float(films[ReeEyring(2e4)].H.min()) < float(films["newtonian"].H.min()) - 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", [EYRING, Carreau(6e6, 0.42)], ids=["eyring", "carreau"])
+def test_film_and_traction_are_of_second_order(law: Fluidity):
+    """On 65, 129 and 257 nodes; the traction of Carreau's oil is still at 2.3."""
+    case = rolled(law, 0.5, 257)
+    levels = steady.steady(case).solutions[-3:]
+    assert all(s.status.ok for s in levels)
+    for values in ([s.measure()["H_c"] for s in levels], [float(friction.steady(case, s).sliding[0]) for s in levels]):
+        first, second = np.abs(np.diff(values))
+        assert 1.8 < np.log2(first / second) < 2.5
