@@ -45,10 +45,24 @@ RunDirectory = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value of the case, e.g. solver.nodes=129."),
+]
 Estimate = Annotated[
     bool,
     typer.Option("--error", help="Run also on the half grid, in smaller steps and on a wider domain: the error."),
 ]
+
+
+def _directory(text: str) -> Any:
+    """An option for a directory."""
+    return typer.Option(parser=local_path, metavar="DIR", help=text, show_default=False)
+
+
+def _along(example: str, text: str) -> Any:
+    """An option for what varies along a curve."""
+    return typer.Option(metavar="VALUES", help=f"{text} Such as {example}.", show_default=False)
 
 
 def main() -> None:
@@ -77,16 +91,8 @@ def _options(
 @app.command()
 def run(
     case_file: CaseFile,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            parser=local_path, metavar="DIR", help="New directory for the run; default runs/NAME.", show_default=False
-        ),
-    ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Replace a value of the case, e.g. solver.nodes=129."),
-    ] = None,
+    out: Annotated[Path | None, _directory("New directory for the run; default runs/NAME.")] = None,
+    set_: Set = None,
     as_json: Json = False,
     error: Estimate = False,
     quiet: Quiet = False,
@@ -106,6 +112,39 @@ def resume(directory: RunDirectory, as_json: Json = False, error: Estimate = Fal
     from ertel.apps import running
 
     running.resume(directory, running.Wishes(as_json, error, quiet))
+
+
+@app.command()
+def traction(
+    case_file: CaseFile,
+    slide_to_roll: Annotated[str | None, _along("0:0.5:15", "The slide-to-roll ratio varies.")] = None,
+    mean_speed: Annotated[str | None, _along("0.1 m/s:10 m/s:12:log", "The mean speed varies.")] = None,
+    load: Annotated[str | None, _along("10 N:100 N:5", "The load varies.")] = None,
+    film: Annotated[
+        str | None, typer.Option(metavar="each|once", help="Solve the film at each point, or once.", show_default=False)
+    ] = None,
+    set_: Set = None,
+    out: Annotated[Path | None, _directory("New directory for the curve; default traction/NAME.")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compute a traction curve: the friction of a steady contact against slide-to-roll ratio, speed or load.
+
+    Give one of them: FIRST:LAST:NUMBER with equal steps, FIRST:LAST:NUMBER:log with equal ratios, or values with commas
+    between them. Without a unit a speed is in m/s and a load in N.
+
+    The film of a Newtonian oil does not depend on the slide-to-roll ratio and is solved once. That of an oil that thins
+    is solved at each point; --film once takes the one of the smallest slide-to-roll ratio, in the time of one point.
+
+    After an interruption the same command continues.
+    """
+    from ertel.apps.traction import traction
+    from ertel.inputs.case_files import load_case
+
+    with bad_input():
+        case = load_case(case_file, set_ or [])
+    given = {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}
+    traction(case, given, film, out, as_json, quiet)
 
 
 @app.command("warm-up")
@@ -160,12 +199,7 @@ def plot(
         ),
     ] = None,
     format_: Annotated[Format, typer.Option("--format", help="File format.")] = Format.png,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            parser=local_path, metavar="DIR", help="Directory for the figures; default DIR/plots.", show_default=False
-        ),
-    ] = None,
+    out: Annotated[Path | None, _directory("Directory for the figures; default DIR/plots.")] = None,
 ) -> None:
     """Draw the figures of a run."""
     from ertel.apps import plotting, running

@@ -76,14 +76,14 @@ def scale(dataset: xr.Dataset, name: str, maximum: float) -> Scale:
     attributes = dataset[name].attrs
     if "si_factor" not in attributes:
         unit = KINDS[dataset.attrs["kind"]].unit(attributes.get("in_units_of", ""))
-        return Scale(1.0, _mathtext(attributes["symbol"]), UNITS.get(unit, unit), attributes["long_name"])
+        return Scale(1.0, mathtext(attributes["symbol"]), UNITS.get(unit, unit), attributes["long_name"])
     power = exponent(abs(maximum) * attributes["si_factor"])
     unit = PREFIXES[power] + attributes["si_units"]
     factor = attributes["si_factor"] / 10**power
-    return Scale(factor, _mathtext(attributes["si_name"]), unit, attributes["long_name"])
+    return Scale(factor, mathtext(attributes["si_name"]), unit, attributes["long_name"])
 
 
-def _mathtext(symbol: str) -> str:
+def mathtext(symbol: str) -> str:
     """H_min as $H_\\mathrm{min}$, Delta as a Greek letter."""
     base, _, index = symbol.replace("Delta", r"\Delta").replace("delta", r"\delta").partition("_")
     return f"${base}_\\mathrm{{{index}}}$" if index else f"${base}$"

@@ -1,0 +1,215 @@
+"""A traction curve: the friction of a steady contact against the slide-to-roll ratio, the speed or the load.
+
+The curve of a physical case is in SI.  That of a dimensionless case is in the units of the case; its traction
+coefficients are multiples of a/R, a number that such a case does not have.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ertel.model.case import Case
+from ertel.model.status import Status
+from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
+from ertel.results import html
+from ertel.results.provenance import provenance
+from ertel.results.variables import PREFIXES, VARIABLES, Variable, exponent
+
+if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
+    from matplotlib.figure import Figure
+
+Point = Mapping[str, Any]  # of a curve, see `point`
+
+
+class Axis(NamedTuple):
+    """What varies along a curve: its name in words, its symbol and unit, and what its values must be."""
+
+    long_name: str
+    symbol: str
+    unit: str
+    mark: Mark
+
+
+AXES: Mapping[str, Axis] = {
+    "slide_to_roll": Axis("slide-to-roll ratio", "S", "", FINITE),
+    "mean_speed": Axis("mean speed", "u_m", "m/s", VELOCITY),
+    "load": Axis("load", "F", "N", LOAD),
+}
+SHOWN = ("mu_sliding", "mu_rolling", "power_loss", "H_c", "H_min", "tau_max")  # in a table
+WORK = ("newton_iterations", "krylov_iterations", "convolutions")
+NUMBERS = (*SHOWN, "P_max", *WORK)
+
+
+# -- points -----------------------------------------------------------------------------------------------------------
+
+
+def point(case: Case, values: Mapping[str, float], status: Status, warnings: Sequence[str]) -> Point:
+    """A point of a curve as plain data, in SI where the case is physical.
+
+    values: `NUMBERS` by name, dimensionless.  Where the film did not converge there are none: each is None.
+    """
+    numbers = {name: values[name] * _factor(case, name) if status.ok else None for name in NUMBERS}
+    return {**numbers, "status": status.value, "warnings": list(warnings)}
+
+
+def _factor(case: Case, name: str) -> float:
+    """What 1 is in SI; 1 where the case or the variable is dimensionless."""
+    variable = VARIABLES[name]
+    return variable.factor(case.scales) if case.scales and variable.scale else 1.0
+
+
+def assemble(case: Case, axis: str, values: Sequence[float], points: Sequence[Point], film: str) -> xr.Dataset:
+    """The points as a Dataset over what varies; in SI under SI names (h_c for H_c) where the case is physical.
+
+    values: along the axis, of the curve; the points are the first ones of them.  film: see `ertel.traction`.
+    """
+    variables: dict[str, Any] = {}
+    for name in NUMBERS:
+        numbers = np.array([p[name] for p in points], dtype=float)  # None becomes nan
+        variables[_shown_name(case, name)] = (axis, numbers, _attributes(case, VARIABLES[name]))
+    variables["status"] = (axis, np.array([p["status"] for p in points], dtype=str), {"long_name": "how it ended"})
+    along = AXES[axis]
+    about = {"long_name": along.long_name, "symbol": along.symbol, "units": along.unit or "1"}
+    coordinate = (axis, np.array(values[: len(points)], dtype=float), about)
+    return xr.Dataset(variables, {axis: coordinate}, {**provenance(case), "varies": axis, "film": film})
+
+
+def _shown_name(case: Case, name: str) -> str:
+    return (case.scales and VARIABLES[name].si_name) or name
+
+
+def _attributes(case: Case, variable: Variable) -> dict[str, str]:
+    comment = {"comment": variable.comment} if variable.comment else {}
+    if case.scales:
+        symbol = variable.si_name or variable.symbol
+        return {"long_name": variable.long_name, "symbol": symbol, "units": variable.si_units or "1", **comment}
+    unit = {"in_units_of": variable.unit} if variable.unit != "1" else {}
+    return {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1", **unit, **comment}
+
+
+# -- the curve --------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class TractionCurve:
+    """A traction curve.
+
+    Parameters
+    ----------
+    case : Case
+        The case with whose conditions the points were computed, apart from what varies.
+    dataset : xarray.Dataset
+        Over slide_to_roll, mean_speed (m/s) or load (N).  The traction coefficient of sliding mu_sliding, the rolling
+        resistance mu_rolling of each surface, the power loss, the central and the minimum film thickness, the maximum
+        shear stress in the middle of the film, the maximum pressure, status and work of each point; nan where the film
+        did not converge.  In SI under SI names (h_c for H_c) where the case is physical.
+    warnings : tuple of str
+        Warnings about the grid, the domain or the oil, with the points that they are about.
+    complete : bool
+        Whether all points are computed.
+    directory : Path, optional
+        Where the curve is stored.
+    """
+
+    case: Case
+    dataset: xr.Dataset
+    warnings: tuple[str, ...] = ()
+    complete: bool = True
+    directory: Path | None = None
+
+    @property
+    def axis(self) -> str:
+        """What varies: slide_to_roll, mean_speed or load."""
+        return str(self.dataset.attrs["varies"])
+
+    @property
+    def failed(self) -> list[float]:
+        """Where along the axis the film did not converge."""
+        found: list[float] = self.dataset[self.axis].values[self.dataset["status"].values != "converged"].tolist()
+        return found
+
+    def plot(self) -> "Figure":
+        """The curve: traction coefficient and rolling resistance, films, power loss and shear stress."""
+        from ertel.results.plots import traction
+
+        return traction.figure(self.dataset)
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the points as a CSV file; the names of its columns end with the unit, h_c_m, power_loss_W."""
+        self._with_units.to_dataframe().to_csv(path)
+
+    def as_data(self) -> dict[str, Any]:
+        """The curve as plain data for JSON; names in SI end with the unit, and what is missing is None."""
+        rows = self._with_units.to_dataframe().reset_index().to_dict("records")
+        points = [{name: None if value != value else value for name, value in row.items()} for row in rows]
+        about = {name: self.dataset.attrs[name] for name in ("title", "kind", "M", "L", "varies", "film")}
+        return {**about, "points": points, "warnings": list(self.warnings), "complete": self.complete}
+
+    @property
+    def _with_units(self) -> xr.Dataset:
+        """The dataset with the unit at the end of every name in SI."""
+        units = {str(name): str(v.attrs.get("units", "1")) for name, v in self.dataset.variables.items()}
+        return self.dataset.rename(
+            {name: f"{name}_{unit.replace('/', '_per_')}" for name, unit in units.items() if unit != "1"}
+        )
+
+    def table(self) -> tuple[list[str], list[list[str]]]:
+        """The heading and the rows of a table to read, with units that fit."""
+        names = [self.axis, *(_shown_name(self.case, name) for name in SHOWN)]
+        columns = [_column(self.dataset[name]) for name in names]
+        if self.failed:
+            columns.append(["status", *self.dataset["status"].values.tolist()])
+        heads, *rows = (list(cells) for cells in zip(*columns, strict=True))
+        return heads, rows
+
+    @property
+    def remarks(self) -> list[str]:
+        """What is to be said of the curve: how the film was computed, units, and warnings."""
+        said = [f"film: {self.dataset.attrs['film']}"]
+        if not self.case.scales:
+            said.append("mu is in units a/R, films in a^2/R, stresses in p_h a/R: the case is dimensionless")
+        return [*said, *(f"warning: {warning}" for warning in self.warnings)]
+
+    def __repr__(self) -> str:
+        return "\n".join([f"TractionCurve: {self.heading}", *(f"  {line}" for line in self._lines())])
+
+    @property
+    def heading(self) -> str:
+        """What the curve is of."""
+        name = self.case.name or self.case.kind
+        number = self.dataset.sizes[self.axis]
+        ended = "" if self.complete else ", not complete"
+        return f"{name}, {number} points over the {AXES[self.axis].long_name}{ended}"
+
+    def _lines(self) -> Iterator[str]:
+        heads, rows = self.table()
+        widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+        for cells in (heads, *rows):
+            yield "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True))
+        yield from self.remarks
+
+    def _repr_html_(self) -> str:
+        heads, rows = self.table()
+        table = f"<table>{html.row('th', heads)}{''.join(html.row('td', cells) for cells in rows)}</table>"
+        remarks = "".join(f"<div>{escape(line)}</div>" for line in self.remarks)
+        picture = html.image(self.plot(), "traction curve") if rows else ""
+        return f"<div><b>{escape(self.heading)}</b>{table}{remarks}</div>{picture}"
+
+
+def _column(values: xr.DataArray) -> list[str]:
+    """A heading with the unit, and the values in it, with a prefix that fits the largest."""
+    unit = values.attrs["units"]
+    if unit == "1":
+        return [str(values.name), *(_number(value) for value in values.values)]
+    largest = float(np.nanmax(np.abs(values.values), initial=0.0))
+    power = 0 if "/" in unit else exponent(largest)
+    return [f"{values.name} ({PREFIXES[power]}{unit})", *(_number(value / 10**power) for value in values.values)]
+
+
+def _number(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.4g}"
