@@ -59,15 +59,15 @@ ENERGIES = ("elastic_energy", "oil_energy", "dissipation", "power_from_surfaces"
 class Film(NamedTuple):
     """The film at one time.
 
-    P, H, eps: pressure, film thickness, mobility.  dissipation: the double integral of - rho q.grad h.  deformation: of
-    the solids.  growth: D(rho H)/DT + div(Poiseuille flux), the residual of Reynolds' equation, which is not zero where
+    P, H, eps: pressure, film thickness, mobility.  heat: - rho q.grad h at the nodes.  deformation: of the solids.
+     growth: D(rho H)/DT + div(Poiseuille flux), the residual of Reynolds' equation, which is not zero where
     P = 0.  U: entrainment.  gap_change: DG/DT.
     """
 
     P: Array
     H: Array
     eps: Pair
-    dissipation: Array
+    heat: Array
     deformation: Array
     growth: Array
     U: Number
@@ -75,12 +75,11 @@ class Film(NamedTuple):
 
 
 def film_of(
-    plane: Plane, c: Contact, P: Array, H: Array, approach: Number, change: Array, U: Number, gap_change: Array
+    c: Contact, P: Array, H: Array, heat: Array, approach: Number, change: Array, U: Number, gap_change: Array
 ) -> Film:
-    """The film on the 2-D grid.  change: D(rho H)/DT."""
-    dissipation = c.flow.work(c, P, H, c.lubricant.enthalpy(P), plane)
+    """The film on the 2-D grid.  heat: from `PressureFlow.drag`.  change: D(rho H)/DT."""
     growth = change - inside(c.flow.gain(c, P, H), c.even)
-    return Film(P, H, mobility(c, P, H), dissipation, H + approach - c.gap, growth, U, gap_change)
+    return Film(P, H, mobility(c, P, H), heat, H + approach - c.gap, growth, U, gap_change)
 
 
 def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
@@ -97,7 +96,7 @@ def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
         "cavity_source": space.total(jnp.where(P > 0.0, 0.0, film.growth)),
         "elastic_energy": space.total(P * film.deformation) / 2,
         "oil_energy": space.total(compressed),
-        "dissipation": film.dissipation,
+        "dissipation": space.total(film.heat),
         "power_from_surfaces": space.total(P * jnp.maximum(-film.gap_change, 0.0)),
         "power_to_surfaces": space.total(P * jnp.maximum(film.gap_change, 0.0)),
         "outside_power": space.around(energy_out),
@@ -124,18 +123,18 @@ def terms(found: Mapping[str, Array], velocity: float, around: Around, hertz_loa
 def steady(case: Case, s: GridSolution) -> dict[str, float]:
     """`MASSES` and `ENERGIES` of a steady contact on one of its grids."""
     c, U = discretise.contact_of(case, s.grid), case.motion.entrainment(0.0)
-    gap_change = discretise.gap_change(case, s.grid, 0.0)
-    found = _steady_program(Plane.of(s.grid), c, jnp.asarray(s.P), jnp.asarray(s.H), s.approach, U, gap_change)
+    gap_change, sliding = discretise.gap_change(case, s.grid, 0.0), case.motion.slide_to_roll * U
+    found = _steady_program(Plane.of(s.grid), c, jnp.asarray(s.P), jnp.asarray(s.H), s.approach, U, sliding, gap_change)
     motion = Motion(s.approach, 0.0, case.motion.load(0.0), U)
     around = Around(s.outside, discretise.outside_of(case, s.grid).at(motion).uplift)
     return terms(found, 0.0, around, case.geometry.hertz_load)
 
 
 def _steady(
-    space: Plane, c: Contact, P: Array, H: Array, approach: Number, U: Number, gap_change: Array
+    space: Plane, c: Contact, P: Array, H: Array, approach: Number, U: Number, sliding: Number, gap_change: Array
 ) -> dict[str, Array]:
-    change = wedge(mass(c, P, H), U, c.spacing)
-    return integrals(space, c.lubricant, film_of(space, c, P, H, approach, change, U, gap_change))
+    change, heat = wedge(mass(c, P, H), U, c.spacing), c.flow.drag(c, P, H, sliding, space).heat
+    return integrals(space, c.lubricant, film_of(c, P, H, heat, approach, change, U, gap_change))
 
 
 _steady_program = Program(jax.jit(_steady), ANY_SIZE)

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import jax
+import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
@@ -30,6 +31,8 @@ from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.rheology import NEWTONIAN, Rheology
 
+Number = Array | float
+
 
 class PressureFlow(Protocol):
     """The flow by the pressure gradient, by the law of the oil.  A JAX pytree of numbers."""
@@ -42,9 +45,21 @@ class PressureFlow(Protocol):
         """The flux along X and along Y per unit pressure gradient, at the nodes; the gradient itself is held."""
         ...
 
-    def work(self, contact: "Contact", P: Array, H: Array, f: Array, plane: Plane) -> Array:
-        """The double integral of - flux . grad f over the grid."""
+    def drag(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> "Drag":
+        """What shears the oil when the surfaces slide by U S along X; U S may differ from that of the film."""
         ...
+
+
+class Drag(NamedTuple):
+    """The shear of the oil, at the nodes.
+
+    stress: tau_m in the middle of the film along X and along Y, in units of p_h a/R, shape (2, n, n).  heat: what the
+    pressure spends on the flow, - flux . grad of the enthalpy, in units of p_h a^2/(R t0), shape (n, n); each face
+    between two nodes gives half to either.
+    """
+
+    stress: Array
+    heat: Array
 
 
 class NewtonianFlow(NamedTuple):
@@ -59,8 +74,16 @@ class NewtonianFlow(NamedTuple):
         oil = contact.lubricant
         return Pair.of(*self.law.mobility(oil.density(P), oil.viscosity(P), H, contact.lambda_bar))
 
-    def work(self, contact: "Contact", P: Array, H: Array, f: Array, plane: Plane) -> Array:
-        return plane.of_slopes(self.mobility(contact, P, H), P, f)
+    def drag(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> Drag:
+        oil = contact.lubricant
+        along_x = contact.lambda_bar * oil.viscosity(P) * sliding / (12.0 * opened(H))
+        heat = plane.of_slopes(self.mobility(contact, P, H), P, oil.enthalpy(P))
+        return Drag(jnp.stack([along_x, jnp.zeros_like(along_x)]), heat)
+
+
+def opened(H: Array) -> Array:
+    """H > 0; any value where the surfaces overlap, because nothing flows there."""
+    return jnp.where(H > 0.0, H, 1.0)
 
 
 NEWTONIAN_FLOW = NewtonianFlow()

@@ -10,14 +10,14 @@ that of the mean P and H of the two nodes.  The slope of P across the face is th
 is the mean of the central differences at the two nodes.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.model.contact import NEWTONIAN_FLOW, Contact
+from ertel.model.contact import NEWTONIAN_FLOW, Contact, Drag, opened
 from ertel.model.shear import Shear, secant_mobility, shear
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, central_slopes, to_x_faces, to_y_faces
@@ -48,10 +48,13 @@ class ThinningFlow:
         total: Array = ((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / contact.spacing
         return total
 
-    def work(self, contact: Contact, P: Array, H: Array, f: Array, plane: Plane) -> Array:
-        """The double integral of - flux . grad f."""
-        in_X, in_Y = self._faces(contact, P, H)
-        return plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], f)
+    def drag(self, contact: Contact, P: Array, H: Array, sliding: Number, plane: Plane) -> Drag:
+        """The mid-plane stress and the heat of the pressure flow when the surfaces slide by U S."""
+        flow = replace(self, sliding=sliding)
+        in_X, in_Y = flow._faces(contact, P, H)
+        heat = plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], contact.lubricant.enthalpy(P))
+        found, _ = flow._shear(contact, P, H, _slope(contact, P))
+        return Drag(found.stress / self.unit, heat)
 
     def _faces(self, contact: Contact, P: Array, H: Array) -> tuple[Array, Array]:
         """Minus the flux through all faces around the nodes, shapes (n, n + 1) and (n + 1, n)."""
@@ -69,8 +72,7 @@ class ThinningFlow:
 
     def mobility(self, contact: Contact, P: Array, H: Array) -> Pair:
         """The mobilities at the nodes for the preconditioner: what couples X and Y is left out."""
-        slopes = central_slopes(extended(P, contact.even), contact.spacing)
-        slope = jax.lax.stop_gradient(jnp.stack([slope[1:-1, 1:-1] for slope in slopes]))
+        slope = jax.lax.stop_gradient(_slope(contact, P))
         found, gradient = self._shear(contact, P, H, slope)
         factor = secant_mobility(self.law, self.p_h * P, found, gradient)
         eps = NEWTONIAN_FLOW.mobility(contact, P, H).x
@@ -79,21 +81,22 @@ class ThinningFlow:
     def _driven(self, contact: Contact, P: Array, film: Array, slope: Array) -> Array:
         """G, shape (2, ...), from the slopes of P, shape (2, ...), where the film has the thickness given."""
         found, _ = self._shear(contact, P, film, slope)
-        return 12.0 * found.flux / (_open(film) * self.unit)
+        return 12.0 * found.flux / (opened(film) * self.unit)
 
     def _shear(self, contact: Contact, P: Array, film: Array, slope: Array) -> tuple[Shear, Array]:
         """The flow across the film, and H grad P in Pa."""
-        H = _open(film)
+        H = opened(film)
         gradient = H * slope * self.unit
         along_x = contact.lambda_bar * contact.lubricant.viscosity(P) * self.sliding / (12.0 * H) * self.unit
         return shear(self.law, self.p_h * P, jnp.stack([along_x, jnp.zeros_like(along_x)]), gradient), gradient
 
 
+def _slope(contact: Contact, P: Array) -> Array:
+    """grad P at the nodes by central differences, shape (2, n, n)."""
+    slopes = central_slopes(extended(P, contact.even), contact.spacing)
+    return jnp.stack([slope[1:-1, 1:-1] for slope in slopes])
+
+
 def _line(on_x_faces: Array, on_y_faces: Array) -> Array:
     """The values on all faces, one after the other: one program for both kinds takes half as long to compile."""
     return jnp.concatenate([on_x_faces.ravel(), on_y_faces.ravel()])
-
-
-def _open(film: Array) -> Array:
-    """H > 0; any value where the surfaces overlap, because nothing flows there."""
-    return jnp.where(film > 0.0, film, 1.0)

@@ -27,7 +27,7 @@ class Space(Protocol):
         ...
 
     def of_slopes(self, c: Pair, f: Array, g: Array) -> Array:
-        """The double integral of c_x df/dX dg/dX + c_y df/dY dg/dY."""
+        """c_x df/dX dg/dX + c_y df/dY dg/dY at the nodes; its `total` is the sum over the faces between the nodes."""
         ...
 
     def edge(self, f: Array) -> Array:
@@ -71,10 +71,19 @@ class Plane:
         return self.across_faces(in_x.T, in_y, g) / self.spacing
 
     def across_faces(self, on_x: Array, on_y: Array, g: Array) -> Array:
-        """The double integral of a_x dg/dX + a_y dg/dY; on_x: a_x between neighbours along X, on_y: a_y along Y."""
+        """a_x dg/dX + a_y dg/dY at the nodes; on_x: a_x between neighbours along X, on_y: a_y along Y.
+
+        Each face gives half to the node on either side of it.  So `total` is the sum over the faces.
+        """
         in_y, in_x = on_y * (g[1:] - g[:-1]), on_x.T * (g.T[1:] - g.T[:-1])
-        sides = [2.0 if even else 1.0 for even in self.even]  # the faces of an even axis lie on both of its sides
-        return sides[0] * jnp.sum(in_y * self.wx) + sides[1] * jnp.sum(in_x * self.wy)
+        return (_to_nodes(in_y) + _to_nodes(in_x).T) / self.spacing
+
+    def push(self, c: Array, f: Array) -> Array:
+        """The double integral of c grad f, shape (2,), for fields c and f that are even about an even axis."""
+        in_y, in_x = (0.5 * (k[1:] + k[:-1]) * (a[1:] - a[:-1]) for k, a in ((c, f), (c.T, f.T)))
+        along_x = 0.0 if self.even.x else jnp.sum(in_x * self.wy)
+        along_y = 0.0 if self.even.y else jnp.sum(in_y * self.wx)
+        return jnp.stack([along_x, along_y])
 
     def edge(self, f: Array) -> Array:
         return self._line(f, f, 0)
@@ -98,6 +107,11 @@ class Plane:
         lines = [f_x[:, -1 - depth], *([] if self.even.x else [f_x[:, depth]])]
         lines += [f_y[-1 - depth], *([] if self.even.y else [f_y[depth]])]
         return jnp.concatenate(lines)
+
+
+def _to_nodes(between: Array) -> Array:
+    """The mean of the two values beside each node along the first axis; at the ends the only one."""
+    return 0.5 * (jnp.concatenate([between[:1], between]) + jnp.concatenate([between, between[-1:]]))
 
 
 def _weights(nodes: int, even: bool) -> np.ndarray:
@@ -134,7 +148,8 @@ class Disc:
         return jnp.sum(self.weights * f)
 
     def of_slopes(self, c: Pair, f: Array, g: Array) -> Array:
-        return jnp.sum(self.faces * 0.5 * (c.x[1:] + c.x[:-1]) * jnp.diff(f) * jnp.diff(g))
+        half = self.faces * 0.25 * (c.x[1:] + c.x[:-1]) * jnp.diff(f) * jnp.diff(g)
+        return (jnp.pad(half, (0, 1)) + jnp.pad(half, (1, 0))) / self.weights
 
     def edge(self, f: Array) -> Array:
         return f[-1:]

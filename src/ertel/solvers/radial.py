@@ -323,8 +323,8 @@ def _integrals(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -
     """The terms of the budgets after a step."""
     eps, _ = eq.flow.mobility(eq.oil.density(P), eq.oil.viscosity(P), H, eq.lambda_bar)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
-    dissipation = disc.of_slopes(Pair(eps), P, eq.oil.enthalpy(P))
-    return budget.integrals(disc, eq.oil, Film(P, H, Pair(eps), dissipation, deformation, residual(eq, P, H), 0.0, 0.0))
+    heat = disc.of_slopes(Pair(eps), P, eq.oil.enthalpy(P))
+    return budget.integrals(disc, eq.oil, Film(P, H, Pair(eps), heat, deformation, residual(eq, P, H), 0.0, 0.0))
 
 
 _integrals_program = Program(jax.jit(_integrals), budget.ANY_SIZE)

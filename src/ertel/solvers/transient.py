@@ -206,8 +206,11 @@ class Transient2D(Method):
         masses = stacked([new, *padded(past)[:2]])["mass"]
         flow = self.flow(new.T, [*times, times[-1]][:2])
         gap_change = discretise.gap_change(self.case, self.grid, new.T)
+        sliding = self.case.motion.slide_to_roll * self.case.motion.entrainment(new.T)
         c = self.contact_at(new.T)
-        found = _integrals_program(self.space, c, new.P, new.H, new.approach, masses, _pad(rates), flow, gap_change)
+        found = _integrals_program(
+            self.space, c, new.P, new.H, new.approach, masses, _pad(rates), flow, sliding, gap_change
+        )
         loads = [self.carried(level) * scale - level.outside for level in levels]
         beyond = self.carried(new) * scale - float(found["load"])  # half a cell around the grid counts as outside
         around = Around(beyond, self.outside.at(self.motion(past, new.T)).uplift, float(rates @ loads))
@@ -292,12 +295,14 @@ def _integrals(
     masses: Array,
     rates: Weights,
     flow: Flow | None,
+    sliding: float,
     gap_change: Array,
 ) -> dict[str, Array]:
     """The terms of the budgets after a step.  masses: at the new time and the last two, shape (3, n, n)."""
     change = rate_in_time(rates, masses[1:], flow, c.spacing).of(masses[0], c.spacing)
     U = 0.0 if flow is None else flow.entrainment
-    return budget.integrals(space, c.lubricant, budget.film_of(space, c, P, H, approach, change, U, gap_change))
+    heat = c.flow.drag(c, P, H, sliding, space).heat
+    return budget.integrals(space, c.lubricant, budget.film_of(c, P, H, heat, approach, change, U, gap_change))
 
 
 _integrals_program = Program(jax.jit(_integrals), budget.ANY_SIZE)
