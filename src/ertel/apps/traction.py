@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from rich.table import Table
-
 from ertel.apps import running, tables
 from ertel.apps.exits import FAILED, bad_input, leave, reason_of
 from ertel.apps.interrupts import interruptible
@@ -60,13 +58,8 @@ def _report(found: TractionCurve, as_json: bool, quiet: bool) -> None:
     elif not quiet:
         out = tables.console()
         out.print(found.heading, style="bold")
-        heads, rows = found.table()
-        table = Table(box=None, pad_edge=False)
-        for head in heads:
-            table.add_column(head, justify="right", no_wrap=True)
-        for cells in rows:
-            table.add_row(*cells)
-        out.print(table)
+        for line in found.table_lines():
+            out.print(line)
         for remark in found.remarks:
             out.print(f"{remark[0].upper()}{remark[1:]}", style="yellow" if remark.startswith("warning") else None)
         if found.directory:

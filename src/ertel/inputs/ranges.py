@@ -9,6 +9,7 @@ A quantity without any unit is in SI.
 """
 
 from collections.abc import Sequence
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
@@ -69,19 +70,18 @@ def _listed(given: Given, mark: Mark) -> tuple[float, ...]:
 
 
 def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
-    first, *rest = (part.strip() for part in text.split(":"))
+    left, *rest = (part.strip() for part in text.split(":"))
     if len(rest) not in (2, 3) or rest[2:] not in ([], [LOG]):
         raise ValueError(f"must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:{LOG} for equal ratios")
-    unit = _unit(rest[0], mark) or _unit(first, mark)
-    ends = [_value(end if _unit(end, mark) else f"{end} {unit}", mark) for end in (first, rest[0])]
+    unit = _unit(rest[0], mark) or _unit(left, mark)
+    start, end = (_value(text if _unit(text, mark) else f"{text} {unit}", mark) for text in (left, rest[0]))
+    if rest[2:] and not start * end > 0:
+        raise ValueError(f"the ends of a range with :{LOG} must both be above zero, or both below")
     number = _number(rest[1])
     if rest[2:]:
-        if not ends[0] * ends[1] > 0:
-            raise ValueError(f"the ends of a range with :{LOG} must both be above zero, or both below")
-        spaced = np.geomspace(*ends, number)
-    else:
-        spaced = np.linspace(*ends, number)
-    return tuple(float(value) for value in spaced)
+        return tuple(float(value) for value in np.geomspace(start, end, number))
+    first, last = Fraction(repr(start)), Fraction(repr(end))  # exact, so that a range through zero contains zero
+    return tuple(float(first + (last - first) * i / (number - 1)) for i in range(number))
 
 
 def _number(text: str) -> int:

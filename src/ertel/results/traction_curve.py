@@ -16,9 +16,9 @@ import xarray as xr
 from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
-from ertel.results import html
+from ertel.results import html, variables
 from ertel.results.provenance import provenance
-from ertel.results.variables import PREFIXES, VARIABLES, Variable, exponent
+from ertel.results.variables import PREFIXES, Variable, exponent
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
@@ -40,9 +40,17 @@ AXES: Mapping[str, Axis] = {
     "mean_speed": Axis("mean speed", "u_m", "m/s", VELOCITY),
     "load": Axis("load", "F", "N", LOAD),
 }
-SHOWN = ("mu_sliding", "mu_rolling", "power_loss", "H_c", "H_min", "tau_max")  # in a table
+SHOWN = ("mu_sliding", "mu_rolling", "mu_1", "power_loss", "H_c", "H_min", "tau_max")  # in a table
 WORK = ("newton_iterations", "krylov_iterations", "convolutions")
-NUMBERS = (*SHOWN, "P_max", *WORK)
+NUMBERS = (*SHOWN, "mu_2", "P_max", *WORK)
+VARIABLES: Mapping[str, Variable] = {
+    **variables.VARIABLES,
+    "mu_1": Variable("resistance of surface 1, mu + mu_r", "mu_1", "a/R", "a_over_R", "mu_1", "1"),
+    "mu_2": Variable("resistance of surface 2, mu_r - mu", "mu_2", "a/R", "a_over_R", "mu_2", "1"),
+    "tau_max": Variable("maximum shear stress", "tau_max", "p_h a/R", "shear_stress", "tau_max", "Pa"),
+}
+HEADS = {"mu_sliding": "mu", "mu_rolling": "mu_r", "power_loss": "loss"}  # of a table, where names are long
+LARGEST_TRACTION = 0.15  # far above what the limiting shear stress of oils lets through, 0.03 to 0.1
 
 
 # -- points -----------------------------------------------------------------------------------------------------------
@@ -68,19 +76,20 @@ def assemble(case: Case, axis: str, values: Sequence[float], points: Sequence[Po
 
     values: along the axis, of the curve; the points are the first ones of them.  film: see `ertel.traction`.
     """
-    variables: dict[str, Any] = {}
+    found: dict[str, Any] = {}
     for name in NUMBERS:
         numbers = np.array([p[name] for p in points], dtype=float)  # None becomes nan
-        variables[_shown_name(case, name)] = (axis, numbers, _attributes(case, VARIABLES[name]))
-    variables["status"] = (axis, np.array([p["status"] for p in points], dtype=str), {"long_name": "how it ended"})
+        found[shown_name(case.scales is not None, name)] = (axis, numbers, _attributes(case, VARIABLES[name]))
+    found["status"] = (axis, np.array([p["status"] for p in points], dtype=str), {"long_name": "how it ended"})
     along = AXES[axis]
     about = {"long_name": along.long_name, "symbol": along.symbol, "units": along.unit or "1"}
     coordinate = (axis, np.array(values[: len(points)], dtype=float), about)
-    return xr.Dataset(variables, {axis: coordinate}, {**provenance(case), "varies": axis, "film": film})
+    return xr.Dataset(found, {axis: coordinate}, {**provenance(case), "varies": axis, "film": film})
 
 
-def _shown_name(case: Case, name: str) -> str:
-    return (case.scales and VARIABLES[name].si_name) or name
+def shown_name(physical: bool, name: str) -> str:
+    """The name of a variable in a curve: that in SI, or the dimensionless one."""
+    return (physical and VARIABLES[name].si_name) or name
 
 
 def _attributes(case: Case, variable: Variable) -> dict[str, str]:
@@ -108,8 +117,8 @@ class TractionCurve:
         resistance mu_rolling of each surface, the power loss, the central and the minimum film thickness, the maximum
         shear stress in the middle of the film, the maximum pressure, status and work of each point; nan where the film
         did not converge.  In SI under SI names (h_c for H_c) where the case is physical.
-    warnings : tuple of str
-        Warnings about the grid, the domain or the oil, with the points that they are about.
+    said : tuple of str
+        Warnings of the points, and which points they are about; `warnings` has those of the whole curve too.
     complete : bool
         Whether all points are computed.
     directory : Path, optional
@@ -118,7 +127,7 @@ class TractionCurve:
 
     case: Case
     dataset: xr.Dataset
-    warnings: tuple[str, ...] = ()
+    said: tuple[str, ...] = ()
     complete: bool = True
     directory: Path | None = None
 
@@ -148,7 +157,7 @@ class TractionCurve:
         rows = self._with_units.to_dataframe().reset_index().to_dict("records")
         points = [{name: None if value != value else value for name, value in row.items()} for row in rows]
         about = {name: self.dataset.attrs[name] for name in ("title", "kind", "M", "L", "varies", "film")}
-        return {**about, "points": points, "warnings": list(self.warnings), "complete": self.complete}
+        return {**about, "points": points, "warnings": self.warnings, "complete": self.complete}
 
     @property
     def _with_units(self) -> xr.Dataset:
@@ -160,12 +169,22 @@ class TractionCurve:
 
     def table(self) -> tuple[list[str], list[list[str]]]:
         """The heading and the rows of a table to read, with units that fit."""
-        names = [self.axis, *(_shown_name(self.case, name) for name in SHOWN)]
-        columns = [_column(self.dataset[name]) for name in names]
+        physical = self.case.scales is not None
+        columns = [_column(AXES[self.axis].symbol, self.dataset[self.axis])]
+        for name in SHOWN:
+            shown = shown_name(physical, name)
+            columns.append(_column(HEADS.get(name, shown), self.dataset[shown]))
         if self.failed:
             columns.append(["status", *self.dataset["status"].values.tolist()])
         heads, *rows = (list(cells) for cells in zip(*columns, strict=True))
         return heads, rows
+
+    def table_lines(self) -> Iterator[str]:
+        """The same as lines of text."""
+        heads, rows = self.table()
+        widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+        for cells in (heads, *rows):
+            yield "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True))
 
     @property
     def remarks(self) -> list[str]:
@@ -175,8 +194,18 @@ class TractionCurve:
             said.append("mu is in units a/R, films in a^2/R, stresses in p_h a/R: the case is dimensionless")
         return [*said, *(f"warning: {warning}" for warning in self.warnings)]
 
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about the oil, the grid and the domain, with the points that they are about."""
+        largest = largest_of(self.dataset["mu_sliding"])
+        if not self.case.scales or largest <= LARGEST_TRACTION:
+            return list(self.said)
+        much = f"mu reaches {largest:.3g}, but oils transmit 0.1 of the load at most (their limiting shear stress)"
+        return [f'{much}; give lubricant.rheology = {{ law = "limited", ... }}', *self.said]
+
     def __repr__(self) -> str:
-        return "\n".join([f"TractionCurve: {self.heading}", *(f"  {line}" for line in self._lines())])
+        lines = (*self.table_lines(), *self.remarks)
+        return "\n".join([f"TractionCurve: {self.heading}", *(f"  {line}" for line in lines)])
 
     @property
     def heading(self) -> str:
@@ -186,13 +215,6 @@ class TractionCurve:
         ended = "" if self.complete else ", not complete"
         return f"{name}, {number} points over the {AXES[self.axis].long_name}{ended}"
 
-    def _lines(self) -> Iterator[str]:
-        heads, rows = self.table()
-        widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
-        for cells in (heads, *rows):
-            yield "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True))
-        yield from self.remarks
-
     def _repr_html_(self) -> str:
         heads, rows = self.table()
         table = f"<table>{html.row('th', heads)}{''.join(html.row('td', cells) for cells in rows)}</table>"
@@ -201,14 +223,18 @@ class TractionCurve:
         return f"<div><b>{escape(self.heading)}</b>{table}{remarks}</div>{picture}"
 
 
-def _column(values: xr.DataArray) -> list[str]:
+def largest_of(values: xr.DataArray) -> float:
+    """The largest size of the values that are there."""
+    return float(np.abs(np.nan_to_num(values.values)).max(initial=0.0))
+
+
+def _column(head: str, values: xr.DataArray) -> list[str]:
     """A heading with the unit, and the values in it, with a prefix that fits the largest."""
     unit = values.attrs["units"]
     if unit == "1":
-        return [str(values.name), *(_number(value) for value in values.values)]
-    largest = float(np.nanmax(np.abs(values.values), initial=0.0))
-    power = 0 if "/" in unit else exponent(largest)
-    return [f"{values.name} ({PREFIXES[power]}{unit})", *(_number(value / 10**power) for value in values.values)]
+        return [head, *(_number(value) for value in values.values)]
+    power = 0 if "/" in unit else exponent(largest_of(values))
+    return [f"{head} ({PREFIXES[power]}{unit})", *(_number(value / 10**power) for value in values.values)]
 
 
 def _number(value: float) -> str:

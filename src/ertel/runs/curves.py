@@ -106,8 +106,8 @@ def _with_mean_speed(case: Case, value: float) -> Case:
 
 
 def _with_speeds(case: Case, mean: float | None, slide_to_roll: float | None) -> Case:
-    speeds = {"mean_speed": mean, "slide_to_roll": slide_to_roll, "speed_1": None, "speed_2": None}
-    return replace(case, contact=replace(case.contact, **speeds))
+    contact = replace(case.contact, mean_speed=mean, slide_to_roll=slide_to_roll, speed_1=None, speed_2=None)
+    return replace(case, contact=contact)
 
 
 def _with_load(case: Case, value: float) -> Case:

@@ -54,7 +54,7 @@ def _computed(curve: Curve, done: int, observers_of: ObserversOf, stop: Callable
     film: GridStep | None = None
     for number in range(done, len(curve.values)):
         fresh = film is None or curve.film == "each"
-        if fresh:
+        if film is None or fresh:
             course = SteadyCourse(curve.cases[number if curve.film == "each" else curve.of_film])
             film = drive(course, [*observers_of(number, course), stop])
             if film.status is Status.INTERRUPTED:
@@ -68,20 +68,23 @@ def _computed(curve: Curve, done: int, observers_of: ObserversOf, stop: Callable
 def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
     """The friction of a film in a case, which may slide in another way than that of the film.
 
-    fresh: whether the film was solved for this point, so that its work and its warnings count here.
+    fresh: whether the film was solved for this point, so that its work counts here.
     """
-    rolling = Rolling(film.solutions)
-    found = jax.device_get(friction.steady(case, rolling.finest))
-    work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), rolling.convolutions
+    grids = Rolling(film.solutions)
+    found = jax.device_get(friction.steady(case, grids.finest))
+    sliding, rolling = float(found.sliding[0]), float(found.rolling[0])
+    work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), grids.convolutions
     values = {
-        **rolling.finest.measure(),
-        "mu_sliding": float(found.sliding[0]),
-        "mu_rolling": float(found.rolling[0]),
+        **grids.finest.measure(),
+        "mu_sliding": sliding,
+        "mu_rolling": rolling,
+        "mu_1": rolling + sliding,
+        "mu_2": rolling - sliding,
         "power_loss": float(found.power),
         "tau_max": float(np.hypot(*found.stress).max()),
         **dict(zip(WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
-    return point(case, values, film.status, diagnostics.steady_warnings(case, film.solutions) if fresh else [])
+    return point(case, values, film.status, diagnostics.steady_warnings(case, film.solutions))
 
 
 def _found(curve: Curve, points: Sequence[Point], directory: Path | None = None) -> TractionCurve:

@@ -7,11 +7,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from ertel.results.kinds import KINDS
 from ertel.results.plots import stored
 from ertel.results.plots.drawing import BLUE, GREEN, ORANGE, PURPLE, UNITS, NoFigure, Panel, Scale, compose, mathtext
-from ertel.results.variables import PREFIXES, VARIABLES, exponent, with_prefix
+from ertel.results.traction_curve import largest_of, shown_name
+from ertel.results.variables import PREFIXES, exponent, with_prefix
 
 PANELS: Mapping[str, Mapping[str, str]] = {  # title: variables with their colours
     "Traction": {"mu_sliding": BLUE, "mu_rolling": ORANGE},
@@ -36,22 +38,20 @@ def _draw(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str])
     """Some variables of one unit over what varies."""
     along = dataset[dataset.attrs["varies"]]
     x = along.values
-    found = {colour: dataset[_name(dataset, name)] for name, colour in names.items()}
-    largest = max(float(np.nanmax(np.abs(values), initial=0.0)) for values in found.values())
+    found = {colour: dataset[shown_name("R_m" in dataset.attrs, name)] for name, colour in names.items()}
+    largest = max(largest_of(values) for values in found.values())
     for colour, values in found.items():
         z = _scale(dataset, values, largest)
-        axes.plot(x, values * z.factor, "o-", color=colour, markersize=3.5, label=f"{z.long_name} {z.symbol}")
+        axes.plot(x, values * z.factor, "o-", color=colour, markersize=3.5, label=z.long_name)
     axes.axhline(0.0, color="black", linewidth=0.5)
     if _has_equal_ratios(x):
         axes.set_xscale("log")
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(6))
     of_x = _scale(dataset, along, 1.0)
     axes.set(xlabel=of_x.label, ylabel=f"{title.lower()} ({z.unit})" if z.unit else title.lower(), title=title)
-    axes.legend(frameon=False, fontsize="small")
-
-
-def _name(dataset: xr.Dataset, name: str) -> str:
-    """The name of a variable in a curve: that in SI, or the dimensionless one."""
-    return name if name in dataset else VARIABLES[name].si_name
+    if len(found) > 1:
+        axes.legend(frameon=False, fontsize="small")
 
 
 def _scale(dataset: xr.Dataset, values: xr.DataArray, largest: float) -> Scale:
