@@ -15,14 +15,12 @@ CASE = """
 [contact]
 kind = "rolling"
 radius = "10 mm"
-E_prime = "219.7802 GPa"
-load = "3.888524 N"
-mean_speed = "0.502636 m/s"
+E_prime = "226 GPa"
+load = "20 N"
+mean_speed = "1 m/s"
 [lubricant]
-viscosity = "barus"
-density = "incompressible"
 eta0 = "40 mPa*s"
-alpha = "22 / GPa"
+alpha = "20 / GPa"
 [solver]
 nodes = 33
 """
@@ -65,7 +63,7 @@ def test_the_same_command_shows_a_finished_curve(here: Path, monkeypatch: pytest
 
 
 def test_an_interrupted_curve_goes_on(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    command = ("traction", "ball.toml", "--mean-speed", "0.3:1.2 m/s:3:log", "--set", "contact.slide_to_roll=0.02")
+    command = ("traction", "ball.toml", "--mean-speed", "0.5:2 m/s:3:log", "--set", "contact.slide_to_roll=0.02")
     ertel_(*command, "--out", "whole", "-q")
     keep = traction_store.CurveStore.keep
 
@@ -81,22 +79,22 @@ def test_an_interrupted_curve_goes_on(here: Path, monkeypatch: pytest.MonkeyPatc
     assert len(rows(here / "cut")) == 1
     ertel_(*command, "--out", "cut", "-q")
     assert rows(here / "cut") == rows(here / "whole")
-    assert [float(row["mean_speed_m_per_s"]) for row in rows(here / "cut")] == pytest.approx([0.3, 0.6, 1.2])
+    assert [float(row["mean_speed_m_per_s"]) for row in rows(here / "cut")] == pytest.approx([0.5, 1.0, 2.0])
 
 
 def test_a_directory_with_something_else_is_left_alone(here: Path) -> None:
-    ertel_("traction", "ball.toml", "--load", "4:8 N:2", "--out", "curve", "-q")
+    ertel_("traction", "ball.toml", "--load", "20:40 N:2", "--out", "curve", "-q")
     before = (here / "curve" / "traction.json").read_bytes()
     for changed, said in (
-        (("--load", "4:9 N:2"), "holds another curve (values"),
-        (("--load", "4:8 N:2", "--set", "contact.mean_speed=1 m/s"), "holds another curve (case.contact.mean_speed"),
+        (("--load", "20:50 N:2"), "holds another curve (values"),
+        (("--load", "20:40 N:2", "--set", "contact.mean_speed=2 m/s"), "holds another curve (case.contact.mean_speed"),
     ):
         result = ertel_("traction", "ball.toml", *changed, "--out", "curve", code=2)
         assert said in result.stderr
         assert "choose another --out" in result.stderr
     (here / "mine").mkdir()
     (here / "mine" / "notes.txt").write_text("mine")
-    result = ertel_("traction", "ball.toml", "--load", "4:8 N:2", "--out", "mine", code=2)
+    result = ertel_("traction", "ball.toml", "--load", "20:40 N:2", "--out", "mine", code=2)
     assert "mine: exists already; choose another --out" in result.stderr
     assert (here / "curve" / "traction.json").read_bytes() == before
     assert names(here / "mine") == {"notes.txt"}

@@ -135,6 +135,20 @@ def test_what_a_source_gives_and_what_it_does_not():
     assert library.oil("pao-100").thermal is None
 
 
+@pytest.mark.parametrize(
+    ("name", "C", "D", "K", "off"),
+    [
+        ("naphthenic-100", 650, -206, 161.60e-6, (-0.20, 0.08)),
+        ("mineral-100", 890, -182, 86.86e-6, (-0.08, 0.04)),
+        ("pao-100", 1740, -116, 12.26e-6, (0.08, -0.03)),
+    ],
+)
+def test_the_viscosity_in_the_law_of_arana_et_al(name, C, D, K, off):
+    """K exp(C/(D + T)) against the viscosities that they measured: as the notes of these oils say."""
+    for T, expected in zip((313.15, 373.15), off, strict=True):
+        assert K * np.exp(C / (D + T)) / library.oil(name).viscosity_at(T) - 1 == pytest.approx(expected, abs=0.006)
+
+
 # -- materials --------------------------------------------------------------------------------------------------------
 
 

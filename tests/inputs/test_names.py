@@ -138,3 +138,29 @@ def test_what_is_wrong_with_a_material(contact, message):
 def test_a_dimensionless_contact_has_no_materials():
     with pytest.raises(ConfigError, match=r'^contact.material_1 = "steel": a dimensionless contact has no materials'):
         parse_case({"contact": {"M": 100, "L": 5, "material_1": "steel"}})
+
+
+SHEET = {"nu40": "68 mm^2/s", "nu100": "8.7 mm^2/s", "density": "880 kg/m^3"}
+
+
+def test_an_oil_is_described_by_its_data_sheet():
+    case = case_of(oil=SHEET, temperature="60 degC", alpha="20 / GPa")
+    same = oils.data_sheet("68 mm^2/s", "8.7 mm^2/s", 880.0, "60 degC")
+    assert case.oil.eta0 == same.eta0
+    assert case.oil.alpha == pytest.approx(20e-9, rel=1e-15)
+    assert parse_case(tomllib.loads(ertel.to_toml(case))) == case
+
+
+@pytest.mark.parametrize(
+    ("sheet", "message"),
+    [
+        ({**SHEET, "nu20": "200 mm^2/s"}, "lubricant.oil.nu20: unknown key; a data sheet has nu40, nu100, density, "),
+        ({"nu40": "68 mm^2/s", "density": "880 kg/m^3"}, "lubricant.oil.nu100: missing; a data sheet has nu40, nu100 "),
+        ({**SHEET, "nu100": "70 mm^2/s"}, "lubricant.oil.nu40 = 68 mm^2/s and nu100 = 70 mm^2/s: must be nu40 > nu100"),
+        ({**SHEET, "nu40": "68 mm"}, 'lubricant.oil.nu40 = "68 mm": has the wrong dimension'),
+    ],
+)
+def test_a_wrong_data_sheet_is_refused(sheet: dict[str, Any], message: str):
+    with pytest.raises(ConfigError) as error:
+        case_of(oil=sheet, temperature="60 degC")
+    assert str(error.value).startswith(message)

@@ -14,7 +14,7 @@ from ertel.runs.response import respond_in_rolling
 
 BALL = {"radius": 0.01, "E_prime": 226e9, "oil": Oil(eta0=0.04, alpha=20e-9), "nodes": 65}
 LOADED = {**BALL, "load": 20.0, "mean_speed": 1.0}
-LIMITED = {"law": "limited", "base": {"law": "carreau", "G": "6 MPa", "n": 0.42}, "slope": 0.05}
+LIMITED = {"law": "limited", "base": {"law": "carreau", "G": "6 MPa", "n": 0.42}, "Lambda": 0.05}
 WRITTEN: list[tuple[Any, Fluidity]] = [
     ({"law": "ree-eyring", "tau0": "5 MPa"}, ReeEyring(5e6)),
     ({"law": "carreau", "G": "6 MPa", "n": 0.42}, Carreau(6e6, 0.42)),
@@ -93,3 +93,55 @@ def test_a_batch_takes_one_kind_of_law() -> None:
     check_alike([first, second])
     with pytest.raises(ValueError, match=r"^lubricant\.rheology"):
         check_alike([first, other])
+
+
+# -- from the library -------------------------------------------------------------------------------------------------
+
+COOL = {**LOADED, "oil": "squalane", "temperature": "25 degC"}
+WARM = {**LOADED, "oil": "pao-100", "temperature": "60 degC"}
+EYRING = {"law": "ree-eyring", "tau0": "5 MPa"}
+
+
+@pytest.mark.parametrize(
+    ("contact", "written", "law"),
+    [
+        (COOL, "carreau", Carreau(6e6, 0.42)),
+        (COOL, {"law": "carreau"}, Carreau(6e6, 0.42)),
+        (COOL, {"law": "carreau", "n": 0.5}, Carreau(6e6, 0.5)),
+        (COOL, {"law": "carreau", "G": "4 MPa"}, Carreau(4e6, 0.42)),
+        (COOL, {"law": "limited", "base": "carreau", "Lambda": 0.05}, Limited(Carreau(6e6, 0.42), 0.05)),
+        (WARM, {"law": "limited", "base": EYRING}, Limited(ReeEyring(5e6), 0.035)),
+        (WARM, {"law": "limited", "base": EYRING, "Lambda": 0.04}, Limited(ReeEyring(5e6), 0.04)),
+    ],
+)
+def test_a_law_takes_the_data_of_a_named_oil(contact: dict[str, Any], written: Any, law: Fluidity) -> None:
+    """What is given wins; the case holds numbers, and the sources of those it was not given."""
+    case = rolling(**contact, rheology=written)
+    assert case.oil.fluidity_law == law
+    assert case == Case.from_data(case.to_data()) == rolling(**contact, rheology=law)
+    used = "Rheology: Liu" if contact is COOL else "Rheology: Arana"
+    assert (used in case.oil.reference) == (written != {"law": "limited", "base": EYRING, "Lambda": 0.04})
+
+
+@pytest.mark.parametrize(
+    ("contact", "written", "said"),
+    [
+        (
+            {**COOL, "temperature": "40 degC"},
+            "carreau",
+            r' = "carreau": the library has G and n of squalane at 25 degC, not at 40 degC; '
+            r'give \{ law = "carreau", G = \.\.\., n = \.\.\. \}$',
+        ),
+        (WARM, {"law": "carreau", "n": 0.5}, r" = .*: the library has no G of pao-100; give .*G = \.\.\. \}$"),
+        (COOL, {"law": "limited", "base": EYRING}, r" = .*: the library has no Lambda of squalane; give .*Lambda = "),
+        (WARM, {"law": "limited", "base": "carreau"}, r'\.base = "carreau": the library has no G and n of pao-100; '),
+        (WARM, "limited", r"\.base: missing"),
+        (COOL, {"law": ["carreau"]}, r"\.law = \[.carreau.\]; allowed: newtonian, "),
+        (COOL, "ree-eyring", r' = "ree-eyring": has data of its own; give them as '),
+    ],
+)
+def test_data_that_a_named_oil_lacks(contact: dict[str, Any], written: Any, said: str) -> None:
+    with pytest.raises(ConfigError, match=rf"^lubricant\.rheology{said}"):
+        rolling(**contact, rheology=written)
+    with_all = {"law": "carreau", "G": "5 MPa", "n": 0.5}
+    assert rolling(**contact, rheology=with_all).oil.fluidity_law == Carreau(5e6, 0.5)

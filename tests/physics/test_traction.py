@@ -1,6 +1,6 @@
 """Traction: integrals over a contact against closed forms, the design's table, and published formulas."""
 
-from math import asinh, exp, log, pi
+from math import asinh, exp, pi
 
 import numpy as np
 import pytest
@@ -8,7 +8,6 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 from ertel.physics.traction import (
-    ARANA_OILS,
     arana_traction,
     circle_unit,
     hertz_mean_stress,
@@ -85,19 +84,6 @@ def test_formula_of_arana() -> None:
     rising = [arana_traction(viscosity=100.0, sliding=v, **args) for v in (1e-4, 1e-3, 1e-2)]
     assert rising == sorted(rising)
     assert rising[0] == pytest.approx(100.0 * 1e-4 / 2e-7 / 6.7e8, rel=1e-3)  # Newtonian: eta V/(h p)
-
-
-@pytest.mark.parametrize(("name", "nu40", "nu100"), [("N100", 97.9, 8.61), ("M100", 96, 10.6), ("PAO100", 94.1, 14)])
-def test_oils_of_arana(name: str, nu40: float, nu100: float) -> None:
-    """The published numbers are rounded so that the law gives the oil's kinematic viscosities within 25 %."""
-    oil = ARANA_OILS[name]
-    for kelvin, nu in ((313.15, nu40), (373.15, nu100)):
-        assert oil.viscosity(0.0, kelvin) == pytest.approx(nu * 1e-6 * oil.density, rel=0.25)
-    alpha = oil.pressure_coefficient(1e6, 333.15)
-    assert 1e-8 < alpha < 3e-8
-    assert log(oil.viscosity(5e8, 333.15) / oil.viscosity(0.0, 333.15)) == pytest.approx(
-        5e8 * oil.pressure_coefficient(5e8, 333.15)
-    )
 
 
 # -- Hooke ------------------------------------------------------------------------------------------------------------

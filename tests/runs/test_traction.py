@@ -16,14 +16,14 @@ from ertel.runs.drive import drive
 from ertel.runs.traction import traction
 from ertel.solvers import steady
 
-CONTACT = {"kind": "rolling", "radius": "10 mm", "E_prime": "219.7802 GPa", "load": "3.888524 N"}
-OIL = {"viscosity": "barus", "density": "incompressible", "eta0": "40 mPa*s", "alpha": "22 / GPa"}
-EYRING = {"law": "ree-eyring", "tau0": "5 MPa"}
+CONTACT = {"kind": "rolling", "radius": "10 mm", "E_prime": "226 GPa", "load": "20 N"}  # that of test_thinning
+OIL = {"eta0": "40 mPa*s", "alpha": "20 / GPa"}
+EYRING = {"law": "ree-eyring", "tau0": "2 MPa"}
 FRICTION = ("mu_sliding", "mu_rolling", "mu_1", "mu_2", "power_loss", "tau_max")
 
 
 def physical(rheology: Any = "newtonian", **speeds: Any) -> Case:
-    contact = {**CONTACT, **(speeds or {"mean_speed": "0.502636 m/s"})}
+    contact = {**CONTACT, **(speeds or {"mean_speed": "1 m/s"})}
     return parse_case({"contact": contact, "lubricant": {**OIL, "rheology": rheology}, "solver": {"nodes": 33}})
 
 
@@ -52,7 +52,7 @@ def test_the_power_is_that_of_the_forces(newtonian: Any) -> None:
     """Sliding spends mu F (u1 - u2), on top of what rolling spends."""
     data = newtonian.dataset
     spent = data["power_loss"] - data["power_loss"].sel(slide_to_roll=0.0)
-    F, u_m = 3.888524, 0.502636
+    F, u_m = 20.0, 1.0
     np.testing.assert_allclose(spent, data["mu_sliding"] * F * data["slide_to_roll"] * u_m, rtol=1e-6, atol=1e-12)
 
 
@@ -77,7 +77,7 @@ def test_each_point_of_an_oil_that_thins_has_its_own_film(eyring: Any) -> None:
 
 @pytest.mark.parametrize(("axis", "key"), [("mean_speed", "mean_speed"), ("load", "load")])
 def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str, key: str) -> None:
-    base = physical(mean_speed="0.502636 m/s", slide_to_roll=0.05)
+    base = physical(mean_speed="1 m/s", slide_to_roll=0.05)
     value = 2.0 * getattr(base.contact, key)
     at = replace(base, contact=replace(base.contact, **{key: value}))
     film = steady.steady(at).finest
@@ -91,26 +91,21 @@ def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str, key: str)
 
 
 def test_both_surface_speeds_serve_as_well(newtonian: Any) -> None:
-    two = traction(physical(speed_1="0.552636 m/s", speed_2="0.452636 m/s"), slide_to_roll=[0.0, 0.1])
+    two = traction(physical(speed_1="1.05 m/s", speed_2="0.95 m/s"), slide_to_roll=[0.0, 0.1])
     wanted = newtonian.dataset.sel(slide_to_roll=[0.0, 0.1], method="nearest")
     np.testing.assert_allclose(two.dataset["mu_sliding"], wanted["mu_sliding"], rtol=1e-9, atol=1e-12)
 
 
 def test_a_dimensionless_case(newtonian: Any) -> None:
-    case = parse_case(
-        {
-            "contact": {"kind": "rolling", "M": 20, "L": 10},
-            "lubricant": {"viscosity": "barus", "density": "incompressible"},
-            "solver": {"nodes": 33},
-        }
-    )
+    si = physical()
+    assert si.scales is not None
+    contact = {"kind": "rolling", "M": si.parameters.M, "L": si.parameters.L}
+    case = parse_case({"contact": contact, "lubricant": OIL, "solver": {"nodes": 33}})
     curve = traction(case, slide_to_roll=[0.0, 0.1])
     assert "a/R" in repr(curve)
     assert "a/R" in curve._repr_html_()
-    scales = physical().scales
-    assert scales is not None
-    mu = curve.dataset["mu_sliding"] * scales.a / scales.R  # the same contact in SI
-    np.testing.assert_allclose(mu[1], newtonian.dataset["mu_sliding"].sel(slide_to_roll=0.1), rtol=1e-4)
+    mu = curve.dataset["mu_sliding"] * si.scales.a / si.scales.R  # the same contact in SI
+    np.testing.assert_allclose(mu[1], newtonian.dataset["mu_sliding"].sel(slide_to_roll=0.1), rtol=1e-9)
     sliding = traction(replace(case, drive=Drive(slide_to_roll=0.3)), slide_to_roll=[0.1])
     assert float(sliding.dataset["mu_sliding"][0]) == pytest.approx(float(curve.dataset["mu_sliding"][1]), rel=1e-9)
 

@@ -10,14 +10,16 @@ import os
 from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from ertel.apps import interrupts, output
-from ertel.apps.exits import FAILED, bad_input, leave, reason_of
+from ertel.apps import output
+from ertel.apps.arguments import CaseFile, Estimate, Json, Quiet, RunDirectory, Set, directory_option, values_option
+from ertel.apps.exits import bad_input
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
+from ertel.apps.paper import paper
 from ertel.apps.paths import local_path, shown
 
 app = typer.Typer(
@@ -35,34 +37,6 @@ class Format(StrEnum):
     png = "png"
     svg = "svg"
     pdf = "pdf"
-
-
-CaseFile = Annotated[
-    Path, typer.Argument(parser=local_path, metavar="CASE.toml", help="Case file; see examples/.", show_default=False)
-]
-RunDirectory = Annotated[
-    Path, typer.Argument(parser=local_path, metavar="DIR", help="Directory of a run.", show_default=False)
-]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
-Set = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value of the case, e.g. solver.nodes=129."),
-]
-Estimate = Annotated[
-    bool,
-    typer.Option("--error", help="Run also on the half grid, in smaller steps and on a wider domain: the error."),
-]
-
-
-def _directory(text: str) -> Any:
-    """An option for a directory."""
-    return typer.Option(parser=local_path, metavar="DIR", help=text, show_default=False)
-
-
-def _along(example: str, text: str) -> Any:
-    """An option for what varies along a curve."""
-    return typer.Option(metavar="VALUES", help=f"{text} Such as {example}.", show_default=False)
 
 
 def main() -> None:
@@ -91,7 +65,7 @@ def _options(
 @app.command()
 def run(
     case_file: CaseFile,
-    out: Annotated[Path | None, _directory("New directory for the run; default runs/NAME.")] = None,
+    out: Annotated[Path | None, directory_option("New directory for the run; default runs/NAME.")] = None,
     set_: Set = None,
     as_json: Json = False,
     error: Estimate = False,
@@ -117,14 +91,14 @@ def resume(directory: RunDirectory, as_json: Json = False, error: Estimate = Fal
 @app.command()
 def traction(
     case_file: CaseFile,
-    slide_to_roll: Annotated[str | None, _along("0:0.5:15", "The slide-to-roll ratio varies.")] = None,
-    mean_speed: Annotated[str | None, _along("0.1 m/s:10 m/s:12:log", "The mean speed varies.")] = None,
-    load: Annotated[str | None, _along("10 N:100 N:5", "The load varies.")] = None,
+    slide_to_roll: Annotated[str | None, values_option("0:0.5:15", "The slide-to-roll ratio varies.")] = None,
+    mean_speed: Annotated[str | None, values_option("0.1 m/s:10 m/s:12:log", "The mean speed varies.")] = None,
+    load: Annotated[str | None, values_option("10 N:100 N:5", "The load varies.")] = None,
     film: Annotated[
         str | None, typer.Option(metavar="each|once", help="Solve the film at each point, or once.", show_default=False)
     ] = None,
     set_: Set = None,
-    out: Annotated[Path | None, _directory("New directory for the curve; default traction/NAME.")] = None,
+    out: Annotated[Path | None, directory_option("New directory for the curve; default traction/NAME.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -158,10 +132,7 @@ def warm_up(
             show_default=False,
         ),
     ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Replace a value of each case, e.g. solver.nodes=129."),
-    ] = None,
+    set_: Set = None,
 ) -> None:
     """Compile ahead what runs need, once per machine: then they start at once.
 
@@ -199,7 +170,7 @@ def plot(
         ),
     ] = None,
     format_: Annotated[Format, typer.Option("--format", help="File format.")] = Format.png,
-    out: Annotated[Path | None, _directory("Directory for the figures; default DIR/plots.")] = None,
+    out: Annotated[Path | None, directory_option("Directory for the figures; default DIR/plots.")] = None,
 ) -> None:
     """Draw the figures of a run."""
     from ertel.apps import plotting, running
@@ -302,59 +273,4 @@ def about() -> None:
     tables.print_names(tables.console(), about())
 
 
-# -- the paper --------------------------------------------------------------------------------------------------------
-
-
-@app.command()
-def paper(
-    figure: Annotated[str, typer.Argument(metavar="all|fig1|fig2|...", help="Figure to reproduce.")] = "all",
-    quick: Annotated[bool, typer.Option("--quick", help="Use coarse grids: seven minutes on one core.")] = False,
-    out: Annotated[
-        Path,
-        typer.Option(
-            parser=local_path, metavar="DIR", help="Directory for the page; results kept in it are used again."
-        ),
-    ] = Path("paper"),
-    jobs: Annotated[int | None, typer.Option(help="Number of processes; default one per core.", min=1)] = None,
-    quiet: Quiet = False,
-) -> None:
-    """Reproduce the figures of the paper, with their data, on one page.
-
-    After an interruption the same command continues.
-    """
-    from ertel.apps.boundary_layers import figures
-
-    jobs = jobs or os.cpu_count() or 1
-    with bad_input():
-        names = figures.names_of(figure)
-        out.mkdir(parents=True, exist_ok=True)
-    try:
-        page, missing = _make_page(names, quick, out, jobs, quiet)
-    except interrupts.Interrupted as error:
-        leave(error.code, "interrupted; the same command continues")
-    except OSError as error:
-        leave(FAILED, f"cannot write to {shown(out)}: {reason_of(error)}; the same command continues")
-    print(output.printable(shown(page)))
-    if missing:
-        leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))
-
-
-def _make_page(names: list[str], quick: bool, out: Path, jobs: int, quiet: bool) -> tuple[Path, dict[str, str]]:
-    """Run what is missing and write the page: its path, and why figures are missing."""
-    from ertel.apps.boundary_layers import figures
-    from ertel.runs import compiling
-    from ertel.runs.progress import bars
-    from ertel.runs.sweep import processes
-
-    compiling.check_jax()
-    runs, done, seconds = figures.expected(names, quick, out, jobs)
-    if not quiet:
-        output.say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
-    with bars(not quiet) as progress, processes(jobs) as executor:
-        compiling.devices()  # or no run can begin
-        bar = progress.add_task("runs", total=runs, news="")
-
-        def on_done(task: Any, _: object) -> None:
-            progress.update(bar, advance=1, news=task.name)
-
-        return figures.make(names, quick, out, executor, on_done)
+app.command()(paper)

@@ -4,16 +4,23 @@
     material_1 = "steel"             oil = "squalane"
     material_2 = "glass"             temperature = "40 degC"
 
+An oil that is not in the library is described by its data sheet:
+
+    oil = { nu40 = "68 mm^2/s", nu100 = "8.7 mm^2/s", density = "880 kg/m^3" }
+
 A value that is given explicitly wins over that of the library.  The case holds numbers only, so that a stored run does
 not change with the library; the name of the oil and its temperature stay in `lubricant.reference`.
 """
 
 from collections.abc import Mapping
+from inspect import Parameter, signature
 from typing import Any
 
 from ertel.inputs import library, oils
 from ertel.inputs.messages import ConfigError
+from ertel.inputs.oil_rheology import completed
 from ertel.model.records import oil_data, show
+from ertel.physics.oils import NamedOil
 from ertel.physics.units import DENSITY, STRESS
 
 OIL_KEYS, MATERIAL_KEYS = ("oil", "temperature"), ("material_1", "material_2")
@@ -44,18 +51,35 @@ def _lubricant(written: Mapping[str, Any]) -> dict[str, Any]:
             f"temperature = {show(written['temperature'])}: needs lubricant.oil, one of {', '.join(oils.names())}; or "
             "give eta0 and alpha at the temperature of the inlet instead"
         )
-    oil = oils.get(written["oil"])
+    oil = _oil(written["oil"])
     if "temperature" not in written:
-        raise ConfigError(f'temperature: missing; oil = "{oil.name}" needs it, for example "40 degC"')
+        raise ConfigError(f'temperature: missing; oil = {show(written["oil"])} needs it, for example "40 degC"')
     temperature = written["temperature"]
     if not isinstance(temperature, str):
         raise ConfigError(f'temperature = {show(temperature)}: must be a temperature with its unit, such as "40 degC"')
-    known = oil_data(oils.at(oil.name, temperature))
+    known = oil_data(oils.oil_at(oil, temperature))
+    law = completed(given.get("rheology", known["rheology"]), oil, library.parse_temperature(temperature))
     if any(key in given for key in OF_PRESSURE) and not isinstance(known["viscosity"], str):
         known["viscosity"] = "roelands"
     if given and "reference" not in given:
         known["reference"] += f" Given: {', '.join(given)}."
-    return {**known, **given}
+        known["reference"] += "".join(f" Rheology: {source}." for source in law.sources)
+    return {**known, **given, "rheology": law.law}
+
+
+def _oil(written: Any) -> NamedOil:
+    """The oil of a name, or of a data sheet."""
+    if not isinstance(written, Mapping):
+        return oils.get(written)
+    known = signature(oils.sheet).parameters
+    if unknown := [key for key in written if key not in known]:
+        raise ConfigError(f"oil.{unknown[0]}: unknown key; a data sheet has {', '.join(known)}")
+    if missing := [key for key, value in known.items() if value.default is Parameter.empty and key not in written]:
+        raise ConfigError(f'oil.{missing[0]}: missing; a data sheet has nu40, nu100 ("68 mm^2/s") and density')
+    try:
+        return oils.sheet(**written)
+    except ConfigError as error:
+        raise ConfigError(f"oil.{error}") from error
 
 
 def _contact(written: Mapping[str, Any]) -> dict[str, Any]:

@@ -43,7 +43,7 @@ def at(name: str, temperature: Number) -> Oil:
 
     Raises ConfigError, naming the argument, for an unknown name and for a temperature outside the oil's data.
     """
-    return _at(get(name), temperature)
+    return oil_at(get(name), temperature)
 
 
 def data_sheet(
@@ -78,12 +78,24 @@ def data_sheet(
 
     Raises ConfigError, naming the argument, for a value that is not allowed.
     """
+    return oil_at(sheet(nu40, nu100, density, expansion, alpha, reference), temperature)
+
+
+def sheet(
+    nu40: Number,
+    nu100: Number,
+    density: Number,
+    expansion: Number | None = None,
+    alpha: Number | None = None,
+    reference: str = "",
+) -> NamedOil:
+    """The oil of a data sheet at all temperatures; see `data_sheet`."""
     try:
         viscosity = Walther(_si("nu40", nu40, KINEMATIC_VISCOSITY), _si("nu100", nu100, KINEMATIC_VISCOSITY))
     except ValueError as error:
         raise ConfigError(str(error)) from error
     own_expansion = None if expansion is None else _si("expansion", expansion, EXPANSION)
-    sheet = NamedOil(
+    return NamedOil(
         reference or "data sheet",
         "an oil from its data sheet",
         _whole(viscosity, "ASTM D341."),
@@ -92,14 +104,14 @@ def data_sheet(
         if alpha is None
         else _whole(PowerOfViscosity(_si("alpha", alpha, COMPLIANCE), 1.0, 0.0), "alpha as given."),
     )
-    return _at(sheet, temperature)
 
 
 def _whole(data: Any, source: str) -> Sourced[Any]:
     return Sourced(data, source, COLDEST, HOTTEST)
 
 
-def _at(oil: NamedOil, temperature: Number) -> Oil:
+def oil_at(oil: NamedOil, temperature: Number) -> Oil:
+    """An oil at a temperature.  Raises ConfigError for a temperature outside its data."""
     try:
         T = parse_temperature(temperature)
     except ValueError as error:

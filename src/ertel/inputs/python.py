@@ -160,7 +160,7 @@ def impact(
         Temperature in the inlet (K, or "40 degC").
     rheology : str, mapping or record
         How the oil thins under shear, instead of the oil's own: {"law": "ree-eyring", "tau0": "5 MPa"} as in case
-        files, the record of a law, or "newtonian".
+        files, the record of a law, or "newtonian".  "carreau" takes its data from a named oil that has them.
     method : "2d" or "radial"
         On a square grid, or along the radius (smooth impacts, fast).
     nodes, half_width, half_width_y, inlet, tolerance, fold

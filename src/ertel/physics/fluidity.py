@@ -100,6 +100,7 @@ class Carreau:
     Newtonian.  G: the stress at which thinning begins.
     """
 
+    title: ClassVar[str] = "Carreau's law"
     G: Annotated[float, STRESS]
     n: Annotated[float, EXPONENT]
     reference: ClassVar[str] = (
@@ -142,7 +143,7 @@ class CarreauYasuda:
 @FLUIDITY_LAWS.register("limited")
 @dataclass(frozen=True)
 class Limited:
-    """A law with a limiting shear stress tau_L = ambient + slope p, in a form without a jump or a pole.
+    """A law with a limiting shear stress tau_L = ambient + Lambda p, in a form without a jump or a pole.
 
     Shear rates add up: that of the law, and that of a film that slips when the stress comes near its limit.  With
     u = |tau|/tau_L,
@@ -158,13 +159,13 @@ class Limited:
     There the stress rises by sharpness * tau_L while the shear rate rises by a factor of e.  The traction's own limit
     is a matter of its integral (`ertel.physics.traction`).
 
-    base: the law without a limit.  slope: dtau_L/dp, Lambda, 0.03 to 0.1 for most oils.  ambient: tau_L at ambient
+    base: the law without a limit.  Lambda: dtau_L/dp, 0.03 to 0.1 for most oils.  ambient: tau_L at ambient
     pressure, without which an oil could carry no stress at the edges of the film; 4 MPa is of a PAO.  sharpness: width
     of the exponential part.
     """
 
     base: Fluidity
-    slope: Annotated[float, ABOVE_ZERO]
+    Lambda: Annotated[float, ABOVE_ZERO]
     ambient: Annotated[float, STRESS] = 4e6
     sharpness: Annotated[float, SHARE] = 0.05
     reference: ClassVar[str] = (
@@ -175,7 +176,7 @@ class Limited:
 
     def limit(self, pressure: Array) -> Array:
         """tau_L in Pa; pressures below ambient count as ambient."""
-        return self.ambient + self.slope * _of_arrays(pressure).maximum(pressure, 0.0)
+        return self.ambient + self.Lambda * _of_arrays(pressure).maximum(pressure, 0.0)
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
         xp = _of_arrays(stress)

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from math import log
 from typing import Annotated, ClassVar, Generic, TypeVar
 
+from ertel.physics.fluidity import Carreau
 from ertel.physics.lubricant import Oil
 from ertel.physics.pressure_rules import Ambient, PressureLaws, PressureRule
 from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, ViscosityOfTemperature
-from ertel.physics.units import ABOVE_ZERO, CONDUCTIVITY, HEAT_CAPACITY, STRESS, Bounds
+from ertel.physics.units import ABOVE_ZERO, CONDUCTIVITY, HEAT_CAPACITY
 
 Data = TypeVar("Data", covariant=True)
 SMALL_STEP = 0.01  # K, for the derivative of the viscosity
@@ -35,17 +36,8 @@ class Sourced(Generic[Data]):
 
 
 @dataclass(frozen=True)
-class Carreau:
-    """Shear thinning by the Carreau law: stress G (Pa) at which it begins, and exponent n."""
-
-    title: ClassVar[str] = "Carreau's law"
-    G: Annotated[float, STRESS]
-    n: Annotated[float, Bounds(gt=0, le=1)]
-
-
-@dataclass(frozen=True)
 class LimitingStress:
-    """Limiting shear stress Lambda p."""
+    """Limiting shear stress Lambda p: what a source gives of `fluidity.Limited`, whose base is another law."""
 
     title: ClassVar[str] = "Lambda p"
     Lambda: Annotated[float, ABOVE_ZERO]

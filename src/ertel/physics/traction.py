@@ -8,8 +8,7 @@ load in units of the Hertz load, F* = (2 pi/3) p_h a^2,
 for a circular contact; `unit` is the factor (3/(2 pi)) a/R, or of an ellipse what its geometry gives.
 """
 
-from dataclasses import dataclass
-from math import asinh, exp, log, pi
+from math import asinh, log, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -84,49 +83,15 @@ def uniform_film_traction(alpha: float, tau0: float, p_mean: float, newtonian: f
 # -- Arana et al. -----------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class ModulusOil:
-    """An oil with the viscosity K exp(C/(D + T)) exp(p/(a1 + a2 T + (b1 + b2 T) p)); T in K, p in Pa.
-
-    limit: Lambda, limiting shear stress over pressure.  Density in kg/m^3 at 15 degC.
-    """
-
-    a1: float
-    a2: float
-    b1: float
-    b2: float
-    C: float
-    D: float
-    K: float
-    density: float
-    limit: float
-
-    def viscosity(self, p: float, temperature: float) -> float:
-        """eta in Pa s."""
-        return self.K * exp(self.C / (self.D + temperature)) * exp(p / self._modulus(p, temperature))
-
-    def pressure_coefficient(self, p: float, temperature: float) -> float:
-        """ln(eta(p)/eta(0))/p, the secant coefficient alpha(p) in 1/Pa."""
-        return 1.0 / self._modulus(p, temperature)
-
-    def _modulus(self, p: float, temperature: float) -> float:
-        return self.a1 + self.a2 * temperature + (self.b1 + self.b2 * temperature) * p
-
-
-ARANA = "Arana A, Larranaga J, Ulacia I, et al. Proc Inst Mech Eng J 2019;233:303-316"
-ARANA_OILS = {
-    "N100": ModulusOil(-7.23e7, 3.48e5, 5.00e-3, -1.83e-5, 650.0, -206.0, 161.60e-6, 900.0, 0.053),
-    "M100": ModulusOil(-2.28e7, 2.26e5, -68.20e-3, 27.68e-5, 890.0, -182.0, 86.86e-6, 882.0, 0.047),
-    "PAO100": ModulusOil(-5.73e7, 3.90e5, -39.50e-3, 23.54e-5, 1740.0, -116.0, 12.26e-6, 840.0, 0.035),
-}
-
-
 def arana_traction(limit: float, alpha: float, p_mean: float, viscosity: float, sliding: float, film: float) -> float:
-    """mu = min{(2 Lambda/(alpha p_mean)) asinh[eta alpha V_s/(2 Lambda h)], Lambda}; source: `ARANA`.
+    """mu = min{(2 Lambda/(alpha p_mean)) asinh[eta alpha V_s/(2 Lambda h)], Lambda}.
 
-    It is Eyring's law with tau_E = 2 Lambda/alpha and the limit Lambda p_mean.  limit: Lambda.  alpha in 1/Pa.
-    p_mean in Pa.  viscosity: eta in Pa s at that pressure and the film's temperature.  sliding: V_s = |u1 - u2| in m/s.
-    film: central film phi_T h_c in m, with inlet shear heating (`ertel.physics.thermal`).
+    It is Eyring's law with tau_E = 2 Lambda/alpha and the limit Lambda p_mean.  Arana A, Larranaga J, Ulacia I, et al.
+    Proc Inst Mech Eng J 2019;233:303-316.  Their oils are `ertel.oils`' naphthenic-100, mineral-100 and pao-100.
+
+    limit: Lambda.  alpha: ln(eta(p)/eta(0))/p at p_mean, 1/Pa.  p_mean in Pa.  viscosity: eta in Pa s at that pressure
+    and the film's temperature.  sliding: V_s = |u1 - u2| in m/s.  film: central film phi_T h_c in m, with inlet shear
+    heating (`ertel.physics.thermal`).
     """
     eyring = 2.0 * limit / alpha
     return min(eyring / p_mean * asinh(viscosity * sliding / (film * eyring)), limit)

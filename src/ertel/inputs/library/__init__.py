@@ -16,8 +16,9 @@ from typing import Any
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.quantities import parse_quantity
 from ertel.model.records import show
+from ertel.physics.fluidity import Carreau
 from ertel.physics.materials import Elasticity, Material
-from ertel.physics.oils import Carreau, LimitingStress, NamedOil, Sourced, ThermalData
+from ertel.physics.oils import LimitingStress, NamedOil, Sourced, ThermalData
 from ertel.physics.pressure_rules import DoolittleOfTemperature, ModulusOfTemperature, PowerOfViscosity, SoKlaus
 from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, Vogel, Walther
 from ertel.physics.units import TEMPERATURE, Unit, marks

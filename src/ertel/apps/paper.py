@@ -1,0 +1,66 @@
+"""`ertel paper`: the figures of the paper, with their data, on one page."""
+
+import os
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ertel.apps import interrupts, output
+from ertel.apps.arguments import Quiet
+from ertel.apps.exits import FAILED, bad_input, leave, reason_of
+from ertel.apps.paths import local_path, shown
+
+
+def paper(
+    figure: Annotated[str, typer.Argument(metavar="all|fig1|fig2|...", help="Figure to reproduce.")] = "all",
+    quick: Annotated[bool, typer.Option("--quick", help="Use coarse grids: seven minutes on one core.")] = False,
+    out: Annotated[
+        Path,
+        typer.Option(
+            parser=local_path, metavar="DIR", help="Directory for the page; results kept in it are used again."
+        ),
+    ] = Path("paper"),
+    jobs: Annotated[int | None, typer.Option(help="Number of processes; default one per core.", min=1)] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Reproduce the figures of the paper, with their data, on one page.
+
+    After an interruption the same command continues.
+    """
+    from ertel.apps.boundary_layers import figures
+
+    jobs = jobs or os.cpu_count() or 1
+    with bad_input():
+        names = figures.names_of(figure)
+        out.mkdir(parents=True, exist_ok=True)
+    try:
+        page, missing = _make_page(names, quick, out, jobs, quiet)
+    except interrupts.Interrupted as error:
+        leave(error.code, "interrupted; the same command continues")
+    except OSError as error:
+        leave(FAILED, f"cannot write to {shown(out)}: {reason_of(error)}; the same command continues")
+    print(output.printable(shown(page)))
+    if missing:
+        leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))
+
+
+def _make_page(names: list[str], quick: bool, out: Path, jobs: int, quiet: bool) -> tuple[Path, dict[str, str]]:
+    """Run what is missing and write the page: its path, and why figures are missing."""
+    from ertel.apps.boundary_layers import figures
+    from ertel.runs import compiling
+    from ertel.runs.progress import bars
+    from ertel.runs.sweep import processes
+
+    compiling.check_jax()
+    runs, done, seconds = figures.expected(names, quick, out, jobs)
+    if not quiet:
+        output.say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
+    with bars(not quiet) as progress, processes(jobs) as executor:
+        compiling.devices()  # or no run can begin
+        bar = progress.add_task("runs", total=runs, news="")
+
+        def on_done(task: Any, _: object) -> None:
+            progress.update(bar, advance=1, news=task.name)
+
+        return figures.make(names, quick, out, executor, on_done)
