@@ -24,6 +24,11 @@ BALL_FALLS = {
 MOES_FALLS = {"contact": {"M": 1000, "L": 10}}
 
 
+def maps(P: np.ndarray, H: np.ndarray) -> dict[str, np.ndarray]:
+    """A film with a shear stress that is a share of the pressure."""
+    return {"P": P, "H": H, "tau_x": 3.0 * P, "tau_y": 0.0 * P, "loss": 0.9 * P}
+
+
 def dry_impact(case_data, radial=False, rebound=True) -> xr.Dataset:
     """The dry impact with a made-up film: everything about it is known."""
     case = parse_case(case_data)
@@ -38,7 +43,7 @@ def dry_impact(case_data, radial=False, rebound=True) -> xr.Dataset:
         scalars |= {"P_c": A, "P_max": A, "H_c": float(H.min()), "H_min": float(H.min()) / 2, "X_min": A}
         records.append({"T": T, **dict.fromkeys(variables.SCALARS, 0.0), **scalars})
         event = "max-approach" if abs(T - 2.45) < 1e-9 else ""
-        frames.append(Frame(float(T), {"P": P, "H": H}, event))
+        frames.append(Frame(float(T), maps(P, H), event))
     coordinates = {"r": axis} if radial else {"Y": axis, "X": axis}
     return assemble(case, records, frames, coordinates)
 
@@ -84,7 +89,7 @@ class Solved:
     def measure(self) -> dict[str, float]:
         return self.values
 
-    def whole(self, field: np.ndarray) -> np.ndarray:
+    def whole(self, field: np.ndarray, odd: bool = False) -> np.ndarray:
         return field
 
 
@@ -118,5 +123,5 @@ def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
         known = {"T": T, "dT": 0.1, "F": 1.0, "w": 1.0, "U": flow, "Delta": 0.9, "H_c": film, "H_min": film / 2}
         known |= {"X_min": 0.2, "Y_min": 0.8, "P_c": 1.0, "P_max": 1.0}
         records.append({**dict.fromkeys(variables.SCALARS, 0.0), **known})
-        frames.append(Frame(float(T), {"P": P, "H": H}, "end" if T == 4 else ""))
+        frames.append(Frame(float(T), maps(P, H), "end" if T == 4 else ""))
     return assemble(case, records, frames, {"Y": Y, "X": X})

@@ -147,7 +147,7 @@ def finest(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[Case, GridSo
 @pressure_only_inside
 def test_all_power_is_that_of_sliding_and_of_the_pressure():
     """To round-off: the loss at the nodes takes the flow between them as the budget does."""
-    found, terms = steady(*finest()), budget.steady(*finest())
+    terms, found = budget.steady(*finest())
     assert float(found.power) == pytest.approx(0.3 * float(found.sliding[0]) + terms["dissipation"], rel=1e-12)
 
 
@@ -159,7 +159,7 @@ def test_the_surfaces_spend_what_heats_the_oil(motion: tuple[float, float]):
     speed, ratio = motion
     errors = []
     for s in solutions:
-        found, terms = steady(case, s), budget.steady(case, s)
+        terms, found = budget.steady(case, s)
         of_sliding, of_rolling = float(found.sliding[0]) * ratio * speed, 2 * float(found.rolling[0]) * speed
         assert of_sliding > 0 and of_rolling > 0
         assert of_rolling == pytest.approx(terms["power_from_surfaces"] - terms["power_to_surfaces"], rel=1e-9)

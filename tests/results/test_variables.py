@@ -15,7 +15,7 @@ def a_run(contact, oil=None):
     x = np.linspace(-1, 1, 5)
     records = [{"T": T, **{name: float(k) for k, name in enumerate(variables.SCALARS)}} for T in (0.1, 0.2)]
     frames = [
-        Frame(T, {"P": np.full((5, 5), T), "H": np.full((5, 5), 2 * T)}, event)
+        Frame(T, {name: np.full((5, 5), k * T) for k, name in enumerate(variables.FIELDS, 1)}, event)
         for T, event in ((0.1, ""), (0.2, "end"))
     ]
     return case, assemble(case, records, frames, {"Y": x, "X": x})
@@ -37,6 +37,10 @@ def test_si_is_the_scales_times_the_dimensionless():
         ("time", "t", scales.t0, "s"),
         ("X", "x", scales.a, "m"),
         ("H", "h", scales.film, "m"),
+        ("tau_x", "tau_x", scales.p_h * scales.a / scales.R, "Pa"),
+        ("loss", "loss", scales.p_h * scales.a**2 / (scales.R * scales.t0), "W/m2"),
+        ("mu_sliding", "mu_sliding", scales.a / scales.R, "1"),
+        ("power_loss", "power_loss", scales.load * scales.film / scales.t0, "W"),
         ("frame", "frame", scales.t0, "s"),
     ]:
         np.testing.assert_allclose(si[new].values, data[name].values * factor, rtol=1e-12)
@@ -61,6 +65,7 @@ def test_dimensionless_runs_have_no_si():
         (0.1, "m/s", "0.1 m/s"),
         (0.0, "m", "0 m"),
         (98.5, "N", "98.5 N"),
+        (0.00123, "1", "0.00123"),
     ],
 )
 def test_values_for_reading(value, unit, text):

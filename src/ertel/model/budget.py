@@ -1,4 +1,6 @@
-"""The budgets of mass and energy of the film: what is stored, what flows, what is lost, at one time.
+"""The account of the film at one time: the budgets of mass and energy, and the friction.
+
+The budgets say what is stored, what flows and what is lost; for the friction see `friction`.
 
 Mass: Reynolds' equation integrated over the grid, with the Poiseuille flux rho q (Newtonian: -eps grad P):
 
@@ -17,8 +19,8 @@ H = -Delta + G + D has the gap G (with the roughness) and the deformation D.  Th
 * E_oil = integral of (rho h - P) H: elastic energy of the compressed oil.
 * dissipation = - integral of rho q.grad h: what the pressure spends on the Poiseuille flow.  For a Newtonian oil it is
   viscous, eps grad P.grad h.  Sliding of the surfaces dissipates too, exactly what it takes to drive it; both are left
-  out.  For an oil that thins, sliding and pressure act together: the flux is that of `thinning`, and the work of
-  sliding, tau_m.(u1 - u2), is again left out on both sides.
+  out here, and counted in the power loss of `friction`.  For an oil that thins, sliding and pressure act together: the
+  flux is that of `thinning`, and the work of sliding, tau_m.(u1 - u2), is again left out on both sides.
 * surface power = - integral of P DG/DT: what the moving surfaces do on the film, by rolling (- U P dG/dX, whose sum is
   the hydrodynamic rolling resistance) and by roughness that moves relative to the flow.  Where the gap closes the film
   takes power from the surfaces, where it opens it gives most of it back.
@@ -39,10 +41,11 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from ertel.model import discretise
+from ertel.model import discretise, friction
 from ertel.model.case import Case
-from ertel.model.contact import Contact, mass, mobility
+from ertel.model.contact import Contact, mass
 from ertel.model.flow import wedge
+from ertel.model.friction import ANY_SIZE, Friction
 from ertel.model.state import GridSolution
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import Program
@@ -51,7 +54,6 @@ from ertel.physics.far_field import Motion
 from ertel.physics.lubricant import Lubricant
 
 Number = Array | float
-ANY_SIZE = 2**62  # the programs are not optimised on any grid: they run once a step, and compile in a fifth of the time
 MASSES = ("mass", "inflow", "outflow", "cavity_source")
 ENERGIES = ("elastic_energy", "oil_energy", "dissipation", "power_from_surfaces", "power_to_surfaces", "outside_power")
 
@@ -74,12 +76,35 @@ class Film(NamedTuple):
     gap_change: Number
 
 
-def film_of(
-    c: Contact, P: Array, H: Array, heat: Array, approach: Number, change: Array, U: Number, gap_change: Array
-) -> Film:
-    """The film on the 2-D grid.  heat: from `PressureFlow.drag`.  change: D(rho H)/DT."""
-    growth = change - inside(c.flow.gain(c, P, H), c.even)
-    return Film(P, H, mobility(c, P, H), heat, H + approach - c.gap, growth, U, gap_change)
+class Account(NamedTuple):
+    """The terms of the budgets, and the friction."""
+
+    terms: Mapping[str, Array]
+    friction: Friction
+
+
+class Moment(NamedTuple):
+    """What an account needs besides the fields.
+
+    approach: Delta.  U, sliding: of the flow along X, and u1 - u2, in a/t0.  gap_change: DG/DT.  load: what the film
+    carries, in F*.  hertz_load: F* in a^2 p_h.
+    """
+
+    approach: Number
+    U: Number
+    sliding: Number
+    gap_change: Array
+    load: Number
+    hertz_load: Number
+
+
+def account(space: Plane, c: Contact, P: Array, H: Array, m: Moment, change: Array) -> Account:
+    """The account of a film on the 2-D grid.  change: D(rho H)/DT."""
+    details = c.flow.details(c, P, H, m.sliding, space)
+    growth = change - inside(details.gain, c.even)
+    film = Film(P, H, details.mobility, details.heat, H + m.approach - c.gap, growth, m.U, m.gap_change)
+    found = friction.of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)
+    return Account(integrals(space, c.lubricant, film), found)
 
 
 def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
@@ -120,21 +145,18 @@ def terms(found: Mapping[str, Array], velocity: float, around: Around, hertz_loa
     return {name: plain[name] / (hertz_load if name in ENERGIES else 1.0) for name in (*MASSES, *ENERGIES)}
 
 
-def steady(case: Case, s: GridSolution) -> dict[str, float]:
-    """`MASSES` and `ENERGIES` of a steady contact on one of its grids."""
-    c, U = discretise.contact_of(case, s.grid), case.motion.entrainment(0.0)
-    gap_change, sliding = discretise.gap_change(case, s.grid, 0.0), case.motion.slide_to_roll * U
-    found = _steady_program(Plane.of(s.grid), c, jnp.asarray(s.P), jnp.asarray(s.H), s.approach, U, sliding, gap_change)
-    motion = Motion(s.approach, 0.0, case.motion.load(0.0), U)
-    around = Around(s.outside, discretise.outside_of(case, s.grid).at(motion).uplift)
-    return terms(found, 0.0, around, case.geometry.hertz_load)
+def steady(case: Case, s: GridSolution) -> tuple[dict[str, float], Friction]:
+    """`MASSES` and `ENERGIES` of a steady contact on one of its grids, and its friction."""
+    c, m, scale = discretise.contact_of(case, s.grid), case.motion, case.geometry.hertz_load
+    U, load = m.entrainment(0.0), m.load(0.0)
+    moment = Moment(s.approach, U, m.sliding(0.0), discretise.gap_change(case, s.grid, 0.0), load, scale)
+    found: Account = _steady_program(Plane.of(s.grid), c, jnp.asarray(s.P), jnp.asarray(s.H), moment)
+    around = discretise.outside_of(case, s.grid).at(Motion(s.approach, 0.0, load, U))
+    return terms(found.terms, 0.0, Around(s.outside, around.uplift), scale), found.friction
 
 
-def _steady(
-    space: Plane, c: Contact, P: Array, H: Array, approach: Number, U: Number, sliding: Number, gap_change: Array
-) -> dict[str, Array]:
-    change, heat = wedge(mass(c, P, H), U, c.spacing), c.flow.drag(c, P, H, sliding, space).heat
-    return integrals(space, c.lubricant, film_of(c, P, H, heat, approach, change, U, gap_change))
+def _steady(space: Plane, c: Contact, P: Array, H: Array, m: Moment) -> Account:
+    return account(space, c, P, H, m, wedge(mass(c, P, H), m.U, c.spacing))
 
 
 _steady_program = Program(jax.jit(_steady), ANY_SIZE)

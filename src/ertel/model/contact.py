@@ -45,21 +45,23 @@ class PressureFlow(Protocol):
         """The flux along X and along Y per unit pressure gradient, at the nodes; the gradient itself is held."""
         ...
 
-    def drag(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> "Drag":
-        """What shears the oil when the surfaces slide by U S along X; U S may differ from that of the film."""
+    def details(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> "Details":
+        """The flow at every node when the surfaces slide by U S along X, which may differ from that of the film."""
         ...
 
 
-class Drag(NamedTuple):
-    """The shear of the oil, at the nodes.
+class Details(NamedTuple):
+    """The flow of the oil at the nodes, for the budgets and the friction.
 
     stress: tau_m in the middle of the film along X and along Y, in units of p_h a/R, shape (2, n, n).  heat: what the
     pressure spends on the flow, - flux . grad of the enthalpy, in units of p_h a^2/(R t0), shape (n, n); each face
-    between two nodes gives half to either.
+    between two nodes gives half to either.  gain, mobility: as from the methods of `PressureFlow`.
     """
 
     stress: Array
     heat: Array
+    gain: Array
+    mobility: Pair
 
 
 class NewtonianFlow(NamedTuple):
@@ -74,11 +76,11 @@ class NewtonianFlow(NamedTuple):
         oil = contact.lubricant
         return Pair.of(*self.law.mobility(oil.density(P), oil.viscosity(P), H, contact.lambda_bar))
 
-    def drag(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> Drag:
-        oil = contact.lubricant
+    def details(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> Details:
+        oil, eps = contact.lubricant, self.mobility(contact, P, H)
         along_x = contact.lambda_bar * oil.viscosity(P) * sliding / (12.0 * opened(H))
-        heat = plane.of_slopes(self.mobility(contact, P, H), P, oil.enthalpy(P))
-        return Drag(jnp.stack([along_x, jnp.zeros_like(along_x)]), heat)
+        heat = plane.of_slopes(eps, P, oil.enthalpy(P))
+        return Details(jnp.stack([along_x, jnp.zeros_like(along_x)]), heat, self.gain(contact, P, H), eps)
 
 
 def opened(H: Array) -> Array:

@@ -52,8 +52,8 @@ def flow_of(case: Case, T: float) -> PressureFlow:
         return NEWTONIAN_FLOW
     scales = case.scales
     assert scales is not None  # `rules.check_rheology`
-    sliding = case.motion.slide_to_roll * case.motion.entrainment(T)
-    return ThinningFlow(traceable_law(case.oil.fluidity_law), scales.p_h, scales.shear_stress, sliding)
+    law = traceable_law(case.oil.fluidity_law)
+    return ThinningFlow(law, scales.p_h, scales.shear_stress, case.motion.sliding(T))
 
 
 def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:

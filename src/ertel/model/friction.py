@@ -28,13 +28,14 @@ from jax import Array
 
 from ertel.model import discretise
 from ertel.model.case import Case
-from ertel.model.contact import Contact, Drag
+from ertel.model.contact import Contact, Details
 from ertel.model.state import GridSolution
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import Program
 
 Number = Array | float
-ANY_SIZE = 2**62  # the program is not optimised on any grid, as those of `budget`
+NUMBERS = ("mu_sliding", "mu_sliding_y", "mu_rolling", "power_loss")
+ANY_SIZE = 2**62  # the program is not optimised on any grid: it runs once a step, and compiles in a fifth of the time
 
 
 class Friction(NamedTuple):
@@ -75,16 +76,16 @@ def friction(
     hertz_load : number
         F* in units of a^2 p_h (`Geometry.hertz_load`).
     """
-    drag = contact.flow.drag(contact, P, H, sliding, plane)
-    return of_drag(plane, drag, P, H, sliding, load, hertz_load)
+    details = contact.flow.details(contact, P, H, sliding, plane)
+    return of_details(plane, details, P, H, sliding, load, hertz_load)
 
 
-def of_drag(
-    plane: Plane, drag: Drag, P: Array, H: Array, sliding: Number, load: Number, hertz_load: Number
+def of_details(
+    plane: Plane, details: Details, P: Array, H: Array, sliding: Number, load: Number, hertz_load: Number
 ) -> Friction:
-    """The friction from what shears the oil; arguments as in `friction`."""
-    stress = jnp.where(P > 0.0, drag.stress, 0.0)
-    loss = drag.heat + sliding * stress[0]
+    """The friction from the details of the flow; the other arguments are those of `friction`."""
+    stress = jnp.where(P > 0.0, details.stress, 0.0)
+    loss = details.heat + sliding * stress[0]
     along_y = 0.0 if plane.even.y else plane.total(stress[1])
     force, resistance = jnp.stack([plane.total(stress[0]), along_y]), 0.5 * plane.push(H, P)
     carries = jnp.asarray(load) > 0.0
@@ -92,12 +93,19 @@ def of_drag(
     return Friction(stress, loss, share * force, share * resistance, plane.total(loss) / hertz_load)
 
 
+def coefficients(found: Friction) -> dict[str, float]:
+    """The numbers of `NUMBERS`: forces over the load in a/R, the power loss in F* a^2/(R t0)."""
+    (mu_x, mu_y), (rolling, _), power = jax.device_get((found.sliding, found.rolling, found.power))
+    return dict(zip(NUMBERS, (float(value) for value in (mu_x, mu_y, rolling, power)), strict=True))
+
+
 def steady(case: Case, s: GridSolution) -> Friction:
     """The friction of a steady contact on one of its grids; its maps have the shape of the grid."""
     c, motion = discretise.contact_of(case, s.grid), case.motion
     P, H = jnp.asarray(s.P), jnp.asarray(s.H)
-    sliding = motion.slide_to_roll * motion.entrainment(0.0)
-    found: Friction = _program(Plane.of(s.grid), c, P, H, sliding, motion.load(0.0), case.geometry.hertz_load)
+    found: Friction = _program(
+        Plane.of(s.grid), c, P, H, motion.sliding(0.0), motion.load(0.0), case.geometry.hertz_load
+    )
     return found
 
 

@@ -22,6 +22,7 @@ LONGEST_RUN = 1e5  # t0; an impact lasts about 3
 MOST_STEPS = 1e7  # of a fixed length
 MOST_MAPS = 1e5
 LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
+FIELDS = 5  # pressure, film, two components of the shear stress, power loss
 FEWEST_NODES = 17
 SMALLEST_RADIUS = 1.2  # of a radial grid: the contact grows to radius 1 and needs an inlet
 TRANSIENT = 'solver.method = "transient"'
@@ -163,7 +164,7 @@ def check_schedule(time: Time, output: Output, solver: Solver, schedule: Schedul
         )
     maps = end / schedule.interval
     nodes = solver.nodes if solver.method == "radial" else solver.nodes**2
-    size = maps * 2 * 8 * nodes  # film and pressure in double precision
+    size = maps * FIELDS * 8 * nodes  # in double precision
     if maps > MOST_MAPS or size > LARGEST_OUTPUT:
         raise ValueError(
             f"output.interval = {show(output.interval)}: gives {maps:.3g} maps with {size / 1e9:.3g} GB; at most "

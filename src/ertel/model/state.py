@@ -131,12 +131,22 @@ class Method(Protocol):
         """
         ...
 
-    def budget(self, levels: Sequence[State]) -> dict[str, float]:
-        """The terms `budget.MASSES` and `budget.ENERGIES` at the newest of two or three levels, newest first."""
+    def account(self, levels: Sequence[State]) -> dict[str, float]:
+        """The terms of the budgets and the numbers of the friction at the newest of two or three levels, newest first.
+
+        By the names of `budget.MASSES`, `budget.ENERGIES` and `friction.NUMBERS`.
+        """
         ...
 
-    def whole(self, field: Array) -> Array:
-        """A field of a level on all nodes of `coordinates`: a level may keep one side of an axis of symmetry only."""
+    def friction(self, level: State) -> Any:
+        """The `friction.Friction` of a level; its maps are of the shape of the fields."""
+        ...
+
+    def whole(self, field: Array, odd: bool = False) -> Array:
+        """A field on all nodes of `coordinates`: a level may keep one side of an axis of symmetry only.
+
+        odd: whether the field changes its sign at the axis Y = 0.
+        """
         ...
 
     def error(self, new: State, predicted: Mapping[str, Array]) -> float:
@@ -169,9 +179,12 @@ class GridSolution:
         values = measure(self.grid, self.P, self.H)
         return {"Delta": self.approach, **values, "load": values["load"] + self.outside}
 
-    def whole(self, field: Array) -> Array:
-        """P or H on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only."""
-        return unfolded(np.asarray(field), self.grid.even)  # type: ignore[arg-type]
+    def whole(self, field: Array, odd: bool = False) -> Array:
+        """A field on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only.
+
+        odd: whether it changes its sign at the axis Y = 0.
+        """
+        return unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,14 @@ is the mean of the central differences at the two nodes.
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.model.contact import NEWTONIAN_FLOW, Contact, Drag, opened
+from ertel.model.contact import NEWTONIAN_FLOW, Contact, Details, opened
 from ertel.model.shear import Shear, secant_mobility, shear
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, central_slopes, to_x_faces, to_y_faces
@@ -44,43 +45,41 @@ class ThinningFlow:
 
     def gain(self, contact: Contact, P: Array, H: Array) -> Array:
         """- div(Poiseuille flux), shape (n, n)."""
-        in_X, in_Y = self._faces(contact, P, H)
-        total: Array = ((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / contact.spacing
-        return total
+        faces = _faces(contact, P, H)
+        found, _ = self._shear(contact, faces.P, faces.film, faces.slope)
+        return _gain(*faces.fluxes(self._force(found, faces.film)), contact.spacing)
 
-    def drag(self, contact: Contact, P: Array, H: Array, sliding: Number, plane: Plane) -> Drag:
-        """The mid-plane stress and the heat of the pressure flow when the surfaces slide by U S."""
-        flow = replace(self, sliding=sliding)
-        in_X, in_Y = flow._faces(contact, P, H)
-        heat = plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], contact.lubricant.enthalpy(P))
-        found, _ = flow._shear(contact, P, H, _slope(contact, P))
-        return Drag(found.stress / self.unit, heat)
-
-    def _faces(self, contact: Contact, P: Array, H: Array) -> tuple[Array, Array]:
-        """Minus the flux through all faces around the nodes, shapes (n, n + 1) and (n + 1, n)."""
-        p = extended(P, contact.even)
-        eps = extended(NEWTONIAN_FLOW.mobility(contact, P, H).x, contact.even, "edge")
-        film = extended(jnp.maximum(H, 0.0), contact.even, "edge")
-        slope_x, slope_y = central_slopes(p, contact.spacing)
-        across_x = (p[1:-1, 1:] - p[1:-1, :-1]) / contact.spacing
-        across_y = (p[1:, 1:-1] - p[:-1, 1:-1]) / contact.spacing
-        slope = jnp.stack([_line(across_x, to_y_faces(slope_x)), _line(to_x_faces(slope_y), across_y)])
-        mean_P, mean_film = (_line(to_x_faces(f), to_y_faces(f)) for f in (p, film))
-        G = self._driven(contact, mean_P, mean_film, slope)
-        G_x, G_y = G[0, : across_x.size].reshape(across_x.shape), G[1, across_x.size :].reshape(across_y.shape)
-        return to_x_faces(eps) * G_x, to_y_faces(eps) * G_y
+    def details(self, contact: Contact, P: Array, H: Array, sliding: Number, plane: Plane) -> Details:
+        """The flow at every node when the surfaces slide by U S: all faces and nodes in one line, in one iteration."""
+        faces = _faces(contact, P, H)
+        n, slope = faces.P.size, _slope(contact, P).reshape(2, -1)
+        film = jnp.concatenate([faces.film, H.ravel()])
+        whole, gradient = replace(self, sliding=sliding)._shear(
+            contact, jnp.concatenate([faces.P, P.ravel()]), film, jnp.concatenate([faces.slope, slope], axis=1)
+        )
+        in_X, in_Y = faces.fluxes(self._force(whole, film)[:, :n])
+        nodes = [field[:, n:].reshape(2, *P.shape) for field in (whole.stress, whole.flux, gradient)]
+        found, gradient = Shear(nodes[0], nodes[1], whole.iterations), nodes[2]
+        return Details(
+            found.stress / self.unit,
+            plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], contact.lubricant.enthalpy(P)),
+            _gain(in_X, in_Y, contact.spacing),
+            self._secant(contact, P, H, found, gradient),
+        )
 
     def mobility(self, contact: Contact, P: Array, H: Array) -> Pair:
         """The mobilities at the nodes for the preconditioner: what couples X and Y is left out."""
         slope = jax.lax.stop_gradient(_slope(contact, P))
-        found, gradient = self._shear(contact, P, H, slope)
+        return self._secant(contact, P, H, *self._shear(contact, P, H, slope))
+
+    def _secant(self, contact: Contact, P: Array, H: Array, found: Shear, gradient: Array) -> Pair:
+        """The mobilities at the nodes from the flow across the film there."""
         factor = secant_mobility(self.law, self.p_h * P, found, gradient)
         eps = NEWTONIAN_FLOW.mobility(contact, P, H).x
         return Pair(*(eps * jnp.minimum(part, LARGEST_FACTOR) for part in (factor.xx, factor.yy)))
 
-    def _driven(self, contact: Contact, P: Array, film: Array, slope: Array) -> Array:
-        """G, shape (2, ...), from the slopes of P, shape (2, ...), where the film has the thickness given."""
-        found, _ = self._shear(contact, P, film, slope)
+    def _force(self, found: Shear, film: Array) -> Array:
+        """G, shape (2, ...), from the flow across a film of the thickness given."""
         return 12.0 * found.flux / (opened(film) * self.unit)
 
     def _shear(self, contact: Contact, P: Array, film: Array, slope: Array) -> tuple[Shear, Array]:
@@ -91,6 +90,42 @@ class ThinningFlow:
         return shear(self.law, self.p_h * P, jnp.stack([along_x, jnp.zeros_like(along_x)]), gradient), gradient
 
 
+class _Faces(NamedTuple):
+    """The faces around the nodes, those across X before those across Y, in one line of length m.
+
+    One program for both kinds takes half as long to compile.  P, film: shape (m,); slope: grad P, shape (2, m).  eps:
+    the mean mobility without thinning, shapes (n, n + 1) and (n + 1, n).
+    """
+
+    P: Array
+    film: Array
+    slope: Array
+    eps: tuple[Array, Array]
+
+    def fluxes(self, force: Array) -> tuple[Array, Array]:
+        """Minus the flux, of the shapes of eps, from G, shape (2, m)."""
+        eps_x, eps_y = self.eps
+        return eps_x * force[0, : eps_x.size].reshape(eps_x.shape), eps_y * force[1, eps_x.size :].reshape(eps_y.shape)
+
+
+def _faces(contact: Contact, P: Array, H: Array) -> _Faces:
+    p = extended(P, contact.even)
+    eps = extended(NEWTONIAN_FLOW.mobility(contact, P, H).x, contact.even, "edge")
+    film = extended(jnp.maximum(H, 0.0), contact.even, "edge")
+    slope_x, slope_y = central_slopes(p, contact.spacing)
+    across_x = (p[1:-1, 1:] - p[1:-1, :-1]) / contact.spacing
+    across_y = (p[1:, 1:-1] - p[:-1, 1:-1]) / contact.spacing
+    slope = jnp.stack([_line(across_x, to_y_faces(slope_x)), _line(to_x_faces(slope_y), across_y)])
+    mean_P, mean_film = (_line(to_x_faces(f), to_y_faces(f)) for f in (p, film))
+    return _Faces(mean_P, mean_film, slope, (to_x_faces(eps), to_y_faces(eps)))
+
+
+def _gain(in_X: Array, in_Y: Array, spacing: Number) -> Array:
+    """- div of the flux, from minus the flux through the faces."""
+    total: Array = ((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / spacing
+    return total
+
+
 def _slope(contact: Contact, P: Array) -> Array:
     """grad P at the nodes by central differences, shape (2, n, n)."""
     slopes = central_slopes(extended(P, contact.even), contact.spacing)
@@ -98,5 +133,5 @@ def _slope(contact: Contact, P: Array) -> Array:
 
 
 def _line(on_x_faces: Array, on_y_faces: Array) -> Array:
-    """The values on all faces, one after the other: one program for both kinds takes half as long to compile."""
+    """The values on all faces, one after the other."""
     return jnp.concatenate([on_x_faces.ravel(), on_y_faces.ravel()])

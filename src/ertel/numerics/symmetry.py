@@ -21,11 +21,14 @@ def extended(field: Array, even: Even, beyond: str = "constant") -> Array:
     return p.at[:, 0].set(p[:, 2]) if even.x else p
 
 
-def unfolded(field: Array, even: Even) -> Array:
-    """The field on the whole plane, by NumPy or JAX as the field is an array of."""
+def unfolded(field: Array, even: Even, odd: bool = False) -> Array:
+    """The field on the whole plane, by NumPy or JAX as the field is an array of.
+
+    odd: whether it changes its sign at the axis Y = 0.
+    """
     xp = field.__array_namespace__()
     if even.y:
-        field = xp.concatenate([field[:0:-1], field])
+        field = xp.concatenate([-field[:0:-1] if odd else field[:0:-1], field])
     return xp.concatenate([field[:, :0:-1], field], axis=1) if even.x else field
 
 

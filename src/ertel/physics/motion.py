@@ -153,6 +153,10 @@ class Motion:
         """Whether the entrainment speed is non-zero at any time."""
         return any(self.entrainment.range(inf))
 
+    def sliding(self, T: float) -> float:
+        """The sliding speed u1 - u2 at time T, in units a/t0."""
+        return self.slide_to_roll * self.entrainment(T)
+
     def next_knot(self, T: float) -> float:
         """The first time after T at which the slope of the load or of the entrainment jumps; infinite if none."""
         return min(

@@ -183,6 +183,16 @@ class Scales:
         return self.p_h * self.a / self.R
 
     @property
+    def a_over_R(self) -> float:
+        """Unit of a coefficient of friction, shear stress over pressure: a/R."""
+        return self.a / self.R
+
+    @property
+    def power_per_area(self) -> float:
+        """Unit of the power loss per area (W/m^2): shear stress times speed along the surface."""
+        return self.shear_stress * self.front_speed
+
+    @property
     def approach(self) -> float:
         """The Hertz approach delta* (m)."""
         return self.ellipse.approach * self.film

@@ -8,11 +8,10 @@ import xarray as xr
 
 from ertel.model import budget, discretise
 from ertel.model.case import Case
+from ertel.model.friction import Friction, coefficients
 from ertel.model.state import GridSolution
 from ertel.results.provenance import provenance
-from ertel.results.variables import AXES, BUDGET, EVENTS, FIELDS, MEASURED, SCALARS, variable_attributes
-
-EVERY_FIELD = tuple(FIELDS)
+from ertel.results.variables import AXES, BUDGET, EVENTS, FIELDS, FRICTION, MEASURED, SCALARS, variable_attributes
 
 
 class Frame(Protocol):
@@ -21,9 +20,7 @@ class Frame(Protocol):
     @property
     def T(self) -> float: ...
     @property
-    def P(self) -> Any: ...
-    @property
-    def H(self) -> Any: ...
+    def fields(self) -> Mapping[str, Any]: ...
     @property
     def event(self) -> str: ...
 
@@ -34,12 +31,12 @@ def columns(records: Sequence[Mapping[str, float]]) -> dict[str, np.ndarray]:
     return {name: np.array([record[key] for record in records], dtype=float) for name, key in names.items()}
 
 
-def maps(frames: Sequence[Frame], fields: Sequence[str] = EVERY_FIELD) -> dict[str, np.ndarray]:
-    """Frames as arrays by variable name, stacked along the first axis.  fields: the names of what a frame carries."""
+def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
+    """Frames as arrays by variable name, stacked along the first axis."""
     return {
         "frame": np.array([frame.T for frame in frames], dtype=float),
         "event": np.array([EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
-        **{name: np.array([getattr(frame, name) for frame in frames], dtype=float) for name in fields},
+        **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in FIELDS},
     }
 
 
@@ -56,7 +53,6 @@ def assemble(
     frames: Sequence[Frame],
     coordinates: Mapping[str, Any],
     attributes: Mapping[str, object] | None = None,
-    fields: Sequence[str] = EVERY_FIELD,
 ) -> xr.Dataset:
     """The run as a Dataset: scalars over `time` (every step), maps over `frame` and the space axes.
 
@@ -72,12 +68,10 @@ def assemble(
         Axes of the maps in order, in a*: Y and X, or r.
     attributes : mapping, optional
         More attributes of the Dataset.
-    fields : sequence of str
-        The names of the fields that the frames carry.
     """
     space = {name: np.asarray(axis) for name, axis in coordinates.items()}
-    stacks = maps(frames, fields)
-    for name in fields:  # no maps at all still have their shape
+    stacks = maps(frames)
+    for name in FIELDS:  # no maps at all still have their shape
         stacks[name] = stacks[name].reshape(len(frames), *(len(axis) for axis in space.values()))
     arrays = {**columns(records), **stacks, **space}
     variables = {
@@ -92,20 +86,22 @@ def assemble_steady(
     case: Case,
     solutions: Sequence[GridSolution],
     attributes: Mapping[str, object] | None = None,
-    fields: Sequence[str] = EVERY_FIELD,
 ) -> xr.Dataset:
     """The steady contact as a Dataset: fields on the finest grid, scalars and residuals over `grid`.
 
-    grid: nodes a side, coarsest first.  convolutions: in units of one on that grid.  attributes, fields: as in
-    `assemble`.
+    grid: nodes a side, coarsest first.  convolutions: in units of one on that grid.  attributes: as in `assemble`.
     """
     finest = solutions[-1].grid if solutions else discretise.grid_of(case)
     nothing = np.full((len(finest.y), len(finest.x)), np.nan)
     last = solutions[-1] if solutions else None
-    found = {name: np.asarray(last.whole(getattr(last, name))) if last else nothing for name in fields}
+    accounts = [budget.steady(case, s) for s in solutions]
+    found = whole_maps(last, last.P, last.H, accounts[-1][1]) if last else dict.fromkeys(FIELDS, nothing)
     history = _histories(solutions)
-    of_grids = [{**s.measure(), **budget.steady(case, s), **_work(s)} for s in solutions]
-    names = (*MEASURED, *BUDGET, "residual", "newton_iterations", "krylov_iterations", "convolutions")
+    of_grids = [
+        {**s.measure(), **terms, **coefficients(friction), **_work(s)}
+        for s, (terms, friction) in zip(solutions, accounts, strict=True)
+    ]
+    names = (*MEASURED, *BUDGET, *FRICTION, "residual", "newton_iterations", "krylov_iterations", "convolutions")
     arrays: dict[str, tuple[tuple[str, ...], Any]] = {
         **{name: (("Y", "X"), values) for name, values in found.items()},
         **{name: (("grid",), np.array([row[name] for row in of_grids], dtype=float)) for name in names},
@@ -118,6 +114,19 @@ def assemble_steady(
         {name: ((name,), values, variable_attributes(name, case.scales)) for name, values in coordinates.items()},
         {**provenance(case), **(attributes or {})},
     )
+
+
+class _Whole(Protocol):
+    """What unfolds a field."""
+
+    def whole(self, field: Any, odd: bool = False) -> Any: ...
+
+
+def whole_maps(method: _Whole, P: Any, H: Any, friction: Friction) -> dict[str, np.ndarray]:
+    """All `FIELDS` on the whole plane, from a film and its friction."""
+    tau_x, tau_y = friction.stress
+    fields = {"P": P, "H": H, "tau_x": tau_x, "tau_y": tau_y, "loss": friction.loss}
+    return {name: np.asarray(method.whole(field, odd=name == "tau_y")) for name, field in fields.items()}
 
 
 def _histories(solutions: Sequence[GridSolution]) -> np.ndarray:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from ertel.results import html
 from ertel.results.kinds import KINDS, Errors, Kind
-from ertel.results.variables import VARIABLES, with_prefix
+from ertel.results.variables import FRICTION, VARIABLES, key_in_si, with_prefix
 
 KEY = ("H_c", "H_min", "P_max")
 EXTREMES = {"H_min": "thinnest film of the run", "P_max": "highest pressure of the run"}
@@ -34,15 +34,17 @@ class Summary(dict[str, Any]):
 
 
 def key_numbers(summary: Mapping[str, Any]) -> list[Number]:
-    """Film thickness, maximum pressure and restitution of a run, of an impact at maximum approach; empty without them.
+    """Film thickness, maximum pressure, friction and restitution of a run; empty without them.
 
+    Those of an impact hold at maximum approach.  A coefficient of friction is named where it is not zero.
     summary : as `results.summary` and `summary.json` have it.
     """
     kind = KINDS[summary["kind"]]
     values, si, errors = kind.values(summary), kind.values_in_si(summary), kind.errors(summary)
     if not values:
         return []
-    numbers = [_number(name, values[name], kind, si, errors) for name in KEY]
+    names = (*KEY, *(name for name in FRICTION if values.get(name)))
+    numbers = [_number(name, values[name], kind, si, errors) for name in names]
     if summary.get("restitution") is not None:
         numbers.append(Number("coefficient of restitution", "e", f"{summary['restitution']:.4f}"))
     return numbers
@@ -50,7 +52,7 @@ def key_numbers(summary: Mapping[str, Any]) -> list[Number]:
 
 def _number(name: str, value: float, kind: Kind, si: Mapping[str, float], errors: Errors) -> Number:
     variable = VARIABLES[name]
-    in_si = si.get(f"{variable.si_name}_{variable.si_units}")
+    in_si = si.get(key_in_si(variable))
     error, _ = errors.get(name, (None, None))
     return Number(
         variable.long_name,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ertel.physics import hertz
 from ertel.physics.scales import Parameters, Scales
-from ertel.results.variables import FILMS, MEASURED
+from ertel.results.variables import FILMS, FRICTION, MEASURED
 
 if TYPE_CHECKING:  # these bring JAX or xarray with them
     import xarray as xr
@@ -130,7 +130,10 @@ class Impact(Kind):
 class Rolling(Kind):
     """A rolling contact: its scales are those of the static contact, its values those of the end, or steady."""
 
-    units: Mapping[str, str] = {"a*": "a", "a*^2/R": "a^2/R", "p_h*": "p_h", "F*": "F", "a*/t0": "u_m"}
+    units: Mapping[str, str] = {
+        "a*": "a", "a*^2/R": "a^2/R", "p_h*": "p_h", "F*": "F", "a*/t0": "u_m", "a*/R": "a/R", "p_h* a*/R": "p_h a/R",
+        "p_h* a*^2/(R t0)": "p_h u_m a/R", "F* delta*/t0": "F u_m a/R",
+    }  # fmt: skip
     conditions = (
         Condition("$u_m$", "u_m_m_per_s", "m/s"),
         Condition("$F$", "F_N", "N"),
@@ -147,7 +150,7 @@ class Rolling(Kind):
         return {"u_m_m_per_s": scales.front_speed}
 
     def values(self, summary: Outcome) -> dict[str, float]:
-        names = ("T", *MEASURED) if summary["H_c"] is not None else ()
+        names = ("T", *MEASURED, *FRICTION) if summary["H_c"] is not None else ()
         return {name: summary[name] for name in names if name in summary}
 
     def values_in_si(self, summary: Outcome) -> Mapping[str, float]:

@@ -8,6 +8,7 @@ import xarray as xr
 
 from ertel.model import budget
 from ertel.model.case import Case
+from ertel.model.friction import coefficients
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics.richardson import Extrapolation
@@ -41,6 +42,8 @@ def impact_summary(
 
     `extremes` has the thinnest film and the highest pressure of the whole run, see `extremes.extremes`.
     `budgets` has those of mass, momentum and energy, see `budgets.in_time`.
+    The values at maximum approach have the power loss and, where the surfaces move along X, the coefficients of
+    `model.friction`.
     All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.
 
     Parameters
@@ -56,7 +59,8 @@ def impact_summary(
     status : Status
         How the run ended.
     """
-    reached = None if max_approach is None else {key: float(max_approach[key]) for key in variables.AT_MAXIMUM}
+    names = (*variables.AT_MAXIMUM, *(variables.FRICTION if case.motion.flows else ("power_loss",)))
+    reached = None if max_approach is None else _said({key: float(max_approach[key]) for key in names})
     found = budgets.in_time(case, data)
     content: dict[str, Any] = {
         **_heading(case),
@@ -83,14 +87,16 @@ def rolling_summary(
     `extremes` and `budgets` are as in `impact_summary`.
     The errors of the films need a second run, see `rolling_with_error`.  Parameters as in `impact_summary`.
     """
-    names = ("time", "F", *variables.MEASURED)
+    names = ("time", "F", *variables.MEASURED, *variables.FRICTION)
     last = {name: float(data[name][-1]) for name in names if name in data and len(data.time)}
-    measured = {"T": last.pop("time", None), **dict.fromkeys(variables.MEASURED), **last}
+    known = (*variables.MEASURED, *variables.FRICTION)
+    measured = {"T": last.pop("time", None), **dict.fromkeys(known), **last}
     F = measured.pop("F", None)
     measured["load"] = None if F is None else F * case.geometry.hertz_load
     found = budgets.in_time(case, data)
     said = [*diagnostics.rolling_warnings(case, data), *diagnostics.budget_warnings(case, found)]
-    return _rolling_summary(case, measured, {}, {"extremes": extremes(data), "budgets": found, **work}, status, said)
+    counts = {"extremes": extremes(data), "budgets": found, **work}
+    return _rolling_summary(case, _said(measured), {}, counts, status, said)
 
 
 def steady_summary(
@@ -100,6 +106,7 @@ def steady_summary(
 
     H_c_error and H_min_error estimate the discretisation error, H_c_extrapolated and H_min_extrapolated are without it;
     None with fewer than two grids.  `budgets` has the rates on the finest grid, see `budgets.steady`.
+    mu_sliding, mu_rolling and power_loss are those of `model.friction`; mu_sliding_y is there where it is not zero.
     Counts are those of all grids, convolutions in units of one on the finest.
 
     Parameters
@@ -128,10 +135,17 @@ def steady_summary(
     values = rolling.finest.measure()
     grid = rolling.finest.grid
     across = {} if grid.nodes_y == grid.nodes_x else {"nodes_y": grid.nodes_y}
-    measured = {"nodes": grid.nodes_x, **across, **{name: values[name] for name in variables.MEASURED}}
-    found = budgets.steady(case, budget.steady(case, rolling.finest), values["load"] / case.geometry.hertz_load)
-    said = [*diagnostics.steady_warnings(case, solutions), *diagnostics.budget_warnings(case, found)]
-    return _rolling_summary(case, measured, estimates, {"budgets": found, **counts, **work}, status, said)
+    rates, friction = budget.steady(case, rolling.finest)
+    found = {**{name: values[name] for name in variables.MEASURED}, **_said(coefficients(friction))}
+    measured = {"nodes": grid.nodes_x, **across, **found}
+    terms = budgets.steady(case, rates, values["load"] / case.geometry.hertz_load)
+    said = [*diagnostics.steady_warnings(case, solutions), *diagnostics.budget_warnings(case, terms)]
+    return _rolling_summary(case, measured, estimates, {"budgets": terms, **counts, **work}, status, said)
+
+
+def _said(values: Mapping[str, float | None]) -> dict[str, float | None]:
+    """The values without a traction coefficient along y that is zero: most contacts have the symmetry."""
+    return {name: value for name, value in values.items() if value or name != "mu_sliding_y"}
 
 
 def _rolling_summary(
@@ -158,9 +172,8 @@ def _with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
     """A rolling contact's summary with its values in SI; approach_m is Delta, delta_m that of the dry contact."""
     if case.scales is None:
         return dict(content)
-    values = {
-        key: content[key] for key in content if key.startswith(variables.FILMS) or key in ("T", *variables.MEASURED)
-    }
+    names = ("T", *variables.MEASURED, *variables.FRICTION)
+    values = {key: content[key] for key in content if key.startswith(variables.FILMS) or key in names}
     approach = variables.in_si({"Delta": values.pop("Delta")}, case.scales)["delta_m"]
     si: dict[str, Any] = {**scales_of(case), "approach_m": approach, **variables.in_si(values, case.scales)}
     return {**content, "si": {**si, **_parts_in_si(case, content)}}
@@ -179,18 +192,15 @@ def attributes(summary: Mapping[str, Any]) -> dict[str, str | int | float]:
     return {key: value for key, value in {**summary, **found}.items() if isinstance(value, str | int | float)}
 
 
-def si_summary(case: Case, max_approach: Mapping[str, float] | None) -> dict[str, object] | None:
+def si_summary(case: Case, max_approach: Mapping[str, float | None] | None) -> dict[str, object] | None:
     """An impact's summary in SI: the scales and the values at maximum approach; None for a dimensionless case.
 
-    Names end with their unit: t_s, delta_m, f_N, p_c_Pa, p_max_Pa, h_c_m, h_min_m, x_min_m, y_min_m.
+    Names end with their unit: t_s, delta_m, f_N, p_c_Pa, p_max_Pa, h_c_m, h_min_m, x_min_m, y_min_m, power_loss_W; the
+    coefficients mu_sliding and mu_rolling have none.
     """
     if case.scales is None:
         return None
-    values = (
-        None
-        if max_approach is None
-        else variables.in_si({key: max_approach[key] for key in variables.AT_MAXIMUM}, case.scales)
-    )
+    values = None if max_approach is None else variables.in_si(max_approach, case.scales)
     return {**scales_of(case), "max_approach": values}
 
 

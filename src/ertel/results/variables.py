@@ -64,6 +64,14 @@ def _oil_flow(long_name: str, symbol: str, si_name: str, comment: str = "") -> V
     return Variable(long_name, symbol, "rho0 a*^4/(R t0)", "oil_flow", si_name, "m3/s", comment=comment)
 
 
+def _coefficient(long_name: str, name: str, comment: str) -> Variable:
+    return Variable(long_name, name, "a*/R", "a_over_R", name, "1", comment=comment)
+
+
+def _shear(long_name: str, name: str) -> Variable:
+    return Variable(long_name, name, "p_h* a*/R", "shear_stress", name, "Pa")
+
+
 def _time(long_name: str, symbol: str) -> Variable:
     return Variable(long_name, symbol, "t0", "t0", symbol.replace("T", "t"), "s")
 
@@ -91,6 +99,14 @@ BUDGET: Mapping[str, Variable] = {  # the terms of the budgets, see `model.budge
     "power_to_surfaces": _power("power given back where the gap opens", "S_out", "power_to_surfaces"),
     "outside_power": _power("power that goes to the oil outside the grid", "W_out", "outside_power"),
 }
+PUSHED = "the force of surface 1 on surface 2 over the load of the film, positive along X"
+RESISTANCE = "(1/2) double integral of H dP/dX over the load of the film, positive against motion along X"
+FRICTION: Mapping[str, Variable] = {  # see `model.friction`
+    "mu_sliding": _coefficient("traction coefficient", "mu_sliding", PUSHED),
+    "mu_sliding_y": _coefficient("traction coefficient along y", "mu_sliding_y", PUSHED.replace("X", "Y")),
+    "mu_rolling": _coefficient("rolling resistance coefficient of each surface", "mu_rolling", RESISTANCE),
+    "power_loss": _power("power loss", "power_loss", "power_loss", "heat of sliding and of the pressure-driven flow"),
+}
 SCALARS: Mapping[str, Variable] = {
     "dT": _time("time step", "dT"),
     "Delta": _film("mutual approach of the bodies", "Delta", "delta"),
@@ -106,6 +122,7 @@ SCALARS: Mapping[str, Variable] = {
     "X_min": _length("place of the minimum film thickness along x", "X_min", RING),
     "Y_min": _length("place of the minimum film thickness along y", "Y_min", RING),
     **BUDGET,
+    **FRICTION,
     "U": Variable("entrainment", "U", "a*/t0", "front_speed", "u_m", "m/s"),
     "w": Variable("applied load", "w", "F*", "load", "w", "N"),
     "error": Variable("local time error of the step", "error", "time.tolerance"),
@@ -117,6 +134,9 @@ SCALARS: Mapping[str, Variable] = {
 FIELDS: Mapping[str, Variable] = {
     "P": _pressure("pressure", "P"),
     "H": _film("film thickness", "H", "h"),
+    "tau_x": _shear("shear stress in the middle of the film along x", "tau_x"),
+    "tau_y": _shear("shear stress in the middle of the film along y", "tau_y"),
+    "loss": Variable("power loss per area", "q", "p_h* a*^2/(R t0)", "power_per_area", "loss", "W/m2"),
 }
 OF_A_GRID: Mapping[str, Variable] = {  # of a steady contact, with some of the scalars
     "load": Variable("load carried by the film", "integral of P", "a*^2 p_h*", "force", "load", "N"),
@@ -173,6 +193,8 @@ def exponent(size: float) -> int:
 
 def with_prefix(value: float, unit: str) -> str:
     """A value in SI for reading: 1.4e9, "Pa" is "1.4 GPa"."""
+    if unit == "1":
+        return f"{value:.4g}"
     power = 0 if "/" in unit else exponent(abs(value))
     return f"{value / 10**power:.4g} {PREFIXES[power]}{unit}"
 
@@ -186,8 +208,11 @@ def in_si(values: Mapping[str, float | None], scales: Scales) -> dict[str, float
     for name, value in values.items():
         base = name.removesuffix("_error").removesuffix("_extrapolated")
         variable = VARIABLES["time" if base == "T" else base]
-        unit = variable.si_units.replace("/", "_per_")
-        found[f"{variable.si_name}{name.removeprefix(base)}_{unit}"] = (
-            None if value is None else value * variable.factor(scales)
-        )
+        found[key_in_si(variable, name.removeprefix(base))] = None if value is None else value * variable.factor(scales)
     return found
+
+
+def key_in_si(variable: Variable, what: str = "") -> str:
+    """The name of a value in SI: h_c_m, or h_c_error_m of its error; of a coefficient without a unit."""
+    unit = "" if variable.si_units == "1" else "_" + variable.si_units.replace("/", "_per_")
+    return f"{variable.si_name}{what}{unit}"

@@ -12,6 +12,7 @@ from contextlib import suppress
 
 from ertel.model import discretise
 from ertel.model.case import Case
+from ertel.results.variables import FIELDS
 from ertel.runs import compiling
 
 BASE = 0.55e9  # Python, JAX and the compiler
@@ -31,9 +32,8 @@ def needed(case: Case) -> float:
 
 def _maps(case: Case) -> float:
     """The number of maps that are stored, approximately; the summary reads all of them."""
-    if case.is_steady:
-        return 2.0
-    return 2.0 * (case.schedule.duration / case.schedule.interval + 2)
+    moments = 1 if case.is_steady else case.schedule.duration / case.schedule.interval + 2
+    return len(FIELDS) * moments
 
 
 def available() -> float:

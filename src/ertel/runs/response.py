@@ -32,7 +32,7 @@ from ertel.physics.units import plain
 from ertel.results.dataset import assemble_steady
 from ertel.runs.courses import METHODS, ImpactCourse
 from ertel.runs.drive import Gathering, Observer, drive
-from ertel.runs.stepping import Frame, Step, turning_time
+from ertel.runs.stepping import Step, frame_of, turning_time
 from ertel.solvers import harmonic, steady, tangent
 from ertel.solvers.harmonic import Wave
 from ertel.solvers.transient import Transient2D
@@ -175,7 +175,7 @@ def _assemble(
     levels = last.state.levels
     T = turning_time(levels) if status.ok else levels[0].T
     peak = interpolated(levels, T)
-    frame = Frame(T, {name: np.asarray(method.whole(f)) for name, f in peak.fields.items()}, "max-approach")
+    frame = frame_of(method, peak, "max-approach")
     data = gathering.course.dataset(gathering.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ertel.model.case import Case
+from ertel.model.friction import coefficients
 from ertel.model.state import Method, State, Work, combined, interpolated
 from ertel.model.status import Status
 from ertel.numerics import bdf
-from ertel.results.dataset import EVERY_FIELD
+from ertel.results.dataset import whole_maps
 
 UNLOADED = 1e-8  # F below which the ball has left
 SAME_TIME = 1e-9  # t0: two maps closer than this are one
@@ -45,16 +46,6 @@ class Frame(NamedTuple):
     T: float
     fields: Mapping[str, NDArray[np.float64]]
     event: str
-
-    @property
-    def P(self) -> NDArray[np.float64]:
-        """The pressure."""
-        return self.fields["P"]
-
-    @property
-    def H(self) -> NDArray[np.float64]:
-        """The film thickness."""
-        return self.fields["H"]
 
 
 @dataclass(frozen=True)
@@ -179,11 +170,12 @@ def _accept(
     reached = state.max_approach
     if case.starts_apart and reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
         peak = interpolated(levels, turning_time(levels))
-        reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak)}
-        frames.append(_frame(method, peak, "max-approach"))
+        friction = method.friction(peak)
+        reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak), **coefficients(friction)}
+        frames.append(Frame(peak.T, whole_maps(method, peak.P, peak.H, friction), "max-approach"))
     status = Status.CONVERGED if _ended(case, new, measured["F"], reached) else Status.RUNNING
     if status is Status.CONVERGED and case.schedule.until != "max-approach":
-        frames.append(_frame(method, new, "end"))
+        frames.append(frame_of(method, new, "end"))
     spent = counts.minus(state.counts)
     record = {
         "T": new.T,
@@ -191,7 +183,7 @@ def _accept(
         "Delta": new.approach,
         "V": new.velocity,
         **measured,
-        **method.budget(levels),
+        **method.account(levels),
         "U": case.motion.entrainment(new.T),
         "w": case.motion.load(new.T),
         "error": error,
@@ -233,7 +225,7 @@ def _due_frames(case: Case, method: Method, levels: Sequence[State], number: int
     """The maps since the previous step, at multiples of the interval."""
     frames = []
     while number * case.schedule.interval <= levels[0].T:
-        frames.append(_frame(method, interpolated(levels, number * case.schedule.interval), ""))
+        frames.append(frame_of(method, interpolated(levels, number * case.schedule.interval), ""))
         number += 1
     return frames, number
 
@@ -245,5 +237,6 @@ def _each_time_once(frames: Sequence[Frame]) -> tuple[Frame, ...]:
     return tuple(sorted(kept, key=lambda frame: frame.T))
 
 
-def _frame(method: Method, level: State, event: str) -> Frame:
-    return Frame(level.T, {name: np.asarray(method.whole(level.fields[name])) for name in EVERY_FIELD}, event)
+def frame_of(method: Method, level: State, event: str) -> Frame:
+    """The maps of a level."""
+    return Frame(level.T, whole_maps(method, level.P, level.H, method.friction(level)), event)

@@ -20,8 +20,9 @@ from scipy.special import ellipe, ellipkm1
 
 from ertel.model import budget, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
-from ertel.model.budget import Around, Film
+from ertel.model.budget import Account, Around, Film
 from ertel.model.case import Case
+from ertel.model.friction import ANY_SIZE, Friction, coefficients
 from ertel.model.outside import Surroundings
 from ertel.model.pytrees import traceable
 from ertel.model.state import Method, State, Stepping, Work
@@ -294,17 +295,23 @@ class RadialImpact(Method):
         peak = {"P_max": float(P[i]), "X_P_max": float(r[i]), "Y_P_max": 0.0, "P_fall": float(fall)}
         return {"F": F, "P_c": float(P[0]), **peak, **films}
 
-    def budget(self, levels: Sequence[State]) -> dict[str, float]:
-        """See `Method.budget`."""
+    def account(self, levels: Sequence[State]) -> dict[str, float]:
+        """See `Method.account`."""
         new, *past = levels
         rates = bdf.derivative_weights([level.T for level in levels])
         eq = self.equations(past, rates, ClosureLine(1.0, 0.0, new.approach))
-        found = _integrals_program(self.disc, eq, new.P, new.H, new.approach)
+        found: Account = _program(self.disc, eq, new.P, new.H, new.approach)
         rate = float(rates @ [self.load(level.P) for level in levels])
         around = Around(new.outside, self.surroundings(past, new.T).uplift, rate)
-        return budget.terms(found, new.velocity, around, CIRCLE.hertz_load)
+        return budget.terms(found.terms, new.velocity, around, CIRCLE.hertz_load) | coefficients(found.friction)
 
-    def whole(self, field: Array) -> Array:
+    def friction(self, level: State) -> Friction:
+        """See `Method.friction`: by the program of the account, as if the film did not change."""
+        eq = self.equations([level], np.zeros(2), ClosureLine(1.0, 0.0, level.approach))
+        found: Account = _program(self.disc, eq, level.P, level.H, level.approach)
+        return found.friction
+
+    def whole(self, field: Array, odd: bool = False) -> Array:
         """The field itself."""
         return field
 
@@ -319,15 +326,18 @@ class RadialImpact(Method):
         return float(np.sqrt(pressed @ difference**2 / max(pressed.sum(), np.finfo(float).tiny)))
 
 
-def _integrals(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> dict[str, Array]:
-    """The terms of the budgets after a step."""
+def _account(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> Account:
+    """The account after a step.  Nothing slides and nothing rolls."""
     eps, _ = eq.flow.mobility(eq.oil.density(P), eq.oil.viscosity(P), H, eq.lambda_bar)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     heat = disc.of_slopes(Pair(eps), P, eq.oil.enthalpy(P))
-    return budget.integrals(disc, eq.oil, Film(P, H, Pair(eps), heat, deformation, residual(eq, P, H), 0.0, 0.0))
+    film = Film(P, H, Pair(eps), heat, deformation, residual(eq, P, H), 0.0, 0.0)
+    stress, force = jnp.zeros((2, *P.shape)), jnp.zeros(2)
+    friction = Friction(stress, heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
+    return Account(budget.integrals(disc, eq.oil, film), friction)
 
 
-_integrals_program = Program(jax.jit(_integrals), budget.ANY_SIZE)
+_program = Program(jax.jit(_account), ANY_SIZE)
 
 
 def predicted_pressure(levels: Sequence[State], T: float) -> Array:

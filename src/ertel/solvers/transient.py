@@ -14,10 +14,11 @@ from jax.tree_util import register_dataclass
 
 from ertel.model import budget, contact, discretise, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
-from ertel.model.budget import Around
+from ertel.model.budget import Account, Around, Moment
 from ertel.model.case import Case
 from ertel.model.contact import Contact
 from ertel.model.flow import Flow, rate_in_time
+from ertel.model.friction import ANY_SIZE, Friction, coefficients
 from ertel.model.measure import measure
 from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
@@ -198,31 +199,40 @@ class Transient2D(Method):
                 values |= {X: float(np.hypot(values[X], values[Y])), Y: 0.0}
         return values
 
-    def budget(self, levels: Sequence[State]) -> dict[str, float]:
-        """See `Method.budget`."""
+    def account(self, levels: Sequence[State]) -> dict[str, float]:
+        """See `Method.account`."""
         new, *past = levels
         times, scale = [level.T for level in past], self.geometry.hertz_load
         rates = bdf.derivative_weights([new.T, *times[:2]])
         masses = stacked([new, *padded(past)[:2]])["mass"]
         flow = self.flow(new.T, [*times, times[-1]][:2])
-        gap_change = discretise.gap_change(self.case, self.grid, new.T)
-        sliding = self.case.motion.slide_to_roll * self.case.motion.entrainment(new.T)
-        c = self.contact_at(new.T)
-        found = _integrals_program(
-            self.space, c, new.P, new.H, new.approach, masses, _pad(rates), flow, sliding, gap_change
-        )
+        found = self._account(new, masses, _pad(rates), flow)
         loads = [self.carried(level) * scale - level.outside for level in levels]
-        beyond = self.carried(new) * scale - float(found["load"])  # half a cell around the grid counts as outside
+        beyond = self.carried(new) * scale - float(found.terms["load"])  # half a cell around the grid counts as outside
         around = Around(beyond, self.outside.at(self.motion(past, new.T)).uplift, float(rates @ loads))
-        return budget.terms(found, new.velocity, around, scale)
+        return budget.terms(found.terms, new.velocity, around, scale) | coefficients(found.friction)
+
+    def friction(self, level: State) -> Friction:
+        """See `Method.friction`: by the program of the account, as if the film did not change."""
+        masses = jnp.stack([level.fields["mass"]] * 3)
+        return self._account(level, masses, np.zeros(3), self.flow(level.T, [level.T] * 2)).friction
+
+    def _account(self, level: State, masses: Array, rates: Weights, flow: Flow | None) -> Account:
+        case, T = self.case, level.T
+        U = 0.0 if flow is None else flow.entrainment
+        gap_change = discretise.gap_change(case, self.grid, T)
+        loaded = self.carried(level), self.geometry.hertz_load
+        moment = Moment(level.approach, U, case.motion.sliding(T), gap_change, *loaded)
+        found: Account = _program(self.space, self.contact_at(T), level.P, level.H, moment, masses, rates, flow)
+        return found
 
     def carried(self, level: State) -> float:
         """F, with the load of the oil outside, in units of Hertz' load."""
         return (float(contact.load(self.contact, level.P)) + level.outside) / self.geometry.hertz_load
 
-    def whole(self, field: Array) -> Array:
+    def whole(self, field: Array, odd: bool = False) -> Array:
         """A field of a level on the whole plane."""
-        return unfolded(np.asarray(field), self.grid.even)  # type: ignore[arg-type]
+        return unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
 
     def error(self, new: State, predicted: Mapping[str, Array]) -> float:
         """That of the mass, in units of film: unlike H it is free of what Newton's iteration leaves over."""
@@ -286,23 +296,12 @@ def solve_step(p: StepProblem) -> StepSolution:
 _step_program = Program(solve_step)
 
 
-def _integrals(
-    space: Plane,
-    c: Contact,
-    P: Array,
-    H: Array,
-    approach: float,
-    masses: Array,
-    rates: Weights,
-    flow: Flow | None,
-    sliding: float,
-    gap_change: Array,
-) -> dict[str, Array]:
-    """The terms of the budgets after a step.  masses: at the new time and the last two, shape (3, n, n)."""
+def _account(
+    space: Plane, c: Contact, P: Array, H: Array, m: Moment, masses: Array, rates: Weights, flow: Flow | None
+) -> Account:
+    """The account after a step.  masses: at the new time and the last two, shape (3, n, n)."""
     change = rate_in_time(rates, masses[1:], flow, c.spacing).of(masses[0], c.spacing)
-    U = 0.0 if flow is None else flow.entrainment
-    heat = c.flow.drag(c, P, H, sliding, space).heat
-    return budget.integrals(space, c.lubricant, budget.film_of(c, P, H, heat, approach, change, U, gap_change))
+    return budget.account(space, c, P, H, m, change)
 
 
-_integrals_program = Program(jax.jit(_integrals), budget.ANY_SIZE)
+_program = Program(jax.jit(_account), ANY_SIZE)
