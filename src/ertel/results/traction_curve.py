@@ -42,7 +42,7 @@ AXES: Mapping[str, Axis] = {
 }
 SHOWN = ("mu_sliding", "mu_rolling", "mu_1", "power_loss", "H_c", "H_min", "tau_max")  # in a table
 WORK = ("newton_iterations", "krylov_iterations", "convolutions")
-NUMBERS = (*SHOWN, "mu_2", "P_max", *WORK)
+NUMBERS = (*SHOWN, "mu_2", "mu_sliding_y", "P_max", *WORK)
 VARIABLES: Mapping[str, Variable] = {
     **variables.VARIABLES,
     "mu_1": Variable("resistance of surface 1, mu + mu_r", "mu_1", "a/R", "a_over_R", "mu_1", "1"),

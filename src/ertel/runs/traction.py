@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-import jax
 import numpy as np
 
 from ertel.inputs.ranges import Given
@@ -71,17 +70,16 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
     fresh: whether the film was solved for this point, so that its work counts here.
     """
     grids = Rolling(film.solutions)
-    found = jax.device_get(friction.steady(case, grids.finest))
-    sliding, rolling = float(found.sliding[0]), float(found.rolling[0])
+    found = friction.steady(case, grids.finest)
+    numbers = friction.coefficients(found)
+    sliding, rolling = numbers["mu_sliding"], numbers["mu_rolling"]
     work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), grids.convolutions
     values = {
         **grids.finest.measure(),
-        "mu_sliding": sliding,
-        "mu_rolling": rolling,
+        **numbers,
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
-        "power_loss": float(found.power),
-        "tau_max": float(np.hypot(*found.stress).max()),
+        "tau_max": float(np.hypot(*np.asarray(found.stress)).max()),
         **dict(zip(WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
     return point(case, values, film.status, diagnostics.steady_warnings(case, film.solutions))
