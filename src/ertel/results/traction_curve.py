@@ -1,107 +1,24 @@
-"""A traction curve: the friction of a steady contact against the slide-to-roll ratio, the speed or the load.
+"""A traction curve: the friction of a steady contact against the slide-to-roll ratio, the speed or the load."""
 
-The curve of a physical case is in SI.  That of a dimensionless case is in the units of the case; its traction
-coefficients are multiples of a/R, a number that such a case does not have.
-"""
-
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from ertel.model.case import Case
-from ertel.model.status import Status
-from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
-from ertel.results import html, variables
-from ertel.results.provenance import provenance
-from ertel.results.variables import PREFIXES, Variable, exponent
+from ertel.results import html
+from ertel.results.curve_points import AXES, SHOWN, largest_of, shown_name
+from ertel.results.variables import PREFIXES, exponent
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
-Point = Mapping[str, Any]  # of a curve, see `point`
-
-
-class Axis(NamedTuple):
-    """What varies along a curve: its name in words, its symbol and unit, and what its values must be."""
-
-    long_name: str
-    symbol: str
-    unit: str
-    mark: Mark
-
-
-AXES: Mapping[str, Axis] = {
-    "slide_to_roll": Axis("slide-to-roll ratio", "S", "", FINITE),
-    "mean_speed": Axis("mean speed", "u_m", "m/s", VELOCITY),
-    "load": Axis("load", "F", "N", LOAD),
-}
-SHOWN = ("mu_sliding", "mu_rolling", "mu_1", "power_loss", "H_c", "H_min", "tau_max")  # in a table
-WORK = ("newton_iterations", "krylov_iterations", "convolutions")
-NUMBERS = (*SHOWN, "mu_2", "mu_sliding_y", "P_max", *WORK)
-VARIABLES: Mapping[str, Variable] = {
-    **variables.VARIABLES,
-    "mu_1": Variable("resistance of surface 1, mu + mu_r", "mu_1", "a/R", "a_over_R", "mu_1", "1"),
-    "mu_2": Variable("resistance of surface 2, mu_r - mu", "mu_2", "a/R", "a_over_R", "mu_2", "1"),
-    "tau_max": Variable("maximum shear stress", "tau_max", "p_h a/R", "shear_stress", "tau_max", "Pa"),
-}
 HEADS = {"mu_sliding": "mu", "mu_rolling": "mu_r", "power_loss": "loss"}  # of a table, where names are long
 LARGEST_TRACTION = 0.15  # far above what the limiting shear stress of oils lets through, 0.03 to 0.1
-
-
-# -- points -----------------------------------------------------------------------------------------------------------
-
-
-def point(case: Case, values: Mapping[str, float], status: Status, warnings: Sequence[str]) -> Point:
-    """A point of a curve as plain data, in SI where the case is physical.
-
-    values: `NUMBERS` by name, dimensionless.  Where the film did not converge there are none: each is None.
-    """
-    numbers = {name: values[name] * _factor(case, name) if status.ok else None for name in NUMBERS}
-    return {**numbers, "status": status.value, "warnings": list(warnings)}
-
-
-def _factor(case: Case, name: str) -> float:
-    """What 1 is in SI; 1 where the case or the variable is dimensionless."""
-    variable = VARIABLES[name]
-    return variable.factor(case.scales) if case.scales and variable.scale else 1.0
-
-
-def assemble(case: Case, axis: str, values: Sequence[float], points: Sequence[Point], film: str) -> xr.Dataset:
-    """The points as a Dataset over what varies; in SI under SI names (h_c for H_c) where the case is physical.
-
-    values: along the axis, of the curve; the points are the first ones of them.  film: see `ertel.traction`.
-    """
-    found: dict[str, Any] = {}
-    for name in NUMBERS:
-        numbers = np.array([p[name] for p in points], dtype=float)  # None becomes nan
-        found[shown_name(case.scales is not None, name)] = (axis, numbers, _attributes(case, VARIABLES[name]))
-    found["status"] = (axis, np.array([p["status"] for p in points], dtype=str), {"long_name": "how it ended"})
-    along = AXES[axis]
-    about = {"long_name": along.long_name, "symbol": along.symbol, "units": along.unit or "1"}
-    coordinate = (axis, np.array(values[: len(points)], dtype=float), about)
-    return xr.Dataset(found, {axis: coordinate}, {**provenance(case), "varies": axis, "film": film})
-
-
-def shown_name(physical: bool, name: str) -> str:
-    """The name of a variable in a curve: that in SI, or the dimensionless one."""
-    return (physical and VARIABLES[name].si_name) or name
-
-
-def _attributes(case: Case, variable: Variable) -> dict[str, str]:
-    comment = {"comment": variable.comment} if variable.comment else {}
-    if case.scales:
-        symbol = variable.si_name or variable.symbol
-        return {"long_name": variable.long_name, "symbol": symbol, "units": variable.si_units or "1", **comment}
-    unit = {"in_units_of": variable.unit} if variable.unit != "1" else {}
-    return {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1", **unit, **comment}
-
-
-# -- the curve --------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -221,11 +138,6 @@ class TractionCurve:
         remarks = "".join(f"<div>{escape(line)}</div>" for line in self.remarks)
         picture = html.image(self.plot(), "traction curve") if rows else ""
         return f"<div><b>{escape(self.heading)}</b>{table}{remarks}</div>{picture}"
-
-
-def largest_of(values: xr.DataArray) -> float:
-    """The largest size of the values that are there."""
-    return float(np.abs(np.nan_to_num(values.values)).max(initial=0.0))
 
 
 def _column(head: str, values: xr.DataArray) -> list[str]:

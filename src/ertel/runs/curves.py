@@ -17,7 +17,7 @@ from ertel.inputs.ranges import Given, parse_values
 from ertel.model.case import Case
 from ertel.model.records import show
 from ertel.model.sections import Drive
-from ertel.results.traction_curve import AXES
+from ertel.results.curve_points import AXES
 
 Film = Literal["each", "once"]
 

@@ -15,7 +15,8 @@ from ertel.model.case import Case
 from ertel.model.state import Rolling
 from ertel.model.status import Status
 from ertel.results import diagnostics
-from ertel.results.traction_curve import WORK, Point, TractionCurve, assemble, point
+from ertel.results.curve_points import WORK, Point, assemble, point
+from ertel.results.traction_curve import TractionCurve
 from ertel.runs import compiling
 from ertel.runs.courses import GridStep, SteadyCourse
 from ertel.runs.curves import Curve, Film, curve_of

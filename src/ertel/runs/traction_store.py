@@ -17,7 +17,8 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from ertel.results.traction_curve import Point, TractionCurve
+from ertel.results.curve_points import Point
+from ertel.results.traction_curve import TractionCurve
 from ertel.runs import directories
 from ertel.runs.curves import Curve
 from ertel.runs.directories import Taken

@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ertel.results.curve_points import largest_of, shown_name
 from ertel.results.kinds import KINDS
 from ertel.results.plots import stored
 from ertel.results.plots.drawing import BLUE, GREEN, ORANGE, PURPLE, UNITS, NoFigure, Panel, Scale, compose, mathtext
-from ertel.results.traction_curve import largest_of, shown_name
 from ertel.results.variables import PREFIXES, exponent, with_prefix
 
 PANELS: Mapping[str, Mapping[str, str]] = {  # title: variables with their colours
