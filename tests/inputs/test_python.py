@@ -36,6 +36,7 @@ def test_keywords_are_the_keys_of_case_files(function, kind):
     expected = names(Conditions) - {"kind"} - set(FOREIGN[kind]) | names(Solver) | time | names(Output)
     if kind == "rolling":
         expected -= {"start_approach"}  # of an impact
+        expected |= {"thermal"}  # of a steady contact
     parameters = inspect.signature(function).parameters
     assert set(parameters) == expected | {
         "oil",

@@ -12,6 +12,7 @@ import pytest
 from ertel.inputs.schema import NAMED, case_file, keys_of
 from ertel.model.conditions import Conditions
 from ertel.model.sections import Drive, Output, Solver, Time
+from ertel.model.thermal import Thermal
 from ertel.physics.lubricant import Oil
 from ertel.physics.surfaces import RingWaviness, Spot, Waviness
 
@@ -27,6 +28,7 @@ SECTIONS: Mapping[str, Any] = {  # as the table calls them: the record, and keys
     "spot:": (Spot, ()),
     "[time]": (Time, ()),
     "[output]": (Output, ()),
+    "[thermal]": (Thermal, ()),
     "(top)": (None, ("name", "schema")),
 }
 SAME_SECTION = ("", "impact:", "rolling:")

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
 from ertel.model.sections import SOLVERS, Drive, Output, Solver, Time
+from ertel.model.thermal import Thermal
 from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Isoviscous, Oil, Roelands
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, Signal, constant
 from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
@@ -89,6 +90,12 @@ OILS = st.builds(
     z=st.one_of(st.none(), sizes(0.1, 1.0)),
     reference=st.sampled_from(["", "a data sheet"]),
 )
+THERMALS = st.builds(
+    Thermal,
+    *[sizes(250.0, 450.0), sizes(0.1, 0.2), sizes(0.01, 0.1), *[sizes()] * 6],
+    *[st.one_of(st.none(), sizes(250.0, 450.0))] * 2,
+    inlet_factor=st.sampled_from(["wilson-sheu", "none"]),
+)
 THIN_OILS = st.builds(Oil, viscosity=st.sampled_from(["isoviscous", Isoviscous()]), density=st.just("incompressible"))
 
 
@@ -160,6 +167,7 @@ def cases(draw: st.DrawFn) -> Case:
         draw(times(kind, physical, drive)) if timed else None,
         draw(st.one_of(st.none(), st.builds(Output, amounts(physical, sizes(2.0), "s")))) if timed else None,
         draw(st.sampled_from(["", "a name"])),
+        draw(st.one_of(st.none(), THERMALS)) if physical and not timed else None,
     )
 
 

@@ -8,9 +8,12 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_bvp
 
-from ertel.physics.flash import flash_temperature, moving_source_weights, partition, peclet_number, response
+from ertel.physics.flash import AT_REST, flash_temperature, moving_source_weights, peclet_number, response
+from ertel.physics.lubricant import Roelands, roelands_exponent
 from ertel.physics.thermal import (
     INLET_FACTORS,
+    Exponential,
+    Houpert,
     Solid,
     gupta_factor,
     mean_rise,
@@ -38,10 +41,12 @@ def test_inlet_factor_of_gupta(L_t: float, factors: tuple) -> None:
 
 
 def test_inlet_factors_by_name() -> None:
-    assert set(INLET_FACTORS) == {"gupta", "wilson-sheu"}
+    assert set(INLET_FACTORS) == {"gupta", "wilson-sheu", "none"}
     assert INLET_FACTORS["gupta"].formula(1.0, 0.2, 0.002) == gupta_factor(1.0, 0.2, 0.002)
     assert INLET_FACTORS["wilson-sheu"].formula(1.0, 0.2, 0.002) == wilson_sheu_factor(1.0, 0.2)
-    for factor in INLET_FACTORS.values():
+    assert INLET_FACTORS["none"].formula(50.0, 2.0, 0.01) == 1.0
+    for name in ("gupta", "wilson-sheu"):
+        factor = INLET_FACTORS[name]
         assert factor.formula(0.0, 0.5, 0.002) == 1.0
         falling = [factor.formula(L_t, 0.5, 0.002) for L_t in (0.01, 0.1, 1.0, factor.largest_L_t)]
         assert falling == sorted(falling, reverse=True) and falling[-1] > 0
@@ -60,6 +65,39 @@ def test_thermal_loading() -> None:
 def test_impossible_inlets(bad: dict) -> None:
     with pytest.raises(ValueError, match=rf"^{next(iter(bad))} = .*must be finite and not below zero"):
         gupta_factor(**{"L_t": 1.0, "slide_to_roll": 0.1, "p_h_over_E": 0.002, **bad})
+
+
+# -- the viscosity of the warm oil ------------------------------------------------------------------------------------
+
+
+def roelands_houpert(p: float, T: float, eta0: float, alpha: float, beta: float, T0: float) -> float:
+    """ln eta by Houpert 1985: (ln eta0 + 9.67) {-1 + (1 + p/1.96e8)^z [(T - 138)/(T0 - 138)]^-S0} more than ln eta0."""
+    Y = log(eta0) + 9.67
+    z, S0 = 1.96e8 * alpha / Y, beta * (T0 - 138) / Y
+    return log(eta0) + Y * (-1 + (1 + p / 1.96e8) ** z * ((T - 138) / (T0 - 138)) ** -S0)
+
+
+@pytest.mark.parametrize("T", [300.0, 340.0, 420.0])
+@pytest.mark.parametrize("p", [0.0, 0.5e9, 1.5e9])
+def test_houperts_law_for_roelands_oil(p: float, T: float) -> None:
+    eta0, alpha, beta, T0 = 0.04, 2.2e-8, 0.045, 313.0
+    at_inlet = log(Roelands(alpha, roelands_exponent(alpha, eta0)).viscosity(p))
+    found = log(eta0) + at_inlet + Houpert.of(eta0, beta, T0).change(at_inlet, T - T0)
+    assert found == pytest.approx(roelands_houpert(p, T, eta0, alpha, beta, T0), rel=1e-12)
+
+
+def test_the_coefficient_of_temperature_grows_with_the_logarithm_of_the_viscosity() -> None:
+    law, beta, eta0 = Houpert.of(0.04, 0.045, 313.0), 0.045, 0.04
+    for log_ratio in (0.0, 10.0, 20.0):
+        slope = -(law.change(log_ratio, 1e-4) - law.change(log_ratio, -1e-4)) / 2e-4
+        assert slope == pytest.approx(beta * (log(eta0) + 9.67 + log_ratio) / (log(eta0) + 9.67), rel=1e-6)
+    assert Exponential.of(0.04, 0.045, 313.0).change(20.0, 10.0) == pytest.approx(-0.45)
+
+
+@pytest.mark.parametrize(("bad", "said"), [((6e-5, 0.04, 313.0), "eta0 = 6e-05"), ((0.04, 0.04, 138.0), "temperature")])
+def test_where_houperts_law_has_no_meaning(bad: tuple[float, float, float], said: str) -> None:
+    with pytest.raises(ValueError, match=f"^{said}.*: Houpert's law needs"):
+        Houpert.of(*bad)
 
 
 # -- the film ---------------------------------------------------------------------------------------------------------
@@ -155,31 +193,11 @@ def test_peclet_number_of_the_worked_example() -> None:
     assert peclet_number(STEEL, -0.5, 140e-6) == pytest.approx(0.5 * 140e-6 * 7850 * 460 / 94)
 
 
-def test_equal_surfaces_take_half_each() -> None:
-    heat, film = np.ones((2, 20)), np.full((2, 20), 1e-7)
-    into = response(STEEL, 1.0, 20, 1e-5)
-    first, second = partition(heat, film, 0.14, into, into)
-    assert_allclose(first, 0.5)
-    assert_allclose(second, 0.5)
-
-
-@pytest.mark.parametrize("speed", [1.0, -1.0])
-def test_partition_satisfies_its_equations(speed: float) -> None:
-    draw = np.random.default_rng(5)
-    heat, film = draw.uniform(1e8, 1e9, (3, 30)), draw.uniform(5e-8, 5e-7, (3, 30))
-    into_1, into_2 = response(STEEL, 0.7, 30, 1e-5), response(GLASS, speed, 30, 1e-5)
-    first, second = partition(heat, film, 0.14, into_1, into_2)
-    T1, T2 = first @ into_1.T, second @ into_2.T
-    assert_allclose(first + second, heat, rtol=1e-13)
-    assert_allclose(first, heat / 2 + 0.14 * (T2 - T1) / film, rtol=1e-8)
-
-
-def test_thin_films_leave_the_partition_to_the_solids() -> None:
-    """h -> 0: both surfaces have one temperature, and uniform heat is shared by the effusivities."""
-    heat, film = np.full((1, 200), 1e8), np.full((1, 200), 1e-12)
-    slow, fast = response(STEEL, 1.0, 200, 1e-6), response(STEEL, 4.0, 200, 1e-6)
-    first, second = partition(heat, film, 0.14, slow, fast)
-    assert_allclose(second / first, 2.0, rtol=1e-4)
+def test_as_hot_at_rest_as_by_the_formula() -> None:
+    """Uniform heat q on a circle: q a/k in the middle of a surface at rest; at AT_REST the moving one gets as hot."""
+    a, q = 140e-6, 1e7
+    speed = AT_REST * 2 * STEEL.conductivity / (a * STEEL.density * STEEL.heat_capacity)
+    assert closed_uniform(q, 2 * a, speed) == pytest.approx(q * a / STEEL.conductivity)
 
 
 def test_effusivity() -> None:

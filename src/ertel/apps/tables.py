@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ertel.apps.output import printable
-from ertel.results.key_numbers import budget_lines, extreme_lines
+from ertel.results.key_numbers import more_lines
 from ertel.results.kinds import KINDS, Errors
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
         out.print(f"The largest error is {said}.")
     if summary.get("restitution") is not None:
         out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
-    for line in (*extreme_lines(summary), *budget_lines(summary)):
+    for line in more_lines(summary):
         out.print(f"{line[0].upper()}{line[1:]}")
     if values:
         _print_formulas(out, case, values, errors)

@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from ertel.inputs.heat import with_thermal_data
 from ertel.inputs.messages import ConfigError, message
 from ertel.inputs.names import without_names
 from ertel.inputs.schema import case_file, keys_of, plain, section_of
@@ -47,7 +48,7 @@ def parse_case(data: Mapping[str, object]) -> Case:
     if "contact" not in data:
         keys = ", ".join(keys_of(section_of(Conditions)))
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
-    data = without_names(data)
+    data = without_names(with_thermal_data(data))
     try:
         read = plain(case_file().model_validate(data))
     except ValidationError as error:

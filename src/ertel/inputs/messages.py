@@ -28,7 +28,7 @@ NOT_THERE = {
     "carreau": THINNING,
     "friction": "ertel does not compute friction",
     "spin": "ertel does not know spin; the surfaces move along x",
-    "thermal": "ertel is isothermal; give eta0 and alpha at the temperature of the inlet",
+    "beta": "the data for temperatures are in the section [thermal]",
     "starvation": "ertel's contacts are fully flooded",
 }
 

@@ -18,6 +18,7 @@ from ertel.model.case import Case
 from ertel.model.conditions import Conditions
 from ertel.model.records import checked, law_data, oil_data, show
 from ertel.model.sections import Output, Solver, Time
+from ertel.model.thermal import Thermal
 from ertel.physics import lubricant
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
@@ -229,6 +230,7 @@ def rolling(
     fold: bool | None = None,
     motion: Mapping[str, Any] | None = None,
     roughness: Roughness = (),
+    thermal: Mapping[str, Any] | None = None,
     until: float | str | None = None,
     step: float | str | None = None,
     time_tolerance: float | None = None,
@@ -253,6 +255,9 @@ def rolling(
         "transient" if anything changes in time: load, speed, moving roughness.
     motion : mapping
         load, entrainment (signals), slide_to_roll, inertia: as [motion] of a case file.
+    thermal : mapping
+        Data for the temperatures of a steady contact, as [thermal] of a case file (`ertel.model.thermal.Thermal`); {}
+        takes all of them from the oil and the materials that are named.
     nodes, half_width, half_width_y, inlet, tolerance, fold, until, step, time_tolerance, interval
         See `ertel.Solver` and `ertel.Time`.
 
@@ -280,6 +285,7 @@ def _case(kind: str, given: Mapping[str, Any]) -> Case:
         "lubricant": _lubricant(wanted),
         "solver": {f.name: wanted[f.name] for f in fields(Solver) if f.name in wanted},
         "motion": wanted.get("motion"),
+        "thermal": _thermal(wanted.get("thermal")),
         "roughness": tables,
         "time": time or None,
         "output": {f.name: wanted[f.name] for f in fields(Output) if f.name in wanted} or None,
@@ -301,6 +307,12 @@ def _lubricant(wanted: Mapping[str, Any]) -> dict[str, Any] | None:
         law = wanted["rheology"]
         data["rheology"] = law_data(law, FLUIDITY_LAWS) if hasattr(law, "fluidity") else law
     return data or None
+
+
+def _thermal(given: Any) -> Any:
+    """The section [thermal], numbers with their SI unit."""
+    kinds = marks(Thermal)
+    return {k: _with_unit(v, kinds.get(k)) for k, v in given.items()} if isinstance(given, Mapping) else given
 
 
 def _plain(value: Any) -> Any:

@@ -16,6 +16,7 @@ from ertel.inputs.quantities import parse_amount, parse_number, parse_quantity
 from ertel.model.conditions import Conditions
 from ertel.model.records import OIL_LAWS, law_fields
 from ertel.model.sections import STOPS, Drive, Output, Solver, Time
+from ertel.model.thermal import Thermal
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
@@ -177,6 +178,7 @@ def _case_file(*registered: tuple[tuple[str, type], ...]) -> type[Section]:
         "roughness": (Annotated[tuple[feature, ...], Field(strict=False)], ()),
         "time": (section_of(Time, until=Until) | None, None),
         "output": (section_of(Output) | None, None),
+        "thermal": (section_of(Thermal) | None, None),
     }
     return create_model("CaseFile", __base__=Section, **sections)
 

@@ -12,7 +12,7 @@ from functools import cached_property
 from math import inf
 from typing import Any
 
-from ertel.model import extents, rules
+from ertel.model import extents, rules, thermal
 from ertel.model.conditions import Conditions, Kind
 from ertel.model.records import (
     checked,
@@ -44,6 +44,7 @@ from ertel.model.sections import (
     Time,
     half_width_at,
 )
+from ertel.model.thermal import Thermal
 from ertel.physics import film_formulas, surfaces
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
@@ -63,6 +64,7 @@ class Case:
     contact: the operating conditions.  oil, solver, roughness: see their records; amounts are numbers in the units of
     the case, or quantities in SI.  drive: load and entrainment as functions of time; None: the default of an impact or
     of rolling.  time, output: for a run in time, None if the case is steady.  name: not part of equality or digest.
+    thermal: for the temperatures of a steady contact, None if they are not wanted.
 
     Raises ValueError, naming the field, its value and what is allowed, if the input is not valid.
 
@@ -83,6 +85,7 @@ class Case:
     time: Time | None = None
     output: Output | None = None
     name: str = field(default="", compare=False)
+    thermal: Thermal | None = None
 
     def __post_init__(self) -> None:
         rules.check_name(self.name)
@@ -126,6 +129,8 @@ class Case:
             rules.check_schedule(self.time, self.output, self.solver, self.schedule)
         rules.check_motion(self.kind, self.solver, self.motion, until)
         rules.check_roughness(self.solver, self.motion, self.features)
+        if self.thermal:
+            thermal.check(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
         self.lubricant  # noqa: B018  # raises if its data give no law
 
     # -- what follows -------------------------------------------------------------------------------------------------
@@ -240,6 +245,7 @@ class Case:
             ],
             "time": self.time and data_of(self.time),
             "output": self.output and data_of(self.output),
+            "thermal": self.thermal and data_of(self.thermal),
         }
         return {name: section for name, section in sections.items() if section not in (None, [], "")}
 
@@ -273,6 +279,7 @@ class Case:
             roughness=tuple(feature_of(d, f"roughness[{i}]") for i, d in enumerate(data.get("roughness", ()), 1)),
             time=time,
             output=_optional(lambda section: record_of(Output, section, "output"), data.get("output")),
+            thermal=_optional(lambda section: record_of(Thermal, section, "thermal"), data.get("thermal")),
             name=data.get("name", ""),
         )
 

@@ -5,8 +5,9 @@
 q is the heat flux into the body, in W/m^2, and u the speed of its surface through the contact.  Heat flows into the
 depth only, so that the speed must be high: Peclet number |u| a rho c/(2 k) above about 5 (Blok H. Proc Inst Mech Eng
 General Discussion on Lubrication 1937;2:222-235; Carslaw HS, Jaeger JC. Conduction of heat in solids. Oxford; 1959).
+From a surface at rest heat flows to all sides: T = 1/(2 pi k) * double integral of q/distance.
 
-The kernel is singular at x' = x.  It is integrated exactly over every cell, with q linear between the nodes.
+The moving kernel is singular at x' = x.  It is integrated exactly over every cell, with q linear between the nodes.
 """
 
 from math import pi, sqrt
@@ -19,11 +20,28 @@ from ertel.physics.thermal import Solid
 
 Real = NDArray[np.float64]
 SLOWEST = 5.0  # Peclet number below which heat that flows along the surface counts
+AT_REST = 4.0 / pi  # Peclet number of a circle with uniform heat that is as hot in its middle at rest as by the formula
 
 
 def peclet_number(solid: Solid, speed: float, half_width: float) -> float:
     """|u| a rho c/(2 k): speed in m/s, half width of the heated strip in m."""
     return abs(speed) * half_width * solid.density * solid.heat_capacity / (2.0 * solid.conductivity)
+
+
+def slow_excess(peclet: float) -> float:
+    """By what share a temperature rise is too high where a surface is slow.
+
+    Below AT_REST the surface counts as one at rest; above it, heat that flows along the surface is left out.  Compared
+    with 2 q a/[k (4 + pi Pe)^{1/2}], the highest temperature of a circle with uniform heat, which joins both limits
+    (Tian X, Kennedy FE. J Tribol 1994;116:167-174).
+
+    Examples
+    --------
+    >>> round(slow_excess(SLOWEST), 2)
+    0.12
+    """
+    ratio = peclet / AT_REST
+    return sqrt(1.0 + min(ratio, 1.0 / ratio if ratio > 0 else 0.0)) - 1.0
 
 
 def moving_source_weights(nodes: int, spacing: float) -> Real:
@@ -58,21 +76,3 @@ def flash_temperature(heat: Real, solid: Solid, speed: float, spacing: float) ->
     """
     found: Real = heat @ response(solid, speed, heat.shape[-1], spacing).T
     return found
-
-
-def partition(heat: Real, film: Real, conductivity: float, into_1: Real, into_2: Real) -> tuple[Real, Real]:
-    """Heat fluxes into the two surfaces, in W/m^2: half of the heat each, and what the film conducts between them.
-
-        q_1 = q/2 + k (T_2 - T_1)/h,    q_2 = q/2 - k (T_2 - T_1)/h,    T_i = K_i q_i
-
-    Both surfaces belong to bodies of the same temperature.  heat: q = tau |u1 - u2|, shape (..., n).  film: h > 0 in m,
-    the same shape.  conductivity: of the oil.  into_1, into_2: K of the surfaces from `response`, shape (n, n).  The
-    equations of each row are solved as they are, so that thin films need no iteration.
-    """
-    rows, films = heat.reshape(-1, heat.shape[-1]), film.reshape(-1, heat.shape[-1])
-    solved = np.empty_like(rows)
-    for row, (q, h) in enumerate(zip(rows, films, strict=True)):
-        system = np.diag(h / conductivity) + into_1 + into_2
-        solved[row] = np.linalg.solve(system, (into_2 - into_1) @ (0.5 * q))
-    crossing = solved.reshape(heat.shape)
-    return 0.5 * heat + crossing, 0.5 * heat - crossing

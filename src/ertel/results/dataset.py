@@ -11,6 +11,7 @@ from ertel.model.case import Case
 from ertel.model.friction import Friction, coefficients
 from ertel.model.state import GridSolution
 from ertel.results.provenance import provenance
+from ertel.results.temperatures import temperature_maps
 from ertel.results.variables import AXES, BUDGET, EVENTS, FIELDS, FRICTION, MEASURED, SCALARS, variable_attributes
 
 
@@ -90,12 +91,14 @@ def assemble_steady(
     """The steady contact as a Dataset: fields on the finest grid, scalars and residuals over `grid`.
 
     grid: nodes a side, coarsest first.  convolutions: in units of one on that grid.  attributes: as in `assemble`.
+    With a section [thermal] there are `variables.TEMPERATURES` too.
     """
     finest = solutions[-1].grid if solutions else discretise.grid_of(case)
     nothing = np.full((len(finest.y), len(finest.x)), np.nan)
     last = solutions[-1] if solutions else None
     accounts = [budget.steady(case, s) for s in solutions]
     found = whole_maps(last, last.P, last.H, accounts[-1][1]) if last else dict.fromkeys(FIELDS, nothing)
+    found |= temperature_maps(case, last)
     history = _histories(solutions)
     of_grids = [
         {**s.measure(), **terms, **coefficients(friction), **_work(s)}

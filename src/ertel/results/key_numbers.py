@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from typing import Any, NamedTuple
 
+from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.results import html
 from ertel.results.kinds import KINDS, Errors, Kind
 from ertel.results.variables import FRICTION, VARIABLES, key_in_si, with_prefix
@@ -83,6 +84,29 @@ def budget_lines(summary: Mapping[str, Any]) -> Iterator[str]:
         yield f"imbalance of the budgets: {said}"
 
 
+def thermal_lines(summary: Mapping[str, Any]) -> Iterator[str]:
+    """Film, traction and temperatures with the heat of the contact, a line each; none without a section [thermal]."""
+    known = summary.get("thermal")
+    if not known:
+        return
+    films = f"central {with_prefix(known['h_c_m'], 'm')}, minimum {with_prefix(known['h_min_m'], 'm')}"
+    yield f"film with inlet shear heating: {films} (phi_T = {known['phi_T']:.4g}, L_t = {known['L_t']:.3g})"
+    yield f"traction coefficient of the warm film: {known['mu_sliding']:.4g}"
+    surfaces, film = (
+        [known[f"{name}_K"] - ZERO_CELSIUS for name in names]
+        for names in (("T_1_max", "T_2_max"), ("T_film_max", "T_film_mean"))
+    )
+    hottest = f"surface 1 {surfaces[0]:.1f} degC, surface 2 {surfaces[1]:.1f} degC, film {film[0]:.1f} degC"
+    yield f"highest temperatures: {hottest}; mean of the film {film[1]:.1f} degC"
+
+
+def more_lines(summary: Mapping[str, Any]) -> Iterator[str]:
+    """What a summary has besides its key numbers, a line each: extremes, temperatures, budgets."""
+    yield from extreme_lines(summary)
+    yield from thermal_lines(summary)
+    yield from budget_lines(summary)
+
+
 def _where(one: Mapping[str, Any], si: Mapping[str, float], unit: str) -> str:
     """Time and place of an extreme."""
     if si:
@@ -101,7 +125,7 @@ def lines(summary: Mapping[str, Any]) -> Iterator[str]:
         known = f"{n.si} ({n.value})" if n.si else n.value
         name = f"{n.label} {n.symbol}".ljust(wide + 1)
         yield f"    {name}  {known}" + (f", error {n.error}" if n.error else "")
-    yield from (f"  {line}" for line in (*extreme_lines(summary), *budget_lines(summary)))
+    yield from (f"  {line}" for line in more_lines(summary))
     for warning in summary["warnings"]:
         yield f"  warning: {warning}"
 
@@ -116,6 +140,9 @@ def html_table(summary: Mapping[str, Any], heading: str = "") -> str:
     if numbers:
         rows = [html.row("td", [number[column] for column in used]) for number in numbers]
         parts.append(f"<table>{html.row('th', [HEAD[column] for column in used])}{''.join(rows)}</table>")
-    parts += [f"<div>{escape(line)}</div>" for line in (*extreme_lines(summary), *budget_lines(summary))]
+    parts += [
+        f"<div>{escape(line)}</div>"
+        for line in (*extreme_lines(summary), *thermal_lines(summary), *budget_lines(summary))
+    ]
     parts += [f"<div>Warning: {escape(warning)}</div>" for warning in summary["warnings"]]
     return f"<div>{''.join(parts)}</div>"

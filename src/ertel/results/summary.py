@@ -18,6 +18,7 @@ from ertel.physics.scales import HamrockDowson, Parameters
 from ertel.results import budgets, diagnostics, errors, variables
 from ertel.results.extremes import extremes, in_si
 from ertel.results.parameters import parameters_of, scales_of, ugw_of
+from ertel.results.temperatures import thermal_summary
 
 
 def restitution(data: xr.Dataset) -> float | None:
@@ -107,6 +108,7 @@ def steady_summary(
     H_c_error and H_min_error estimate the discretisation error, H_c_extrapolated and H_min_extrapolated are without it;
     None with fewer than two grids.  `budgets` has the rates on the finest grid, see `budgets.steady`.
     mu_sliding, mu_rolling and power_loss are those of `model.friction`; mu_sliding_y is there where it is not zero.
+    `thermal` is there with a section [thermal], see `temperatures.thermal_summary`.
     Counts are those of all grids, convolutions in units of one on the finest.
 
     Parameters
@@ -139,8 +141,10 @@ def steady_summary(
     found = {**{name: values[name] for name in variables.MEASURED}, **_said(coefficients(friction))}
     measured = {"nodes": grid.nodes_x, **across, **found}
     terms = budgets.steady(case, rates, values["load"] / case.geometry.hertz_load)
-    said = [*diagnostics.steady_warnings(case, solutions), *diagnostics.budget_warnings(case, terms)]
-    return _rolling_summary(case, measured, estimates, {"budgets": terms, **counts, **work}, status, said)
+    warmth, uncertain = thermal_summary(case, rolling.finest)
+    said = [*diagnostics.steady_warnings(case, solutions), *diagnostics.budget_warnings(case, terms), *uncertain]
+    parts = {"budgets": terms, **({"thermal": warmth} if warmth else {}), **counts, **work}
+    return _rolling_summary(case, measured, estimates, parts, status, said)
 
 
 def _said(values: Mapping[str, float | None]) -> dict[str, float | None]:

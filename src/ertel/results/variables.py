@@ -14,6 +14,7 @@ from ertel.physics.scales import Scales
 if TYPE_CHECKING:
     import xarray as xr
 
+KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
 
@@ -70,6 +71,10 @@ def _coefficient(long_name: str, name: str, comment: str) -> Variable:
 
 def _shear(long_name: str, name: str) -> Variable:
     return Variable(long_name, name, "p_h* a*/R", "shear_stress", name, "Pa")
+
+
+def _temperature(of: str, symbol: str, comment: str = "") -> Variable:
+    return Variable(f"temperature of {of}", symbol, KELVIN, comment=comment)
 
 
 def _time(long_name: str, symbol: str) -> Variable:
@@ -138,13 +143,18 @@ FIELDS: Mapping[str, Variable] = {
     "tau_y": _shear("shear stress in the middle of the film along y", "tau_y"),
     "loss": Variable("power loss per area", "q", "p_h* a*^2/(R t0)", "power_per_area", "loss", "W/m2"),
 }
+TEMPERATURES: Mapping[str, Variable] = {  # maps of a steady contact with [thermal], see `model.heat`
+    "T_1": _temperature("surface 1", "T_1"),
+    "T_2": _temperature("surface 2", "T_2"),
+    "T_film": _temperature("the film", "T_film", "mean across the film"),
+}
 OF_A_GRID: Mapping[str, Variable] = {  # of a steady contact, with some of the scalars
     "load": Variable("load carried by the film", "integral of P", "a*^2 p_h*", "force", "load", "N"),
     "residual": Variable("maximum residual", "res"),
     "history": Variable("maximum residual after each iteration", "res"),
 }
 EVENT = Variable("why the map was kept", "event")
-VARIABLES: Mapping[str, Variable] = {**AXES, **SCALARS, **FIELDS, **OF_A_GRID, "event": EVENT}
+VARIABLES: Mapping[str, Variable] = {**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, "event": EVENT}
 FILMS = ("H_c", "H_min")  # that have an error estimate
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
 AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min")  # of a summary
@@ -154,7 +164,9 @@ def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
     """CF attributes of a variable: units, long_name, symbol, what 1 stands for, and its SI factor if there is one."""
     variable = VARIABLES[name]
     attributes: dict[str, object] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
-    if variable.unit != "1":
+    if variable.unit == KELVIN:
+        attributes["units"] = KELVIN
+    elif variable.unit != "1":
         attributes["in_units_of"] = variable.unit
     if variable.comment:
         attributes["comment"] = variable.comment

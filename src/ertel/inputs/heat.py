@@ -1,0 +1,100 @@
+"""The section [thermal] of a case: completed from the oil and the materials that the case names.
+
+    [lubricant]                   [contact]                     [thermal]
+    oil = "squalane"              material_1 = "steel"          temperature_1 = "60 degC"
+    temperature = "40 degC"       material_2 = "glass"
+
+A value that is given explicitly wins over that of the library.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from ertel.inputs import library
+from ertel.inputs.messages import ConfigError
+from ertel.model.records import show
+from ertel.model.thermal import Thermal
+from ertel.physics.units import CONDUCTIVITY, DENSITY, EXPANSION, HEAT_CAPACITY, TEMPERATURE, Unit, marks
+
+TEMPERATURES = tuple(key for key, mark in marks(Thermal).items() if mark is TEMPERATURE)
+
+
+def with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The plain data of a case, its section [thermal] complete: temperatures in K, data of the named oil and bodies.
+
+    Raises ConfigError, naming the key and what to give, for what is missing and for what is no temperature.
+    """
+    written = data.get("thermal")
+    if not isinstance(written, Mapping):
+        return dict(data)
+    lubricant, contact = (_table(data, name) for name in ("lubricant", "contact"))
+    given = dict(written)
+    if "temperature" in lubricant:
+        given.setdefault("temperature", lubricant["temperature"])
+    for key in TEMPERATURES:
+        if key in given:
+            given[key] = _kelvin(key, given[key])
+    found = {**_oil(lubricant, given), **_body(1, contact), **_body(2, contact), **given}
+    for key, mark in marks(Thermal).items():
+        if key not in found and key not in ("temperature_1", "temperature_2"):
+            raise ConfigError(_missing(key, mark, lubricant, contact))
+    return {**data, "thermal": found}
+
+
+def _table(data: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    section = data.get(name)
+    return section if isinstance(section, Mapping) else {}
+
+
+def _kelvin(key: str, value: Any) -> str:
+    """A temperature in K with its unit."""
+    try:
+        if not isinstance(value, str):
+            raise ValueError('must be a temperature with its unit, "40 degC" or "313.15 K"')
+        return _text(library.parse_temperature(value), TEMPERATURE)
+    except ValueError as error:
+        raise ConfigError(f"thermal.{key} = {show(value)}: {error}") from error
+
+
+def _oil(lubricant: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, str]:
+    """What the library knows of the oil that is named, at the temperature of the inlet; names are checked elsewhere."""
+    if lubricant.get("oil") not in library.oil_names() or "temperature" not in given:
+        return {}
+    oil = library.oil(lubricant["oil"])
+    found = {"beta": _text(oil.thinning_at(library.parse_temperature(given["temperature"])), EXPANSION)}
+    return (
+        found if oil.thermal is None else {**found, "conductivity": _text(oil.thermal.data.conductivity, CONDUCTIVITY)}
+    )
+
+
+def _body(number: int, contact: Mapping[str, Any]) -> dict[str, str]:
+    name = contact.get(f"material_{number}")
+    if name not in library.material_names():
+        return {}
+    material = library.material(name)
+    found = {f"density_{number}": _text(material.elasticity.data.density, DENSITY)}
+    if material.thermal is None:
+        return found
+    known = material.thermal.data
+    return found | {
+        f"heat_capacity_{number}": _text(known.heat_capacity, HEAT_CAPACITY),
+        f"conductivity_{number}": _text(known.conductivity, CONDUCTIVITY),
+    }
+
+
+def _text(value: float, unit: Unit) -> str:
+    return f"{value!r} {unit.unit}"
+
+
+def _missing(key: str, mark: object, lubricant: Mapping[str, Any], contact: Mapping[str, Any]) -> str:
+    """What to do for a key that nothing gives."""
+    assert isinstance(mark, Unit)
+    number = key[-1] if key[-2] == "_" else ""
+    place, name = ("contact", f"material_{number}") if number else ("lubricant", "oil")
+    named = (contact if number else lubricant).get(name)
+    if key == "temperature":
+        return 'thermal.temperature: missing; give that of the oil in the inlet, for example "40 degC"'
+    wanted = f'give it, for example "{mark.example}"'
+    if named is None:
+        return f"thermal.{key}: missing; {wanted}, or name the {name.partition('_')[0]}, {place}.{name}"
+    return f"thermal.{key}: missing; the library has none for {place}.{name} = {show(named)}, {wanted}"

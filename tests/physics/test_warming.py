@@ -1,0 +1,146 @@
+"""The heat balance of a sheared film and its surfaces: its equations, closed forms, one solution, and what jumps."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.special import lambertw
+
+from ertel.physics.flash import response
+from ertel.physics.thermal import Solid, nahme
+from ertel.physics.warming import Real, Release, Rise, Warmed, cold, warmed
+
+STEEL, GLASS = Solid(7850.0, 460.0, 47.0), Solid(2510.0, 858.0, 1.114)
+NODES, SPACING = 41, 7.5e-6
+CONDUCTIVITY = 0.14
+
+
+def moving(solid: Solid, speed: float) -> Rise:
+    into = response(solid, speed, NODES, SPACING)
+    return lambda heat: heat @ into.T
+
+
+def constant(heat: Real) -> Release:
+    return lambda film: (heat, np.zeros_like(heat))
+
+
+def exponential(heat: Real, beta: float) -> Release:
+    """A Newtonian oil: q falls as the viscosity does."""
+    return lambda film: (heat * np.exp(-beta * film), -beta * heat * np.exp(-beta * film))
+
+
+def hertzian() -> Real:
+    """Heat that rises by four decades from the edge of a contact to its middle, as the viscosity does."""
+    x, y = np.linspace(-1.2, 1.2, NODES), np.linspace(0.0, 1.0, 3)[:, None]
+    return 1e7 * np.exp(9.0 * np.sqrt(np.maximum(1.0 - x**2 - y**2, 0.0)))
+
+
+# -- the equations ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("speed", [1.0, -1.0])
+def test_the_equations_hold(speed: float) -> None:
+    draw = np.random.default_rng(5)
+    film = draw.uniform(5e-8, 5e-7, (3, NODES))
+    first, second = moving(STEEL, 0.7), moving(GLASS, speed)
+    found = warmed(
+        exponential(draw.uniform(1e8, 1e9, (3, NODES)), 0.05), (first, second), film / CONDUCTIVITY, (5.0, 2.0)
+    )
+    crossing = CONDUCTIVITY * (found.surface_2 - found.surface_1) / film
+    assert found.converged
+    assert_allclose(found.surface_1, 5.0 + first(found.heat / 2 + crossing), rtol=1e-6)
+    assert_allclose(found.surface_2, 2.0 + second(found.heat / 2 - crossing), rtol=1e-6)
+    middle = (found.surface_1 + found.surface_2) / 2 + found.heat * film / (12 * CONDUCTIVITY)
+    assert_allclose(found.film, middle, rtol=1e-12)
+
+
+def test_equal_surfaces_take_half_each() -> None:
+    heat, into = np.full((2, NODES), 1e8), moving(STEEL, 1.0)
+    found = warmed(constant(heat), (into, into), np.full_like(heat, 1e-7))
+    assert_allclose(found.surface_1, into(heat / 2), rtol=1e-12)
+    assert_allclose(found.surface_2, found.surface_1, rtol=1e-12)
+
+
+def test_thin_films_leave_the_partition_to_the_solids() -> None:
+    """h -> 0: both surfaces have one temperature, and uniform heat is shared by the effusivities."""
+    slow, fast, heat = moving(STEEL, 1.0), moving(STEEL, 4.0), np.full((1, NODES), 1e8)
+    found = warmed(constant(heat), (slow, fast), np.full_like(heat, 1e-12))
+    assert_allclose(found.surface_1, slow(heat / 3), rtol=1e-3)
+    assert_allclose(found.surface_2, found.surface_1, rtol=1e-3)
+
+
+# -- the film between cold walls --------------------------------------------------------------------------------------
+
+MEAN_TEMPERATURE = [  # Nahme's number, viscosity over that at the walls by the mean temperature, and the exact one
+    (0.1, 0.991769, 0.991749),
+    (1, 0.925754, 0.924196),
+    (8, 0.648844, 0.623225),
+    (50, 0.293891, 0.244707),
+    (100, 0.195725, 0.152069),
+    (1000, 0.038947, 0.024775),
+]
+
+
+def between_cold_walls(Na: float) -> float:
+    beta, speed, film = 0.04, 1.0, 1e-7
+    stress = Na * CONDUCTIVITY / (beta * speed * film)
+    heat = np.array([stress * speed])
+    found = warmed(exponential(heat, beta), (cold, cold), np.array([film / CONDUCTIVITY]))
+    assert found.converged
+    return float(found.heat[0] / heat[0])
+
+
+@pytest.mark.parametrize(("Na", "by_mean", "exact"), MEAN_TEMPERATURE)
+def test_one_temperature_for_the_film_against_nahme(Na: float, by_mean: float, exact: float) -> None:
+    """eta(T_mean) exceeds Nahme's exact viscosity: by 0.2 % at Na = 1, 4 % at 8, 20 % at 50, 57 % at 1000."""
+    found = between_cold_walls(Na)
+    assert found == pytest.approx(float(np.exp(-lambertw(Na / 12).real)), rel=1e-9)  # theta e^theta = Na/12
+    assert found == pytest.approx(by_mean, abs=6e-7)
+    assert nahme(Na).viscosity == pytest.approx(exact, abs=6e-7)
+
+
+def test_the_mean_temperature_is_exact_to_first_order() -> None:
+    assert between_cold_walls(0.01) == pytest.approx(nahme(0.01).viscosity, abs=0.01**2 / 400)
+
+
+# -- one solution -----------------------------------------------------------------------------------------------------
+
+
+def strongly_heated(start: Real | None = None) -> Warmed:
+    heat = hertzian()
+    into = moving(STEEL, 1.5), moving(GLASS, 0.5)
+    return warmed(exponential(heat, 0.08), into, np.full_like(heat, 1e-7 / CONDUCTIVITY), heat=start)
+
+
+def test_cold_and_hot_starts_end_at_the_same_temperatures() -> None:
+    cold_start = strongly_heated()
+    hot_start = strongly_heated(20.0 * cold_start.heat)
+    assert cold_start.converged and hot_start.converged
+    assert cold_start.film.max() > 60.0  # beta T of about 5: the viscosity falls by more than a hundredth
+    assert_allclose(hot_start.film, cold_start.film, rtol=1e-6, atol=1e-9)
+
+
+def test_the_plain_iteration_jumps_between_two_branches_that_are_none() -> None:
+    """T <- T(q(T)) ends in a cycle of a cold and a hot film, with the solution between them."""
+    heat, into, film = hertzian(), (moving(STEEL, 1.5), moving(GLASS, 0.5)), np.zeros((3, NODES))
+    seen = []
+    for _ in range(40):
+        q = heat * np.exp(-0.08 * film)
+        film = warmed(constant(q), into, np.full_like(q, 1e-7 / CONDUCTIVITY)).film
+        seen.append(film.max())
+    low, high = seen[-2:] if seen[-2] < seen[-1] else seen[:-3:-1]
+    assert high > 1.5 * low
+    assert low < strongly_heated().film.max() < high
+
+
+@pytest.mark.parametrize("speed", [0.01, 1.0, -1.0, 100.0])
+def test_a_surface_never_gives_back_more_heat_than_it_took(speed: float) -> None:
+    """What the proof of one solution needs of the discrete kernel: q K q is not below zero."""
+    into = response(STEEL, speed, 200, 1e-6)
+    assert np.linalg.eigvalsh(into + into.T).min() > 0.0
+
+
+def test_work() -> None:
+    """Few Newton iterations, each with some ten convolutions for both surfaces."""
+    found = strongly_heated()
+    assert found.iterations <= 14
+    assert found.applications <= 25 * found.iterations

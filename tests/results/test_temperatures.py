@@ -1,0 +1,97 @@
+"""What a run with the section [thermal] says: maps in K, a part of the summary, lines to read, warnings."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import ertel
+from ertel.inputs.case_files import parse_case
+from ertel.model.heat import heated
+from ertel.model.thermal import Inlet
+from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
+from ertel.results.key_numbers import html_table, lines
+from ertel.results.temperatures import thermal_warnings
+from ertel.results.variables import TEMPERATURES, to_si
+
+pytestmark = pytest.mark.filterwarnings("ignore:H_min is uncertain", "ignore:the pressure spike", "ignore:surface")
+STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
+DATA = {"temperature": "40 degC", "conductivity": "0.14 W/(m*K)", "beta": "0.04 / K"} | {
+    f"{key}_{body}": value for body in (1, 2) for key, value in STEEL.items()
+}
+OIL = {"viscosity": "barus", "density": "incompressible", "eta0": "40 mPa*s", "alpha": "22 / GPa"}
+CONTACT = {"kind": "rolling", "radius": "10 mm", "E_prime": "219.7802 GPa", "load": "3.888524 N"}
+SPEED = {"mean_speed": "0.502636 m/s", "slide_to_roll": 0.01}
+
+
+def case_of(thermal: dict[str, Any] | None = None, **speed: Any) -> ertel.Case:
+    sections = {} if thermal is None else {"thermal": thermal}
+    contact = CONTACT | (speed or SPEED)
+    return parse_case({"contact": contact, "lubricant": OIL, "solver": {"nodes": 65}, **sections})
+
+
+@pytest.fixture(scope="module")
+def run() -> ertel.Result:
+    return ertel.simulate(case_of(DATA))
+
+
+def test_maps_and_summary(run: ertel.Result) -> None:
+    """Both are those of `heated`, in K, on the whole plane."""
+    data, said = run.dataset, run.summary["thermal"]
+    found = heated(run.case, *(data[name].values[32:] for name in ("P", "H")))
+    for name in TEMPERATURES:
+        assert data[name].dims == ("Y", "X") and data[name].attrs["units"] == "K"
+        np.testing.assert_allclose(data[name].values[32:], getattr(found, name), atol=1e-9)
+        np.testing.assert_array_equal(data[name].values, data[name].values[::-1])
+        assert said[f"{name}_max_K"] == pytest.approx(float(data[name].max()))
+        assert said[f"{name}_max_K"] > 313.15 + 0.02
+        assert to_si(data)[name].attrs["units"] == "K"
+    assert 313.15 < said["T_film_mean_K"] < said["T_film_max_K"]
+    assert said["converged"]
+
+
+def test_the_warm_film_is_thinner_and_carries_less_traction(run: ertel.Result) -> None:
+    said, si = run.summary["thermal"], run.summary["si"]
+    assert said["phi_T"] < 1.0
+    assert said["h_c_m"] == pytest.approx(said["phi_T"] * si["h_c_m"])
+    assert said["h_min_m"] == pytest.approx(said["phi_T"] * si["h_min_m"])
+    assert 0.5 < said["mu_sliding"] / si["mu_sliding"] < 1.1  # thinner by phi_T, and less viscous
+
+
+def test_text(run: ertel.Result) -> None:
+    said = run.summary["thermal"]
+    text, html = "\n".join(lines(run.summary)), html_table(run.summary)
+    for line in (
+        f"(phi_T = {said['phi_T']:.4g}, L_t = {said['L_t']:.3g})",
+        f"traction coefficient of the warm film: {said['mu_sliding']:.4g}",
+        f"highest temperatures: surface 1 {said['T_1_max_K'] - 273.15:.1f} degC",
+    ):
+        assert line in text and line in html
+
+
+def test_off_when_absent() -> None:
+    run = ertel.simulate(case_of())
+    assert "thermal" not in run.summary
+    assert not set(TEMPERATURES) & set(run.dataset)
+
+
+def test_warnings(run: ertel.Result) -> None:
+    found = heated(run.case, *(run.dataset[name].values[32:] for name in ("P", "H")))
+    assert thermal_warnings(run.case, found._replace(peclet=(8.0, 0.0))) == []
+    slow = thermal_warnings(run.case, found._replace(peclet=(2.0, 1.0)))
+    assert [line[:17] for line in slow] == ["surface 1 is slow", "surface 2 is slow"]
+    [hot] = thermal_warnings(run.case, found._replace(inlet=Inlet(1.5, 0.6), peclet=(8.0, 8.0)))
+    assert hot.startswith(
+        "the inlet factor phi_T = 0.6 (Gupta et al. 1992, Zhu and Cheng) is made for L_t up to about 1"
+    )
+    [lost] = thermal_warnings(run.case, found._replace(converged=False, peclet=(8.0, 8.0)))
+    assert lost.startswith("the temperatures were not found")
+
+
+def test_how_much_too_hot_a_slow_surface_is() -> None:
+    """Tian and Kennedy: 2 q a/[k (pi (4/pi + Pe))^{1/2}], at rest q a/k, fast 2 q a/[k (pi Pe)^{1/2}]."""
+    for peclet in (0.3, AT_REST, 3.0, SLOWEST, 30.0):
+        rise = 2.0 / np.sqrt(np.pi * (AT_REST + peclet))
+        ours = 1.0 if peclet < AT_REST else 2.0 / np.sqrt(np.pi * peclet)
+        assert slow_excess(peclet) == pytest.approx(ours / rise - 1.0)
+    assert slow_excess(0.0) == 0.0
