@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from ertel.inputs.case_files import ConfigError, parse_case
-from ertel.model import friction
+from ertel.model import friction, heat
 from ertel.model.case import Case
 from ertel.model.sections import Drive
 from ertel.model.status import Status
@@ -19,6 +19,7 @@ from ertel.solvers import steady
 CONTACT = {"kind": "rolling", "radius": "10 mm", "E_prime": "226 GPa", "load": "20 N"}  # that of test_thinning
 OIL = {"eta0": "40 mPa*s", "alpha": "20 / GPa"}
 EYRING = {"law": "ree-eyring", "tau0": "2 MPa"}
+STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
 FRICTION = ("mu_sliding", "mu_rolling", "mu_1", "mu_2", "power_loss", "tau_max")
 
 
@@ -134,6 +135,35 @@ def test_a_film_that_does_not_converge_is_said(monkeypatch: Any) -> None:
     assert np.isnan(curve.dataset["mu_sliding"]).all()
     assert "stalled" in repr(curve)
     assert curve.plot().axes
+
+
+HOT = {
+    **{"temperature": "313.15 K", "conductivity": "0.14 W/(m*K)", "beta": "0.035 / K"},
+    **{f"{name}_{body}": value for body in (1, 2) for name, value in STEEL.items()},
+}
+
+
+def test_heat_lowers_the_traction(newtonian: Any) -> None:
+    """Each point has the friction of the warm film at its own slide-to-roll ratio; a Newtonian film serves all."""
+    case = physical()
+    warm_case = parse_case({**case.to_data(), "thermal": HOT})
+    curve = traction(warm_case, slide_to_roll=[0.0, 0.1])
+    data, cold = curve.dataset, newtonian.dataset.sel(slide_to_roll=[0.0, 0.1])
+    np.testing.assert_allclose(data["mu_isothermal"], cold["mu_sliding"], rtol=1e-12)
+    assert data["mu_sliding"][0] == 0.0
+    assert 0.0 < float(data["mu_sliding"][1]) < float(cold["mu_sliding"][1])
+    assert data["newton_iterations"].values.tolist()[1] == 0
+    at = replace(warm_case, contact=replace(warm_case.contact, slide_to_roll=0.1))
+    assert at.scales is not None
+    found = heat.of_solution(at, steady.steady(warm_case).finest)
+    assert float(data["mu_sliding"][1]) == pytest.approx(float(found.sliding[0]) * at.scales.a_over_R, rel=1e-9)
+    assert float(data["T_film_max"][1]) == pytest.approx(float(np.max(found.T_film)), rel=1e-9)
+    np.testing.assert_allclose(data["h_c"], data["phi_T"] * cold["h_c"], rtol=1e-12)
+    spent = data["power_loss"] - data["power_loss"][0]
+    np.testing.assert_allclose(spent, data["mu_sliding"] * 20.0 * data["slide_to_roll"], rtol=1e-6, atol=1e-12)
+    for part in ("mu_iso", "T_film (K)", "warm film"):
+        assert part in repr(curve)
+    assert len(curve.plot().axes) == 6
 
 
 @pytest.mark.parametrize(

@@ -11,13 +11,17 @@ import xarray as xr
 
 from ertel.model.case import Case
 from ertel.results import html
-from ertel.results.curve_points import AXES, SHOWN, largest_of, shown_name
+from ertel.results.curve_points import AXES, SHOWN, SHOWN_WARM, largest_of, shown_name
 from ertel.results.variables import PREFIXES, exponent
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
-HEADS = {"mu_sliding": "mu", "mu_rolling": "mu_r", "power_loss": "loss"}  # of a table, where names are long
+HEADS = {  # of a table, where names are long
+    **{"mu_sliding": "mu", "mu_rolling": "mu_r", "power_loss": "loss"},
+    **{"mu_isothermal": "mu_iso", "T_film_max": "T_film"},
+}
+WARM = "mu, loss, films and stress are those of the warm film; mu_iso is without heat, mu_r too"
 LARGEST_TRACTION = 0.15  # far above what the limiting shear stress of oils lets through, 0.03 to 0.1
 
 
@@ -33,7 +37,9 @@ class TractionCurve:
         Over slide_to_roll, mean_speed (m/s) or load (N).  The traction coefficient of sliding mu_sliding, the rolling
         resistance mu_rolling of each surface, the power loss, the central and the minimum film thickness, the maximum
         shear stress in the middle of the film, the maximum pressure, status and work of each point; nan where the film
-        did not converge.  In SI under SI names (h_c for H_c) where the case is physical.
+        did not converge.  In SI under SI names (h_c for H_c) where the case is physical.  With a section [thermal] all
+        but mu_rolling and p_max is of the warm film; mu_isothermal is without heat, phi_T the inlet factor in h_c and
+        h_min, T_1_max, T_2_max, T_film_max (K) the highest temperatures.
     said : tuple of str
         Warnings of the points, and which points they are about; `warnings` has those of the whole curve too.
     complete : bool
@@ -88,7 +94,7 @@ class TractionCurve:
         """The heading and the rows of a table to read, with units that fit."""
         physical = self.case.scales is not None
         columns = [_column(AXES[self.axis].symbol, self.dataset[self.axis])]
-        for name in SHOWN:
+        for name in SHOWN if self.case.thermal is None else (*SHOWN, *SHOWN_WARM):
             shown = shown_name(physical, name)
             columns.append(_column(HEADS.get(name, shown), self.dataset[shown]))
         if self.failed:
@@ -109,6 +115,8 @@ class TractionCurve:
         said = [f"film: {self.dataset.attrs['film']}"]
         if not self.case.scales:
             said.append("mu is in units a/R, films in a^2/R, stresses in p_h a/R: the case is dimensionless")
+        if self.case.thermal:
+            said.append(WARM)
         return [*said, *(f"warning: {warning}" for warning in self.warnings)]
 
     @property
@@ -145,7 +153,7 @@ def _column(head: str, values: xr.DataArray) -> list[str]:
     unit = values.attrs["units"]
     if unit == "1":
         return [head, *(_number(value) for value in values.values)]
-    power = 0 if "/" in unit else exponent(largest_of(values))
+    power = 0 if "/" in unit or unit == "K" else exponent(largest_of(values))
     return [f"{head} ({PREFIXES[power]}{unit})", *(_number(value / 10**power) for value in values.values)]
 
 

@@ -3,19 +3,21 @@
 curve = traction(case, slide_to_roll="0:0.5:15")
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ertel.inputs.ranges import Given
-from ertel.model import friction
+from ertel.model import friction, heat
 from ertel.model.case import Case
+from ertel.model.heat import Heated
 from ertel.model.state import Rolling
 from ertel.model.status import Status
 from ertel.results import diagnostics
 from ertel.results.curve_points import WORK, Point, assemble, point
+from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import TractionCurve
 from ertel.runs import compiling
 from ertel.runs.courses import GridStep, SteadyCourse
@@ -83,7 +85,32 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
         "tau_max": float(np.hypot(*np.asarray(found.stress)).max()),
         **dict(zip(WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
-    return point(case, values, film.status, diagnostics.steady_warnings(case, film.solutions))
+    said = diagnostics.steady_warnings(case, film.solutions)
+    if case.thermal is not None and film.status.ok:
+        warm = heat.of_solution(case, grids.finest)
+        values |= _warm_values(case, values, warm)
+        said += thermal_warnings(case, warm)
+    return point(case, values, film.status, said)
+
+
+def _warm_values(case: Case, cold: Mapping[str, float], warm: Heated) -> dict[str, float]:
+    """What heat changes: the film by its inlet factor, the traction, and of the power loss the part of sliding."""
+    sliding, factor = float(warm.sliding[0]), warm.inlet.factor
+    less = (cold["mu_sliding"] - sliding) * case.motion.load(0.0) * case.motion.sliding(0.0)
+    temperatures = {f"{name}_max": float(np.max(getattr(warm, name))) for name in ("T_1", "T_2", "T_film")}
+    return {
+        "mu_isothermal": cold["mu_sliding"],
+        "mu_sliding": sliding,
+        "mu_sliding_y": float(warm.sliding[1]),
+        "mu_1": cold["mu_rolling"] + sliding,
+        "mu_2": cold["mu_rolling"] - sliding,
+        "power_loss": cold["power_loss"] - less,
+        "H_c": factor * cold["H_c"],
+        "H_min": factor * cold["H_min"],
+        "tau_max": float(np.hypot(*np.asarray(warm.stress)).max()),
+        "phi_T": factor,
+        **temperatures,
+    }
 
 
 def _found(curve: Curve, points: Sequence[Point], directory: Path | None = None) -> TractionCurve:

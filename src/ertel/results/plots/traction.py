@@ -12,7 +12,19 @@ from matplotlib.ticker import MaxNLocator
 from ertel.results.curve_points import largest_of, shown_name
 from ertel.results.kinds import KINDS
 from ertel.results.plots import stored
-from ertel.results.plots.drawing import BLUE, GREEN, ORANGE, PURPLE, UNITS, NoFigure, Panel, Scale, compose, mathtext
+from ertel.results.plots.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    UNITS,
+    NoFigure,
+    Panel,
+    Scale,
+    compose,
+    mathtext,
+)
 from ertel.results.variables import PREFIXES, exponent, with_prefix
 
 PANELS: Mapping[str, Mapping[str, str]] = {  # title: variables with their colours
@@ -20,6 +32,12 @@ PANELS: Mapping[str, Mapping[str, str]] = {  # title: variables with their colou
     "Film": {"H_c": BLUE, "H_min": ORANGE},
     "Power loss": {"power_loss": GREEN},
     "Maximum shear stress": {"tau_max": PURPLE},
+}
+WARM_PANELS: Mapping[str, Mapping[str, str]] = {  # with a section [thermal]
+    **PANELS,
+    "Traction": {"mu_sliding": BLUE, "mu_isothermal": GREY, "mu_rolling": ORANGE},
+    "Temperature": {"T_film_max": PURPLE, "T_1_max": BLUE, "T_2_max": ORANGE},
+    "Inlet factor": {"phi_T": GREEN},
 }
 
 
@@ -30,8 +48,10 @@ def figure(dataset: xr.Dataset) -> Figure:
     """
     if not dataset.sizes[dataset.attrs["varies"]]:
         raise NoFigure("dataset: has no points yet, there is nothing to draw")
-    panels: list[Panel] = [partial(_draw, title=title, names=names) for title, names in PANELS.items()]
-    return compose(dataset, [panels[:2], panels[2:]], _heading(dataset))
+    shown = WARM_PANELS if "phi_T" in dataset else PANELS
+    panels: list[Panel] = [partial(_draw, title=title, names=names) for title, names in shown.items()]
+    half = len(panels) // 2
+    return compose(dataset, [panels[:half], panels[half:]], _heading(dataset))
 
 
 def _draw(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str]) -> None:
@@ -43,7 +63,8 @@ def _draw(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str])
     for colour, values in found.items():
         z = _scale(dataset, values, largest)
         axes.plot(x, values * z.factor, "o-", color=colour, markersize=3.5, label=z.long_name)
-    axes.axhline(0.0, color="black", linewidth=0.5)
+    if title != "Temperature":
+        axes.axhline(0.0, color="black", linewidth=0.5)
     if _has_equal_ratios(x):
         axes.set_xscale("log")
     else:
@@ -61,7 +82,7 @@ def _scale(dataset: xr.Dataset, values: xr.DataArray, largest: float) -> Scale:
     if about["units"] == "1":
         unit = KINDS[dataset.attrs["kind"]].unit(about.get("in_units_of", ""))
         return Scale(1.0, symbol, UNITS.get(unit, unit), about["long_name"])
-    power = 0 if "/" in about["units"] else exponent(largest)
+    power = 0 if "/" in about["units"] or about["units"] == "K" else exponent(largest)
     return Scale(10.0**-power, symbol, PREFIXES[power] + about["units"], about["long_name"])
 
 
