@@ -1,6 +1,8 @@
 """How the tests run: on the CPU, in double precision, compiled code kept between runs, the same examples every time."""
 
 import os
+import subprocess
+import sys
 
 import pytest
 from hypothesis import settings
@@ -9,6 +11,9 @@ os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ.setdefault("JAX_ENABLE_X64", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small dense solves wait for their threads where cores are busy
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA calls it an error when it loads code that it compiled itself
+
+# Most tests run for less time than their programs take to optimise: a third of the time to compile (measured)
+QUICK_TO_COMPILE = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
 
 settings.register_profile("ertel", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ertel")
@@ -20,8 +25,17 @@ def pytest_configure(config: pytest.Config) -> None:
     if cache is not None:
         os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(cache.mkdir("jax")))
         os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
+    if "XLA_FLAGS" not in os.environ and config.getoption("markexpr") == "not slow" and _xla_knows(QUICK_TO_COMPILE):
+        os.environ["XLA_FLAGS"] = QUICK_TO_COMPILE  # also of worker processes and of those that tests start
     # coarse grids are what makes tests quick
     config.addinivalue_line("filterwarnings", r"ignore:.*(use solver\.|there is no error estimate):UserWarning")
+
+
+def _xla_knows(flags: str) -> bool:
+    """Whether this version of XLA knows these flags; it ends a process that is started with others."""
+    command = [sys.executable, "-c", "import jax; jax.devices()"]
+    done = subprocess.run(command, env={**os.environ, "XLA_FLAGS": flags}, capture_output=True, check=False)
+    return done.returncode == 0
 
 
 @pytest.fixture

@@ -59,6 +59,15 @@ def test_run_show_and_plot(here):
     assert all(Path(path).read_bytes().startswith(b"\x89PNG") for path in printed)
 
 
+def test_traction_without_meaning_is_warned_of(here):
+    more = ("--set", 'contact.load="40 N"', "--set", "contact.slide_to_roll=0.1", "--set", "solver.tolerance=0.01")
+    assert "lubricant.viscosity" in "".join(ertel_("run", "steady.toml", *more).stdout.split("\n"))
+    assert any(
+        said.startswith('lubricant.viscosity = "barus"')
+        for said in json.loads(ertel_("show", "runs/steady", "--json").stdout)["warnings"]
+    )
+
+
 def test_run_json_is_json_and_nothing_else(here):
     result = ertel_("run", "steady.toml", "--out", "here", "--json", "--set", "solver.nodes=33")
     assert json.loads(result.stdout) == RunStore.open(here / "here").summary()

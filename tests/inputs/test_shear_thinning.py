@@ -10,7 +10,6 @@ from ertel.inputs.python import Oil, impact, rolling
 from ertel.model.case import Case
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
 from ertel.runs.batch import check_alike
-from ertel.runs.response import respond_in_rolling
 
 BALL = {"radius": 0.01, "E_prime": 226e9, "oil": Oil(eta0=0.04, alpha=20e-9), "nodes": 65}
 LOADED = {**BALL, "load": 20.0, "mean_speed": 1.0}
@@ -82,8 +81,6 @@ def test_where_an_oil_that_thins_does_not_work() -> None:
         rolling(M=200, L=10, rheology=ReeEyring(5e6))
     with pytest.raises(ConfigError, match=r'rheology.*"radial" is for Newtonian oils only'):
         impact(**BALL, ball_density=7850, speed=0.1, method="radial", rheology=ReeEyring(5e6))
-    with pytest.raises(ValueError, match=r'rheology.*must be "newtonian" for the response'):
-        respond_in_rolling(rolling(**LOADED, rheology=ReeEyring(5e6)), [])
 
 
 def test_a_batch_takes_one_kind_of_law() -> None:

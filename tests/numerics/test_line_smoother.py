@@ -6,7 +6,7 @@ import pytest
 from ertel.numerics import multigrid
 from ertel.numerics.grid import Grid
 from ertel.numerics.line_smoother import line_smoother
-from ertel.numerics.multigrid import Coefficients, GridLevel
+from ertel.numerics.multigrid import Coefficients, Elasticity
 from ertel.numerics.stencils import Pair
 from ertel.physics.geometry import COMPLIANCE
 
@@ -23,18 +23,20 @@ def rolling_like(nodes: int, depth: float = 1e-5) -> Coefficients:
 
 def contraction(nodes: int, c: Coefficients) -> float:
     """The asymptotic factor by which one V-cycle alone reduces the error."""
+    e = np.random.default_rng(1).standard_normal(c.free.shape) * c.free
     elastic = multigrid.elasticities(Grid(nodes, nodes, 6.0 / (nodes - 1), -1.5), COMPLIANCE, "float64")
-    levels = multigrid.hierarchy(elastic, c, lambda e, c: line_smoother(e, c, 0.0, 1.0))
-    e = jnp.asarray(np.random.default_rng(1).standard_normal(c.free.shape)) * c.free
-    for _ in range(15):
-        e = cycle(levels, e / jnp.linalg.norm(e))
-    return float(jnp.linalg.norm(e))
+    return float(_contraction(elastic, c, e))
 
 
 @jax.jit
-def cycle(levels: tuple[GridLevel, ...], e: jax.Array) -> jax.Array:
-    """What one V-cycle leaves of an error."""
-    return e - multigrid.v_cycle(levels, multigrid.apply(levels[0], e))
+def _contraction(elastic: tuple[Elasticity, ...], c: Coefficients, e: jax.Array) -> jax.Array:
+    levels = multigrid.hierarchy(elastic, c, lambda e, c: line_smoother(e, c, 0.0, 1.0))
+
+    def cycle(_: int, e: jax.Array) -> jax.Array:
+        e /= jnp.linalg.norm(e)
+        return e - multigrid.v_cycle(levels, multigrid.apply(levels[0], e))
+
+    return jnp.linalg.norm(jax.lax.fori_loop(0, 15, cycle, e))
 
 
 @pytest.mark.parametrize("nodes", [33, 65, 129])

@@ -143,12 +143,23 @@ def test_a_directory_that_cannot_be_written_does_no_harm(kept):
     assert_right(new_process()(3.0, X))
 
 
+def test_flags_that_the_user_set_are_left_as_they_are(monkeypatch):
+    class Lowered:
+        def compile(self, compiler_options):
+            return compiler_options
+
+    monkeypatch.setattr(jax, "default_backend", lambda: "cpu")
+    monkeypatch.setenv("XLA_FLAGS", "--xla_one=3 --xla_other")
+    assert programs._compile(Lowered(), {"xla_one": 1, "xla_two": 2}) == {"xla_two": 2}
+
+
 def test_an_option_that_xla_does_not_know_is_left_out(monkeypatch):
     monkeypatch.setattr(programs, "OPTIONS", {"xla_cpu_no_such_option": True})
     assert_right(Program(scaled)(3.0, X))
 
 
-def test_small_programs_are_close_to_the_optimised_ones():
+def test_small_programs_are_close_to_the_optimised_ones(monkeypatch):
+    monkeypatch.delenv("XLA_FLAGS", raising=False)
     plain, optimised = Program(scaled, small=X.size)(3.0, X), Program(scaled)(3.0, X)
     for a, b in zip(jax.tree.leaves(plain), jax.tree.leaves(optimised), strict=True):
         assert np.allclose(a, b, rtol=1e-15)

@@ -85,3 +85,42 @@ def test_rolling_in_time_says_whether_its_film_is_resolved(M, L, nodes, speaks):
     assert ("the film is not resolved in the inlet" in text) == speaks
     if speaks:
         check_nodes(int(re.search(r"nodes >= (\d+)", text)[1]))
+
+
+SLIDING = {"radius": "10 mm", "E_prime": "226 GPa", "load": "20 N", "mean_speed": "1 m/s", "slide_to_roll": 0.1}
+EYRING = {"law": "ree-eyring", "tau0": "5 MPa"}
+LIMITED = {"law": "limited", "base": EYRING, "Lambda": 0.05}
+
+
+@pytest.mark.parametrize(
+    ("contact", "lubricant", "pressure"),
+    [
+        ({}, {}, "0.79"),
+        ({"slide_to_roll": 0.0}, {}, ""),
+        ({"slide_to_roll": 0.0}, {"rheology": LIMITED}, "0.79"),
+        ({}, {"viscosity": "roelands"}, ""),
+        ({"load": "12 N"}, {"rheology": EYRING}, ""),
+    ],
+)
+def test_traction_by_barus_above_its_pressures(contact, lubricant, pressure):
+    """Of p_h = 0.79 GPa at 20 N and 0.67 GPa at 12 N."""
+    oil = {"eta0": "40 mPa*s", "alpha": "20 / GPa", "viscosity": "barus", **lubricant}
+    text = before_rolling({**SLIDING, **contact}, oil)
+    assert ('lubricant.viscosity = "barus": gives far too large viscosities' in text) == bool(pressure)
+    assert (f"above 0.7 GPa, and this contact has {pressure} GPa" in text) == bool(pressure)
+    assert ('use "roelands"' in text) == bool(pressure)
+
+
+def test_traction_by_barus_under_a_load_that_grows():
+    oil = {"eta0": "40 mPa*s", "alpha": "20 / GPa", "viscosity": "barus"}
+    light = {**SLIDING, "load": "10 N"}
+    assert "barus" not in before_rolling(light, oil)
+    assert "has 0.79 GPa" in before_rolling(light, oil, load=[[0.0, 1.0], [5.0, 2.0]])
+
+
+def before_rolling(contact, oil, **motion):
+    """The warnings of rolling in time before its first step."""
+    data = xr.Dataset({"H_min": ("time", np.zeros(0)), "P": ("frame", np.zeros(0))})
+    solver = {"method": "transient", "nodes": 65}
+    source = {"contact": {"kind": "rolling", **contact}, "lubricant": oil, "solver": solver, "motion": motion}
+    return " ".join(diagnostics.rolling_warnings(parse_case(source), data))

@@ -18,7 +18,7 @@ from ertel.results.summary import impact_summary, rolling_summary, steady_summar
 
 WORK = {"steps": 78, "newton_iterations": 80, "krylov_iterations": 200, "wall_s": 1.0}
 MAXIMUM = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.2, "P_max": 1.3, "H_c": 0.07, "H_min": 0.02}
-MAXIMUM |= {"X_min": 0.9, "Y_min": 0.0}
+MAXIMUM |= {"X_min": 0.9, "Y_min": 0.0, "power_loss": 0.004}
 
 
 def impact(case_data, reached=MAXIMUM, **more):
@@ -49,6 +49,7 @@ def test_repr_of_a_physical_impact():
     assert f"{0.07 * film:.4g} nm (0.07 a*^2/R), error 1.0%" in text
     assert "error 10.0%" in text
     assert "GPa (1.3 p_h*)" in text
+    assert "(0.004 F* delta*/t0)" in text and "traction" not in text
     assert "coefficient of restitution e  0.9300" in text
     assert len(text.splitlines()) < 15
 

@@ -1,5 +1,6 @@
 """The runs with which a run is compared for its error, and how honest the estimate is."""
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,6 @@ def test_a_steady_contact_has_no_error_in_time() -> None:
     assert sorted(comparisons(parse_case({"contact": {"kind": "rolling", "M": 100, "L": 5}}))) == ["domain", "grid"]
 
 
-TRUTH = {"nodes": 401, "half_width": 12.0, "tolerance": 1e-5}
 ROUGH = [
     {"nodes": 129, "half_width": 3.0, "tolerance": 5e-5},
     {"nodes": 129, "half_width": 8.0, "tolerance": 3e-4},
@@ -58,16 +58,20 @@ ROUGH = [
 ]
 
 
+def ball(nodes: int, half_width: float, tolerance: float) -> Case:
+    solver = {"method": "radial", "half_width": half_width}
+    return impact(50, 5, nodes, solver=solver, time={"tolerance": tolerance})
+
+
+@cache
+def truth() -> dict[str, float]:
+    return simulate(ball(401, 12.0, 1e-5)).summary["max_approach"]
+
+
 @pytest.mark.parametrize("rough", ROUGH)
 def test_the_estimate_is_honest(rough: dict[str, float]) -> None:
     """True error over estimated error: for H_c a half to 2; Delta's parts may cancel, it is never understated."""
-
-    def case(nodes: int, half_width: float, tolerance: float) -> Case:
-        solver = {"method": "radial", "half_width": half_width}
-        return impact(50, 5, nodes, solver=solver, time={"tolerance": tolerance})
-
-    true = simulate(case(**TRUTH)).summary["max_approach"]  # type: ignore[arg-type]
-    found = with_error(case(**rough))["error_estimate"]  # type: ignore[arg-type]
+    true, found = truth(), with_error(ball(**rough))["error_estimate"]  # type: ignore[arg-type]
     ratio = {
         name: abs(found[name]["value"] - true[key]) / found[name]["error"]
         for name, key in {"H_c": "H_c", "Delta_max": "Delta"}.items()

@@ -5,18 +5,26 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import ertel
 
 FAULTS = Path(__file__).parents[2] / "validation" / "faults" / "faults.py"
 
 
-def test_nothing_is_silent_and_no_flushed_step_is_lost(tmp_path: Path):
-    """In a process of its own, because it forks: 5 kills and more, 5 full disks, 5 damaged runs."""
+@pytest.mark.parametrize(
+    ("kinds", "count"),
+    [(["radial"], 4), pytest.param(["radial", "2d", "rolling", "steady"], 16, marks=pytest.mark.slow)],
+    ids=["radial", "all"],
+)
+def test_nothing_is_silent_and_no_flushed_step_is_lost(tmp_path: Path, kinds: list[str], count: int):
+    """In a process of its own, because it forks: so many kills and more, full disks, damaged runs."""
     environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), "TMPDIR": str(tmp_path)}
-    command = [sys.executable, str(FAULTS), "kills", "disk", "bits", "--count", "5", "--seed", "14"]
-    kinds = ["--kinds", "radial", "steady"]
-    done = subprocess.run([*command, *kinds], capture_output=True, text=True, env=environment, check=False)
+    command = [sys.executable, str(FAULTS), "kills", "disk", "bits", "--count", str(count), "--seed", "14"]
+    done = subprocess.run([*command, "--kinds", *kinds], capture_output=True, text=True, env=environment, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     ends = [line for line in done.stdout.splitlines() if " trials, " in line]
-    assert [line.partition(",")[0] for line in ends] == ["kills: 5 trials", "disk: 5 trials", "bits: 5 trials"]
+    assert [line.partition(",")[0] for line in ends] == [
+        f"{what}: {count} trials" for what in ("kills", "disk", "bits")
+    ]
     assert "refused damage" in done.stdout

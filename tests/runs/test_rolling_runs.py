@@ -42,6 +42,11 @@ def case():
 
 
 @pytest.fixture(scope="module")
+def solutions(case):
+    return list(steady.nested(case))
+
+
+@pytest.fixture(scope="module")
 def whole(case):
     return simulate(case)
 
@@ -132,8 +137,8 @@ def said(solutions, case) -> str:
     return " ".join(diagnostics.steady_warnings(case, solutions))
 
 
-def test_warnings_of_a_coarse_grid(case):
-    coarse, fine = steady.nested(case)
+def test_warnings_of_a_coarse_grid(case, solutions):
+    coarse, fine = solutions
     assert "no error estimate" in said([fine], case)
     assert "did not converge" in said([replace(coarse, status=Status.NEWTON_STALLED), fine], case)
     assert "overlap" in said([coarse, replace(fine, H=fine.H - 1)], case)
@@ -200,12 +205,16 @@ PLACES = [
 ]
 
 
+QUICK = [("before", 1), ("after", 2), ("before", 4)]
+MOMENTS = [
+    pytest.param(when, count, marks=[] if (when, count) in QUICK else pytest.mark.slow)
+    for when, count in itertools.product(("before", "after"), (1, 2, 3, 4))
+]
+
+
 @pytest.mark.parametrize(("place", "name"), PLACES)
-@pytest.mark.parametrize("when", ["before", "after"])
-@pytest.mark.parametrize("count", [1, 2, 3, 4])
-def test_death_at_any_moment(tmp_path, monkeypatch, case, whole, place, name, when, count):
-    known = steady.nested(case)
-    solutions = [next(known), next(known)]
+@pytest.mark.parametrize(("when", "count"), MOMENTS)
+def test_death_at_any_moment(tmp_path, monkeypatch, case, solutions, whole, place, name, when, count):
     monkeypatch.setattr(steady, "nested", lambda case, done: iter(solutions[len(done) :]))
     run = RunStore.create(tmp_path / "run", case)
     original, calls = getattr(place, name), itertools.count(1)
@@ -234,8 +243,8 @@ def test_death_at_any_moment(tmp_path, monkeypatch, case, whole, place, name, wh
     assert names(tmp_path / "run") == {"case.toml", "run.zarr", "checkpoint.npz", "summary.json"}
 
 
-def test_a_run_that_gives_up(tmp_path, monkeypatch, case):
-    coarse, fine = steady.nested(case)
+def test_a_run_that_gives_up(tmp_path, monkeypatch, case, solutions):
+    coarse, fine = solutions
     stalled = [coarse, replace(fine, status=Status.NEWTON_STALLED)]
     monkeypatch.setattr(steady, "nested", lambda case, done: iter(stalled[len(done) :]))
     run = RunStore.create(tmp_path / "run", case)

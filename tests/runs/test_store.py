@@ -157,7 +157,10 @@ class Killed(BaseException):
 
 
 def deaths():
-    """Where a run can die: the functions that a flush calls, before and after each, sooner or later."""
+    """Where a run can die: the functions that a flush calls, before and after each, sooner or later.
+
+    Quick: early before, late after.
+    """
     places = [
         (checked_zarr, "append"),
         (checked_zarr, "write_root"),
@@ -165,7 +168,12 @@ def deaths():
         (RunStore, "_write_checkpoint"),
         (ImpactCourse, "to_arrays"),
     ]
-    return [(place, name, when, count) for place, name in places for when in ("before", "after") for count in (2, 5)]
+    quick = [("before", 2), ("after", 5)]
+    slow = [("before", 5), ("after", 2)]
+    return [
+        *((place, name, *moment) for place, name in places for moment in quick),
+        *(pytest.param(place, name, *moment, marks=pytest.mark.slow) for place, name in places for moment in slow),
+    ]
 
 
 @pytest.mark.parametrize(("place", "name", "when", "count"), deaths())

@@ -9,17 +9,20 @@ import numpy as np
 import pytest
 from cases import BARUS, march, rolled, steady_solver
 
+from ertel.inputs.python import rolling
 from ertel.model import contact, discretise
 from ertel.model.case import Case
 from ertel.model.contact import Rate
 from ertel.model.sections import SOLVERS, Drive
 from ertel.model.state import GridSolution
 from ertel.numerics.symmetry import folded
+from ertel.physics.fluidity import ReeEyring
 from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Waviness
+from ertel.results import ripples
 from ertel.runs.response import respond_in_rolling
 from ertel.solvers import harmonic, steady
 from ertel.solvers.harmonic import Wave
@@ -28,6 +31,8 @@ from ertel.solvers.transient import Transient2D
 # the response has no oil outside that takes part
 pytestmark = pytest.mark.usefixtures("nothing_outside")
 P20 = Parameters.from_moes(20, 5)  # a thick film: resolved by few nodes
+BALL = {"radius": 0.01, "E_prime": 226e9, "load": 20.0, "mean_speed": 1.0, "slide_to_roll": -2.0}
+BALL["oil"] = Oil(eta0=0.04, alpha=20e-9)
 WAVE = 1.5  # wavelength: 8 nodes on the small grid
 
 
@@ -119,6 +124,27 @@ def test_at_rest_it_is_the_change_of_the_steady_film() -> None:
     assert float(found["frequency"][0]) == 0.0
     change = found["dH_amplitude"][0].values * np.cos(found["dH_phase"][0].values)
     assert largest(high.whole((high.H - low.H) / (2 * A)), change) < 1e-5
+
+
+@pytest.mark.slow
+def test_of_an_oil_that_thins_it_is_the_change_of_its_steady_film() -> None:
+    """Surface 1 at rest under a sliding oil of Eyring's law; the derivative of its flux is exact."""
+    A, wave = 1e-4, Waviness(1.0, WAVE, WAVE)
+    case = rolling(**BALL, rheology=ReeEyring(2e6), nodes=33)
+    high, low = (steady.steady(replace(case, roughness=(Feature(replace(wave, amplitude=a)),))).finest for a in (A, -A))
+    found = respond_in_rolling(case, [[Feature(wave)]])
+    change = found["dH_amplitude"][0].values * np.cos(found["dH_phase"][0].values)
+    assert largest(high.whole((high.H - low.H) / (2 * A)), change) < 1e-5 * np.abs(change).max()
+    assert int(found["response_krylov"].max()) <= 17
+
+
+def test_waves_at_rest_under_a_thick_oil_are_flattened_to_its_compression() -> None:
+    """Hooke's linear theory at Q = 2400: C/(1 + C) of the height.  Eight nodes in a wave."""
+    case = rolling(**BALL, nodes=65, half_width=2.0, inlet=2.5)
+    data = respond_in_rolling(case, ripples.pair(0.5))
+    theory = ripples.hooke(case, ripples.centre(case, data), 0.5).clearance
+    assert abs(theory) == pytest.approx(0.12, abs=0.01)
+    assert abs(ripples.ripples(data, 0, 0.5).clearance - theory) < 0.02
 
 
 # -- limits -----------------------------------------------------------------------------------------------------------

@@ -100,15 +100,21 @@ def orders(values: list[np.ndarray | float]) -> np.ndarray:
     return np.log2(np.divide(changes[:-1], changes[1:]))
 
 
+GRIDS = pytest.mark.parametrize(
+    "grids", [(33, 65, 129), pytest.param((33, 65, 129, 257), marks=pytest.mark.slow)], ids=["coarse", "fine"]
+)
+
+
+@GRIDS
 @pytest.mark.usefixtures("nothing_outside")
-def test_second_order_in_space() -> None:
-    """H_c, Delta_max and the film inside the contact, at maximum approach on 33, 65, 129 and 257 nodes a side."""
-    results = [run("gentle", nodes) for nodes in (33, 65, 129, 257)]
+def test_second_order_in_space(grids: tuple[int, ...]) -> None:
+    """H_c, Delta_max and the film inside the contact, at maximum approach."""
+    results = [run("gentle", nodes) for nodes in grids]
     for name in ("H_c", "Delta", "F"):
         observed = orders([r.summary["max_approach"][name] for r in results])
         assert observed[-1] > 1.8, (name, observed)
     films = []
-    for result, step in zip(results, (1, 2, 4, 8), strict=True):
+    for result, step in zip(results, (1, 2, 4, 8), strict=False):
         frame = at_max_approach(result.dataset).H.values
         films.append(frame[::step, ::step][8:25, 8:25])  # |X|, |Y| <= 1
     assert orders(films)[-1] > 1.8
@@ -120,49 +126,50 @@ def fixed_step(step: float) -> Case:
 
 @pytest.mark.usefixtures("nothing_outside")
 def test_second_order_in_time() -> None:
-    """The same with fixed steps 0.04 ... 0.005; the frame at maximum approach is interpolated to second order too.
+    """The same with fixed steps 0.04 ... 0.01; the frame at maximum approach is interpolated to second order too.
 
     The oil outside, left out here and above, would not be: it cavitates from maximum approach on, and its load has a
     kink there.
     """
-    results = [simulate(fixed_step(step)) for step in (0.04, 0.02, 0.01, 0.005)]
+    results = [simulate(fixed_step(step)) for step in (0.04, 0.02, 0.01)]
     for name in ("T", "H_c", "Delta", "F"):
         observed = orders([r.summary["max_approach"][name] for r in results])
         assert observed[-1] > 1.8, (name, observed)
     assert orders([at_max_approach(r.dataset).H.values[8:25, 8:25] for r in results])[-1] > 1.8
 
 
-def test_the_tolerance_rules_the_time_error() -> None:
+@pytest.mark.parametrize("finest", [1e-6, pytest.param(1e-7, marks=pytest.mark.slow)])
+def test_the_tolerance_rules_the_time_error(finest: float) -> None:
     """Steps grow with the cube root of the tolerance, so the error of a run falls with its power 2/3: 4.6 a decade."""
-    exact, *others = (
+    decades = [10.0**power for power in range(-4, round(np.log10(finest)), -1)]
+    exact, default, *others = (
         simulate(impact(200, 10, 33, time={"tolerance": t})).summary["max_approach"]["H_c"]
-        for t in (1e-7, 1e-4, Time().tolerance, 1e-5, 1e-6)
+        for t in (finest, Time().tolerance, *decades)
     )
     errors = np.abs(np.subtract(others, exact)) / exact
-    assert errors[0] / errors[2] == pytest.approx(4.6, rel=0.3)
-    assert errors[2] / errors[3] == pytest.approx(4.6, rel=0.4)
-    assert errors[1] < 1.5e-3  # the default
+    np.testing.assert_allclose(errors[:-1] / errors[1:], 4.6, rtol=0.4)
+    assert abs(default - exact) < 1.5e-3 * exact
 
 
-def isoviscous(lambda_bar: float, **time: object) -> Case:
+def isoviscous(lambda_bar: float, nodes: int, **time: object) -> Case:
     contact = {"kind": "impact", "lambda_bar": lambda_bar}
     oil = {"viscosity": "isoviscous", "density": "incompressible"}
-    return parse_case({"contact": contact, "lubricant": oil, "solver": {"nodes": 65}, "time": time})
+    return parse_case({"contact": contact, "lubricant": oil, "solver": {"nodes": nodes}, "time": time})
 
 
 def test_without_viscosity_the_ball_comes_back_with_its_speed() -> None:
     """lambda_bar -> 0: no loss.  The loss falls with lambda_bar, and is small where it is small."""
     losses = []
-    for lambda_bar in (1e-2, 1e-3, 1e-4):
-        losses.append(1 - simulate(isoviscous(lambda_bar, until="rebound")).summary["restitution"])
-    assert losses[0] > losses[1] > losses[2]
-    assert 0 < losses[2] < 0.005
+    for lambda_bar in (1e-2, 1e-4):
+        losses.append(1 - simulate(isoviscous(lambda_bar, 33, until="rebound")).summary["restitution"])
+    assert losses[0] > losses[1]
+    assert 0 < losses[1] < 0.005
 
 
 @pytest.mark.parametrize("oil", ["roelands", "barus", "isoviscous"])
 def test_work_per_step_is_bounded(oil: str) -> None:
     """Work is counted, not timed: what a step costs must not creep up."""
-    case = isoviscous(0.0137) if oil == "isoviscous" else impact(200, 10, 65, lubricant={"viscosity": oil})
+    case = isoviscous(0.0137, 65) if oil == "isoviscous" else impact(200, 10, 65, lubricant={"viscosity": oil})
     s = simulate(case).summary
     assert s["status"] == "converged"
     assert s["steps"] <= 120
@@ -171,7 +178,7 @@ def test_work_per_step_is_bounded(oil: str) -> None:
     assert s["convolutions"] <= 10 * s["steps"]
 
 
-@pytest.mark.parametrize("M", [200, 1000])
+@pytest.mark.parametrize("M", [pytest.param(200, marks=pytest.mark.slow), 1000])
 def test_what_the_default_tolerance_leaves_is_small_beside_the_error_of_the_grid(M: float) -> None:
     """A tenth at most: the counts above are those of steps that are exact enough."""
     fixed = {"step": 0.01, "until": 1.5}
@@ -184,10 +191,11 @@ def test_what_the_default_tolerance_leaves_is_small_beside_the_error_of_the_grid
         assert abs(float(fine[name] - exact[name])) < 0.1 * discretisation, name
 
 
+@GRIDS
 @pytest.mark.usefixtures("nothing_outside")
-def test_iterations_do_not_grow_with_the_grid() -> None:
+def test_iterations_do_not_grow_with_the_grid(grids: tuple[int, ...]) -> None:
     counts = []
-    for nodes in (33, 65, 129, 257):
+    for nodes in grids:
         s = run("gentle", nodes).summary
         counts.append(s["krylov_iterations"] / s["newton_iterations"])
     assert max(counts) <= 1.5 * min(counts), counts

@@ -7,6 +7,7 @@ find an entry it traces the function again in every process, which takes longer 
 
 import hashlib
 import json
+import os
 from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
@@ -94,9 +95,11 @@ def _renamed(function: Any) -> Any:
 
 
 def _compile(lowered: Any, options: dict[str, Any]) -> Compiled:
-    """Compile with the options for the CPU, as far as this version of XLA knows them."""
+    """Compile with the options for the CPU, as far as XLA knows them and the user has not set them in XLA_FLAGS."""
     if jax.default_backend() != "cpu":
         return lowered.compile()  # type: ignore[no-any-return]
+    chosen = {flag.partition("=")[0].removeprefix("--") for flag in os.environ.get("XLA_FLAGS", "").split()}
+    options = {name: value for name, value in options.items() if name not in chosen}
     try:
         return lowered.compile(compiler_options=options)  # type: ignore[no-any-return]
     except jax.errors.JaxRuntimeError as error:

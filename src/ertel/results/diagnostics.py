@@ -1,7 +1,7 @@
 """Warnings if grid, domain, inlet or initial gap are not sufficient, each with a remedy."""
 
 from collections.abc import Sequence
-from math import inf
+from math import cbrt, inf
 
 import numpy as np
 import xarray as xr
@@ -10,6 +10,7 @@ from ertel.model.case import Case
 from ertel.model.state import GridSolution, Rolling
 from ertel.numerics.grid import allowed_nodes
 from ertel.physics import hertz
+from ertel.physics.lubricant import Barus
 from ertel.results import domain, variables
 from ertel.results.budgets import Budgets
 
@@ -25,13 +26,14 @@ BUDGETS = {  # what an open budget means
     "momentum": "the motion of the ball and the load differ",
     "energy": "the dissipation is uncertain by more than that",
 }
+BARUS_PRESSURE = 0.7e9  # Pa, above which Barus' law says nothing about traction
 CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 
 def impact_warnings(case: Case, data: xr.Dataset) -> list[str]:
     """Warnings about grid, domain or initial gap of an impact; an empty list if there are none."""
     said = [_film_warning(case, data), _front_warning(case, data), _gap_warning(case), _domain_warning(case, data)]
-    return _spoken([*said, _roughness_warning(case)])
+    return _spoken([*said, _roughness_warning(case), _traction_warning(case)])
 
 
 def rolling_warnings(case: Case, data: xr.Dataset) -> list[str]:
@@ -39,7 +41,7 @@ def rolling_warnings(case: Case, data: xr.Dataset) -> list[str]:
     said = [_film_warning(case, data), _sweep_warning(case, data), _centre_warning(case)]
     if data.sizes["frame"]:
         said += [_inlet_warning(case, data["P"].isel(frame=-1), float(data["frame"][-1]))]
-    return _spoken([*said, _roughness_warning(case)])
+    return _spoken([*said, _roughness_warning(case), _traction_warning(case)])
 
 
 def budget_warnings(case: Case, found: Budgets) -> list[str]:
@@ -72,7 +74,7 @@ def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
     finest = solutions[-1]
     said = [_overlap_warning(case, finest), _error_warning(case, solutions), _spike_warning(solutions)]
     P = xr.DataArray(np.asarray(finest.whole(finest.P)), {"Y": finest.grid.y, "X": finest.grid.x}, ("Y", "X"))
-    said += [_inlet_warning(case, P, 0.0), _centre_warning(case), _roughness_warning(case)]
+    said += [_inlet_warning(case, P, 0.0), _centre_warning(case), _roughness_warning(case), _traction_warning(case)]
     return _spoken(said)
 
 
@@ -190,6 +192,21 @@ def _roughness_warning(case: Case) -> str:
     return (
         f"the roughness is not resolved ({cells:.1f} cells across its smallest width {size:.3g} a, about "
         f"{CELLS_IN_WAVE:.0f} are needed); {_use(needed)}"
+    )
+
+
+def _traction_warning(case: Case) -> str:
+    """Barus' law gives far too large viscosities above 0.7 GPa.  The film, made in the inlet, hardly feels them."""
+    if case.scales is None or not isinstance(case.oil.viscosity_law, Barus):
+        return ""
+    heaviest = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
+    p = case.scales.p_h * cbrt(heaviest)
+    if p <= BARUS_PRESSURE or (case.oil.is_newtonian and case.motion.slide_to_roll == 0):
+        return ""
+    return (
+        f'lubricant.viscosity = "barus": gives far too large viscosities above {BARUS_PRESSURE / 1e9:g} GPa, and this '
+        f'contact has {p / 1e9:.2g} GPa: shear stress and traction mean nothing; use "roelands", or a modulus or '
+        "Doolittle's law with measured constants"
     )
 
 

@@ -18,8 +18,8 @@ from ertel.results.variables import to_si
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
-IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history")
-STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence")
+IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history", "friction")
+STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence", "friction")
 
 
 @dataclass(frozen=True, repr=False)
@@ -63,6 +63,10 @@ class Plot:
     def convergence(self, at: float | str | None = None) -> "Figure":
         """Convergence and film thickness on every grid of a steady contact."""
         return self._draw("convergence", at)
+
+    def friction(self, at: float | str | None = None) -> "Figure":
+        """Shear stress and power loss over the surface, of a run in time also the coefficients through time."""
+        return self._draw("friction", at)
 
     def _draw(self, name: str, at: float | str | None) -> "Figure":
         from ertel.results import plots

@@ -105,11 +105,13 @@ BUDGET: Mapping[str, Variable] = {  # the terms of the budgets, see `model.budge
     "outside_power": _power("power that goes to the oil outside the grid", "W_out", "outside_power"),
 }
 PUSHED = "the force of surface 1 on surface 2 over the load of the film, positive along X"
-RESISTANCE = "(1/2) double integral of H dP/dX over the load of the film, positive against motion along X"
+RESISTANCE = (
+    "of each surface: (1/2) double integral of H dP/dX over the load of the film, positive against motion along X"
+)
 FRICTION: Mapping[str, Variable] = {  # see `model.friction`
     "mu_sliding": _coefficient("traction coefficient", "mu_sliding", PUSHED),
     "mu_sliding_y": _coefficient("traction coefficient along y", "mu_sliding_y", PUSHED.replace("X", "Y")),
-    "mu_rolling": _coefficient("rolling resistance coefficient of each surface", "mu_rolling", RESISTANCE),
+    "mu_rolling": _coefficient("rolling resistance coefficient", "mu_rolling", RESISTANCE),
     "power_loss": _power("power loss", "power_loss", "power_loss", "heat of sliding and of the pressure-driven flow"),
 }
 SCALARS: Mapping[str, Variable] = {

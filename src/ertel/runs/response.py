@@ -18,7 +18,7 @@ from jax import Array
 
 from ertel.model import discretise
 from ertel.model.case import Case
-from ertel.model.records import law_data, scaled_all, show
+from ertel.model.records import scaled_all
 from ertel.model.sections import Time
 from ertel.model.state import State, combined, interpolated
 from ertel.model.status import Status
@@ -26,7 +26,6 @@ from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
 from ertel.physics import surfaces
 from ertel.physics.motion import Motion
-from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.surfaces import Feature, Waviness
 from ertel.physics.units import plain
 from ertel.results.dataset import assemble_steady
@@ -210,12 +209,6 @@ def respond_in_rolling(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> 
     """
     if not case.is_steady:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "steady" for the response to passing waves')
-    if not case.oil.is_newtonian:
-        said = show(law_data(case.oil.rheology, FLUIDITY_LAWS))
-        raise ValueError(
-            f'lubricant.rheology = {said}: must be "newtonian" for the response to passing waves; use solver.method = '
-            '"transient" with the waviness as the roughness of the case'
-        )
     features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)
     case = replace(case, solver=replace(case.solver, fold=fold))

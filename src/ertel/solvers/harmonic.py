@@ -15,6 +15,7 @@ This is the upstream slope of m without the phase of waves that ride with the oi
 Time steps of this length lead to the same film once it is periodic; at omega = 0 D is the wedge of the steady film.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
@@ -77,6 +78,7 @@ class Change(NamedTuple):
 class LinearFilm:
     """Reynolds' equation, linearised about a steady film, for changes that oscillate in time.
 
+    The mobility is that of the nodes.  For a Newtonian oil this is exact; one that thins has more, see `_exact`.
     by_P, by_H: derivatives of mass and mobility.  free: 1 where P > 0.  riding: exp(- i omega X/U), shape (n,), X
     downstream.
     """
@@ -93,10 +95,15 @@ class LinearFilm:
 
     def residual(self, dP: Array, dH: Array) -> Array:
         """The change of the residual on the free nodes by complex changes of P and H."""
-        mass, eps = tree.map(lambda p, h: p * dP + h * dH, self.by_P, self.by_H)
+        mass, eps = self.change(dP, dH)
         by_film = contact.balance(mass, eps, self.P, Rate(0.0, self.rate(mass)), self.spacing, self.even)
         by_pressure = contact.balance(jnp.zeros_like(mass), self.eps, dP, Rate(0.0, 0.0), self.spacing, self.even)
         return self.free * (by_film + by_pressure)
+
+    def change(self, dP: Array, dH: Array) -> Change:
+        """The change of mass and mobility."""
+        found: Change = tree.map(lambda p, h: p * dP + h * dH, self.by_P, self.by_H)
+        return found
 
     def rate(self, mass: Array) -> Array:
         """The rate of change of the mass following the flow."""
@@ -136,6 +143,7 @@ def _solve(p: _Problem) -> tuple[Array, Array, Array, Array]:
     turned = partial(nonlinear.along_the_flow, steady_rate(p.entrainment))
     speed, shape = jnp.abs(p.entrainment), turned(p.shape)
     film = linear_film(p.contact, turned(p.P), turned(p.H), speed, p.frequency)
+    residual = _exact(p.contact, film, turned(p.H))
     inverse = partial(multigrid.precondition, _levels(film, p.elastic, p.frequency))
     weight = nonlinear.LOAD_WEIGHT / p.contact.spacing
     zero, one = jnp.zeros_like(shape), jnp.ones((), shape.dtype)
@@ -143,15 +151,15 @@ def _solve(p: _Problem) -> tuple[Array, Array, Array, Array]:
     def system(d: tuple[Array, Array]) -> tuple[Array, Array]:
         e, s = d
         misfit = p.line.approach_weight * s + p.line.load_weight * contact.load(p.contact, e)
-        return film.residual(e, contact.deformation(p.contact, e) - s), weight * misfit
+        return residual(e, contact.deformation(p.contact, e) - s), weight * misfit
 
-    lifted = film.residual(zero, jnp.ones_like(shape))
+    lifted = residual(zero, jnp.ones_like(shape))
 
     def direction(k: Array, r: tuple[Array, Array]) -> tuple[Array, Array]:
         """Search direction k: first a change of Delta with the pressure's response, then changes of P alone."""
         return inverse(jnp.where(k == 0, lifted, r[0])), jnp.where(k == 0, one, 0.0)
 
-    by_the_wave = film.residual(zero, shape), 0.0 * one
+    by_the_wave = residual(zero, shape), 0.0 * one
     (dP, approach), iterations = krylov.gcr(system, direction, by_the_wave, REDUCTION, LIMIT)
     dH = contact.deformation(p.contact, dP) - approach - shape
     return turned(dP), turned(dH), approach, iterations
@@ -164,15 +172,26 @@ def linear_film(c: Contact, P: Array, H: Array, speed: Number, frequency: Number
         return Change(contact.mass(c, P, H), contact.mobility(c, P, H))
 
     one, zero = jnp.ones_like(P), jnp.zeros_like(P)
-    laws_here, by_P = jax.jvp(laws, (P, H), (one, zero))
-    _, by_H = jax.jvp(laws, (P, H), (zero, one))
+    laws_here, change = jax.linearize(laws, P, H)
+    by_P, by_H = change(one, zero), change(zero, one)
     riding = jnp.exp(-1j * frequency / speed * c.spacing * jnp.arange(P.shape[1]))
     free = inside(jnp.where(P > 0.0, 1.0, 0.0), c.even)
     return LinearFilm(P, laws_here.eps, by_P, by_H, free, riding, speed, c.spacing, c.even)
 
 
+def _exact(c: Contact, film: LinearFilm, H: Array) -> Callable[[Array, Array], Array]:
+    """The change of the residual on the free nodes with the exact derivative of the flux, of every oil."""
+    _, gain = jax.linearize(partial(c.flow.gain, c), film.P, H)
+
+    def residual(dP: Array, dH: Array) -> Array:
+        parts = jax.vmap(gain)(*(jnp.stack([d.real, d.imag]) for d in (dP, dH)))
+        return film.free * inside(film.rate(film.change(dP, dH).mass) - (parts[0] + 1j * parts[1]), film.even)
+
+    return residual
+
+
 def _levels(film: LinearFilm, elastic: tuple[Elasticity, ...], frequency: Number) -> tuple[multigrid.GridLevel, ...]:
-    """The V-cycle's grids, on the finest grid the exact operator."""
+    """The V-cycle's grids, on the finest grid the operator with the mobility of the nodes."""
     precision = elastic[0].spectrum.dtype
 
     def single(values: Any) -> Array:

@@ -2,9 +2,10 @@
 
     ertel.plots.overview(result.dataset, at="max-approach").savefig("impact.png")
 
-A run in time has overview, film, pressure, maps, profiles and history; a steady contact overview, film, pressure, maps,
-midlines and convergence.  `at` chooses the moment of a run in time: a time in t0 (the map next to it is drawn) or an
-event, "max-approach" or "end"; by default maximum approach, or the last map where there is none.
+A run in time has overview, film, pressure, maps, profiles, history and friction; a steady contact overview, film,
+pressure, maps, midlines, convergence and friction.  `at` chooses the moment of a run in time: a time in t0 (the map
+next to it is drawn) or an event, "max-approach" or "end"; by default maximum approach, or the last map where there is
+none.
 
 Every function raises `NoFigure`, a ValueError, where there is nothing to draw yet, and for a figure or a moment that
 the run has not.
@@ -27,6 +28,7 @@ __all__ = [
     "convergence",
     "figures_of",
     "film",
+    "friction",
     "history",
     "maps",
     "midlines",
@@ -88,3 +90,11 @@ def midlines(dataset: xr.Dataset, at: At = None) -> Figure:
 def convergence(dataset: xr.Dataset, at: At = None) -> Figure:
     """Convergence of Newton's iteration on every grid of a steady contact, and the film thickness on every grid."""
     return _draw("convergence", dataset, at)
+
+
+def friction(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Shear stress and power loss over the surface, of a run in time also the coefficients of friction through time.
+
+    The shear stress is that in the middle of the film; it is left out where the surfaces do not slide.
+    """
+    return _draw("friction", dataset, at)

@@ -34,8 +34,13 @@ ORDERED_COLOURS = LinearSegmentedColormap.from_list("ordered", colormaps["viridi
 UNITS = {
     "a*": "$a^*$", "a*^2/R": "$a^{*2}/R$", "p_h*": "$p_h^*$", "F*": "$F^*$", "a*/t0": "$a^*/t_0$", "t0": "$t_0$",
     "a": "$a$", "a^2/R": "$a^2/R$", "p_h": "$p_h$", "F": "$F$", "u_m": "$u_m$",
+    "a*/R": "$a^*/R$", "p_h* a*/R": r"$p_h^*\, a^*/R$", "p_h* a*^2/(R t0)": r"$p_h^*\, a^{*2}/(R t_0)$",
+    "a/R": "$a/R$", "p_h a/R": r"$p_h\, a/R$", "p_h u_m a/R": r"$p_h\, u_m\, a/R$",
+    "F* delta*/t0": r"$F^* \delta^*/t_0$", "F u_m a/R": r"$F u_m\, a/R$",
 }  # fmt: skip
+SHOWN = {"W/m2": (1e-6, "W/mm²"), "1": (1.0, "")}  # SI units that are shown otherwise than with a prefix
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
+GREEK = "Delta|delta|^mu|^tau"
 LONG = 2.0  # ratio of the sides from which a map is long
 LOADED = 0.02  # of the maximum pressure: where there is less, the film carries nothing to speak of
 
@@ -68,7 +73,8 @@ class Scale:
     @property
     def label(self) -> str:
         """Name, symbol and unit for an axis."""
-        return f"{self.long_name} {self.symbol} ({self.unit})" if self.unit else f"{self.long_name} {self.symbol}"
+        parts = self.long_name, self.symbol, f"({self.unit})" if self.unit else ""
+        return " ".join(part for part in parts if part)
 
 
 def scale(dataset: xr.Dataset, name: str, maximum: float) -> Scale:
@@ -78,14 +84,14 @@ def scale(dataset: xr.Dataset, name: str, maximum: float) -> Scale:
         unit = KINDS[dataset.attrs["kind"]].unit(attributes.get("in_units_of", ""))
         return Scale(1.0, mathtext(attributes["symbol"]), UNITS.get(unit, unit), attributes["long_name"])
     power = exponent(abs(maximum) * attributes["si_factor"])
-    unit = PREFIXES[power] + attributes["si_units"]
-    factor = attributes["si_factor"] / 10**power
+    share, unit = SHOWN.get(attributes["si_units"]) or (10.0**-power, PREFIXES[power] + attributes["si_units"])
+    factor = attributes["si_factor"] * share
     return Scale(factor, mathtext(attributes["si_name"]), unit, attributes["long_name"])
 
 
 def mathtext(symbol: str) -> str:
     """H_min as $H_\\mathrm{min}$, Delta as a Greek letter."""
-    base, _, index = symbol.replace("Delta", r"\Delta").replace("delta", r"\delta").partition("_")
+    base, _, index = re.sub(GREEK, r"\\\g<0>", symbol).partition("_")
     return f"${base}_\\mathrm{{{index}}}$" if index else f"${base}$"
 
 
@@ -157,6 +163,12 @@ def map_of(dataset: xr.Dataset, name: str, frame: int | None = None) -> Field:
 def extent(dataset: xr.Dataset, x: Values, P: Values) -> float:
     """How far from the centre a profile along x is shown."""
     return min(MARGIN * reach(x, P), WIDEST * stored.geometry(dataset).extent[0])
+
+
+def side_of(dataset: xr.Dataset, frame: int | None = None) -> float:
+    """How far from the centre a map is shown along x."""
+    field = map_of(dataset, "P", frame)
+    return extent(dataset, field.x, field.values.max(axis=0))
 
 
 def stretch(dataset: xr.Dataset) -> float:

@@ -23,7 +23,7 @@ def draw_motion(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
         "V": ("speed $v/v_0$", GREY, "-."),
     }
     shares = dataset.assign(Delta=dataset["Delta"] / stored.geometry(dataset).dry_approach(1.0))
-    _draw_series(axes, shares, p, lines, 1.0)
+    draw_series(axes, shares, p, lines, 1.0)
     axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(ylabel="share of the dry impact's", ylim=(-1.1, 1.35))
     axes.legend(loc="upper left", edgecolor="none", ncols=3, columnspacing=1.0, handlelength=1.5, fontsize="small")
@@ -38,7 +38,7 @@ def draw_drive(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
         "w": ("applied load", "black", ":"),
     }
     lines = {name: line for name, line in lines.items() if name in dataset}
-    _draw_series(axes, dataset, p, lines, 1.0)
+    draw_series(axes, dataset, p, lines, 1.0)
     low, high = (function([dataset[name].values for name in lines]) for function in (np.min, np.max))
     span = max(high - min(low, 0.0), 0.1)
     axes.set(ylabel="share of the static contact's", ylim=(min(low, 0.0) - 0.05 * span, high + 0.3 * span))
@@ -49,7 +49,7 @@ def draw_film_history(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     """Central and minimum film thickness through time, over decades where the film falls by as much."""
     z = scale(dataset, "H_c", float(dataset["H_c"].min()))
     lines = {"H_c": (named(dataset, "H_c"), BLUE, "-"), "H_min": (named(dataset, "H_min"), ORANGE, "-")}
-    _draw_series(axes, dataset, p, lines, z.factor)
+    draw_series(axes, dataset, p, lines, z.factor)
     axes.set(ylabel=f"film thickness ({z.unit})")
     axes.legend(loc="upper right", edgecolor="none", fontsize="small")
     films = [dataset[name].values * z.factor for name in lines]
@@ -67,7 +67,7 @@ def draw_pressure_history(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     """Central and maximum pressure through time."""
     z = scale(dataset, "P_max", float(dataset["P_max"].max()))
     lines = {"P_max": (named(dataset, "P_max"), ORANGE, "-"), "P_c": (named(dataset, "P_c"), BLUE, "-")}
-    _draw_series(axes, dataset, p, lines, z.factor)
+    draw_series(axes, dataset, p, lines, z.factor)
     axes.set(ylabel=f"pressure ({z.unit})", ylim=(0.0, 1.3 * float(dataset["P_max"].max()) * z.factor))
     axes.legend(loc="upper left", edgecolor="none", fontsize="small")
 
@@ -84,7 +84,7 @@ def draw_front(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     time = scale(dataset, "time", 1.0)
     axes.plot(T * time.factor, dry * across.factor, color=GREY, linestyle="--", label="edge of the dry contact")
     lines = {"X_min": ("front: place of the minimum film thickness", GREEN, "-")}
-    _draw_series(axes, dataset, p, lines, across.factor, front)
+    draw_series(axes, dataset, p, lines, across.factor, front)
     axes.set(ylabel=f"distance from the centre ({across.unit})", ylim=(0.0, 1.25 * across.factor))
     axes.legend(loc="upper left", edgecolor="none", fontsize="small")
 
@@ -93,13 +93,13 @@ def draw_minimum_film(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     """Place of the minimum film thickness of a rolling contact through time: a side lobe, the exit, a feature."""
     across = lateral(dataset)
     lines = {"X_min": ("along the flow", BLUE, "-"), "Y_min": ("to the side", ORANGE, "--")}
-    _draw_series(axes, dataset, p, {name: line for name, line in lines.items() if name in dataset}, across.factor)
+    draw_series(axes, dataset, p, {name: line for name, line in lines.items() if name in dataset}, across.factor)
     axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(ylabel=f"place of the minimum film ({across.unit})", ylim=(-1.3 * across.factor, 1.7 * across.factor))
     axes.legend(loc="upper left", edgecolor="none", ncols=2, fontsize="small")
 
 
-def _draw_series(
+def draw_series(
     axes: Axes, dataset: xr.Dataset, p: Profiles, lines: Lines, factor: float, values: Values | None = None
 ) -> None:
     """Lines over time, and a dotted one at the moment that the maps show."""

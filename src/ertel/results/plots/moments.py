@@ -88,9 +88,9 @@ def heading(dataset: xr.Dataset, p: Profiles) -> list[str]:
     time = scale(dataset, "time", 1.0)
     parts = [f"{p.moment} at {time.symbol} = {p.time * time.factor:.4g} {time.unit}"]
     if "F" in dataset:
-        parts.append(f"load {_shown(dataset, 'F', _at(dataset, 'F', p.time))}")
+        parts.append(f"load {shown(dataset, 'F', _at(dataset, 'F', p.time))}")
     if "U" in dataset and np.any(dataset["U"].values):
-        parts.append(f"speed {_shown(dataset, 'U', entrainment(dataset, p.time))}")
+        parts.append(f"speed {shown(dataset, 'U', entrainment(dataset, p.time))}")
     return parts
 
 
@@ -98,7 +98,7 @@ def _at(dataset: xr.Dataset, name: str, T: float) -> float:
     return float(np.interp(T, dataset["time"].values, dataset[name].values))
 
 
-def _shown(dataset: xr.Dataset, name: str, value: float) -> str:
+def shown(dataset: xr.Dataset, name: str, value: float) -> str:
     """A value with its unit; nothing to speak of is zero."""
     value = 0.0 if abs(value) < NOTHING else value
     attributes = dataset[name].attrs

@@ -1,5 +1,6 @@
 """Pictures of a steady rolling contact and of the grids that it was solved on: Dataset -> matplotlib Figure."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
@@ -28,15 +29,17 @@ from ertel.results.plots.drawing import (
     draw_film,
     draw_flow,
     draw_pressure,
-    extent,
     lateral,
     map_of,
     named,
     scale,
+    side_of,
     stretch,
     title,
 )
+from ertel.results.plots.friction import draw_loss, draw_stress, said, slides
 from ertel.results.plots.roughness import draw_band, draw_contours, set_height
+from ertel.results.variables import FRICTION
 
 # -- error bars --------------------------------------------------------------------------------------------------------
 
@@ -74,22 +77,28 @@ def _with_error(dataset: xr.Dataset, name: str) -> str:
 def draw_horseshoe(axes: Axes, dataset: xr.Dataset) -> None:
     """Film thickness of a steady contact, with contour lines at equal steps as an interferometer shows them."""
     H = float(dataset["H_c"].values[-1])
-    draw_film(axes, dataset, map_of(dataset, "H"), _side(dataset), 1.75 * H, lines=16)
+    draw_film(axes, dataset, map_of(dataset, "H"), side_of(dataset), 1.75 * H, lines=16)
     draw_contours(axes, dataset, 0.0)
     draw_flow(axes, _flow(dataset))
 
 
 def draw_spike(axes: Axes, dataset: xr.Dataset) -> None:
     """Pressure of a steady contact with its spike."""
-    draw_pressure(axes, dataset, map_of(dataset, "P"), _side(dataset))
+    draw_pressure(axes, dataset, map_of(dataset, "P"), side_of(dataset))
     draw_contours(axes, dataset, 0.0)
     draw_flow(axes, _flow(dataset))
 
 
-def _side(dataset: xr.Dataset) -> float:
-    """How far from the centre the contact is shown."""
-    field = map_of(dataset, "P")
-    return extent(dataset, field.x, field.values.max(axis=0))
+def draw_stress_map(axes: Axes, dataset: xr.Dataset) -> None:
+    """Shear stress of a steady contact, with contour lines at equal steps."""
+    draw_stress(axes, dataset)
+    draw_flow(axes, _flow(dataset))
+
+
+def draw_loss_map(axes: Axes, dataset: xr.Dataset) -> None:
+    """Power loss per area of a steady contact, with contour lines at equal steps."""
+    draw_loss(axes, dataset)
+    draw_flow(axes, _flow(dataset))
 
 
 def _dry_pressure(dataset: xr.Dataset, X: Values, Y: Values) -> Values:
@@ -121,7 +130,7 @@ def draw_midline(axes: Axes, dataset: xr.Dataset, along: str) -> None:
     right.plot(x * across.factor, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across.factor, P * p.factor, color=ORANGE)
     axes.plot(x * across.factor, H * h.factor, color=BLUE)
-    side = _side(dataset) * (1.0 if along == "x" else stretch(dataset)) * across.factor
+    side = side_of(dataset) * (1.0 if along == "x" else stretch(dataset)) * across.factor
     axes.set(xlim=(-side, min(side, x[-1] * across.factor)), xlabel=axis_label(dataset, along))
     top = 1.1 * max(float(P.max()), float(dry.max())) * p.factor
     rough = draw_band(axes, dataset, 0.0, x, 4.0 * float(dataset["H_c"].values[-1]) * h.factor, along)
@@ -206,14 +215,30 @@ def convergence(dataset: xr.Dataset, at: At = None) -> Figure:
     return _of(dataset, at, [[draw_convergence, draw_grids]])
 
 
-def _of(dataset: xr.Dataset, at: At, rows: list[list[Panel]]) -> Figure:
+def friction(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Shear stress, where the surfaces slide, and power loss over the surface."""
+    panels: list[Panel] = [draw_stress_map, draw_loss_map] if slides(dataset) else [draw_loss_map]
+    return _of(dataset, at, [panels], _coefficients)
+
+
+def _coefficients(dataset: xr.Dataset) -> list[str]:
+    return said(dataset, {name: float(dataset[name][-1]) for name in FRICTION})
+
+
+def _films(dataset: xr.Dataset) -> list[str]:
+    return [_with_error(dataset, name) for name in ("H_c", "H_min")]
+
+
+def _of(
+    dataset: xr.Dataset, at: At, rows: list[list[Panel]], outcome: Callable[[xr.Dataset], list[str]] = _films
+) -> Figure:
+    """A figure; outcome: what its heading says of the solution."""
     if at is not None:
         raise NoFigure(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
     if not dataset.sizes["grid"]:
         raise NoFigure("dataset: has no solution yet, there is nothing to draw")
     dataset = dataset.load()
-    films = [_with_error(dataset, name) for name in ("H_c", "H_min")]
-    return compose(dataset, rows, [*title(dataset), *films])
+    return compose(dataset, rows, [*title(dataset), *outcome(dataset)])
 
 
 STEADY_FIGURES: Figures = {
@@ -222,5 +247,6 @@ STEADY_FIGURES: Figures = {
     "pressure": pressure,
     "midlines": midlines,
     "convergence": convergence,
+    "friction": friction,
 }
 MORE_STEADY_FIGURES: Figures = {"maps": maps}  # film and pressure in one, for a notebook

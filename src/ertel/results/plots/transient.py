@@ -31,8 +31,10 @@ from ertel.results.plots.drawing import (
     lateral,
     map_of,
     scale,
+    side_of,
     title,
 )
+from ertel.results.plots.friction import draw_coefficients, draw_loss, draw_power, draw_stress, slides
 from ertel.results.plots.histories import (
     draw_drive,
     draw_film_history,
@@ -61,22 +63,28 @@ def draw_film_map(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     """Film thickness at the chosen moment, with contour lines at equal steps as an interferometer shows them."""
     P, H = p.P[p.chosen], p.H[p.chosen]
     top = 1.5 * film_inside(dataset, p.x, P, H)
-    draw_film(axes, dataset, map_of(dataset, "H", p.chosen), _side(dataset, p.chosen), top)
+    draw_film(axes, dataset, map_of(dataset, "H", p.chosen), side_of(dataset, p.chosen), top)
     draw_contours(axes, dataset, p.time)
     draw_flow(axes, entrainment(dataset, p.time))
 
 
 def draw_pressure_map(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     """Pressure at the chosen moment, with contour lines at equal steps."""
-    draw_pressure(axes, dataset, map_of(dataset, "P", p.chosen), _side(dataset, p.chosen))
+    draw_pressure(axes, dataset, map_of(dataset, "P", p.chosen), side_of(dataset, p.chosen))
     draw_contours(axes, dataset, p.time)
     draw_flow(axes, entrainment(dataset, p.time))
 
 
-def _side(dataset: xr.Dataset, frame: int) -> float:
-    """How far from the centre a map is shown along x."""
-    field = map_of(dataset, "P", frame)
-    return extent(dataset, field.x, field.values.max(axis=0))
+def draw_stress_map(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
+    """Shear stress at the chosen moment, with contour lines at equal steps."""
+    draw_stress(axes, dataset, p.chosen)
+    draw_flow(axes, entrainment(dataset, p.time))
+
+
+def draw_loss_map(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
+    """Power loss per area at the chosen moment, with contour lines at equal steps."""
+    draw_loss(axes, dataset, p.chosen)
+    draw_flow(axes, entrainment(dataset, p.time))
 
 
 def draw_film_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
@@ -155,6 +163,13 @@ def overview(dataset: xr.Dataset, at: At = None) -> Figure:
     return _of_run(dataset, [above, [draw_pressure_map, draw_pressure_profiles, motion]], at)
 
 
+def friction(dataset: xr.Dataset, at: At = None) -> Figure:
+    """Shear stress, where the surfaces slide, and power loss over the surface; coefficients and power through time."""
+    through_time: list[MomentPanel] = [draw_coefficients, draw_power] if np.any(dataset["U"]) else [draw_power]
+    rows = [[draw_stress_map, draw_loss_map], through_time] if slides(dataset) else [[draw_loss_map, *through_time]]
+    return _of_run(dataset, rows, at)
+
+
 def _of_run(dataset: xr.Dataset, rows: list[list[MomentPanel]], at: At) -> Figure:
     dataset = dataset.load()
     p = profiles_of(dataset, at)
@@ -162,5 +177,5 @@ def _of_run(dataset: xr.Dataset, rows: list[list[MomentPanel]], at: At) -> Figur
     return compose(dataset, panels, [*title(dataset), *heading(dataset, p)])
 
 
-FIGURES: Figures = {"overview": overview, "maps": maps, "profiles": profiles, "history": history}
+FIGURES: Figures = {"overview": overview, "maps": maps, "profiles": profiles, "history": history, "friction": friction}
 MORE_FIGURES: Figures = {"film": film, "pressure": pressure}  # parts of those, for a notebook

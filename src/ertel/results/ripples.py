@@ -1,0 +1,109 @@
+"""Waviness at rest under a sliding oil: its ripples in the middle of a contact, computed and by Hooke's linear theory.
+
+The ripple of the film over a fine wave exp(i k X) of small height has three parts: a wave of the same length, which
+Hooke's theory describes; waves that start in the inlet and ride with the oil, here with the frequency zero; and slow
+changes of the whole contact.  The first is told from the others by its length.
+"""
+
+from math import inf, pi
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from ertel.model.case import Case
+from ertel.physics.lubricant import Oil
+from ertel.physics.shear import small_gradient_mobility
+from ertel.physics.surfaces import Feature, Waviness
+from ertel.physics.traction import SlidingWaviness, hooke_waviness
+
+REACH = 1.0  # wavelengths on both sides of the centre
+STEP = 1e-3  # relative, of the pressure, for the bulk modulus
+
+
+def pair(wavelength: float) -> list[list[Feature]]:
+    """Ridges across the flow on surface 1, as a cosine and a sine of unit height: for `respond_in_rolling`."""
+    return [[Feature(Waviness(1.0, wavelength, phase_x=phase), 1)] for phase in (0.0, -pi / 2)]
+
+
+def ripples(data: xr.Dataset, first: int, wavelength: float) -> SlidingWaviness:
+    """The ripples of clearance and pressure at the centre, over the height of waves at rest.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        From `respond_in_rolling`, steady: the response to the wave `first` and the next one are those of a `pair`.
+    first : int
+        Number of the cosine.
+    wavelength : float
+        In a.
+
+    Returns
+    -------
+    SlidingWaviness
+        Complex; the clearance as a share of the height, the pressure in units p_h R/a^2.
+    """
+    found = [_at_centre(data, name, first, wavelength) for name in ("dH", "dP")]
+    return SlidingWaviness(-found[0], -found[1])
+
+
+def _at_centre(data: xr.Dataset, name: str, first: int, wavelength: float) -> complex:
+    """The amplitude of the wave of this length, by least squares beside what is slow, as it varies with X."""
+    line = data.sel(Y=0.0, method="nearest").sel(X=slice(-REACH * wavelength, REACH * wavelength))
+    real = (line[f"{name}_amplitude"] * np.cos(line[f"{name}_phase"])).values
+    x: NDArray[np.float64] = line["X"].values
+    wave, slow = np.exp(2j * pi / wavelength * x), np.ones_like(x)
+    parts = np.stack([wave, x * wave, slow, x * slow], axis=1)
+    return complex(np.linalg.lstsq(parts, real[first] + 1j * real[first + 1])[0][0])
+
+
+class Centre(NamedTuple):
+    """What Hooke's theory takes from the middle of a contact.
+
+    film (m), pressure (Pa), viscosity: d(stress)/d(shear rate) (Pa s), newtonian: eta at that pressure (Pa s),
+    bulk_modulus: of the oil (Pa), lag: speed of the waviness, which is at rest, minus the oil's mean speed (m/s).
+    """
+
+    film: float
+    pressure: float
+    viscosity: float
+    newtonian: float
+    bulk_modulus: float
+    lag: float
+
+
+def centre(case: Case, data: xr.Dataset) -> Centre:
+    """The middle of the steady film of a case in SI.  Raises ValueError unless surface 1 is at rest."""
+    scales, speed = case.scales, case.contact.mean_speed
+    if scales is None or speed is None or case.motion.slide_to_roll != -2.0:
+        raise ValueError(f"slide_to_roll = {case.motion.slide_to_roll}: must be -2, surface 1 at rest, in SI")
+    at = data.sel(X=0.0, Y=0.0, method="nearest")
+    h, p = float(at["H"]) * scales.film, float(at["P"]) * scales.p_h
+    eta = (case.oil.eta0 or 0.0) * float(case.oil.viscosity_law.viscosity(p))
+    law, newtonian = case.oil.fluidity_law, 2.0 * eta * abs(speed) / h
+    stress = brentq(lambda tau: float(law.fluidity(tau, p)) * tau - newtonian, 0.0, newtonian, rtol=1e-12)
+    faster, _ = small_gradient_mobility(law, stress, p)
+    return Centre(h, p, eta / float(faster), eta, _bulk_modulus(case.oil, p), -speed)
+
+
+def _bulk_modulus(oil: Oil, p: float) -> float:
+    """rho dp/drho, infinite if the oil is not compressible."""
+    less, more = (float(oil.density_law.density(p * (1.0 + sign * STEP))) for sign in (-1.0, 1.0))
+    return (more + less) * STEP * p / (more - less) if more > less else inf
+
+
+def hooke(case: Case, at: Centre, wavelength: float) -> SlidingWaviness:
+    """Hooke's ripples in the units of `ripples`."""
+    assert case.scales is not None
+    length, E_prime = wavelength * case.scales.a, case.scales.E_prime
+    found = hooke_waviness(length, at.film, E_prime, at.viscosity, at.lag, at.bulk_modulus)
+    return SlidingWaviness(found.clearance, found.pressure * case.scales.film / case.scales.p_h)
+
+
+def hooke_number(case: Case, at: Centre, wavelength: float) -> float:
+    """Hooke's Q = (12/pi^2) eta_eff |v - u| wavelength^2/(E' h^3)."""
+    assert case.scales is not None
+    length = wavelength * case.scales.a
+    return 12 / pi**2 * at.viscosity * abs(at.lag) * length**2 / (case.scales.E_prime * at.film**3)

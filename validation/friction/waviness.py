@@ -1,0 +1,68 @@
+"""Waviness at rest under a sliding oil against Hooke's linear theory: a Newtonian oil beside Eyring's.
+
+    python validation/friction/waviness.py [--nodes 257]
+
+prints the table of waviness.md.
+"""
+
+import argparse
+from collections.abc import Iterator
+
+import ertel
+from ertel.model.case import Case
+from ertel.physics.fluidity import ReeEyring
+from ertel.results import ripples
+from ertel.runs.response import respond_in_rolling
+
+WAVELENGTHS = (0.25, 0.35, 0.5, 1.0)  # a
+OILS = {"20": (20e-9, (None, 5e6, 1e6)), "4": (4e-9, (None, 1e6))}  # alpha in 1/GPa: alpha, Eyring's stresses
+
+
+def case(alpha: float, tau0: float | None, nodes: int) -> Case:
+    """A ball of 20 mm, 20 N, 1 m/s; the wavy surface is at rest and the other one slides with 2 m/s."""
+    return ertel.rolling(
+        radius="10 mm",
+        E_prime="226 GPa",
+        load="20 N",
+        mean_speed="1 m/s",
+        slide_to_roll=-2.0,
+        oil=ertel.Oil(eta0="40 mPa*s", alpha=alpha),
+        rheology="newtonian" if tau0 is None else ReeEyring(tau0),
+        half_width=2.0,
+        inlet=2.5,
+        nodes=nodes,
+    )
+
+
+def rows(name: str, chosen: Case) -> Iterator[str]:
+    """The rows of one oil."""
+    data = respond_in_rolling(chosen, [wave for length in WAVELENGTHS for wave in ripples.pair(length)])
+    assert data.attrs["status"] == "converged"
+    at = ripples.centre(chosen, data)
+    cells = (chosen.solver.nodes - 1) / (2 * chosen.solver.half_width)
+    for number, length in enumerate(WAVELENGTHS):
+        found, theory = ripples.ripples(data, 2 * number, length), ripples.hooke(chosen, at, length)
+        film, expected = abs(found.clearance), abs(theory.clearance)
+        pressure = abs(found.pressure / theory.pressure)
+        numbers = (
+            f"{at.film * 1e9:.0f} | {length:g} | {length * cells:.0f} | {ripples.hooke_number(chosen, at, length):.3g}"
+        )
+        yield f"| {name} | {numbers} | {film:.3f} | {expected:.3f} | {film / expected:.3f} | {pressure:.3f} |"
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--nodes", type=int, default=257)
+    nodes = parser.parse_args().nodes
+    print("| alpha (1/GPa), oil | h_c (nm) | wavelength (a) | cells | Q | film ripple | Hooke | ratio | of pressure |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for written, (alpha, stresses) in OILS.items():
+        for tau0 in stresses:
+            name = "Newtonian" if tau0 is None else f"Eyring {tau0 / 1e6:g} MPa"
+            for row in rows(f"{written}, {name}", case(alpha, tau0, nodes)):
+                print(row, flush=True)
+
+
+if __name__ == "__main__":
+    main()
