@@ -113,7 +113,8 @@ class _Problem:
     def at(self, x: Real) -> _State:
         T_1, T_2 = (body + rise for body, rise in zip(self.bodies, self._rises(x), strict=True))
         film = 0.5 * (T_1 + T_2) + self.r * x[0] / 12.0
-        return _State(x, T_1, T_2, film, *self.release(film))
+        # no film gets colder than both bodies, but an iterate may, and the viscosity of very cold oil is no number
+        return _State(x, T_1, T_2, film, *self.release(np.maximum(film, min(self.bodies))))
 
     def newton_change(self, s: _State) -> tuple[Real, int]:
         """The change of x, and how often K_1 and K_2 were applied for it."""

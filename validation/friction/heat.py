@@ -1,0 +1,162 @@
+"""Tables of heat.md: inlet factor, the film between cold walls, a traction curve from cold and from hot, grids, work.
+
+    python validation/friction/heat.py
+
+The traction curves take the film of one slide-to-roll ratio, so that they show what heat does.
+"""
+
+from typing import Any
+
+import jax
+import numpy as np
+
+import ertel
+from ertel.model import discretise, heat
+from ertel.model.case import Case
+from ertel.model.friction import friction
+from ertel.model.heat import Heated
+from ertel.model.state import GridSolution
+from ertel.numerics.integrals import Plane
+from ertel.physics.flash import flash_temperature
+from ertel.physics.thermal import Solid, gupta_factor, mean_rise, nahme, wilson_sheu_factor
+from ertel.physics.warming import cold, warmed
+from ertel.solvers import steady
+
+NODES = 129
+SLIDE_TO_ROLL = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 1.5, 1.9, 2.0)
+FILM_AT = 0.05  # S at which the film is computed
+PLAIN_STEPS = 60
+CELSIUS = 273.15
+
+
+def case(rheology: Any, nodes: int = NODES, second: str = "steel", **thermal: Any) -> Case:
+    """A steel ball of 20 mm on a disc, 100 N, 4 m/s, squalane at 25 degC."""
+    return ertel.rolling(
+        radius="10 mm",
+        load="100 N",
+        mean_speed="4 m/s",
+        slide_to_roll=FILM_AT,
+        material_1="steel",
+        material_2=second,
+        oil="squalane",
+        temperature="25 degC",
+        rheology=rheology,
+        nodes=nodes,
+        thermal=thermal,
+    )
+
+
+LAWS = {
+    "Carreau": {"law": "carreau", "G": "6 MPa", "n": 0.42},
+    "Eyring": {"law": "ree-eyring", "tau0": "6 MPa"},
+}
+
+
+def inlet_factor() -> None:
+    """Both formulas against L_t."""
+    print("\n| L_t | Gupta S = 0 | 0.2 | 1 | Wilson-Sheu S = 0 | 0.2 | 1 |\n|---|---|---|---|---|---|---|")
+    for L_t in (0.01, 0.1, 0.5, 1.0, 3.0):
+        gupta = [gupta_factor(L_t, S, 0.5 / 226) for S in (0.0, 0.2, 1.0)]
+        wilson = [wilson_sheu_factor(L_t, S) for S in (0.0, 0.2, 1.0)]
+        print(f"| {L_t:g} | " + " | ".join(f"{value:.4f}" for value in (*gupta, *wilson)) + " |")
+
+
+def cold_walls() -> None:
+    """Viscosity of a sheared film over that at its cold walls, by the mean temperature and by Nahme."""
+    print("\n| Na | by the mean temperature | Nahme, exact | excess | Newton iterations |\n|---|---|---|---|---|")
+    beta, film, conductivity = 0.04, 1e-7, 0.14
+    for Na in (0.1, 1.0, 8.0, 50.0, 100.0, 1000.0, 1e4):
+        released = Na * conductivity / (beta * film)  # at 1 m/s
+
+        def release(T: Any, most: float = released) -> Any:
+            return most * np.exp(-beta * T), -beta * most * np.exp(-beta * T)
+
+        found = warmed(release, (cold, cold), np.array([film / conductivity]))
+        ours, exact = found.heat[0] / released, nahme(Na).viscosity
+        print(f"| {Na:g} | {ours:.6f} | {exact:.6f} | {ours / exact - 1:.2%} | {found.iterations} |")
+
+
+def worked_example() -> None:
+    """40 MPa, 1 m/s, 100 nm; half of the heat into steel at 0.5 m/s, over 280 um."""
+    uniform = np.full(281, 20e6)
+    uniform[0] /= 2
+    surface = flash_temperature(uniform, Solid(7850.0, 460.0, 47.0), 0.5, 1e-6)[-1]
+    print(f"\nmean rise in the film {mean_rise(40e6, 1.0, 1e-7, 0.14):.2f} K, surface {surface:.1f} K")
+
+
+def film(chosen: Case) -> GridSolution:
+    """The isothermal film."""
+    found = steady.steady(chosen).finest
+    assert found.status.ok
+    return found
+
+
+def plain_iteration(chosen: Case, s: GridSolution, S: float) -> tuple[float, float]:
+    """The highest rise of the film's temperature (K) in the last two steps of T <- T(q(T)), from a cold film."""
+    scales, thermal, grid = chosen.scales, chosen.thermal, s.grid
+    assert scales and thermal and chosen.oil.eta0
+    mean = scales.front_speed
+    thinner = thermal.inlet(chosen.oil.eta0, scales, mean, S).factor * s.H
+    sheared = heat._sheared(chosen, grid, thermal.viscosity_of(chosen.oil.eta0), s.P, thinner, S * mean)
+    speeds = mean * (1 + S / 2), mean * (1 - S / 2)
+    rises = [heat._rise(body, u, scales.a, grid) for body, u in zip(thermal.bodies, speeds, strict=True)]
+    T, seen = np.zeros(s.P.shape), [0.0]
+    for _ in range(PLAIN_STEPS):
+        q, _ = sheared.heat(T)
+        T = warmed(lambda _, q=q: (q, np.zeros_like(q)), rises, np.asarray(sheared.H) / thermal.conductivity).film
+        seen.append(float(T.max()))
+    return seen[-2], seen[-1]
+
+
+def curve(name: str, second: str) -> None:
+    """Traction and temperatures against S, from a cold film and from one with three times the heat."""
+    chosen = case(LAWS[name], second=second)
+    scales, s = chosen.scales, film(chosen)
+    assert scales
+    isothermal = jax.jit(friction)
+    c, load = discretise.contact_of(chosen, s.grid), chosen.geometry.hertz_load
+    M, L = chosen.parameters.M, chosen.parameters.L
+    h_c = s.measure()["H_c"] * scales.film
+    print(f"\n{name} on {second}: M = {M:.0f}, L = {L:.1f}, p_h = {scales.p_h / 1e9:.2f} GPa, h_c = {h_c * 1e9:.0f} nm")
+    columns = "S", "phi_T", "mu isothermal", "mu warm", "T_1", "T_2", "T_film (degC)"
+    print("\n| " + " | ".join((*columns, "iterations", "hot start differs (K)", "plain iteration (K)")) + " |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    for S in SLIDE_TO_ROLL:
+        cool = float(isothermal(Plane.of(s.grid), c, s.P, s.H, S, 1.0, load).sliding[0]) * scales.a_over_R
+        found = heat.heated(chosen, s.P, s.H, S)
+        hot = heat.heated(chosen, s.P, s.H, S, heat=3.0 * found.heat)
+        assert found.converged and hot.converged
+        row = [f"{S:g}", f"{found.inlet.factor:.4f}", f"{cool:.4f}", f"{traction(chosen, found):.4f}"]
+        row += [f"{T.max() - CELSIUS:.1f}" for T in (found.T_1, found.T_2, found.T_film)]
+        row += [f"{found.iterations}, {hot.iterations}", f"{abs(hot.T_film - found.T_film).max():.0e}"]
+        row.append(" / ".join(f"{rise:.1f}" for rise in plain_iteration(chosen, s, S)))
+        print("| " + " | ".join(row) + " |", flush=True)
+
+
+def traction(chosen: Case, found: Heated) -> float:
+    """The traction coefficient."""
+    assert chosen.scales
+    return float(found.sliding[0]) * chosen.scales.a_over_R
+
+
+def grids() -> None:
+    """Order and work: the same contact on finer grids, a Hertzian pressure and a film of 100 nm that opens outside."""
+    print("\n| nodes | mu | T_film - T_0 (K) | Newton iterations | convolutions |\n|---|---|---|---|---|")
+    for nodes in (33, 65, 129, 257):
+        chosen = case(LAWS["Carreau"], nodes, "glass")
+        assert chosen.scales and chosen.thermal
+        grid = discretise.grid_of(chosen)
+        r2 = grid.kept_x[None, :] ** 2 + grid.kept_y[:, None] ** 2
+        P, H = np.sqrt(np.maximum(1.0 - r2, 0.0)), 1e-7 / chosen.scales.film + np.maximum(r2 - 1.0, 0.0)
+        found = heat.heated(chosen, P, H, 0.2)
+        rise = found.T_film.max() - chosen.thermal.temperature
+        print(f"| {nodes} | {traction(chosen, found):.6f} | {rise:.4f} | {found.iterations} | {found.applications} |")
+
+
+if __name__ == "__main__":
+    inlet_factor()
+    cold_walls()
+    worked_example()
+    grids()
+    for law, disc in (("Carreau", "steel"), ("Carreau", "glass"), ("Eyring", "steel")):
+        curve(law, disc)
