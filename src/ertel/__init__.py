@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from ertel.physics import amplitude_reduction as amplitude_reduction
     from ertel.physics import film_formulas as formulas
     from ertel.physics import hertz as hertz
+    from ertel.physics import optics as optics
     from ertel.physics import units as units
     from ertel.physics.lubricant import Lubricant as Lubricant
     from ertel.physics.motion import Motion as Motion
@@ -108,6 +109,7 @@ _MODULES = {
     "hertz": "physics.hertz",
     "materials": "inputs.materials",
     "oils": "inputs.oils",
+    "optics": "physics.optics",
     "units": "physics.units",
     "fronts": "results.fronts",
     "plots": "results.plots",

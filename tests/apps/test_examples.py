@@ -93,6 +93,14 @@ def test_own_lubricant() -> None:
     assert 0.5 * roelands < power < roelands
 
 
+def test_interferogram() -> None:
+    """The fringes give the film back under which they were seen, on so coarse a grid too."""
+    example = script("interferogram")
+    computed, seen = example.films(example.impact(nodes=65))
+    assert computed.min() == pytest.approx(580e-9, rel=0.01)
+    assert seen == pytest.approx(computed, abs=1e-12)
+
+
 @pytest.mark.parametrize("name", ["ball_bearing", "skewed_ellipse"])
 def test_elliptical_examples(name: str) -> None:
     """On so small a grid the film is too thin, but of the size of Chittenden's formula."""

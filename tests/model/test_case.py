@@ -572,12 +572,12 @@ REFUSED: list[Refusal] = [
     (
         impact(),
         {"output": Output(1e-9)},
-        "output.interval = 1e-09: gives 2.47e+09 maps with 2.61e+06 GB; at most 100000 and 100 GB are allowed, take a ",
+        "output.interval = 1e-09: gives 2.47e+09 maps with 6.52e+06 GB; at most 100000 and 100 GB are allowed, take a ",
     ),
     (
         impact(solver=Solver(nodes=4097)),
         {"output": Output(0.005)},
-        "output.interval = 0.005: gives 494 maps with 133 GB",
+        "output.interval = 0.005: gives 494 maps with 332 GB",
     ),
     (
         PHYSICAL,

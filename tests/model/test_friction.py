@@ -8,17 +8,18 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import BARUS, rolled, steady_solver
+from cases import BARUS, parse_case, rolled, steady_solver
 from jax import Array
 from numpy.testing import assert_allclose
 
-from ertel.model import budget
+from ertel.model import budget, discretise
 from ertel.model.case import Case
 from ertel.model.contact import Contact, ball_on_plane
 from ertel.model.friction import Friction, friction, steady
 from ertel.model.pytrees import traceable_law
 from ertel.model.sections import Drive
 from ertel.model.state import GridSolution
+from ertel.model.status import Status
 from ertel.model.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
@@ -124,6 +125,32 @@ def test_an_eyring_oil_of_high_stress_is_newtonian():
     for name in Friction._fields:
         expected = np.asarray(getattr(plain, name))
         assert_allclose(getattr(thin, name), expected, rtol=1e-9, atol=1e-11 * np.abs(expected).max(), err_msg=name)
+
+
+def test_the_coefficients_do_not_depend_on_the_units():
+    """A contact in SI is the dimensionless one with its lambda_bar and alpha_bar; a/R turns units into coefficients."""
+    ball = {"kind": "rolling", "radius": "12 mm", "load": "30 N", "mean_speed": "0.7 m/s", "E_prime": "220 GPa"}
+    oil = {"eta0": "30 mPa*s", "alpha": "18 / GPa", "viscosity": "barus", "density": "incompressible"}
+    si = parse_case({"contact": {**ball, "slide_to_roll": 0.2}, "lubricant": oil, "solver": {"nodes": 33}})
+    p, scales = si.parameters, si.scales
+    assert scales is not None
+    moes = rolled(p, BARUS, si.solver, Drive(slide_to_roll=0.2))
+    grid = discretise.grid_of(si)
+    P = jnp.asarray(si.geometry.dry_pressure(1.0, grid.kept_x[None, :], grid.kept_y[:, None]))
+    H = 0.1 + jnp.asarray(si.geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
+    one, two = (steady(case, film_of(grid, P, H)) for case in (si, moes))
+    for name in Friction._fields:
+        assert_allclose(getattr(one, name), getattr(two, name), rtol=1e-9, atol=1e-12, err_msg=name)
+    # in SI: the integral of eta (u1 - u2)/h over the load
+    pascal = 0.03 * np.exp(18e-9 * np.asarray(P) * scales.p_h) * 0.2 * 0.7 / (np.asarray(H) * scales.film)
+    force = float(Plane.of(grid).total(jnp.where(P > 0, jnp.asarray(pascal), 0.0))) * scales.a**2
+    assert float(one.sliding[0]) * scales.a_over_R == pytest.approx(force / 30.0, rel=1e-9)
+    pressed = Plane.of(grid).total(one.loss - 0.2 * one.stress[0]) * scales.a**2 * scales.power_per_area
+    assert float(one.power) * scales.power == pytest.approx(0.2 * 0.7 * force + float(pressed), rel=1e-9)
+
+
+def film_of(grid: Grid, P: Array, H: Array) -> GridSolution:
+    return GridSolution(grid, P, H, 1.0, 0.0, Status.CONVERGED, 0, 0, 0.0)
 
 
 # -- solved contacts --------------------------------------------------------------------------------------------------

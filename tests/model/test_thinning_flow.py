@@ -17,7 +17,7 @@ from ertel.model.thinning import ThinningFlow
 from ertel.numerics import stencils
 from ertel.numerics.grid import Even, Grid
 from ertel.numerics.integrals import Plane
-from ertel.numerics.symmetry import folded
+from ertel.numerics.symmetry import folded, unfolded
 from ertel.physics.fluidity import Fluidity, NewtonianOil, ReeEyring
 from ertel.physics.lubricant import DowsonHigginson, Lubricant, Roelands
 
@@ -25,6 +25,8 @@ jax.config.update("jax_enable_x64", True)
 OIL = Lubricant(Roelands(5.0, 0.67, 5.0), DowsonHigginson(1.6))
 EYRING, NEWTON = ReeEyring(0.05), NewtonianOil()
 GAIN = jax.jit(lambda c, P, H: c.flow.gain(c, P, H))
+MOBILITY = jax.jit(lambda c, P, H: c.flow.mobility(c, P, H))
+DETAILS = jax.jit(lambda c, P, H, sliding, plane: c.flow.details(c, P, H, sliding, plane))
 
 
 def thinning(grid: Grid, law: Fluidity = EYRING, sliding: float = 1.0) -> Contact:
@@ -49,7 +51,7 @@ def test_an_oil_that_does_not_thin_is_newtonian():
     newtonian = NEWTONIAN_FLOW.gain(c, P, H)
     inner = np.s_[1:-1, 1:-1]
     assert_allclose(GAIN(c, P, H)[inner], newtonian[inner], rtol=0, atol=1e-12 * float(jnp.abs(newtonian).max()))
-    for thin, plain in zip(c.flow.mobility(c, P, H), [NEWTONIAN_FLOW.mobility(c, P, H).x] * 2, strict=True):
+    for thin, plain in zip(c.flow.mobilities(c, P, H).secant, [NEWTONIAN_FLOW.mobility(c, P, H).x] * 2, strict=True):
         assert_allclose(thin, plain, rtol=1e-12)
     thin, plain = (flow.details(c, P, H, 0.7, Plane.of(grid)) for flow in (c.flow, NEWTONIAN_FLOW))
     assert_allclose(thin.heat, plain.heat, rtol=1e-11, atol=1e-12 * float(jnp.abs(plain.heat).max()))
@@ -89,6 +91,24 @@ def test_half_a_plane_and_a_quarter_of_it_are_enough():
         kept = replace(grid, even=even)
         part = stencils.inside(GAIN(thinning(kept), folded(P, even), folded(H, even)), even)
         assert_allclose(part, folded(whole, even), rtol=0, atol=1e-12 * float(jnp.abs(whole).max()))
+
+
+def test_the_details_on_half_a_plane_are_those_of_the_whole():
+    """The stress across the sliding changes its sign at the axis along it."""
+    grid, even = square_grid(33), Even(True, False)
+    P, H = fields(grid)
+    half = replace(grid, even=even)
+    whole = DETAILS(thinning(grid), P, H, 0.7, Plane.of(grid))
+    part = DETAILS(thinning(half), folded(P, even), folded(H, even), 0.7, Plane.of(half))
+    inner = np.s_[1:-1, 1:-1]
+    for found, expected, odd in [(part.stress[0], whole.stress[0], False), (part.stress[1], whole.stress[1], True)]:
+        assert_allclose(unfolded(found, even, odd)[inner], expected[inner], atol=1e-9 * float(jnp.abs(expected).max()))
+    assert float(jnp.abs(whole.stress[1]).max()) > 1e-3 * float(jnp.abs(whole.stress[0]).max())
+    assert_allclose(unfolded(part.heat, even), whole.heat, atol=1e-9 * float(jnp.abs(whole.heat).max()))
+    assert float(Plane.of(half).total(part.heat)) == pytest.approx(float(Plane.of(grid).total(whole.heat)), rel=1e-9)
+    assert_allclose(whole.gain[inner], GAIN(thinning(grid, sliding=0.7), P, H)[inner], rtol=1e-7)
+    for found, expected in zip(whole.mobility, MOBILITY(thinning(grid, sliding=0.7), P, H), strict=True):
+        assert_allclose(found, expected, rtol=1e-7)
 
 
 def test_nothing_flows_where_the_surfaces_overlap():

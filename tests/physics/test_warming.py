@@ -139,6 +139,15 @@ def test_a_surface_never_gives_back_more_heat_than_it_took(speed: float) -> None
     assert np.linalg.eigvalsh(into + into.T).min() > 0.0
 
 
+def test_a_film_that_is_absurdly_stiff_when_cold() -> None:
+    """Barus' law far above its range: each iteration takes a factor of e off the viscosity."""
+    heat = np.exp(40.0) * hertzian()
+    into = moving(STEEL, 1.5), moving(STEEL, 0.5)
+    found = warmed(exponential(heat, 0.08), into, np.full_like(heat, 1e-7 / CONDUCTIVITY))
+    assert found.converged
+    assert_allclose(found.heat, heat * np.exp(-0.08 * found.film), rtol=1e-4)
+
+
 def test_work() -> None:
     """Few Newton iterations, each with some ten convolutions for both surfaces."""
     found = strongly_heated()

@@ -10,6 +10,7 @@ from ertel.inputs.case_files import parse_case
 from ertel.model.heat import heated
 from ertel.model.thermal import Inlet
 from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
+from ertel.results.dataset import assemble_steady
 from ertel.results.key_numbers import html_table, lines
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.variables import TEMPERATURES, to_si
@@ -48,6 +49,11 @@ def test_maps_and_summary(run: ertel.Result) -> None:
         assert to_si(data)[name].attrs["units"] == "K"
     assert 313.15 < said["T_film_mean_K"] < said["T_film_max_K"]
     assert said["converged"]
+
+
+def test_maps_before_the_first_solution(run: ertel.Result) -> None:
+    data = assemble_steady(run.case, [])
+    assert all(data[name].shape == (65, 65) and np.isnan(data[name]).all() for name in TEMPERATURES)
 
 
 def test_the_warm_film_is_thinner_and_carries_less_traction(run: ertel.Result) -> None:

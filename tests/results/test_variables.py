@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ertel.inputs.case_files import parse_case
+from ertel.model import rules
 from ertel.results import variables
 from ertel.results.dataset import assemble
 from ertel.runs.stepping import Frame
@@ -48,6 +49,10 @@ def test_si_is_the_scales_times_the_dimensionless():
         assert si[new].attrs["long_name"] == data[name].attrs["long_name"]
     assert si["h"].dims == ("frame", "y", "x")
     assert si["newton_iterations"].equals(data["newton_iterations"].rename(time="t").assign_coords(t=si["t"]))
+
+
+def test_the_rule_for_the_size_of_the_output_counts_all_maps():
+    assert len(variables.FIELDS) == rules.FIELDS
 
 
 def test_dimensionless_runs_have_no_si():

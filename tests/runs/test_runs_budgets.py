@@ -1,20 +1,27 @@
-"""The budgets of runs: they close, with the order of the method, and they explain the rebound."""
+"""The budgets of runs: they close, with the order of the method, and they explain the rebound; their friction."""
 
 from dataclasses import replace
 from functools import cache
 from typing import Any
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import BARUS, impact, rolled
+from numpy.testing import assert_allclose
 
+from ertel.model import discretise
+from ertel.model.friction import friction
 from ertel.model.sections import SOLVERS, Drive, Time
+from ertel.numerics.integrals import Plane
 from ertel.physics.motion import Oscillation, constant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Waviness
 from ertel.results.result import Result
 from ertel.runs.drive import simulate
 
+FRICTION = jax.jit(friction)
 P20 = Parameters.from_moes(20, 5)
 KINETIC = 2 / 5  # of a free ball before it meets the oil
 
@@ -90,6 +97,49 @@ def test_both_directions_have_the_same_budgets() -> None:
     there, back = (rolling(direction).summary["budgets"] for direction in (1.0, -1.0))
     for name in there:
         assert back[name] == pytest.approx(there[name], rel=1e-5, abs=1e-9)
+
+
+def test_the_power_loss_is_that_of_sliding_and_of_the_pressure() -> None:
+    """At every step: load times traction coefficient times sliding speed, and the dissipation."""
+    d = rolling(load=0.3).dataset
+    assert_allclose(d["power_loss"], 1.0 * d["U"] * d["mu_sliding"] * d["F"] + d["dissipation"], rtol=1e-10)
+    assert float(d["mu_sliding"].min()) > 0 and float(d["mu_rolling"].min()) > 0
+    assert rolling(load=0.3).summary["mu_sliding"] == float(d["mu_sliding"][-1])
+    assert "mu_sliding_y" not in rolling(load=0.3).summary  # the waves run across: all is even in Y
+
+
+def test_the_maps_are_those_of_their_film() -> None:
+    """Between the steps too: stress and loss follow from the stored pressure and film."""
+    case, d = rolling(load=0.3).case, rolling(load=0.3).dataset
+    grid = discretise.grid_of(case)
+    assert d.sizes["frame"] > 5
+    for frame in (0, 3, -1):
+        now = d.isel(frame=frame)
+        c = discretise.contact_of(case, grid, float(now["frame"]))
+        found = FRICTION(Plane.of(grid), c, *(jnp.asarray(now[name].values) for name in "PH"), 1.0, 1.0, 1.0)
+        for name, expected in zip(("tau_x", "tau_y", "loss"), (*found.stress, found.loss), strict=True):
+            assert_allclose(now[name], expected, rtol=1e-9, atol=1e-12, err_msg=name)
+    assert float(d["tau_x"].max()) > 1.0
+
+
+@pytest.mark.parametrize("method", ["2d", "radial"])
+def test_an_impact_has_a_power_loss_and_no_traction(method: str) -> None:
+    result = rebound(method)
+    d, reached = result.dataset, result.summary["max_approach"]
+    assert_allclose(d["power_loss"], d["dissipation"], rtol=1e-12)
+    assert_allclose(d["mu_sliding"], 0.0)
+    assert_allclose(d["mu_rolling"], 0.0, atol=1e-12)
+    assert "mu_sliding" not in reached and "mu_rolling" not in reached
+    near = float(np.interp(reached["T"], d["time"], d["power_loss"]))
+    assert reached["power_loss"] == pytest.approx(near, rel=0.05)
+
+
+def test_both_methods_have_the_same_power_loss() -> None:
+    """With what is lost outside the grid, which is narrower on the plane."""
+    found = []
+    for d in (rebound(method).dataset for method in ("2d", "radial")):
+        found.append(np.interp([0.5, 1.0, 1.5, 2.0], d["time"], d["power_loss"] + d["outside_power"]))
+    assert_allclose(found[0], found[1], rtol=0.03)
 
 
 def test_the_dataset_has_the_history_and_says_the_imbalance() -> None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from math import pi
 from typing import Any
 
+import jax
 import numpy as np
 import pytest
 from cases import march, parse_case
@@ -12,8 +13,10 @@ from cases import march, parse_case
 from ertel.model import discretise
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
+from ertel.model.friction import Friction, friction
 from ertel.model.sections import Drive
 from ertel.model.state import GridSolution, State
+from ertel.numerics.integrals import Plane
 from ertel.numerics.symmetry import unfolded
 from ertel.physics.ellipse import hertz_ellipse
 from ertel.physics.geometry import CIRCLE, Ellipse
@@ -25,6 +28,7 @@ from ertel.solvers.transient import Transient2D
 
 D, M, L = 0.4, 50.0, 5.0
 KAPPA = hertz_ellipse(D).kappa
+FRICTION = jax.jit(friction)
 
 
 def case_of(kind: str, contact: Mapping[str, Any], **sections: Any) -> Case:
@@ -59,6 +63,19 @@ def test_the_film_does_not_know_which_axis_is_called_x(angle: float, other: floa
     H, P = (H[::-1], P[::-1]) if mirrored else (H, P)
     assert H == pytest.approx(whole(one) * KAPPA**2 / D, abs=1e-7)
     assert P == pytest.approx(whole(one, "P"), abs=1e-6)
+    of_one, of_two = (friction_of(case, s) for case, s in ((rolled(33, angle), one), (swapped(33, other), two)))
+    unit = KAPPA / D  # a/R is as many times as large for the first
+    assert of_two.sliding[0] == pytest.approx(unit * of_one.sliding[0], rel=1e-5)
+    assert of_two.rolling[0] == pytest.approx(unit * of_one.rolling[0], rel=1e-4)
+    assert of_two.rolling[1] == pytest.approx(unit * of_one.rolling[1] * (-1 if mirrored else 1), rel=1e-4)
+    assert of_two.power == pytest.approx(unit * of_one.power, rel=1e-5)
+
+
+def friction_of(case: Case, s: GridSolution) -> Friction:
+    """The friction when the surfaces slide by 0.3."""
+    c, load = discretise.contact_of(case, s.grid), case.geometry.hertz_load
+    found = FRICTION(Plane.of(s.grid), c, s.P, s.H, 0.3, 1.0, load)
+    return Friction(*(np.asarray(part) for part in found))
 
 
 def dropped(ratio: float, lambda_bar: float, time_unit: float, **solver: Any) -> tuple[State, Transient2D]:

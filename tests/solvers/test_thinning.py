@@ -8,7 +8,7 @@ from cases import march
 from numpy.testing import assert_allclose
 
 from ertel.inputs.python import Oil, impact, rolling
-from ertel.model import budget
+from ertel.model import budget, friction
 from ertel.model.case import Case
 from ertel.model.state import Rolling
 from ertel.physics.fluidity import Carreau, Fluidity, Limited, ReeEyring
@@ -44,7 +44,6 @@ def test_without_thinning_the_film_is_newtonian():
 
 EYRING, LIMITED = ReeEyring(2e6), Limited(Carreau(6e6, 0.42), 0.05)
 SLIDING = (0.0, 0.5, 1.9)
-BEYOND = pytest.mark.xfail(strict=True, reason="near a limiting stress it is 1.57 times the Newtonian work")
 
 
 @pytest.mark.parametrize(
@@ -57,13 +56,15 @@ def test_sliding_makes_the_film_thinner(law: Fluidity):
     assert np.all(np.diff([f.finest.measure()["H_c"] for f in found]) < -1e-4)
 
 
-@pytest.mark.parametrize(
-    ("law", "sliding"),
-    [(EYRING, SLIDING), pytest.param(LIMITED, (0.5,), marks=[BEYOND, pytest.mark.slow])],
-    ids=["eyring", "limited-carreau"],
-)
-def test_thinning_takes_little_more_work(law: Fluidity, sliding: tuple[float, ...]):
-    assert max(krylov(film(law, S)) for S in sliding) <= 1.5 * krylov(film("newtonian"))
+def test_thinning_takes_little_more_work():
+    assert max(krylov(film(EYRING, S)) for S in SLIDING) <= 1.5 * krylov(film("newtonian"))
+
+
+@pytest.mark.slow
+def test_a_limiting_stress_takes_little_more_work():
+    """On 65 nodes; 1.57 times where the preconditioner has no tangent mobility."""
+    newtonian, found = (steady.steady(rolled(law, 0.5, 65)) for law in ("newtonian", LIMITED))
+    assert krylov(found) <= 1.5 * krylov(newtonian)
 
 
 def test_the_budgets_close_as_well_as_those_of_a_newtonian_oil():
@@ -95,3 +96,15 @@ def test_an_impact_of_an_oil_that_thins():
         films[law] = march(Transient2D(case), 0.2, 4)[0]
     assert_allclose(films[STIFF].H, films["newtonian"].H, rtol=0, atol=1e-10)  # tolerance of the steps: 1e-3
     assert float(films[ReeEyring(2e4)].H.min()) < float(films["newtonian"].H.min()) - 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", [EYRING, Carreau(6e6, 0.42)], ids=["eyring", "carreau"])
+def test_film_and_traction_are_of_second_order(law: Fluidity):
+    """On 65, 129 and 257 nodes; the traction of Carreau's oil is still at 2.3."""
+    case = rolled(law, 0.5, 257)
+    levels = steady.steady(case).solutions[-3:]
+    assert all(s.status.ok for s in levels)
+    for values in ([s.measure()["H_c"] for s in levels], [float(friction.steady(case, s).sliding[0]) for s in levels]):
+        first, second = np.abs(np.diff(values))
+        assert 1.8 < np.log2(first / second) < 2.5

@@ -147,7 +147,7 @@ def test_the_tolerance_rules_the_time_error(finest: float) -> None:
         for t in (finest, Time().tolerance, *decades)
     )
     errors = np.abs(np.subtract(others, exact)) / exact
-    np.testing.assert_allclose(errors[:-1] / errors[1:], 4.6, rtol=0.4)
+    np.testing.assert_allclose(errors[:-1] / errors[1:], 4.6, rtol=0.3)
     assert abs(default - exact) < 1.5e-3 * exact
 
 

@@ -19,6 +19,7 @@ from ertel.apps.arguments import CaseFile, Estimate, Json, Quiet, RunDirectory, 
 from ertel.apps.exits import bad_input
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
+from ertel.apps.interferograms import Interferogram, Wavelength
 from ertel.apps.paper import paper
 from ertel.apps.paths import local_path, shown
 
@@ -37,6 +38,9 @@ class Format(StrEnum):
     png = "png"
     svg = "svg"
     pdf = "pdf"
+    gif = "gif"
+    webp = "webp"
+    mp4 = "mp4"
 
 
 def main() -> None:
@@ -169,14 +173,27 @@ def plot(
             metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.", show_default=False
         ),
     ] = None,
-    format_: Annotated[Format, typer.Option("--format", help="File format.")] = Format.png,
+    interferogram: Interferogram = None,
+    wavelength: Wavelength = None,
+    format_: Annotated[
+        Format, typer.Option("--format", help="File format; gif, webp and mp4 are movies of an interferogram.")
+    ] = Format.png,
     out: Annotated[Path | None, directory_option("Directory for the figures; default DIR/plots.")] = None,
 ) -> None:
-    """Draw the figures of a run."""
-    from ertel.apps import plotting, running
+    """Draw the figures of a run, or with --interferogram what an experimenter sees through coated glass.
 
+    An interferogram needs a case in SI. It is that of a steel ball and glass with 8 nm of chromium; from Python other
+    layers and lamps can be chosen, see ertel.optics.
+    """
+    from ertel.apps import interferograms, plotting, running
+
+    view = interferograms.View(interferogram, wavelength, at, format_.value)
+    view.check()
     with running.opened(directory) as run:
-        plotting.write_figures(run.dataset(), at, out or directory / "plots", format_.value)
+        if interferogram:
+            interferograms.write(run.dataset(), view, out or directory / "plots")
+        else:
+            plotting.write_figures(run.dataset(), at, out or directory / "plots", format_.value)
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------

@@ -35,10 +35,11 @@ def _at(draws: Mapping[str, Callable[..., Any]], at: str | None) -> Iterator[tup
     if at is not None and not any(moment.values()):
         raise plots.NoFigure(f"--at {at}: the figures of this run do not show a single moment; leave it out")
     for name, draw in draws.items():
-        yield name, draw, {"at": _time_or_event(at)} if at is not None and moment[name] else {}
+        yield name, draw, {"at": time_or_event(at)} if at is not None and moment[name] else {}
 
 
-def _time_or_event(text: str) -> float | str:
+def time_or_event(text: str) -> float | str:
+    """A moment as a user writes it: a time, or the name of an event."""
     try:
         return float(text)
     except ValueError:

@@ -29,7 +29,7 @@ Rise = Callable[[Real], Real]  # K_i: temperature rise (K) of a surface from the
 Release = Callable[[Real], tuple[Real, Real]]  # q (W/m^2) and dq/dT_f <= 0 from the mean temperature of the film
 
 TOLERANCE = 1e-6  # of the last change of T_f over its largest rise; the error is about its square
-LIMIT = 40  # of Newton iterations
+LIMIT = 100  # of Newton iterations; each makes a film that is far too stiff e times less so
 REDUCTION = 1e-2  # of the residual of the linear equations
 KRYLOV_LIMIT = 60
 

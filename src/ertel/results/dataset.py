@@ -98,7 +98,7 @@ def assemble_steady(
     last = solutions[-1] if solutions else None
     accounts = [budget.steady(case, s) for s in solutions]
     found = whole_maps(last, last.P, last.H, accounts[-1][1]) if last else dict.fromkeys(FIELDS, nothing)
-    found |= temperature_maps(case, last)
+    found |= temperature_maps(case, last, nothing)
     history = _histories(solutions)
     of_grids = [
         {**s.measure(), **terms, **coefficients(friction), **_work(s)}

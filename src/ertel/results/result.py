@@ -18,6 +18,8 @@ from ertel.results.variables import to_si
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
+    from ertel.physics.optics import Light, Rig
+
 IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history", "friction")
 STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence", "friction")
 
@@ -68,6 +70,18 @@ class Plot:
         """Shear stress and power loss over the surface, of a run in time also the coefficients through time."""
         return self._draw("friction", at)
 
+    def interferogram(
+        self,
+        at: float | str | None = None,
+        light: "Light | None" = None,
+        rig: "Rig | None" = None,
+        film_scale: float | None = None,
+    ) -> "Figure":
+        """What an experimenter sees of a physical case: `ertel.plots.interferogram`, with lights of `ertel.optics`."""
+        from ertel.results import plots
+
+        return plots.interferogram(self.dataset, at, light, rig, film_scale)
+
     def _draw(self, name: str, at: float | str | None) -> "Figure":
         from ertel.results import plots
 
@@ -75,7 +89,8 @@ class Plot:
         return figure
 
     def _names(self) -> tuple[str, ...]:
-        return STEADY if is_steady(self.dataset) else IN_TIME
+        names = STEADY if is_steady(self.dataset) else IN_TIME
+        return (*names, "interferogram") if "si_factor" in self.dataset["H"].attrs else names
 
     def __dir__(self) -> Iterable[str]:
         return [*self._names(), "dataset"]

@@ -13,10 +13,15 @@ from ertel.physics.thermal import INLET_FACTORS
 from ertel.results.variables import TEMPERATURES
 
 
-def temperature_maps(case: Case, s: GridSolution | None) -> dict[str, np.ndarray]:
-    """T_1, T_2 and T_film in K on the whole plane of the grid; nothing without the section or a solution."""
-    if case.thermal is None or s is None:
+def temperature_maps(case: Case, s: GridSolution | None, nothing: np.ndarray) -> dict[str, np.ndarray]:
+    """T_1, T_2 and T_film in K on the whole plane of the grid; `nothing` for each where there is no solution yet.
+
+    Empty without the section.
+    """
+    if case.thermal is None:
         return {}
+    if s is None:
+        return dict.fromkeys(TEMPERATURES, nothing)
     found = heat.of_solution(case, s)
     return {name: np.asarray(s.whole(getattr(found, name))) for name in TEMPERATURES}
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from made_up import BALL_ROLLS as BALL
-from made_up import C1, H_C, H_MIN, in_time, solutions, steady
+from made_up import BARUS, C1, H_C, H_MIN, in_time, solutions, steady
 from made_up import MOES_ROLLS as MOES
 
 from ertel.inputs.python import rolling
@@ -231,3 +231,33 @@ def test_dashed_is_the_hertz_pressure_of_the_ellipse(ellipse):
     y, P = dry.get_data()
     load = float(ellipse["load"][-1]) / Ellipse(0.2).hertz_load
     assert P == pytest.approx(Ellipse(0.2, 30.0).dry_pressure(load, 0 * y, y))
+
+
+# -- friction ---------------------------------------------------------------------------------------------------------
+
+
+SLIDING = rolling(
+    radius=0.01, load=38.885237, mean_speed=0.502636, slide_to_roll=0.2, E_prime=2.197802e11, oil=BARUS, nodes=81
+)
+
+
+def test_friction_in_time_shows_stress_loss_and_coefficients():
+    data = in_time(SLIDING)
+    data["mu_sliding"][:], data["mu_rolling"][:], data["power_loss"][:] = 4.0, 0.05, 1.5
+    stress, loss, coefficients, power = panels(plots.friction(data, at=2.0))[:4]
+    assert stress.get_title().startswith("Shear stress, a line every ") and stress.get_title().endswith(" MPa")
+    assert loss.get_title().endswith(" W/mm²")
+    mu = C1.a / C1.R
+    assert labelled(coefficients, "traction coefficient").get_ydata()[-1] == pytest.approx(4.0 * mu)
+    right = right_of(coefficients.figure, coefficients)
+    assert labelled(right, "rolling resistance coefficient").get_ydata()[-1] == pytest.approx(0.05 * mu)
+    watt = labelled(power, "power loss").get_ydata()[-1]
+    assert watt == pytest.approx(1.5 * C1.power * (1e3 if "mW" in power.get_ylabel() else 1.0))
+
+
+def test_without_sliding_there_is_no_stress_to_show():
+    assert [axes.get_title().partition(",")[0] for axes in panels(plots.friction(in_time(BALL)))] == [
+        "Power loss",
+        "Coefficients of friction",
+        "Power loss",
+    ]

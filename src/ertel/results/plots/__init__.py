@@ -2,6 +2,8 @@
 
     ertel.plots.overview(result.dataset, at="max-approach").savefig("impact.png")
 
+`interferogram` shows any run in SI as an experimenter sees it, `animation` a run in time.
+
 A run in time has overview, film, pressure, maps, profiles, history and friction; a steady contact overview, film,
 pressure, maps, midlines, convergence and friction.  `at` chooses the moment of a run in time: a time in t0 (the map
 next to it is drawn) or an event, "max-approach" or "end"; by default maximum approach, or the last map where there is
@@ -17,6 +19,7 @@ from matplotlib.figure import Figure
 from ertel.results.kinds import is_steady
 from ertel.results.plots import steady, transient
 from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, At, Figures, NoFigure
+from ertel.results.plots.interferograms import animation, interferogram
 
 __all__ = [
     "BLUE",
@@ -25,11 +28,13 @@ __all__ = [
     "ORANGE",
     "ORDERED_COLOURS",
     "NoFigure",
+    "animation",
     "convergence",
     "figures_of",
     "film",
     "friction",
     "history",
+    "interferogram",
     "maps",
     "midlines",
     "overview",

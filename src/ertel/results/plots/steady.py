@@ -79,26 +79,26 @@ def draw_horseshoe(axes: Axes, dataset: xr.Dataset) -> None:
     H = float(dataset["H_c"].values[-1])
     draw_film(axes, dataset, map_of(dataset, "H"), side_of(dataset), 1.75 * H, lines=16)
     draw_contours(axes, dataset, 0.0)
-    draw_flow(axes, _flow(dataset))
+    draw_flow(axes, flow(dataset))
 
 
 def draw_spike(axes: Axes, dataset: xr.Dataset) -> None:
     """Pressure of a steady contact with its spike."""
     draw_pressure(axes, dataset, map_of(dataset, "P"), side_of(dataset))
     draw_contours(axes, dataset, 0.0)
-    draw_flow(axes, _flow(dataset))
+    draw_flow(axes, flow(dataset))
 
 
 def draw_stress_map(axes: Axes, dataset: xr.Dataset) -> None:
     """Shear stress of a steady contact, with contour lines at equal steps."""
     draw_stress(axes, dataset)
-    draw_flow(axes, _flow(dataset))
+    draw_flow(axes, flow(dataset))
 
 
 def draw_loss_map(axes: Axes, dataset: xr.Dataset) -> None:
     """Power loss per area of a steady contact, with contour lines at equal steps."""
     draw_loss(axes, dataset)
-    draw_flow(axes, _flow(dataset))
+    draw_flow(axes, flow(dataset))
 
 
 def _dry_pressure(dataset: xr.Dataset, X: Values, Y: Values) -> Values:
@@ -113,7 +113,7 @@ def _nodes(dataset: xr.Dataset, along: int) -> str:
     return f"{along}²" if X == Y else f"{along} x {round((along - 1) * (Y - 1) / (X - 1)) + 1}"
 
 
-def _flow(dataset: xr.Dataset) -> float:
+def flow(dataset: xr.Dataset) -> float:
     """+1 where the oil goes to the right: pressure reaches far upstream, and ends soon behind the contact."""
     X = dataset["X"].values
     return -float(np.sign(np.mean(X[(dataset["P"].values > 0).any(axis=0)])))
@@ -225,18 +225,31 @@ def _coefficients(dataset: xr.Dataset) -> list[str]:
     return said(dataset, {name: float(dataset[name][-1]) for name in FRICTION})
 
 
+def films(dataset: xr.Dataset, at: At) -> list[str]:
+    """The films of a steady contact with their errors, for a heading.
+
+    Raises NoFigure where there is nothing to draw yet, and for a moment: it has none.
+    """
+    _check(dataset, at)
+    return _films(dataset)
+
+
 def _films(dataset: xr.Dataset) -> list[str]:
     return [_with_error(dataset, name) for name in ("H_c", "H_min")]
+
+
+def _check(dataset: xr.Dataset, at: At) -> None:
+    if at is not None:
+        raise NoFigure(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
+    if not dataset.sizes["grid"]:
+        raise NoFigure("dataset: has no solution yet, there is nothing to draw")
 
 
 def _of(
     dataset: xr.Dataset, at: At, rows: list[list[Panel]], outcome: Callable[[xr.Dataset], list[str]] = _films
 ) -> Figure:
     """A figure; outcome: what its heading says of the solution."""
-    if at is not None:
-        raise NoFigure(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
-    if not dataset.sizes["grid"]:
-        raise NoFigure("dataset: has no solution yet, there is nothing to draw")
+    _check(dataset, at)
     dataset = dataset.load()
     return compose(dataset, rows, [*title(dataset), *outcome(dataset)])
 

@@ -45,6 +45,11 @@ def tolerance(dataset: xr.Dataset) -> float:
     return _case_of(dataset).solver.tolerance
 
 
+def density(dataset: xr.Dataset, P: NDArray[np.float64]) -> NDArray[np.float64]:
+    """rho/rho0 of the oil at pressures in p_h, of their shape."""
+    return np.asarray(_case_of(dataset).lubricant.density(P), dtype=np.float64)
+
+
 def roughness_height(dataset: xr.Dataset, T: float, X: ArrayLike, Y: ArrayLike) -> NDArray[np.float64]:
     """Height of the roughness at time T over the contact's own coordinates.
 

@@ -1,0 +1,74 @@
+"""ertel plot --interferogram: pictures and movies with the right names, and flags that do not go together."""
+
+import sys
+from contextlib import contextmanager
+from types import SimpleNamespace
+
+import pytest
+from cases import ertel_, names
+from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, dry_impact, steady
+from PIL import Image
+
+from ertel.apps import running
+from ertel.results.plots import interferograms as page
+
+
+@pytest.fixture
+def runs(tmp_path, monkeypatch):
+    """Runs that were never computed, by the name of their directory."""
+    ball = dry_impact(BALL_FALLS)
+    data = {"ball": ball.isel(frame=slice(0, 50, 16)), "moes": dry_impact(MOES_FALLS), "rolls": steady(BALL_ROLLS)}
+
+    @contextmanager
+    def opened(directory):
+        yield SimpleNamespace(dataset=lambda: data[directory.name])
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(running, "opened", opened)
+    monkeypatch.setattr(page, "PIXELS", 40)
+    return tmp_path
+
+
+@pytest.mark.parametrize("sight", ["mono", "two-beam", "white"])
+def test_picture(runs, sight):
+    printed = ertel_("plot", "ball", "--interferogram", sight, "--at", "1").stdout.split()
+    assert printed == [f"ball/plots/interferogram-{sight}.png"]
+    assert names(runs / "ball" / "plots") == {f"interferogram-{sight}.png"}
+
+
+@pytest.mark.parametrize("kind", ["gif", "webp"])
+def test_movie(runs, kind):
+    ertel_("plot", "ball", "--interferogram", "mono", "--wavelength", "653 nm", "--format", kind, "--out", "movies")
+    with Image.open(runs / "movies" / f"interferogram-mono.{kind}") as movie:
+        assert movie.n_frames == 4
+
+
+def test_mp4(runs):
+    pytest.importorskip("imageio_ffmpeg", reason="writes MP4, of the extra movie")
+    ertel_("plot", "ball", "--interferogram", "mono", "--format", "mp4")
+    assert (runs / "ball" / "plots" / "interferogram-mono.mp4").read_bytes()[4:8] == b"ftyp"
+
+
+def test_mp4_needs_its_extra(runs, monkeypatch):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    assert "ertel[movie]" in ertel_("plot", "ball", "--interferogram", "mono", "--format", "mp4", code=2).stderr
+    assert names(runs) == set()
+
+
+@pytest.mark.parametrize(
+    ("directory", "flags", "said"),
+    [
+        ("ball", "--format gif", "--format gif: only an interferogram moves; add --interferogram mono"),
+        ("ball", "--format gif --interferogram mono --at end", "--at end: a movie shows all times"),
+        ("ball", "--wavelength 532nm", "--wavelength 532nm: only for --interferogram mono or two-beam"),
+        ("ball", "--wavelength 532nm --interferogram white", "only for --interferogram mono or two-beam"),
+        ("ball", "--wavelength green --interferogram mono", '--wavelength green: must be a quantity above zero with a'),
+        ("ball", "--wavelength 5mm --interferogram mono", "wavelength = 0.005 m: must be from 2e-7 to 1e-5 m"),
+        ("moes", "--interferogram mono", "the run is dimensionless, and light needs a film in nm; run a case in SI"),
+        ("rolls", "--interferogram mono --format webp", "a steady contact does not move"),
+        ("rolls", "--interferogram mono --at 1", "a steady contact has no moments"),
+    ],
+)  # fmt: skip
+def test_refused(runs, directory, flags, said):
+    assert said in ertel_("plot", directory, *flags.split(), code=2).stderr
+    assert names(runs) == set()
