@@ -56,3 +56,13 @@ Set = Annotated[
         autocompletion=completion.settings,
     ),
 ]
+
+
+def directory_option(text: str) -> Any:
+    """An option for a directory."""
+    return typer.Option(parser=local_path, metavar="DIR", help=text, show_default=False)
+
+
+def values_option(example: str, text: str) -> Any:
+    """An option for what varies along a curve."""
+    return typer.Option(metavar="VALUES", help=f"{text} Such as {example}.", show_default=False)

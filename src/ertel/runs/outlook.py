@@ -37,8 +37,14 @@ def outlook(case: Case) -> dict[str, Any]:
         "grid": _grid(case),
         "memory": {"needed": needed, "available": there or None},
         "time": {"steps": duration.steps(case), "seconds": duration.seconds(case)},
-        "warnings": [sentence for sentence in (short, said, *diagnostics.case_warnings(case)) if sentence],
+        "warnings": [sentence for sentence in (short, said, *_case_warnings(case)) if sentence],
     }
+
+
+def _case_warnings(case: Case) -> list[str]:
+    """Warnings that need no run; of friction as far as it is enough to know whether the surfaces slide."""
+    some = 1e-9 if case.motion.slide_to_roll else 0.0
+    return [*diagnostics.case_warnings(case), *diagnostics.friction_warnings(case, some)]
 
 
 def _grid(case: Case) -> dict[str, float | int]:
