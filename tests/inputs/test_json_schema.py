@@ -131,7 +131,7 @@ def jsonschema_match(unit, text):
     return jsonschema.Draft202012Validator({"pattern": pattern(unit)}).is_valid(text)
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(st.data())
 @pytest.mark.parametrize("name", UNITS)
 def test_what_the_patterns_take_has_the_right_unit(name, data):
