@@ -1,8 +1,8 @@
 """Interferograms: a run as a microscope above coated glass shows it, as a picture and as an animation.
 
 The film and the density of the oil are interpolated from the grid to the pixels of the picture, so that fringes finer
-than the grid are drawn as they are.  What is below the film is the colour chart: the colour of every film thickness
-under the pressure of its place, with the film along the mid-line.
+than the grid are drawn as they are.  Beside the picture is the film along the mid-line on the colour chart: the colour
+that every film thickness would have there, with the oil as dense as it is there.
 """
 
 from collections.abc import Sequence
@@ -238,7 +238,8 @@ def interferogram(
 def _moment(dataset: xr.Dataset, at: At) -> tuple[int | None, float, list[str]]:
     """The frame, none of a steady contact; the direction of the flow; and what a heading says."""
     if is_steady(dataset):
-        return None, steady.flow(dataset), steady.films(dataset, at)
+        steady.check(dataset, at)
+        return None, steady.flow(dataset), steady.films(dataset)
     p = profiles_of(dataset, at)
     return p.chosen, entrainment(dataset, p.time), heading(dataset, p)
 
