@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from ertel.results import plots as plots
     from ertel.results import waves as waves
     from ertel.results.result import Result as Result
+    from ertel.results.traction_curve import TractionCurve as TractionCurve
     from ertel.results.variables import to_si as to_si
     from ertel.runs import sweep as sweep
     from ertel.runs.batch import simulate_batch as simulate_batch
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
     from ertel.runs.response import respond_linearly as respond_linearly
     from ertel.runs.store import open_run as open
     from ertel.runs.store import run as run
+    from ertel.runs.traction import traction as traction
 
     __version__: str
 
@@ -90,6 +92,7 @@ _HOMES = {  # name: module, or module:name there
     "Spot": "physics.surfaces",
     "Waviness": "physics.surfaces",
     "Result": "results.result",
+    "TractionCurve": "results.traction_curve",
     "to_si": "results.variables",
     "simulate_batch": "runs.batch",
     "simulate": "runs.drive",
@@ -98,6 +101,7 @@ _HOMES = {  # name: module, or module:name there
     "respond_linearly": "runs.response",
     "open": "runs.store:open_run",
     "run": "runs.store",
+    "traction": "runs.traction",
 }
 _MODULES = {
     "amplitude_reduction": "physics.amplitude_reduction",

@@ -119,8 +119,26 @@ def test_traction_by_barus_under_a_load_that_grows():
 
 
 def before_rolling(contact, oil, **motion):
-    """The warnings of rolling in time before its first step."""
-    data = xr.Dataset({"H_min": ("time", np.zeros(0)), "P": ("frame", np.zeros(0))})
+    """The warnings of the friction of rolling in time; the coefficient is small, and zero without sliding."""
     solver = {"method": "transient", "nodes": 65}
     source = {"contact": {"kind": "rolling", **contact}, "lubricant": oil, "solver": solver, "motion": motion}
-    return " ".join(diagnostics.rolling_warnings(parse_case(source), data))
+    case = parse_case(source)
+    return " ".join(diagnostics.friction_warnings(case, case.motion.slide_to_roll))
+
+
+@pytest.mark.parametrize(
+    ("rheology", "coefficient", "expected"),
+    [
+        ("newtonian", 6.0, ["coefficient 6 is larger than that of any oil (about 0.1): ", "; give lubricant.rheology"]),
+        (EYRING, 0.3, ["coefficient 0.3 is larger than that of any oil", "; check lubricant.rheology, or give it a"]),
+        (EYRING, 0.05, []),
+        (EYRING, -0.05, []),
+        (EYRING, -0.2, ["coefficient 0.2"]),
+    ],
+)
+def test_a_traction_that_means_nothing_is_said(rheology, coefficient, expected):
+    oil = {"eta0": "40 mPa*s", "alpha": "20 / GPa", "rheology": rheology}
+    case = parse_case({"contact": {"kind": "rolling", **SLIDING}, "lubricant": oil, "solver": {"nodes": 65}})
+    text = " ".join(diagnostics.friction_warnings(case, coefficient / case.scales.a_over_R))
+    assert bool(text) == bool(expected)
+    assert all(part in text for part in expected)

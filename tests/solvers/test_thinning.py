@@ -44,7 +44,6 @@ def test_without_thinning_the_film_is_newtonian():
 
 EYRING, LIMITED = ReeEyring(2e6), Limited(Carreau(6e6, 0.42), 0.05)
 SLIDING = (0.0, 0.5, 1.9)
-BEYOND = pytest.mark.xfail(strict=True, reason="near a limiting stress it is 1.57 times the Newtonian work")
 
 
 @pytest.mark.parametrize(
@@ -57,13 +56,15 @@ def test_sliding_makes_the_film_thinner(law: Fluidity):
     assert np.all(np.diff([f.finest.measure()["H_c"] for f in found]) < -1e-4)
 
 
-@pytest.mark.parametrize(
-    ("law", "sliding"),
-    [(EYRING, SLIDING), pytest.param(LIMITED, (0.5,), marks=[BEYOND, pytest.mark.slow])],
-    ids=["eyring", "limited-carreau"],
-)
-def test_thinning_takes_little_more_work(law: Fluidity, sliding: tuple[float, ...]):
-    assert max(krylov(film(law, S)) for S in sliding) <= 1.5 * krylov(film("newtonian"))
+def test_thinning_takes_little_more_work():
+    assert max(krylov(film(EYRING, S)) for S in SLIDING) <= 1.5 * krylov(film("newtonian"))
+
+
+@pytest.mark.slow
+def test_a_limiting_stress_takes_little_more_work():
+    """On 65 nodes; 1.57 times where the preconditioner has no tangent mobility."""
+    newtonian, found = (steady.steady(rolled(law, 0.5, 65)) for law in ("newtonian", LIMITED))
+    assert krylov(found) <= 1.5 * krylov(newtonian)
 
 
 def test_the_budgets_close_as_well_as_those_of_a_newtonian_oil():

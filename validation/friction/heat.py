@@ -111,9 +111,8 @@ def curve(second: str) -> None:
     c, load = discretise.contact_of(chosen, s.grid), chosen.geometry.hertz_load
     M, L = chosen.parameters.M, chosen.parameters.L
     h_c = s.measure()["H_c"] * scales.film
-    print(
-        f"\nCarreau on {second}: M = {M:.0f}, L = {L:.1f}, p_h = {scales.p_h / 1e9:.2f} GPa, h_c = {h_c * 1e9:.0f} nm"
-    )
+    conditions = f"M = {M:.0f}, L = {L:.1f}, p_h = {scales.p_h / 1e9:.2f} GPa, h_c = {h_c * 1e9:.0f} nm"
+    print(f"\n### Steel on {second}: {conditions}")
     columns = "S", "phi_T", "mu isothermal", "mu warm", "T_1", "T_2", "T_film (degC)"
     print("\n| " + " | ".join((*columns, "iterations", "hot start differs (K)", "plain iteration (K)")) + " |")
     print("|---|---|---|---|---|---|---|---|---|---|")

@@ -1,7 +1,7 @@
 """Arguments and flags that several commands have."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -23,3 +23,13 @@ Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Replace a value of the case, e.g. solver.nodes=129."),
 ]
+
+
+def directory_option(text: str) -> Any:
+    """An option for a directory."""
+    return typer.Option(parser=local_path, metavar="DIR", help=text, show_default=False)
+
+
+def values_option(example: str, text: str) -> Any:
+    """An option for what varies along a curve."""
+    return typer.Option(metavar="VALUES", help=f"{text} Such as {example}.", show_default=False)

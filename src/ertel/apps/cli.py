@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from ertel.apps import output
-from ertel.apps.arguments import CaseFile, Estimate, Json, Quiet, RunDirectory, Set
+from ertel.apps.arguments import CaseFile, Estimate, Json, Quiet, RunDirectory, Set, directory_option, values_option
 from ertel.apps.exits import bad_input
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
@@ -69,12 +69,7 @@ def _options(
 @app.command()
 def run(
     case_file: CaseFile,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            parser=local_path, metavar="DIR", help="New directory for the run; default runs/NAME.", show_default=False
-        ),
-    ] = None,
+    out: Annotated[Path | None, directory_option("New directory for the run; default runs/NAME.")] = None,
     set_: Set = None,
     as_json: Json = False,
     error: Estimate = False,
@@ -95,6 +90,39 @@ def resume(directory: RunDirectory, as_json: Json = False, error: Estimate = Fal
     from ertel.apps import running
 
     running.resume(directory, running.Wishes(as_json, error, quiet))
+
+
+@app.command()
+def traction(
+    case_file: CaseFile,
+    slide_to_roll: Annotated[str | None, values_option("0:0.5:15", "The slide-to-roll ratio varies.")] = None,
+    mean_speed: Annotated[str | None, values_option("0.1 m/s:10 m/s:12:log", "The mean speed varies.")] = None,
+    load: Annotated[str | None, values_option("10 N:100 N:5", "The load varies.")] = None,
+    film: Annotated[
+        str | None, typer.Option(metavar="each|once", help="Solve the film at each point, or once.", show_default=False)
+    ] = None,
+    set_: Set = None,
+    out: Annotated[Path | None, directory_option("New directory for the curve; default traction/NAME.")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compute a traction curve: the friction of a steady contact against slide-to-roll ratio, speed or load.
+
+    Give one of them: FIRST:LAST:NUMBER with equal steps, FIRST:LAST:NUMBER:log with equal ratios, or values with commas
+    between them. Without a unit a speed is in m/s and a load in N.
+
+    The film of a Newtonian oil does not depend on the slide-to-roll ratio and is solved once. That of an oil that thins
+    is solved at each point; --film once takes the one of the smallest slide-to-roll ratio, in the time of one point.
+
+    After an interruption the same command continues.
+    """
+    from ertel.apps.traction import traction
+    from ertel.inputs.case_files import load_case
+
+    with bad_input():
+        case = load_case(case_file, set_ or [])
+    given = {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}
+    traction(case, given, film, out, as_json, quiet)
 
 
 @app.command("warm-up")
@@ -150,12 +178,7 @@ def plot(
     format_: Annotated[
         Format, typer.Option("--format", help="File format; gif, webp and mp4 are movies of an interferogram.")
     ] = Format.png,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            parser=local_path, metavar="DIR", help="Directory for the figures; default DIR/plots.", show_default=False
-        ),
-    ] = None,
+    out: Annotated[Path | None, directory_option("Directory for the figures; default DIR/plots.")] = None,
 ) -> None:
     """Draw the figures of a run, or with --interferogram what an experimenter sees through coated glass.
 

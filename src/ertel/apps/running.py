@@ -35,8 +35,8 @@ class Wishes:
 
 def run(case: Case, directory: Path | None, wishes: Wishes) -> None:
     """Run a case in a new directory: that one, or runs/NAME."""
-    _prepare()
-    with _within_memory(case):
+    prepare()
+    with within_memory(case):
         course = course_of(case)
         others = _compared(course, wishes)
         _finish(_create(directory, course), others, wishes)
@@ -49,8 +49,8 @@ def resume(directory: Path, wishes: Wishes) -> None:
         if done and (not wishes.error or done.get("error_estimate")):
             report(found, done, wishes)
             return
-        _prepare()
-        with _within_memory(found.case):
+        prepare()
+        with within_memory(found.case):
             _finish(found, _compared(found.course, wishes), wishes)
 
 
@@ -77,15 +77,15 @@ def warm_up_all(cases: Sequence[Case]) -> None:
     directory = compiling.cache_directory()
     if directory is None:
         leave(BAD_INPUT, "compiled programs cannot be kept without a home directory; set XDG_CACHE_HOME to a directory")
-    _prepare()
+    prepare()
     for number, case in enumerate(cases, start=1):
         say(f"{number}/{len(cases)}  {case.name or case.kind}: compiling")
-        with _within_memory(case):
+        with within_memory(case):
             warm_up(case)
     say(f"Compiled programs are in {directory}")
 
 
-def _prepare() -> None:
+def prepare() -> None:
     """Check that JAX computes here, and let it load what is compiled.  Raises NoDevice."""
     compiling.check_jax()
     compiling.devices()
@@ -132,7 +132,7 @@ def _create(directory: Path | None, course: Course) -> RunStore:
 
 
 @contextmanager
-def _within_memory(case: Case) -> Iterator[None]:
+def within_memory(case: Case) -> Iterator[None]:
     """Warn of a grid that is too large for the memory, and say so if memory ends."""
     there = memory.available()
     if 0 < there < memory.needed(case):

@@ -26,7 +26,7 @@ NOT_THERE = {
     "tau0": THINNING,
     "eyring": THINNING,
     "carreau": THINNING,
-    "friction": "ertel does not compute friction",
+    "friction": "every run has its friction; there is nothing to give",
     "spin": "ertel does not know spin; the surfaces move along x",
     "beta": "the data for temperatures are in the section [thermal]",
     "starvation": "ertel's contacts are fully flooded",

@@ -34,6 +34,16 @@ from ertel.physics.rheology import NEWTONIAN, Rheology
 Number = Array | float
 
 
+class Mobilities(NamedTuple):
+    """Along X and along Y: flux per unit pressure gradient, and change of the flux per unit change of the gradient.
+
+    The two are the same unless the gradient thins the oil.
+    """
+
+    secant: Pair
+    tangent: Pair
+
+
 class PressureFlow(Protocol):
     """The flow by the pressure gradient, by the law of the oil.  A JAX pytree of numbers."""
 
@@ -41,8 +51,8 @@ class PressureFlow(Protocol):
         """- div(Poiseuille flux): what the flow brings to each node; without meaning on the edge.  Shape (n, n)."""
         ...
 
-    def mobility(self, contact: "Contact", P: Array, H: Array) -> Pair:
-        """The flux along X and along Y per unit pressure gradient, at the nodes; the gradient itself is held."""
+    def mobilities(self, contact: "Contact", P: Array, H: Array) -> "Mobilities":
+        """The mobilities at the nodes; the gradient itself is held when they are differentiated."""
         ...
 
     def details(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> "Details":
@@ -72,7 +82,12 @@ class NewtonianFlow(NamedTuple):
     def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
         return diffusion(self.mobility(contact, P, H), P, contact.even) / contact.spacing**2
 
+    def mobilities(self, contact: "Contact", P: Array, H: Array) -> "Mobilities":
+        eps = self.mobility(contact, P, H)
+        return Mobilities(eps, eps)
+
     def mobility(self, contact: "Contact", P: Array, H: Array) -> Pair:
+        """The same for any gradient."""
         oil = contact.lubricant
         return Pair.of(*self.law.mobility(oil.density(P), oil.viscosity(P), H, contact.lambda_bar))
 
@@ -143,7 +158,12 @@ def mass(contact: Contact, P: Array, H: Array) -> Array:
 
 def mobility(contact: Contact, P: Array, H: Array) -> Pair:
     """The mobility along X and along Y, flux per unit pressure gradient: rho H^3/(eta lambda_bar) if Newtonian."""
-    return contact.flow.mobility(contact, P, H)
+    return mobilities(contact, P, H).secant
+
+
+def mobilities(contact: Contact, P: Array, H: Array) -> Mobilities:
+    """The mobility, and that for a change of the pressure gradient."""
+    return contact.flow.mobilities(contact, P, H)
 
 
 def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:

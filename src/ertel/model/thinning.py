@@ -18,8 +18,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.model.contact import NEWTONIAN_FLOW, Contact, Details, opened
-from ertel.model.shear import Shear, secant_mobility, shear
+from ertel.model.contact import NEWTONIAN_FLOW, Contact, Details, Mobilities, opened
+from ertel.model.shear import Mobility, Shear, secant_mobility, shear, tangent_mobility
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, central_slopes, to_x_faces, to_y_faces
 from ertel.numerics.symmetry import extended
@@ -67,16 +67,18 @@ class ThinningFlow:
             self._secant(contact, P, H, found, gradient),
         )
 
-    def mobility(self, contact: Contact, P: Array, H: Array) -> Pair:
+    def mobilities(self, contact: Contact, P: Array, H: Array) -> Mobilities:
         """The mobilities at the nodes for the preconditioner: what couples X and Y is left out."""
         slope = jax.lax.stop_gradient(_slope(contact, P))
-        return self._secant(contact, P, H, *self._shear(contact, P, H, slope))
+        found, gradient = self._shear(contact, P, H, slope)
+        eps = NEWTONIAN_FLOW.mobility(contact, P, H).x
+        tangent = tangent_mobility(self.law, self.p_h * P, found, gradient)
+        return Mobilities(self._secant(contact, P, H, found, gradient), _thinned(eps, tangent))
 
     def _secant(self, contact: Contact, P: Array, H: Array, found: Shear, gradient: Array) -> Pair:
         """The mobilities at the nodes from the flow across the film there."""
         factor = secant_mobility(self.law, self.p_h * P, found, gradient)
-        eps = NEWTONIAN_FLOW.mobility(contact, P, H).x
-        return Pair(*(eps * jnp.minimum(part, LARGEST_FACTOR) for part in (factor.xx, factor.yy)))
+        return _thinned(NEWTONIAN_FLOW.mobility(contact, P, H).x, factor)
 
     def _force(self, found: Shear, film: Array) -> Array:
         """G, shape (2, ...), from the flow across a film of the thickness given."""
@@ -124,6 +126,11 @@ def _gain(in_X: Array, in_Y: Array, spacing: Number) -> Array:
     """- div of the flux, from minus the flux through the faces."""
     total: Array = ((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / spacing
     return total
+
+
+def _thinned(eps: Array, factor: Mobility) -> Pair:
+    """The mobilities along X and along Y of an oil whose mobility without thinning is eps."""
+    return Pair(*(eps * jnp.minimum(part, LARGEST_FACTOR) for part in (factor.xx, factor.yy)))
 
 
 def _slope(contact: Contact, P: Array) -> Array:

@@ -21,6 +21,7 @@ GAP_SHARE = 3.0  # initial gap in units of the trapped film, below which the sha
 INLET_PRESSURE = 0.02  # p_h, halfway to the edge upstream: what may be missing of a rolling contact's inlet
 LARGE_ERROR = 0.1  # of a film: its estimated discretisation error from which it is said to be uncertain
 LARGE_IMBALANCE = 0.01  # of a budget, from which it is said that it does not close
+LARGEST_TRACTION = 0.15  # coefficient: more than traction fluids reach
 BUDGETS = {  # what an open budget means
     "mass": "oil is gained or lost on the grid",
     "momentum": "the motion of the ball and the load differ",
@@ -33,7 +34,7 @@ CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 def impact_warnings(case: Case, data: xr.Dataset) -> list[str]:
     """Warnings about grid, domain or initial gap of an impact; an empty list if there are none."""
     said = [_film_warning(case, data), _front_warning(case, data), _gap_warning(case), _domain_warning(case, data)]
-    return _spoken([*said, _roughness_warning(case), _traction_warning(case)])
+    return _spoken([*said, _roughness_warning(case)])
 
 
 def rolling_warnings(case: Case, data: xr.Dataset) -> list[str]:
@@ -41,7 +42,7 @@ def rolling_warnings(case: Case, data: xr.Dataset) -> list[str]:
     said = [_film_warning(case, data), _sweep_warning(case, data), _centre_warning(case)]
     if data.sizes["frame"]:
         said += [_inlet_warning(case, data["P"].isel(frame=-1), float(data["frame"][-1]))]
-    return _spoken([*said, _roughness_warning(case), _traction_warning(case)])
+    return _spoken([*said, _roughness_warning(case)])
 
 
 def budget_warnings(case: Case, found: Budgets) -> list[str]:
@@ -52,6 +53,30 @@ def budget_warnings(case: Case, found: Budgets) -> list[str]:
         f"{_closing(case, name)}"
         for name, share in open_ones.items()
         if share > LARGE_IMBALANCE
+    ]
+
+
+def friction_warnings(case: Case, coefficient: float) -> list[str]:
+    """Warnings where shear stress and traction mean nothing; an empty list if they do.  The film hardly feels it.
+
+    coefficient: the largest traction coefficient of the run, in a*/R.
+    """
+    if case.scales is None:
+        return []
+    heaviest = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
+    p, mu = case.scales.p_h * cbrt(heaviest), abs(coefficient) * case.scales.a_over_R
+    if isinstance(case.oil.viscosity_law, Barus) and p > BARUS_PRESSURE and (mu or not case.oil.is_newtonian):
+        return [
+            f'lubricant.viscosity = "barus": gives far too large viscosities above {BARUS_PRESSURE / 1e9:g} GPa, and '
+            f'this contact has {p / 1e9:.2g} GPa: shear stress and traction mean nothing; use "roelands", or a modulus '
+            "or Doolittle's law with measured constants"
+        ]
+    if mu <= LARGEST_TRACTION:
+        return []
+    thinner = 'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
+    return [
+        f"the traction coefficient {mu:.2g} is larger than that of any oil (about 0.1): shear stress and traction mean "
+        f"nothing; {thinner if case.oil.is_newtonian else 'check lubricant.rheology, or give it a limiting stress'}"
     ]
 
 
@@ -74,7 +99,7 @@ def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
     finest = solutions[-1]
     said = [_overlap_warning(case, finest), _error_warning(case, solutions), _spike_warning(solutions)]
     P = xr.DataArray(np.asarray(finest.whole(finest.P)), {"Y": finest.grid.y, "X": finest.grid.x}, ("Y", "X"))
-    said += [_inlet_warning(case, P, 0.0), _centre_warning(case), _roughness_warning(case), _traction_warning(case)]
+    said += [_inlet_warning(case, P, 0.0), _centre_warning(case), _roughness_warning(case)]
     return _spoken(said)
 
 
@@ -192,21 +217,6 @@ def _roughness_warning(case: Case) -> str:
     return (
         f"the roughness is not resolved ({cells:.1f} cells across its smallest width {size:.3g} a, about "
         f"{CELLS_IN_WAVE:.0f} are needed); {_use(needed)}"
-    )
-
-
-def _traction_warning(case: Case) -> str:
-    """Barus' law gives far too large viscosities above 0.7 GPa.  The film, made in the inlet, hardly feels them."""
-    if case.scales is None or not isinstance(case.oil.viscosity_law, Barus):
-        return ""
-    heaviest = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
-    p = case.scales.p_h * cbrt(heaviest)
-    if p <= BARUS_PRESSURE or (case.oil.is_newtonian and case.motion.slide_to_roll == 0):
-        return ""
-    return (
-        f'lubricant.viscosity = "barus": gives far too large viscosities above {BARUS_PRESSURE / 1e9:g} GPa, and this '
-        f'contact has {p / 1e9:.2g} GPa: shear stress and traction mean nothing; use "roelands", or a modulus or '
-        "Doolittle's law with measured constants"
     )
 
 

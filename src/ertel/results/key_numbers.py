@@ -5,6 +5,7 @@ from html import escape
 from typing import Any, NamedTuple
 
 from ertel.physics.temperature_laws import ZERO_CELSIUS
+from ertel.results import html
 from ertel.results.kinds import KINDS, Errors, Kind
 from ertel.results.variables import FRICTION, VARIABLES, key_in_si, with_prefix
 
@@ -137,15 +138,11 @@ def html_table(summary: Mapping[str, Any], heading: str = "") -> str:
     moment = KINDS[summary["kind"]].moment(summary)
     parts = [f"{heading}{escape(conditions)}: {escape(summary['status'])}; {escape(moment)}"]
     if numbers:
-        rows = [_html_row("td", [number[column] for column in used]) for number in numbers]
-        parts.append(f"<table>{_html_row('th', [HEAD[column] for column in used])}{''.join(rows)}</table>")
+        rows = [html.row("td", [number[column] for column in used]) for number in numbers]
+        parts.append(f"<table>{html.row('th', [HEAD[column] for column in used])}{''.join(rows)}</table>")
     parts += [
         f"<div>{escape(line)}</div>"
         for line in (*extreme_lines(summary), *thermal_lines(summary), *budget_lines(summary))
     ]
     parts += [f"<div>Warning: {escape(warning)}</div>" for warning in summary["warnings"]]
     return f"<div>{''.join(parts)}</div>"
-
-
-def _html_row(tag: str, cells: list[str]) -> str:
-    return f"<tr>{''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells)}</tr>"

@@ -1,10 +1,8 @@
 """The result of a run, with text and notebook output, values in SI, and pictures."""
 
-from base64 import b64encode
 from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +10,7 @@ import xarray as xr
 
 from ertel.model.case import Case
 from ertel.model.status import Status
+from ertel.results import html
 from ertel.results.key_numbers import Summary, html_table, lines
 from ertel.results.kinds import is_steady
 from ertel.results.variables import to_si
@@ -23,7 +22,6 @@ if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
 
 IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history", "friction")
 STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence", "friction")
-DOTS_PER_INCH = 80  # of the picture in a notebook
 
 
 @dataclass(frozen=True, repr=False)
@@ -158,9 +156,6 @@ class Result:
     def _picture(self) -> str:
         """The overview as an HTML image; empty where there is nothing to draw yet."""
         try:
-            figure = self.plot.overview()
+            return html.image(self.plot.overview(), "overview")
         except ValueError:
             return ""
-        png = BytesIO()
-        figure.savefig(png, format="png", dpi=DOTS_PER_INCH)
-        return f'<img alt="overview" src="data:image/png;base64,{b64encode(png.getvalue()).decode()}">'

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from math import cbrt
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from ertel.model import budget
@@ -71,7 +72,7 @@ def impact_summary(
         "budgets": found,
         **work,
         "status": status.value,
-        "warnings": [*diagnostics.impact_warnings(case, data), *diagnostics.budget_warnings(case, found)],
+        "warnings": [*diagnostics.impact_warnings(case, data), *_accounts_warnings(case, data, found)],
     }
     si = si_summary(case, reached)
     return content if si is None else {**content, "si": {**si, **_parts_in_si(case, content)}}
@@ -95,7 +96,7 @@ def rolling_summary(
     F = measured.pop("F", None)
     measured["load"] = None if F is None else F * case.geometry.hertz_load
     found = budgets.in_time(case, data)
-    said = [*diagnostics.rolling_warnings(case, data), *diagnostics.budget_warnings(case, found)]
+    said = [*diagnostics.rolling_warnings(case, data), *_accounts_warnings(case, data, found)]
     counts = {"extremes": extremes(data), "budgets": found, **work}
     return _rolling_summary(case, _said(measured), {}, counts, status, said)
 
@@ -142,9 +143,16 @@ def steady_summary(
     measured = {"nodes": grid.nodes_x, **across, **found}
     terms = budgets.steady(case, rates, values["load"] / case.geometry.hertz_load)
     warmth, uncertain = thermal_summary(case, rolling.finest)
-    said = [*diagnostics.steady_warnings(case, solutions), *diagnostics.budget_warnings(case, terms), *uncertain]
+    said = [*diagnostics.steady_warnings(case, solutions), *diagnostics.budget_warnings(case, terms)]
+    said += [*diagnostics.friction_warnings(case, found["mu_sliding"] or 0.0), *uncertain]
     parts = {"budgets": terms, **({"thermal": warmth} if warmth else {}), **counts, **work}
     return _rolling_summary(case, measured, estimates, parts, status, said)
+
+
+def _accounts_warnings(case: Case, data: xr.Dataset, found: budgets.Budgets) -> list[str]:
+    """The warnings of the budgets and of the friction of a run in time."""
+    largest = float(np.abs(data["mu_sliding"]).max()) if data.sizes["time"] else 0.0
+    return [*diagnostics.budget_warnings(case, found), *diagnostics.friction_warnings(case, largest)]
 
 
 def _said(values: Mapping[str, float | None]) -> dict[str, float | None]:

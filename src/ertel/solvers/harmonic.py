@@ -79,8 +79,8 @@ class LinearFilm:
     """Reynolds' equation, linearised about a steady film, for changes that oscillate in time.
 
     The mobility is that of the nodes.  For a Newtonian oil this is exact; one that thins has more, see `_exact`.
-    by_P, by_H: derivatives of mass and mobility.  free: 1 where P > 0.  riding: exp(- i omega X/U), shape (n,), X
-    downstream.
+    eps: for a change of the gradient.  by_P, by_H: derivatives of mass and mobility.  free: 1 where P > 0.  riding:
+    exp(- i omega X/U), shape (n,), X downstream.
     """
 
     P: Array
@@ -168,15 +168,16 @@ def _solve(p: _Problem) -> tuple[Array, Array, Array, Array]:
 def linear_film(c: Contact, P: Array, H: Array, speed: Number, frequency: Number) -> LinearFilm:
     """The linearisation about a steady film with X downstream."""
 
-    def laws(P: Array, H: Array) -> Change:
-        return Change(contact.mass(c, P, H), contact.mobility(c, P, H))
+    def laws(P: Array, H: Array) -> tuple[Change, Pair]:
+        found = contact.mobilities(c, P, H)
+        return Change(contact.mass(c, P, H), found.secant), found.tangent
 
     one, zero = jnp.ones_like(P), jnp.zeros_like(P)
-    laws_here, change = jax.linearize(laws, P, H)
+    _, change, eps = jax.linearize(laws, P, H, has_aux=True)
     by_P, by_H = change(one, zero), change(zero, one)
     riding = jnp.exp(-1j * frequency / speed * c.spacing * jnp.arange(P.shape[1]))
     free = inside(jnp.where(P > 0.0, 1.0, 0.0), c.even)
-    return LinearFilm(P, laws_here.eps, by_P, by_H, free, riding, speed, c.spacing, c.even)
+    return LinearFilm(P, eps, by_P, by_H, free, riding, speed, c.spacing, c.even)
 
 
 def _exact(c: Contact, film: LinearFilm, H: Array) -> Callable[[Array, Array], Array]:

@@ -47,16 +47,19 @@ def levels(
     """
     c, elastic = problem.contact, problem.elastic
 
-    def laws(P: Array, H: Array) -> tuple[Array, Pair]:
-        return contact.mass(c, P, H), contact.mobility(c, P, H)
+    def laws(P: Array, H: Array) -> tuple[tuple[Array, Pair], Pair]:
+        found = contact.mobilities(c, P, H)
+        return (contact.mass(c, P, H), found.secant), found.tangent
 
     # in double precision: of a thick oil the viscosity is beyond single, its inverse and their derivatives are not
     one, zero = jnp.ones_like(P), jnp.zeros_like(P)
-    (mass, eps), by_P = jax.jvp(laws, (P, H), (one, zero))
-    _, by_H = jax.jvp(laws, (P, H), (zero, one))
+    (mass, _), by, eps = jax.linearize(laws, P, H, has_aux=True)
+    by_P, by_H = by(one, zero), by(zero, one)
     # where the pressure is curved, as at the foot of a spike, the diagonal is larger by half, or more than doubled
     steepening = -0.5 * stencils.curvature(by_P[1], P, c.even) / c.spacing**2
 
+    # linear in P and in eps: a change of P drives a flux by the tangent mobility, and the changes of the secant
+    # mobility act on the gradient itself
     def balance(mass: Array, eps: Pair, P: Array) -> Array:
         return contact.balance(mass, eps, P, Rate(new, 0.0, wedge), spacing, c.even)
 

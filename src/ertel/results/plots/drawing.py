@@ -82,14 +82,14 @@ def scale(dataset: xr.Dataset, name: str, maximum: float) -> Scale:
     attributes = dataset[name].attrs
     if "si_factor" not in attributes:
         unit = KINDS[dataset.attrs["kind"]].unit(attributes.get("in_units_of", ""))
-        return Scale(1.0, _mathtext(attributes["symbol"]), UNITS.get(unit, unit), attributes["long_name"])
+        return Scale(1.0, mathtext(attributes["symbol"]), UNITS.get(unit, unit), attributes["long_name"])
     power = exponent(abs(maximum) * attributes["si_factor"])
     share, unit = SHOWN.get(attributes["si_units"]) or (10.0**-power, PREFIXES[power] + attributes["si_units"])
     factor = attributes["si_factor"] * share
-    return Scale(factor, _mathtext(attributes["si_name"]), unit, attributes["long_name"])
+    return Scale(factor, mathtext(attributes["si_name"]), unit, attributes["long_name"])
 
 
-def _mathtext(symbol: str) -> str:
+def mathtext(symbol: str) -> str:
     """H_min as $H_\\mathrm{min}$, Delta as a Greek letter."""
     base, _, index = re.sub(GREEK, r"\\\g<0>", symbol).partition("_")
     return f"${base}_\\mathrm{{{index}}}$" if index else f"${base}$"

@@ -1,0 +1,114 @@
+"""The values at which a curve is computed: a range such as "0:0.5:15", or values one by one.
+
+    0:0.5:15                    15 values from 0 to 0.5, equal steps
+    0.1 m/s:10 m/s:12:log       12 values, equal ratios: for a range over decades
+    0.1:10 m/s:12:log           the same: a unit at one end holds for both
+    0, 0.01, 0.05               these values
+
+A quantity without any unit is in SI.
+"""
+
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ertel.inputs.messages import ConfigError
+from ertel.inputs.quantities import parse_number, parse_quantity
+from ertel.model.records import show
+from ertel.physics.units import Bounds, Unit
+
+LOG = "log"
+MOST_VALUES = 1000
+NUMBER = Bounds(gt=1, le=MOST_VALUES, whole=True)
+
+Given = str | float | Sequence[Any]
+Mark = Unit | Bounds
+
+
+def parse_values(name: str, given: Given, mark: Mark) -> tuple[float, ...]:
+    """The values of a range, or of a list, in SI.
+
+    Parameters
+    ----------
+    name : str
+        What varies, for messages.
+    given : str, float or sequence
+        A text as above; or one value or several, each a number (in SI) or a text with a unit.
+    mark : Unit or Bounds
+        What a value must be: a quantity with this unit, or a plain number.
+
+    Raises ConfigError for anything else, for no values at all, and for values that neither rise nor fall.
+
+    Examples
+    --------
+    >>> from ertel.physics.units import VELOCITY
+    >>> parse_values("mean_speed", "0.1:10 m/s:3:log", VELOCITY)
+    (0.1, 1.0, 10.0)
+    """
+    try:
+        found = _ranged(given, mark) if isinstance(given, str) and ":" in given else _listed(given, mark)
+    except ValueError as error:
+        raise ConfigError(f"{name} = {show(given)}: {error}") from error
+    steps = {(late > early) - (late < early) for early, late in pairwise(found)}
+    if len(steps) > 1 or 0 in steps:
+        raise ConfigError(f"{name} = {show(given)}: must rise or fall from value to value")
+    if len(found) > MOST_VALUES:
+        raise ConfigError(f"{name}: has {len(found)} values; must be at most {MOST_VALUES}")
+    return found
+
+
+def _listed(given: Given, mark: Mark) -> tuple[float, ...]:
+    if isinstance(given, int | float):
+        given = [given]
+    items = given.split(",") if isinstance(given, str) else list(given)
+    if not items:
+        raise ValueError("must be one value or more")
+    return tuple(_value(item, mark) for item in items)
+
+
+def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
+    left, *rest = (part.strip() for part in text.split(":"))
+    if len(rest) not in (2, 3) or rest[2:] not in ([], [LOG]):
+        raise ValueError(f"must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:{LOG} for equal ratios")
+    unit = _unit(rest[0], mark) or _unit(left, mark)
+    start, end = (_value(text if _unit(text, mark) else f"{text} {unit}", mark) for text in (left, rest[0]))
+    if rest[2:] and not start * end > 0:
+        raise ValueError(f"the ends of a range with :{LOG} must both be above zero, or both below")
+    number = _number(rest[1])
+    if rest[2:]:
+        return tuple(float(value) for value in np.geomspace(start, end, number))
+    first, last = Fraction(repr(start)), Fraction(repr(end))  # exact, so that a range through zero contains zero
+    return tuple(float(first + (last - first) * i / (number - 1)) for i in range(number))
+
+
+def _number(text: str) -> int:
+    try:
+        return int(parse_number(int(text), NUMBER))
+    except ValueError as error:
+        raise ValueError(f"the number of values must be a whole number from 2 to {MOST_VALUES}") from error
+
+
+def _unit(text: str, mark: Mark) -> str:
+    """What stands after the number of a quantity; a plain number has no unit."""
+    return text.lstrip("+-0123456789.eE ") if isinstance(mark, Unit) else ""
+
+
+def _value(given: Any, mark: Mark) -> float:
+    """A plain number, or a quantity with or without its unit."""
+    given = given.item() if isinstance(given, np.generic) else given
+    text = given.strip() if isinstance(given, str) else None
+    if isinstance(mark, Bounds):
+        return parse_number(_plain(text) if text is not None else given, mark)
+    if isinstance(given, bool) or not isinstance(given, int | float | str):
+        raise ValueError(f'must be numbers in {mark.unit}, or quantities such as "{mark.example}"')
+    return parse_quantity(text if text and _unit(text, mark) else f"{given} {mark.unit}", mark) or 0.0
+
+
+def _plain(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise ValueError(f"{show(text)} must be a number") from error

@@ -1,0 +1,161 @@
+"""A traction curve: the friction of a steady contact against the slide-to-roll ratio, the speed or the load."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from ertel.model.case import Case
+from ertel.results import html
+from ertel.results.curve_points import AXES, SHOWN, SHOWN_WARM, largest_of, shown_name
+from ertel.results.variables import PREFIXES, exponent
+
+if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
+    from matplotlib.figure import Figure
+
+HEADS = {  # of a table, where names are long
+    **{"mu_sliding": "mu", "mu_rolling": "mu_r", "power_loss": "loss"},
+    **{"mu_isothermal": "mu_iso", "T_film_max": "T_film"},
+}
+WARM = "mu, loss, films and stress are those of the warm film; mu_iso is without heat, mu_r too"
+LARGEST_TRACTION = 0.15  # far above what the limiting shear stress of oils lets through, 0.03 to 0.1
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class TractionCurve:
+    """A traction curve.
+
+    Parameters
+    ----------
+    case : Case
+        The case with whose conditions the points were computed, apart from what varies.
+    dataset : xarray.Dataset
+        Over slide_to_roll, mean_speed (m/s) or load (N).  The traction coefficient of sliding mu_sliding, the rolling
+        resistance mu_rolling of each surface, the power loss, the central and the minimum film thickness, the maximum
+        shear stress in the middle of the film, the maximum pressure, status and work of each point; nan where the film
+        did not converge.  In SI under SI names (h_c for H_c) where the case is physical.  With a section [thermal] all
+        but mu_rolling and p_max is of the warm film; mu_isothermal is without heat, phi_T the inlet factor in h_c and
+        h_min, T_1_max, T_2_max, T_film_max (K) the highest temperatures.
+    said : tuple of str
+        Warnings of the points, and which points they are about; `warnings` has those of the whole curve too.
+    complete : bool
+        Whether all points are computed.
+    directory : Path, optional
+        Where the curve is stored.
+    """
+
+    case: Case
+    dataset: xr.Dataset
+    said: tuple[str, ...] = ()
+    complete: bool = True
+    directory: Path | None = None
+
+    @property
+    def axis(self) -> str:
+        """What varies: slide_to_roll, mean_speed or load."""
+        return str(self.dataset.attrs["varies"])
+
+    @property
+    def failed(self) -> list[float]:
+        """Where along the axis the film did not converge."""
+        found: list[float] = self.dataset[self.axis].values[self.dataset["status"].values != "converged"].tolist()
+        return found
+
+    def plot(self) -> "Figure":
+        """The curve: traction coefficient and rolling resistance, films, power loss and shear stress."""
+        from ertel.results.plots import traction
+
+        return traction.figure(self.dataset)
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the points as a CSV file; the names of its columns end with the unit, h_c_m, power_loss_W."""
+        self._with_units.to_dataframe().to_csv(path)
+
+    def as_data(self) -> dict[str, Any]:
+        """The curve as plain data for JSON; names in SI end with the unit, and what is missing is None."""
+        rows = self._with_units.to_dataframe().reset_index().to_dict("records")
+        points = [{name: None if value != value else value for name, value in row.items()} for row in rows]
+        about = {name: self.dataset.attrs[name] for name in ("title", "kind", "M", "L", "varies", "film")}
+        return {**about, "points": points, "warnings": self.warnings, "complete": self.complete}
+
+    @property
+    def _with_units(self) -> xr.Dataset:
+        """The dataset with the unit at the end of every name in SI."""
+        units = {str(name): str(v.attrs.get("units", "1")) for name, v in self.dataset.variables.items()}
+        return self.dataset.rename(
+            {name: f"{name}_{unit.replace('/', '_per_')}" for name, unit in units.items() if unit != "1"}
+        )
+
+    def table(self) -> tuple[list[str], list[list[str]]]:
+        """The heading and the rows of a table to read, with units that fit."""
+        physical = self.case.scales is not None
+        columns = [_column(AXES[self.axis].symbol, self.dataset[self.axis])]
+        for name in SHOWN if self.case.thermal is None else (*SHOWN, *SHOWN_WARM):
+            shown = shown_name(physical, name)
+            columns.append(_column(HEADS.get(name, shown), self.dataset[shown]))
+        if self.failed:
+            columns.append(["status", *self.dataset["status"].values.tolist()])
+        heads, *rows = (list(cells) for cells in zip(*columns, strict=True))
+        return heads, rows
+
+    def table_lines(self) -> Iterator[str]:
+        """The same as lines of text."""
+        heads, rows = self.table()
+        widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+        for cells in (heads, *rows):
+            yield "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True))
+
+    @property
+    def remarks(self) -> list[str]:
+        """What is to be said of the curve: how the film was computed, units, and warnings."""
+        said = [f"film: {self.dataset.attrs['film']}"]
+        if not self.case.scales:
+            said.append("mu is in units a/R, films in a^2/R, stresses in p_h a/R: the case is dimensionless")
+        if self.case.thermal:
+            said.append(WARM)
+        return [*said, *(f"warning: {warning}" for warning in self.warnings)]
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about the oil, the grid and the domain, with the points that they are about."""
+        largest = largest_of(self.dataset["mu_sliding"])
+        if not self.case.scales or largest <= LARGEST_TRACTION:
+            return list(self.said)
+        much = f"mu reaches {largest:.3g}, but oils transmit 0.1 of the load at most (their limiting shear stress)"
+        return [f'{much}; give lubricant.rheology = {{ law = "limited", ... }}', *self.said]
+
+    def __repr__(self) -> str:
+        lines = (*self.table_lines(), *self.remarks)
+        return "\n".join([f"TractionCurve: {self.heading}", *(f"  {line}" for line in lines)])
+
+    @property
+    def heading(self) -> str:
+        """What the curve is of."""
+        name = self.case.name or self.case.kind
+        number = self.dataset.sizes[self.axis]
+        ended = "" if self.complete else ", not complete"
+        return f"{name}, {number} points over the {AXES[self.axis].long_name}{ended}"
+
+    def _repr_html_(self) -> str:
+        heads, rows = self.table()
+        table = f"<table>{html.row('th', heads)}{''.join(html.row('td', cells) for cells in rows)}</table>"
+        remarks = "".join(f"<div>{escape(line)}</div>" for line in self.remarks)
+        picture = html.image(self.plot(), "traction curve") if rows else ""
+        return f"<div><b>{escape(self.heading)}</b>{table}{remarks}</div>{picture}"
+
+
+def _column(head: str, values: xr.DataArray) -> list[str]:
+    """A heading with the unit, and the values in it, with a prefix that fits the largest."""
+    unit = values.attrs["units"]
+    if unit == "1":
+        return [head, *(_number(value) for value in values.values)]
+    power = 0 if "/" in unit or unit == "K" else exponent(largest_of(values))
+    return [f"{head} ({PREFIXES[power]}{unit})", *(_number(value / 10**power) for value in values.values)]
+
+
+def _number(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.4g}"

@@ -1,0 +1,150 @@
+"""`ertel traction`: table, files, interruption and going on, and what is refused."""
+
+import csv
+import json
+import signal
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cases import ertel_, names
+
+from ertel.runs import traction_store
+
+CASE = """
+[contact]
+kind = "rolling"
+radius = "10 mm"
+E_prime = "226 GPa"
+load = "20 N"
+mean_speed = "1 m/s"
+[lubricant]
+eta0 = "40 mPa*s"
+alpha = "20 / GPa"
+[solver]
+nodes = 33
+"""
+FILES = {"case.toml", "traction.json", "traction.csv", "traction.png"}
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ball.toml").write_text(CASE)
+    (tmp_path / "drop.toml").write_text("[contact]\nM = 20\nL = 10\n[solver]\nnodes = 33\n")
+    return tmp_path
+
+
+def rows(directory: Path) -> list[dict[str, str]]:
+    with (directory / "traction.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_curve_is_printed_and_stored(here: Path) -> None:
+    text = ertel_("traction", "ball.toml", "--slide-to-roll", "0:0.04:3").stdout
+    for part in ("3 points over the slide-to-roll ratio", "mu_r", "h_c (nm)", "Film: solved once", "traction/ball"):
+        assert part in text
+    assert names(here / "traction" / "ball") == FILES
+    assert [float(row["slide_to_roll"]) for row in rows(here / "traction" / "ball")] == [0.0, 0.02, 0.04]
+    assert (here / "traction" / "ball" / "traction.png").read_bytes().startswith(b"\x89PNG")
+    ertel_("traction", "ball.toml", "--slide-to-roll", "0:0.06:3", "-q")  # another curve takes another name
+    assert names(here / "traction") == {"ball", "ball-2"}
+
+
+def test_the_same_command_shows_a_finished_curve(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    command = ("traction", "ball.toml", "--slide-to-roll", "0:0.04:3", "--out", "curve")
+    first = ertel_(*command).stdout
+    monkeypatch.setattr("ertel.runs.traction.drive", None)  # nothing is solved again
+    assert ertel_(*command).stdout == first
+    data = json.loads(ertel_(*command, "--json").stdout)
+    assert [point["slide_to_roll"] for point in data["points"]] == [0.0, 0.02, 0.04]
+    assert data["points"][0]["mu_sliding"] == 0.0
+    assert ertel_(*command, "--quiet").output == ""
+
+
+def test_an_interrupted_curve_goes_on(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    command = ("traction", "ball.toml", "--mean-speed", "0.5:2 m/s:3:log", "--set", "contact.slide_to_roll=0.02")
+    ertel_(*command, "--out", "whole", "-q")
+    keep = traction_store.CurveStore.keep
+
+    def keep_and_interrupt(store: Any, new: Any) -> None:
+        keep(store, new)
+        signal.raise_signal(signal.SIGINT)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(traction_store.CurveStore, "keep", keep_and_interrupt)
+        result = ertel_(*command, "--out", "cut", code=130)
+    assert "interrupted; the same command continues" in result.stderr
+    assert "1 points over the mean speed, not complete" in result.stdout
+    assert len(rows(here / "cut")) == 1
+    ertel_(*command, "--out", "cut", "-q")
+    assert rows(here / "cut") == rows(here / "whole")
+    assert [float(row["mean_speed_m_per_s"]) for row in rows(here / "cut")] == pytest.approx([0.5, 1.0, 2.0])
+
+
+def test_a_directory_with_something_else_is_left_alone(here: Path) -> None:
+    ertel_("traction", "ball.toml", "--load", "20:40 N:2", "--out", "curve", "-q")
+    before = (here / "curve" / "traction.json").read_bytes()
+    for changed, said in (
+        (("--load", "20:50 N:2"), "holds another curve (values"),
+        (("--load", "20:40 N:2", "--set", "contact.mean_speed=2 m/s"), "holds another curve (case.contact.mean_speed"),
+    ):
+        result = ertel_("traction", "ball.toml", *changed, "--out", "curve", code=2)
+        assert said in result.stderr
+        assert "choose another --out" in result.stderr
+    (here / "mine").mkdir()
+    (here / "mine" / "notes.txt").write_text("mine")
+    result = ertel_("traction", "ball.toml", "--load", "20:40 N:2", "--out", "mine", code=2)
+    assert "mine: exists already; choose another --out" in result.stderr
+    assert (here / "curve" / "traction.json").read_bytes() == before
+    assert names(here / "mine") == {"notes.txt"}
+
+
+def test_points_of_other_sources_are_not_mixed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    command = ("traction", "ball.toml", "--slide-to-roll", "0:0.04:3", "--out", "curve")
+    ertel_(*command, "-q")
+    monkeypatch.setattr(traction_store, "own_sources", lambda: "others")
+    assert "another version of ertel" in ertel_(*command, code=2).stderr
+
+
+def test_a_damaged_file_is_named(here: Path) -> None:
+    command = ("traction", "ball.toml", "--slide-to-roll", "0:0.04:3", "--out", "curve")
+    ertel_(*command, "-q")
+    file = here / "curve" / "traction.json"
+    file.write_text(file.read_text().replace("converged", "convergde", 1))
+    assert "traction.json: is damaged (its checksum does not agree)" in ertel_(*command, code=2).stderr
+
+
+def test_a_film_that_does_not_converge_fails(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    point = traction_store.CurveStore.keep
+
+    def keep(store: Any, new: Any) -> None:
+        point(store, {name: None if isinstance(v, float) else v for name, v in new.items()} | {"status": "stalled"})
+
+    monkeypatch.setattr(traction_store.CurveStore, "keep", keep)
+    result = ertel_("traction", "ball.toml", "--slide-to-roll", "0:0.04:3", code=1)
+    assert "failed: the film did not converge at slide_to_roll = 0, 0.02, 0.04" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["ball.toml"], "one of them must vary"),
+        (["ball.toml", "--slide-to-roll", "0:1:3", "--load", "1:2:3"], "slide_to_roll and load given"),
+        (["ball.toml", "--slide-to-roll", "0:1"], 'slide_to_roll = "0:1": must be FIRST:LAST:NUMBER'),
+        (["ball.toml", "--slide-to-roll", "0:1:one"], "must be a whole number from 2 to 1000"),
+        (["ball.toml", "--mean-speed", "0:1 m/s:3:log"], "must both be above zero"),
+        (["ball.toml", "--mean-speed", "1:2 kg:3"], "wrong dimension"),
+        (["ball.toml", "--load", "-5:5 N:3"], "must be a quantity above zero"),
+        (["ball.toml", "--load", "4:8 N:3", "--film", "once"], 'film = "once": the film depends on load'),
+        (["ball.toml", "--slide-to-roll", "0:1:3", "--film", "two"], 'film = "two": allowed: each, once'),
+        (["drop.toml", "--slide-to-roll", "0:1:3"], "a traction curve is of a steady contact"),
+        (["ball.toml", "--slide-to-roll", "0:1:3", "--set", "solver.nodes=66"], "solver.nodes = 66: must be"),
+    ],
+    ids=lambda x: " ".join(x) if isinstance(x, list) else "",
+)
+def test_wrong_input_is_refused_in_a_sentence(here: Path, arguments: list[str], said: str) -> None:
+    result = ertel_("traction", *arguments, code=2)
+    assert said in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert not (here / "traction").exists()

@@ -1,0 +1,191 @@
+"""Traction curves in memory: each point is the friction of its own steady contact."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.model import friction, heat
+from ertel.model.case import Case
+from ertel.model.sections import Drive
+from ertel.model.status import Status
+from ertel.runs.drive import drive
+from ertel.runs.traction import traction
+from ertel.solvers import steady
+
+CONTACT = {"kind": "rolling", "radius": "10 mm", "E_prime": "226 GPa", "load": "20 N"}  # that of test_thinning
+OIL = {"eta0": "40 mPa*s", "alpha": "20 / GPa"}
+EYRING = {"law": "ree-eyring", "tau0": "2 MPa"}
+STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
+FRICTION = ("mu_sliding", "mu_rolling", "mu_1", "mu_2", "power_loss", "tau_max")
+
+
+def physical(rheology: Any = "newtonian", **speeds: Any) -> Case:
+    contact = {**CONTACT, **(speeds or {"mean_speed": "1 m/s"})}
+    return parse_case({"contact": contact, "lubricant": {**OIL, "rheology": rheology}, "solver": {"nodes": 33}})
+
+
+@pytest.fixture(scope="module")
+def newtonian() -> Any:
+    return traction(physical(), slide_to_roll="-0.1:0.2:4")
+
+
+@pytest.fixture(scope="module")
+def eyring() -> Any:
+    return traction(physical(EYRING), slide_to_roll=[-0.1, 0.0, 0.1])
+
+
+def test_no_sliding_is_no_traction_and_negative_sliding_mirrors_it(newtonian: Any, eyring: Any) -> None:
+    for curve in (newtonian, eyring):
+        data = curve.dataset
+        assert float(data["mu_sliding"].sel(slide_to_roll=0.0)) == 0.0
+        back, forth = (data.sel(slide_to_roll=S) for S in (-0.1, 0.1))
+        assert float(forth["mu_sliding"]) > 0
+        assert float(back["mu_sliding"]) == pytest.approx(-float(forth["mu_sliding"]), rel=1e-9)
+        assert float(back["mu_1"]) == pytest.approx(float(forth["mu_2"]), rel=1e-9)
+        assert float(back["power_loss"]) == pytest.approx(float(forth["power_loss"]), rel=1e-9)
+
+
+def test_the_power_is_that_of_the_forces(newtonian: Any) -> None:
+    """Sliding spends mu F (u1 - u2), on top of what rolling spends."""
+    data = newtonian.dataset
+    spent = data["power_loss"] - data["power_loss"].sel(slide_to_roll=0.0)
+    F, u_m = 20.0, 1.0
+    np.testing.assert_allclose(spent, data["mu_sliding"] * F * data["slide_to_roll"] * u_m, rtol=1e-6, atol=1e-12)
+
+
+def test_one_film_is_exact_for_a_newtonian_oil(newtonian: Any) -> None:
+    assert "solved once" in newtonian.dataset.attrs["film"]
+    each = traction(physical(), slide_to_roll="-0.1:0.2:4", film="each")
+    xr.testing.assert_allclose(each.dataset[[*FRICTION]], newtonian.dataset[[*FRICTION]], rtol=1e-12)
+    assert newtonian.dataset["newton_iterations"].sum() == each.dataset["newton_iterations"].sum() / 4
+
+
+def test_each_point_of_an_oil_that_thins_has_its_own_film(eyring: Any) -> None:
+    data = eyring.dataset
+    assert data.attrs["film"] == "solved for each point"
+    assert (data["newton_iterations"] > 0).all()
+    still, sliding = (float(data["h_c"].sel(slide_to_roll=S)) for S in (0.0, 0.1))
+    assert sliding < still
+    once = traction(physical(EYRING), slide_to_roll=[0.0, 0.1], film="once").dataset
+    assert once["h_c"].values.tolist() == [still, still]
+    assert float(once["mu_sliding"][1]) == pytest.approx(float(data["mu_sliding"][2]), rel=0.02)
+    assert float(once["mu_sliding"][1]) != float(data["mu_sliding"][2])
+
+
+@pytest.mark.parametrize(("axis", "key"), [("mean_speed", "mean_speed"), ("load", "load")])
+def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str, key: str) -> None:
+    base = physical(mean_speed="1 m/s", slide_to_roll=0.05)
+    value = 2.0 * getattr(base.contact, key)
+    at = replace(base, contact=replace(base.contact, **{key: value}))
+    film = steady.steady(at).finest
+    found = friction.steady(at, film)
+    data = traction(base, **{axis: [value]}).dataset.isel({axis: 0})
+    assert float(data[axis]) == value
+    assert at.scales is not None
+    assert float(data["mu_sliding"]) == pytest.approx(float(found.sliding[0]) * at.scales.a_over_R, rel=1e-9)
+    assert float(data["power_loss"]) == pytest.approx(float(found.power) * at.scales.power, rel=1e-9)
+    assert float(data["h_c"]) == pytest.approx(film.measure()["H_c"] * at.scales.film, rel=1e-9)
+
+
+def test_both_surface_speeds_serve_as_well(newtonian: Any) -> None:
+    two = traction(physical(speed_1="1.05 m/s", speed_2="0.95 m/s"), slide_to_roll=[0.0, 0.1])
+    wanted = newtonian.dataset.sel(slide_to_roll=[0.0, 0.1], method="nearest")
+    np.testing.assert_allclose(two.dataset["mu_sliding"], wanted["mu_sliding"], rtol=1e-9, atol=1e-12)
+
+
+def test_a_dimensionless_case(newtonian: Any) -> None:
+    si = physical()
+    assert si.scales is not None
+    contact = {"kind": "rolling", "M": si.parameters.M, "L": si.parameters.L}
+    case = parse_case({"contact": contact, "lubricant": OIL, "solver": {"nodes": 33}})
+    curve = traction(case, slide_to_roll=[0.0, 0.1])
+    assert "a/R" in repr(curve)
+    assert "a/R" in curve._repr_html_()
+    mu = curve.dataset["mu_sliding"] * si.scales.a / si.scales.R  # the same contact in SI
+    np.testing.assert_allclose(mu[1], newtonian.dataset["mu_sliding"].sel(slide_to_roll=0.1), rtol=1e-9)
+    sliding = traction(replace(case, drive=Drive(slide_to_roll=0.3)), slide_to_roll=[0.1])
+    assert float(sliding.dataset["mu_sliding"][0]) == pytest.approx(float(curve.dataset["mu_sliding"][1]), rel=1e-9)
+
+
+def test_a_curve_shows_itself(newtonian: Any, tmp_path: Any) -> None:
+    text = repr(newtonian)
+    for part in ("TractionCurve", "slide-to-roll ratio", "h_c (nm)", "mu", "solved once", "mu reaches"):
+        assert part in text
+    page = newtonian._repr_html_()
+    assert page.count("<tr>") == 5
+    assert "data:image/png;base64," in page
+    newtonian.to_csv(tmp_path / "curve.csv")
+    head, *rows = (tmp_path / "curve.csv").read_text().splitlines()
+    assert {"slide_to_roll", "mu_sliding", "h_c_m", "power_loss_W", "tau_max_Pa", "status"} <= set(head.split(","))
+    assert len(rows) == 4
+    assert [axes.get_xlabel() for axes in newtonian.plot().axes] == 4 * ["slide-to-roll ratio $S$"]
+
+
+def test_a_film_that_does_not_converge_is_said(monkeypatch: Any) -> None:
+    def stalled(*arguments: Any) -> Any:
+        return replace(drive(*arguments), status=Status.NEWTON_STALLED)
+
+    monkeypatch.setattr("ertel.runs.traction.drive", stalled)
+    curve = traction(physical(), slide_to_roll=[0.0, 0.1])
+    assert curve.failed == [0.0, 0.1]
+    assert np.isnan(curve.dataset["mu_sliding"]).all()
+    assert "stalled" in repr(curve)
+    assert curve.plot().axes
+
+
+HOT = {
+    **{"temperature": "313.15 K", "conductivity": "0.14 W/(m*K)", "beta": "0.035 / K"},
+    **{f"{name}_{body}": value for body in (1, 2) for name, value in STEEL.items()},
+}
+
+
+def test_heat_lowers_the_traction(newtonian: Any) -> None:
+    """Each point has the friction of the warm film at its own slide-to-roll ratio; a Newtonian film serves all."""
+    case = physical()
+    warm_case = parse_case({**case.to_data(), "thermal": HOT})
+    curve = traction(warm_case, slide_to_roll=[0.0, 0.1])
+    data, cold = curve.dataset, newtonian.dataset.sel(slide_to_roll=[0.0, 0.1])
+    np.testing.assert_allclose(data["mu_isothermal"], cold["mu_sliding"], rtol=1e-12)
+    assert data["mu_sliding"][0] == 0.0
+    assert 0.0 < float(data["mu_sliding"][1]) < float(cold["mu_sliding"][1])
+    assert data["newton_iterations"].values.tolist()[1] == 0
+    at = replace(warm_case, contact=replace(warm_case.contact, slide_to_roll=0.1))
+    assert at.scales is not None
+    found = heat.of_solution(at, steady.steady(warm_case).finest)
+    assert float(data["mu_sliding"][1]) == pytest.approx(float(found.sliding[0]) * at.scales.a_over_R, rel=1e-9)
+    assert float(data["T_film_max"][1]) == pytest.approx(float(np.max(found.T_film)), rel=1e-9)
+    np.testing.assert_allclose(data["h_c"], data["phi_T"] * cold["h_c"], rtol=1e-12)
+    spent = data["power_loss"] - data["power_loss"][0]
+    np.testing.assert_allclose(spent, data["mu_sliding"] * 20.0 * data["slide_to_roll"], rtol=1e-6, atol=1e-12)
+    for part in ("mu_iso", "T_film (K)", "warm film"):
+        assert part in repr(curve)
+    assert len(curve.plot().axes) == 6
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({}, "one of them must vary"),
+        ({"slide_to_roll": [0], "load": [1]}, "slide_to_roll and load given"),
+        ({"load": "1:5"}, "load = .*FIRST:LAST:NUMBER"),
+        ({"mean_speed": "0:1:3"}, "contact.mean_speed = .* must not be zero"),
+        ({"mean_speed": [1.0], "film": "once"}, "film depends on mean_speed"),
+        ({"slide_to_roll": [0.0], "film": "twice"}, "film = .twice.: allowed: each, once"),
+    ],
+)
+def test_wrong_arguments(given: dict[str, Any], said: str) -> None:
+    with pytest.raises(ConfigError, match=said):
+        traction(physical(), **given)
+
+
+def test_a_curve_needs_a_steady_contact_and_speed_and_load_need_si() -> None:
+    impact = parse_case({"contact": {"M": 20, "L": 10}, "solver": {"nodes": 33}})
+    with pytest.raises(ConfigError, match=r'solver.method = "2d": a traction curve is of a steady contact'):
+        traction(impact, slide_to_roll=[0.1])
+    dimensionless = parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, "solver": {"nodes": 33}})
+    with pytest.raises(ConfigError, match=r"load = .*dimensionless"):
+        traction(dimensionless, load=[1.0])
