@@ -1,69 +1,97 @@
-"""The keys of case files: the table in the documents names all of them with their defaults, and no others."""
+"""The keys of case files: explained at the records, and from there in the table of the documents."""
 
-import re
-from collections.abc import Mapping
-from dataclasses import MISSING, fields
-from math import isfinite
+from dataclasses import fields
+from inspect import signature
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from ertel.inputs.schema import NAMED, case_file, keys_of
-from ertel.model.conditions import Conditions
-from ertel.model.sections import Drive, Output, Solver, Time
-from ertel.model.thermal import Thermal
-from ertel.physics.lubricant import Oil
-from ertel.physics.surfaces import RingWaviness, Spot, Waviness
+from ertel.inputs import keys, oils
+from ertel.inputs.library import parse_temperature
+from ertel.inputs.named import DataSheet
+from ertel.inputs.quantities import parse_quantity
+from ertel.inputs.schema import SECTIONS, case_file, keys_of
+from ertel.model.sections import SOLVERS
+from ertel.physics.lubricant import DENSITY_PRESSURE, P0_ROELANDS
+from ertel.physics.units import STRESS, TEMPERATURE, Unit, marks, meanings
 
-TABLE = Path(__file__).parents[2] / "examples" / "README.md"
-SECTIONS: Mapping[str, Any] = {  # as the table calls them: the record, and keys that it does not have
-    "[contact]": (Conditions, NAMED["Contact"]),
-    "[lubricant]": (Oil, NAMED["Lubricant"]),
-    "[solver]": (Solver, ()),
-    "[motion]": (Drive, ()),
-    "[[roughness]]": (None, ("shape", "surface")),
-    "waviness:": (Waviness, ()),
-    "rings:": (RingWaviness, ()),
-    "spot:": (Spot, ()),
-    "[time]": (Time, ()),
-    "[output]": (Output, ()),
-    "[thermal]": (Thermal, ()),
-    "(top)": (None, ("name", "schema")),
-}
-SAME_SECTION = ("", "impact:", "rolling:")
+PAGE = Path(__file__).parents[2] / "examples" / "README.md"
+PLACES = {place.title: place for place in keys.places()}
 
 
-def rows() -> list[tuple[str, list[str], str]]:
-    """The table: section, keys and default of each row."""
-    found, section = [], ""
-    lines = [line for line in TABLE.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
-    start = lines.index("| section | key | meaning | default |") + 2
-    for line in lines[start:]:
-        first, keys, _, default = (cell.strip() for cell in line.split("|")[1:-1])
-        section = section if first in SAME_SECTION else first.strip("`")
-        found.append((section, re.findall("`(.*?)`", keys), default))
-    return found
+def key(place: str, name: str) -> keys.Key:
+    return next(found for found in PLACES[place].keys if found.name == name)
 
 
-def test_the_sections_are_those_of_the_schema():
-    in_table = {section.strip("[]") for section, *_ in rows() if section.startswith("[")}
-    assert in_table | {"name", "schema"} == set(keys_of(case_file()))
+def test_the_table_of_the_documents_is_the_printed_one():
+    """To renew it: `ertel schema --table`."""
+    page = PAGE.read_text(encoding="utf-8")
+    start, end = "<!-- keys -->\n", "<!-- end of the keys -->"
+    ours = [place for place in keys.places() if "test-" not in place.title]  # other tests register laws
+    assert page[page.index(start) + len(start) : page.index(end)] == keys.table(ours)
 
 
-@pytest.mark.parametrize("section", SECTIONS)
-def test_the_table_has_every_key_and_no_other(section):
-    record, more = SECTIONS[section]
-    known = {*more, *(item.name for item in fields(record))} if record else set(more)
-    assert {key for name, keys, _ in rows() if name == section for key in keys} == known
+def test_the_table_has_all_sections():
+    sections = {title.strip("[]") for title in PLACES if title.startswith("[")}
+    assert sections == set(keys_of(case_file())) - {"name", "schema"}
 
 
-@pytest.mark.parametrize("section", [name for name, (record, _) in SECTIONS.items() if record])
-def test_the_table_has_the_defaults(section):
-    defaults = {item.name: item.default for item in fields(SECTIONS[section][0])}
-    for keys, said in ((keys, said) for name, keys, said in rows() if name == section):
-        for value in (defaults[key] for key in keys if key in defaults and key != "p0"):
-            if isinstance(value, bool) or (isinstance(value, str) and value):
-                assert str(value).lower() in said, keys
-            elif isinstance(value, int | float) and value is not MISSING and isfinite(value):
-                assert value in [float(number) for number in re.findall(r"-?\d[\d.]*(?:e-?\d+)?", said)], keys
+@pytest.mark.parametrize("title", [title for title in PLACES if "test" not in title])
+def test_every_key_is_explained(title):
+    """A new field of a record needs a `Meaning`."""
+    assert [found.name for found in PLACES[title].keys if not found.meaning] == []
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_the_keys_are_those_of_the_schema(name):
+    model = case_file().model_fields[name].annotation
+    model = next((part for part in getattr(model, "__args__", ()) if part is not type(None)), model)
+    assert [found.name for found in PLACES[f"[{name}]"].keys] == keys_of(model)
+
+
+def test_keys_of_a_data_sheet():
+    assert [item.name for item in fields(DataSheet)] == list(signature(oils.sheet).parameters)
+
+
+@pytest.mark.parametrize(
+    ("place", "name", "default"),
+    [
+        ("[solver]", "nodes", "257"),
+        ("[solver]", "half_width", "2.0 (2d), 4.0 (radial), 3.0 (steady, transient)"),
+        ("[solver]", "method", '"2d" (impact), "steady" (rolling)'),
+        ("[solver]", "fold", "true"),
+        ("[time]", "until", '"max-approach" (impact), 6.0 (rolling)'),
+        ("[time]", "start_approach", "-1.0"),
+        ("[contact]", "radius", ""),
+        ("[output]", "interval", "0.1"),
+    ],
+)
+def test_defaults_are_said(place, name, default):
+    assert key(place, name).default == default
+
+
+def test_the_defaults_of_the_methods_differ_where_it_is_said():
+    assert {solver.half_width for solver in SOLVERS.values()} == {2.0, 3.0, 4.0}
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_examples_can_be_read(name):
+    """Examples of quantities have the unit of their key, and sizes that it takes."""
+    record = SECTIONS[name].record
+    for field, meaning in meanings(record).items():
+        mark = marks(record).get(field)
+        if isinstance(mark, Unit) and isinstance(meaning.example, str) and field != "until":
+            is_temperature = mark is TEMPERATURE  # which has an offset
+            assert parse_temperature(meaning.example) if is_temperature else parse_quantity(meaning.example, mark.in_si)
+
+
+@pytest.mark.parametrize(
+    ("place", "name", "value"),
+    [
+        ("[lubricant]", "p0", P0_ROELANDS),
+        ('density = { law = "dowson-higginson" }', "p1", DENSITY_PRESSURE),
+        ('rheology = { law = "limited" }', "ambient", 4e6),
+    ],
+)
+def test_defaults_that_are_quantities(place, name, value):
+    assert parse_quantity(key(place, name).default.strip('"'), STRESS) == value

@@ -608,15 +608,19 @@ REFUSED: list[Refusal] = [
         'lubricant.reference = "\\u001b]0;title": must be one line',
     ),
     # sizes
-    (impact(), {"contact": Conditions(M=1e30, L=10.0)}, "contact: its values together give lambda_bar = 1.0"),
-    (PHYSICAL, {"contact": Conditions(**{**BALL, "radius": 1e-30, "speed": 1e30})}, "contact: its values together "),
+    (impact(), {"contact": Conditions(lambda_bar=1e-29, alpha_bar=10.0)}, "contact: its values together give M = "),
+    (
+        PHYSICAL,
+        {"contact": Conditions(**{**BALL, "radius": 1e-6, "speed": 1e4, "mass": 1e12})},
+        "contact: its values together ",
+    ),
     (
         impact(),
         {"solver": Solver(half_width=1e9)},
         "solver.half_width = 1000000000.0: must be less than or equal to 1000",
     ),
     (impact(), {"time": Time(-1e9)}, "time.start_approach = -1000000000.0: must be greater than or equal to -1000"),
-    (impact(), {"roughness": (Feature(Spot(1e-300, 0.1)),)}, "roughness[1].radius = 1e-300: must be between 1e-30 and"),
+    (impact(), {"roughness": (Feature(Spot(1e-300, 0.1)),)}, "roughness[1].radius = 1e-300: must be between 1e-06 and"),
     (
         PHYSICAL,
         {"roughness": (Feature(Spot(Quantity(1e30, "m"), 0.1)),)},

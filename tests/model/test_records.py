@@ -191,9 +191,9 @@ def test_what_is_no_feature_is_said(data, message) -> None:
         (Tube("0.01"), 'tube.radius = "0.01": must be a number'),  # type: ignore[arg-type]
         (Tube(True), "tube.radius = true: must be a number"),
         (Tube(np.ones(2)), 'tube.radius = "[1. 1.]": must be a number'),  # type: ignore[arg-type]
-        (Tube(1e-300), 'tube.radius = "1e-300 m": must be between 1e-30 and 1e+30'),
-        (Tube(10**400), 'tube.radius = "(an integer of about 400 digits) m": must be between 1e-30 and 1e+30'),
-        (Tube(0.01, 1e31), "tube.until = 1e+31: must be between 1e-30 and 1e+30"),
+        (Tube(1e-300), 'tube.radius = "1e-300 m": must be between 1e-30 and 1e+30 m'),
+        (Tube(10**400), 'tube.radius = "(an integer of about 400 digits) m": must be between 1e-30 and 1e+30 m'),
+        (Tube(0.01, 1e31), "tube.until = 1e+31: must be between 1e-30 and 1e+30, in units t0"),
         (Solver(nodes=65.0), "tube.nodes = 65.0: must be an integer"),  # type: ignore[arg-type]
         (Solver(tolerance=1.0), "tube.tolerance = 1.0: must be less than 1"),
     ],

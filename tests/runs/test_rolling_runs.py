@@ -168,7 +168,7 @@ def test_a_stored_run_is_the_run_in_memory(tmp_path, case, whole):
     same = {key: value for key, value in summary.items() if key not in ("wall_s", "compilations")}
     assert same.items() <= dict(whole.summary).items()
     assert load_case(tmp_path / "run" / "case.toml") == case
-    assert names(tmp_path / "run") == {"case.toml", "run.zarr", "checkpoint.npz", "summary.json"}
+    assert names(tmp_path / "run") == {"case.toml", "run.zarr", "checkpoint.npz", "summary.json", "progress.json"}
 
 
 def test_resumed_equals_uninterrupted(tmp_path, case, whole):
@@ -240,7 +240,7 @@ def test_death_at_any_moment(tmp_path, monkeypatch, case, solutions, whole, plac
     assert again.dataset().sizes["X"] in (33, 65)
     compute(again)
     xr.testing.assert_identical(physics(again.dataset()), physics(whole.dataset))
-    assert names(tmp_path / "run") == {"case.toml", "run.zarr", "checkpoint.npz", "summary.json"}
+    assert names(tmp_path / "run") == {"case.toml", "run.zarr", "checkpoint.npz", "summary.json", "progress.json"}
 
 
 def test_a_run_that_gives_up(tmp_path, monkeypatch, case, solutions):

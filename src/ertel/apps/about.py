@@ -1,11 +1,16 @@
-"""The content of `ertel about`: versions, devices, the compile cache, and how to cite."""
+"""The content of `ertel about`: versions, devices, the compile cache, how to cite; what made a run, and its end."""
 
+import json
 import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
 import ertel
-from ertel.runs import compiling
+from ertel.apps.paths import shown
+from ertel.model.status import Status
+from ertel.runs import compiling, progress_file
+from ertel.runs.store import RunStore
 
 PACKAGES = {"JAX": "jax", "jaxlib": "jaxlib", "NumPy": "numpy", "SciPy": "scipy", "xarray": "xarray", "zarr": "zarr"}
 CITATION = (
@@ -13,6 +18,19 @@ CITATION = (
     "equation. Version {version}. Cite with it: Lubrecht AA, Biboulet N, Venner CH. Boundary layers: unifying the "
     "impact and rolling EHL point contacts. Tribology International."
 )
+BIBTEX = """\
+@software{{ertel,
+  author  = {{{{The ertel developers}}}},
+  title   = {{ertel: elastohydrodynamic lubrication of point contacts, impact and rolling by one equation}},
+  version = {{{version}}}
+}}
+
+@article{{lubrecht_boundary_layers,
+  author  = {{Lubrecht, A. A. and Biboulet, N. and Venner, C. H.}},
+  title   = {{Boundary layers: Unifying the impact and rolling {{EHL}} point contacts}},
+  journal = {{Tribology International}}
+}}
+"""
 
 
 def about() -> dict[str, str]:
@@ -26,6 +44,39 @@ def about() -> dict[str, str]:
         "compile cache": str(compiling.cache_directory() or "none: there is no home directory"),
         "citation": CITATION.format(version=ertel.__version__),
     }
+
+
+def bibtex(of_version: str | None = None) -> str:
+    """BibTeX entries of ertel, in a version, and of the paper whose equations it solves."""
+    return BIBTEX.format(version=of_version or ertel.__version__)
+
+
+def of_run(run: RunStore) -> dict[str, str]:
+    """What made a run, where, and how it ended, by name.  Raises StoreError where the run is damaged."""
+    attributes = run.dataset().attrs
+    versions = json.loads(attributes["versions"])
+    return {
+        "run": shown(run.directory),
+        "case": attributes["title"],
+        "digest": run.case.digest,
+        "ertel": versions.pop("ertel"),
+        **{name: versions[package] for name, package in {"Python": "python", **PACKAGES}.items()},
+        "machine": attributes["platform"],
+        "begun": attributes["date_created"],
+        "end": _end(run),
+    }
+
+
+def _end(run: RunStore) -> str:
+    """How a run ended, or how far it is."""
+    summary: dict[str, Any] | None = run.summary()
+    if summary is None:
+        progress = progress_file.read(run.directory)
+        far = f", {progress['done']:.0%} done at {progress['written']}" if progress else ""
+        return f"not yet{far}"
+    status = Status(summary["status"])
+    advice = f"; {status.advice}" if status.advice else ""
+    return f"{status.value}, after {summary['wall_s']:.1f} s{advice}"
 
 
 def devices() -> str:

@@ -5,23 +5,56 @@ from typing import Annotated, Any
 
 import typer
 
+from ertel.apps import completion
 from ertel.apps.paths import local_path
 
 CaseFile = Annotated[
-    Path, typer.Argument(parser=local_path, metavar="CASE.toml", help="Case file; see examples/.", show_default=False)
+    Path,
+    typer.Argument(
+        parser=local_path,
+        metavar="CASE.toml",
+        help="Case file; see examples/.",
+        autocompletion=completion.case_files,
+        show_default=False,
+    ),
 ]
-RunDirectory = Annotated[
-    Path, typer.Argument(parser=local_path, metavar="DIR", help="Directory of a run.", show_default=False)
-]
+
+
+def _run_directory(metavar: str) -> Any:
+    return typer.Argument(
+        parser=local_path,
+        metavar=metavar,
+        help="Directory of a run.",
+        autocompletion=completion.run_directories,
+        show_default=False,
+    )
+
+
+RunDirectory = Annotated[Path, _run_directory("DIR")]
+OptionalRun = Annotated[Path | None, _run_directory("[DIR]")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
 Estimate = Annotated[
     bool,
     typer.Option("--error", help="Run also on the half grid, in smaller steps and on a wider domain: the error."),
 ]
+Flush = Annotated[
+    float | None,
+    typer.Option(
+        min=0.0,
+        metavar="SECONDS",
+        help="Write at least so far apart; default 5 s, and each grid of a steady run. A killed run loses this much.",
+        show_default=False,
+    ),
+]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value of the case, e.g. solver.nodes=129."),
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Replace a value of the case, e.g. solver.nodes=129.",
+        autocompletion=completion.settings,
+    ),
 ]
 
 

@@ -14,8 +14,19 @@ from typing import Annotated
 
 import typer
 
-from ertel.apps import output
-from ertel.apps.arguments import CaseFile, Estimate, Json, Quiet, RunDirectory, Set, directory_option, values_option
+from ertel.apps import cases, completion, output
+from ertel.apps.arguments import (
+    CaseFile,
+    Estimate,
+    Flush,
+    Json,
+    OptionalRun,
+    Quiet,
+    RunDirectory,
+    Set,
+    directory_option,
+    values_option,
+)
 from ertel.apps.exits import bad_input
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
@@ -26,7 +37,6 @@ from ertel.apps.paths import local_path, shown
 app = typer.Typer(
     cls=Commands,
     help="Elastohydrodynamic lubrication of point contacts: a ball hits an oiled surface, or rolls and slides on it.",
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
@@ -74,6 +84,11 @@ def run(
     as_json: Json = False,
     error: Estimate = False,
     quiet: Quiet = False,
+    flush: Flush = None,
+    help_keys: Annotated[
+        bool,
+        typer.Option("--help-keys", is_eager=True, callback=cases.print_keys, help="Print all keys of case files."),
+    ] = False,
 ) -> None:
     """Run a case and store the results."""
     from ertel.apps import running
@@ -81,15 +96,17 @@ def run(
 
     with bad_input():
         case = load_case(case_file, set_ or [])
-    running.run(case, out, running.Wishes(as_json, error, quiet))
+    running.run(case, out, running.Wishes(as_json, error, quiet, flush))
 
 
 @app.command()
-def resume(directory: RunDirectory, as_json: Json = False, error: Estimate = False, quiet: Quiet = False) -> None:
+def resume(
+    directory: RunDirectory, as_json: Json = False, error: Estimate = False, quiet: Quiet = False, flush: Flush = None
+) -> None:
     """Continue a run that was interrupted."""
     from ertel.apps import running
 
-    running.resume(directory, running.Wishes(as_json, error, quiet))
+    running.resume(directory, running.Wishes(as_json, error, quiet, flush))
 
 
 @app.command()
@@ -167,6 +184,15 @@ def show(directory: RunDirectory, as_json: Json = False) -> None:
 @app.command()
 def plot(
     directory: RunDirectory,
+    what: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Draw one figure only, such as film.",
+            autocompletion=completion.figures,
+            show_default=False,
+        ),
+    ] = None,
     at: Annotated[
         str | None,
         typer.Option(
@@ -193,7 +219,7 @@ def plot(
         if interferogram:
             interferograms.write(run.dataset(), view, out or directory / "plots")
         else:
-            plotting.write_figures(run.dataset(), at, out or directory / "plots", format_.value)
+            plotting.write_figures(run.dataset(), what, at, out or directory / "plots", format_.value)
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------
@@ -282,12 +308,24 @@ def oils(
 
 
 @app.command()
-def about() -> None:
-    """Print versions, devices and how to cite ertel."""
-    from ertel.apps import tables
-    from ertel.apps.about import about
+def about(
+    directory: OptionalRun = None,
+    cite: Annotated[bool, typer.Option("--cite", help="Print BibTeX entries of ertel and of the paper.")] = False,
+) -> None:
+    """Print versions, devices and how to cite ertel; or of a run with what and where it was computed, and its end."""
+    from ertel.apps import about, running, tables
 
-    tables.print_names(tables.console(), about())
+    if directory is None:
+        found, version = {} if cite else about.about(), None
+    else:
+        with running.opened(directory) as run:
+            found = about.of_run(run)
+        version = found["ertel"]
+    if cite:
+        print(about.bibtex(version), end="")
+    else:
+        tables.print_names(tables.console(), found)
 
 
-app.command()(paper)
+for command in (cases.new, cases.check, cases.schema, paper):
+    app.command()(command)

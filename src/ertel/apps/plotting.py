@@ -13,13 +13,14 @@ from ertel.apps.paths import shown
 from ertel.results import plots
 
 
-def write_figures(data: xr.Dataset, at: str | None, target: Path, kind: str) -> None:
-    """Draw all figures of a run, then write them into a directory and print their names.
+def write_figures(data: xr.Dataset, what: str | None, at: str | None, target: Path, kind: str) -> None:
+    """Draw the figures of a run, then write them into a directory and print their names.
 
-    at: the moment, a time or the name of an event.  kind: png, svg or pdf.
+    what: the name of one figure, None for all.  at: the moment, a time or the name of an event.  kind: png, svg or pdf.
     """
     try:
-        figures = {name: draw(data, **options) for name, draw, options in _at(plots.figures_of(data), at)}
+        draws = {what: plots.figure_of(data, what)} if what else plots.figures_of(data)
+        figures = {name: draw(data, **options) for name, draw, options in _at(draws, at)}
     except plots.NoFigure as error:
         leave(BAD_INPUT, str(error))
     target.mkdir(parents=True, exist_ok=True)

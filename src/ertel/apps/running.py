@@ -23,11 +23,12 @@ from ertel.runs.warm_up import warm_up
 
 @dataclass(frozen=True)
 class Wishes:
-    """What a user wants of a run: its report as JSON, its error, or nothing printed."""
+    """What a user wants of a run: its report as JSON, its error, or nothing printed; seconds between flushes."""
 
     as_json: bool = False
     error: bool = False
     quiet: bool = False
+    flush: float | None = None
 
 
 # -- commands ---------------------------------------------------------------------------------------------------------
@@ -147,6 +148,7 @@ def within_memory(case: Case) -> Iterator[None]:
 
 def _finish(run: RunStore, others: Mapping[str, Course], wishes: Wishes) -> None:
     """Continue a run to its end and report; exit with a code if it did not reach its end."""
+    run.flush_interval = wishes.flush
     to_continue = f"to continue: ertel resume {in_shell(run.directory)}{' --error' if others else ''}"
     with interruptible() as stop:
         try:

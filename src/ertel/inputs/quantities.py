@@ -45,7 +45,7 @@ def parse_quantity(value: object, unit: Unit) -> float | None:
     if not unit.allows(found):
         raise ValueError(f"must be {wanted}")
     if complaint := unit.size_complaint(found):
-        raise ValueError(f"{complaint} {unit.unit}")
+        raise ValueError(complaint)
     return found
 
 
@@ -73,12 +73,12 @@ def parse_amount(value: object, unit: Unit) -> Amount | None:
     if value is None or isinstance(value, Quantity):
         return value
     if isinstance(value, str):
-        return Quantity(parse_quantity(value, unit) or 0.0, unit.unit)
+        return Quantity(parse_quantity(value, unit.in_si) or 0.0, unit.unit)
     if isinstance(value, bool) or not isinstance(value, int | float) or not unit.allows(value):
         least = "" if unit.signed else " above zero"
         raise ValueError(f'must be a number{least}, in units {unit.own}, or a quantity such as "{unit.example}"')
     if complaint := unit.size_complaint(value):
-        raise ValueError(f"{complaint}, in units {unit.own}")
+        raise ValueError(complaint)
     return float(value)
 
 

@@ -24,12 +24,13 @@ from ertel.physics.units import (
     LENGTH,
     LOAD,
     MASS,
+    MODULUS,
     NOT_NEGATIVE,
     RADIUS,
     SPEED,
-    STRESS,
     VELOCITY,
     Bounds,
+    Meaning,
     Unit,
     marks,
 )
@@ -38,6 +39,11 @@ T = TypeVar("T")
 Kind = Literal["impact", "rolling"]
 KINDS: tuple[Kind, ...] = ("impact", "rolling")
 POISSON = Bounds(gt=-1, le=0.5)
+REDUCED = LENGTH.between(1e-6, 100.0)
+BODY = LENGTH.between(1e-6, 1e5)  # one of two may be all but plane
+FALL = LENGTH.between(1e-12, 1e5)
+MOES_M = Bounds(gt=0, least=1e-6, most=1e10)
+MOES_L = Bounds(ge=0, most=1e4)
 
 HALF_TURN = 180.0  # degrees
 ROUND_OFF = 1e-12  # by which the radii of a circular contact may differ
@@ -46,11 +52,11 @@ Keys = tuple[str, ...]
 MOES: Keys = ("M", "L")
 BARS: Keys = ("lambda_bar", "alpha_bar")
 BALL = (("mass",), ("ball_density",))
-FALL = (("speed",), ("drop_height",))
+DROP = (("speed",), ("drop_height",))
 TRACK = (("mean_speed",), ("speed_1", "speed_2"))
 ELASTICITY = (("E_prime",), ("E1", "nu1", "E2", "nu2"))
 NEEDED: Mapping[Kind, tuple[tuple[Keys, ...], ...]] = {
-    "impact": (radii.WAYS, BALL, FALL, ELASTICITY),
+    "impact": (radii.WAYS, BALL, DROP, ELASTICITY),
     "rolling": (radii.WAYS, (("load",),), TRACK, ELASTICITY),
 }
 OPTIONAL: Mapping[Kind, Keys] = {
@@ -89,67 +95,79 @@ class Speeds(NamedTuple):
 class Conditions:
     """The two bodies and their operating conditions: the section [contact] of a case file.  Quantities are in SI.
 
-    Parameters
-    ----------
-    kind : "impact" or "rolling"
-    M, L : float
-        Moes' load and lubricant parameters; or
-    lambda_bar, alpha_bar : float
-        the paper's parameters, eqs. (8), (12); or physical input:
-    radius_ratio : float
-        R_x/R_y of a dimensionless elliptical contact, from 1/100 to 100; 1 if left out.
-    radius, radius_1, radius_2 : float
-        Radius (m) of a ball on a plane, or the radii of two balls; in an impact the first one moves.
-    radius_x, radius_y : float
-        Reduced radii (m) of an elliptical contact along its principal axes x and y.
-    radius_x_1, radius_y_1, radius_x_2, radius_y_2 : float
-        Principal radii (m) of both bodies along the same axes: negative where concave, left out where plane.
-    entrainment_angle : float
-        From the axis x to the direction of entrainment, in degrees, -180 to 180; 0 if left out.
-    E_prime, E1, nu1, E2, nu2 : float
-        Reduced modulus (Pa), or Young's moduli (Pa) and Poisson's ratios.
-    mass, ball_density : float
-        Mass (kg) or density (kg/m^3) of the moving ball.  Rolling: for its inertia, none if left out.
-    speed, drop_height : float
-        Impact: speed at first touch (m/s), or drop height from rest (m).
-    load : float
-        Rolling: static load (N).
-    mean_speed, slide_to_roll, speed_1, speed_2 : float
-        Speeds of the surfaces along x (m/s) and (u1 - u2)/u_m.  Impact: the track moves under the ball.
+    A contact is given by M and L, by lambda_bar and alpha_bar (eqs. 8, 12), or in SI; what is not given is None.
 
     Raises ValueError, naming the field, its value and what is allowed, if the input is incomplete or contradictory.
     """
 
-    kind: Kind = "impact"
-    M: Annotated[float | None, ABOVE_ZERO] = None
-    L: Annotated[float | None, NOT_NEGATIVE] = None
-    lambda_bar: Annotated[float | None, ABOVE_ZERO] = None
-    alpha_bar: Annotated[float | None, NOT_NEGATIVE] = None
-    radius_ratio: Annotated[float | None, radii.RATIO] = None
-    radius: Annotated[float | None, LENGTH] = None
-    radius_1: Annotated[float | None, LENGTH] = None
-    radius_2: Annotated[float | None, LENGTH] = None
-    radius_x: Annotated[float | None, LENGTH] = None
-    radius_y: Annotated[float | None, LENGTH] = None
-    radius_x_1: Annotated[float | None, RADIUS] = None
-    radius_y_1: Annotated[float | None, RADIUS] = None
-    radius_x_2: Annotated[float | None, RADIUS] = None
-    radius_y_2: Annotated[float | None, RADIUS] = None
-    entrainment_angle: Annotated[float | None, ANGLE] = None
-    mass: Annotated[float | None, MASS] = None
-    ball_density: Annotated[float | None, DENSITY] = None
-    speed: Annotated[float | None, SPEED] = None
-    drop_height: Annotated[float | None, LENGTH] = None
-    load: Annotated[float | None, LOAD] = None
-    speed_1: Annotated[float | None, VELOCITY] = None
-    speed_2: Annotated[float | None, VELOCITY] = None
-    mean_speed: Annotated[float | None, VELOCITY] = None
-    slide_to_roll: Annotated[float | None, FINITE] = None
-    E_prime: Annotated[float | None, STRESS] = None
-    E1: Annotated[float | None, STRESS] = None
-    nu1: Annotated[float | None, POISSON] = None
-    E2: Annotated[float | None, STRESS] = None
-    nu2: Annotated[float | None, POISSON] = None
+    kind: Annotated[Kind, Meaning("a ball hits an oiled surface, or rolls and slides on it")] = "impact"
+    M: Annotated[float | None, MOES_M, Meaning("Moes' load parameter, for a contact without dimensions", 1000)] = None
+    L: Annotated[float | None, MOES_L, Meaning("Moes' lubricant parameter; goes with M", 10)] = None
+    lambda_bar: Annotated[float | None, ABOVE_ZERO, Meaning("dimensionless viscosity, in place of M", 1.1e-3)] = None
+    alpha_bar: Annotated[
+        float | None, NOT_NEGATIVE, Meaning("dimensionless pressure-viscosity index; goes with lambda_bar", 36.4)
+    ] = None
+    radius_ratio: Annotated[
+        float | None,
+        radii.RATIO,
+        Meaning("R_x/R_y of an elliptical contact without dimensions; left out: a circle", 0.2),
+    ] = None
+    radius: Annotated[float | None, REDUCED, Meaning("radius of a ball on a plane, or reduced radius")] = None
+    radius_1: Annotated[
+        float | None,
+        BODY,
+        Meaning("radius of the first of two balls, the one that moves in an impact; goes with radius_2"),
+    ] = None
+    radius_2: Annotated[float | None, BODY, Meaning("radius of the second ball", "15 mm")] = None
+    radius_x: Annotated[
+        float | None, REDUCED, Meaning("reduced radius of an elliptical contact along its axis x; goes with radius_y")
+    ] = None
+    radius_y: Annotated[float | None, REDUCED, Meaning("reduced radius along its axis y", "40 mm")] = None
+    radius_x_1: Annotated[
+        float | None, RADIUS, Meaning("radius of body 1 along x; negative: concave, left out: plane", "6 mm")
+    ] = None
+    radius_y_1: Annotated[float | None, RADIUS, Meaning("radius of body 1 along y, as radius_x_1", "6 mm")] = None
+    radius_x_2: Annotated[float | None, RADIUS, Meaning("radius of body 2 along x, as radius_x_1", "20 mm")] = None
+    radius_y_2: Annotated[float | None, RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")] = None
+    entrainment_angle: Annotated[
+        float | None,
+        ANGLE,
+        Meaning("from the axis x of the ellipse to the direction of entrainment, -180 to 180 deg; left out: 0"),
+    ] = None
+    mass: Annotated[
+        float | None, MASS, Meaning("mass of the moving ball; rolling: for its inertia in time, left out: none")
+    ] = None
+    ball_density: Annotated[float | None, DENSITY, Meaning("density of the moving ball, in place of its mass")] = None
+    speed: Annotated[float | None, SPEED, Meaning("impact: speed of the ball at first touch")] = None
+    drop_height: Annotated[
+        float | None, FALL, Meaning("impact: height from which the ball falls, in place of speed", "0.5 mm")
+    ] = None
+    load: Annotated[float | None, LOAD, Meaning("rolling: the static load")] = None
+    speed_1: Annotated[
+        float | None,
+        VELOCITY,
+        Meaning("rolling: speed of surface 1 along x; goes with speed_2, in place of mean_speed"),
+    ] = None
+    speed_2: Annotated[float | None, VELOCITY, Meaning("rolling: speed of surface 2 along x")] = None
+    mean_speed: Annotated[
+        float | None,
+        VELOCITY,
+        Meaning("mean of the speeds of both surfaces along x; impact: of a track that moves, left out: at rest"),
+    ] = None
+    slide_to_roll: Annotated[
+        float | None,
+        FINITE,
+        Meaning("difference of the speeds over their mean, (u1 - u2)/u_m; goes with mean_speed, left out: 0", 0.1),
+    ] = None
+    E_prime: Annotated[
+        float | None, MODULUS, Meaning("reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", "226 GPa")
+    ] = None
+    E1: Annotated[
+        float | None, MODULUS, Meaning("Young's modulus of body 1; with nu1, E2, nu2 in place of E_prime")
+    ] = None
+    nu1: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 1", 0.3)] = None
+    E2: Annotated[float | None, MODULUS, Meaning("Young's modulus of body 2")] = None
+    nu2: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 2", 0.3)] = None
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:

@@ -189,6 +189,8 @@ def _check(value: Any, mark: Unit | Bounds, place: str) -> None:
     number = value.value if isinstance(value, Quantity) else value
     if isinstance(number, bool) or not isinstance(number, int | float):
         raise ValueError(f"{place} = {show(value)}: must be a number")
+    if isinstance(mark, Unit) and isinstance(value, Quantity):
+        mark = mark.in_si
     if complaint := mark.complaint(number):
         shown = _shown_si(number, mark.unit) if isinstance(mark, Unit) and not mark.scale else show(value)
         raise ValueError(f"{place} = {shown}: {complaint}")

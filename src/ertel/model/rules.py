@@ -1,10 +1,10 @@
 """The rules for valid cases.  Every rule raises a ValueError that names the field, its value and what is allowed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass, replace
 from math import inf
 
-from ertel.model.conditions import Conditions, Kind
+from ertel.model.conditions import MOES_L, MOES_M, REDUCED, Conditions, Kind
 from ertel.model.records import checked, checked_law, show
 from ertel.model.sections import METHODS, STOPS, Drive, Output, Schedule, Solver, Stop, Time
 from ertel.numerics import grid
@@ -14,7 +14,7 @@ from ertel.physics.motion import Motion, Oscillation, Polyline
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import ABOVE_ZERO, FINITE, LARGEST, NOT_NEGATIVE, Quantity
+from ertel.physics.units import ABOVE_ZERO, FINITE, LARGEST, NOT_NEGATIVE, Bounds, Quantity, Unit
 
 LONGEST_NAME = 100  # bytes: a file name may have 255, and a run's directory has temporary ones made of it
 LONGEST_TEXT = 1000  # characters of the source of an oil's data
@@ -83,8 +83,10 @@ def check_rheology(oil: Oil, scales: Scales | None, solver: Solver) -> None:
 
 def check_scales(scales: Scales | None, parameters: Parameters) -> None:
     """What follows from the contact must be of a sane size, like its values."""
-    for name, value in {**(vars(scales) if scales else {}), **vars(parameters)}.items():
-        complaint = (NOT_NEGATIVE if name == "alpha_bar" else ABOVE_ZERO).complaint(value)
+    found = {**(vars(scales) if scales else {}), **vars(parameters), "M": parameters.M, "L": parameters.L}
+    bounds: Mapping[str, Unit | Bounds] = {"alpha_bar": NOT_NEGATIVE, "R": REDUCED, "M": MOES_M, "L": MOES_L}
+    for name, value in found.items():
+        complaint = bounds.get(name, ABOVE_ZERO).complaint(value)
         if complaint:
             given = f"its values together give {name} = {show(value)}"
             raise ValueError(f"contact: {given}, which {complaint}; check their units")

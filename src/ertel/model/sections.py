@@ -8,7 +8,7 @@ from typing import Annotated, Literal, NamedTuple
 from ertel.model.conditions import Kind
 from ertel.physics import hertz
 from ertel.physics.motion import Signal
-from ertel.physics.units import DURATION, FINITE, NOT_NEGATIVE, SHARE, Amount, Bounds
+from ertel.physics.units import DURATION, FINITE, NOT_NEGATIVE, SHARE, Amount, Bounds, Meaning
 
 Method = Literal["2d", "radial", "steady", "transient"]
 Stop = Literal["max-approach", "rebound"]
@@ -22,24 +22,45 @@ CENTRED_HALF_WIDTH = 4.5  # half width of a grid for reversing flow
 class Solver:
     """Grid and tolerance; all lengths in units a (impact: a*).
 
-    nodes: nodes per side (2^k c + 1) or along the radius (radial: 0 to half_width).  half_width: from the middle of the
-    grid to its edge along x; the default of an impact widens below M = 100, see `half_width_at`.  half_width_y: the
-    same along y, where the spacing is the same; None: half_width.  inlet: distance from the contact's centre to the
-    upstream edge; None: half_width (centred grid).  For an ellipse the defaults follow its size, see `extents`.
-    fold: compute on a half or a quarter of the plane if the case is symmetric.
-    tolerance: tolerance of the discrete equations.  In a time step it is a film thickness in units of the expected film
-    thickness (`Case.film_scale`), and 20 time.tolerance at most.  What a step leaves over, the next step makes good, so
-    it does not add up.  For a steady contact it is the residual of Reynolds' equation; 0.03 takes less than
-    half the work and leaves at most about a tenth of the grid's own error in H_c and H_min, enough for a sweep.
+    The tolerance of a time step is a film thickness in units of the expected film thickness (`Case.film_scale`), and
+    20 time.tolerance at most.  What a step leaves over, the next step makes good, so it does not add up.  For a steady
+    contact it is the residual of Reynolds' equation; 0.03 takes less than half the work and leaves at most about a
+    tenth of the grid's own error in H_c and H_min.  The defaults follow the size of an ellipse, see `extents`.
     """
 
-    method: Method = "2d"
-    nodes: Annotated[int, Bounds(gt=0, le=4097, whole=True)] = 257
-    half_width: Annotated[float, Bounds(gt=0, le=1000)] = 2.0
-    inlet: Annotated[float | None, Bounds(gt=0)] = None
-    tolerance: Annotated[float, SHARE] = 1e-3
-    fold: bool = True
-    half_width_y: Annotated[float | None, Bounds(gt=0, le=1000)] = None
+    method: Annotated[
+        Method,
+        Meaning("an impact is computed on a square grid (2d) or along the radius (radial), rolling steady or in time"),
+    ] = "2d"
+    nodes: Annotated[
+        int,
+        Bounds(gt=0, le=4097, whole=True),
+        Meaning("nodes per side of the grid, 2^k c + 1 with a small c, or along the radius"),
+    ] = 257
+    half_width: Annotated[
+        float,
+        Bounds(gt=0, le=1000),
+        Meaning("from the middle of the grid to its edge along x, in a; an impact below M = 100 has a wider default"),
+    ] = 2.0
+    inlet: Annotated[
+        float | None,
+        Bounds(gt=0),
+        Meaning("from the contact's centre to the upstream edge, in a; reversing flow and impact: half_width", 4.5),
+    ] = None
+    tolerance: Annotated[
+        float,
+        SHARE,
+        Meaning(
+            "in time: a film thickness over the expected one; steady: the residual, where 0.03 leaves a tenth of the "
+            "grid's own error for less than half the work"
+        ),
+    ] = 1e-3
+    fold: Annotated[bool, Meaning("whether a symmetric case is computed on a half or a quarter of the plane")] = True
+    half_width_y: Annotated[
+        float | None,
+        Bounds(gt=0, le=1000),
+        Meaning("half_width along y; left out: the edge is as far from the contact as along x", 3.0),
+    ] = None
 
 
 SOLVERS: Mapping[Method, Solver] = {  # the defaults
@@ -67,16 +88,23 @@ def half_width_at(half_width: float, M: float) -> float:
 class Time:
     """Start, end and steps of a run in time; amounts are in t0 or quantities.
 
-    start_approach: Delta of an impact at T = 0, in units delta*; negative: surfaces separated.  until: an event of an
-    impact, or a time.  tolerance: allowed local error of a step: of Delta, of dDelta/dT, and of the film relative to
-    itself.  The error of a run falls with its power 2/3; the default gives about 0.1 % in H_c.  step: a fixed step,
-    without error control; it is shortened only to end on the points of a signal and at the end.
+    The local error of a step is that of Delta, of dDelta/dT, and of the film relative to itself.  The error of a run
+    falls with its power 2/3; the default gives about 0.1 % in H_c.  A fixed step has no error control; it is shortened
+    only to end on the points of a signal and at the end.
     """
 
-    start_approach: Annotated[float | None, Bounds(ge=-1000, lt=0)] = None
-    until: Annotated[Stop | Amount | None, DURATION] = None
-    tolerance: Annotated[float, SHARE] = 5e-5
-    step: Annotated[Amount | None, DURATION] = None
+    start_approach: Annotated[
+        float | None,
+        Bounds(ge=-1000, lt=0),
+        Meaning("impact: approach Delta at the start, below zero: the surfaces are apart", -1.0),
+    ] = None
+    until: Annotated[
+        Stop | Amount | None,
+        DURATION,
+        Meaning("the end: a time, or in an impact max-approach or rebound", "max-approach"),
+    ] = None
+    tolerance: Annotated[float, SHARE, Meaning("error allowed in a time step, relative")] = 5e-5
+    step: Annotated[Amount | None, DURATION, Meaning("a fixed time step, in place of tolerance", 0.01)] = None
 
 
 START_APPROACH = -1.0
@@ -85,23 +113,33 @@ ENDS: Mapping[Kind, Stop | float] = {"impact": "max-approach", "rolling": ROLLIN
 
 @dataclass(frozen=True)
 class Output:
-    """Film and pressure maps are kept every `interval`, at maximum approach and at the end."""
+    """Which film and pressure maps are kept, besides those at maximum approach and at the end."""
 
-    interval: Annotated[Amount, DURATION] = 0.1
+    interval: Annotated[Amount, DURATION, Meaning("time between the film and pressure maps that are kept")] = 0.1
 
 
 @dataclass(frozen=True)
 class Drive:
-    """Load and entrainment as functions of time: the section [motion].  None: the default of an impact or of rolling.
+    """Load and entrainment as functions of time: the section [motion].  None: the default of the kind of contact."""
 
-    load: w(T) in F* or in the static load.  entrainment: U(T) in a/t0 or u_m.  slide_to_roll, inertia: only for a
-    dimensionless case.
-    """
-
-    load: Signal | None = None
-    entrainment: Signal | None = None
-    slide_to_roll: Annotated[float | None, FINITE] = None
-    inertia: Annotated[float | None, NOT_NEGATIVE] = None
+    load: Annotated[
+        Signal | None,
+        Meaning("applied load w(T), in F* (impact, left out: 0) or in the static load (rolling, left out: 1)", 1.0),
+    ] = None
+    entrainment: Annotated[
+        Signal | None,
+        Meaning(
+            "mean speed U(T), in a/t0 (impact, left out: 0) or u_m (rolling, left out: 1)", [[0, 1], [1, 1], [5, -1]]
+        ),
+    ] = None
+    slide_to_roll: Annotated[
+        float | None, FINITE, Meaning("(u1 - u2)/u_m of a contact without dimensions; left out: 0", 0.1)
+    ] = None
+    inertia: Annotated[
+        float | None,
+        NOT_NEGATIVE,
+        Meaning("inertia of the ball in a rolling contact without dimensions; left out: 0", 0.5),
+    ] = None
 
 
 class Schedule(NamedTuple):

@@ -17,43 +17,47 @@ from ertel.physics.thermal import (
     WarmViscosity,
     thermal_loading,
 )
-from ertel.physics.units import CONDUCTIVITY, DENSITY, EXPANSION, HEAT_CAPACITY, TEMPERATURE
+from ertel.physics.units import CONDUCTIVITY, DENSITY, EXPANSION, HEAT_CAPACITY, TEMPERATURE, Meaning
 
 
 @dataclass(frozen=True)
 class Thermal:
-    """What the temperatures of a contact depend on, in SI.
+    """What the temperatures of a contact depend on, in SI: temperatures (K), data of the oil and of both bodies.
 
-    Parameters
-    ----------
-    temperature : float
-        Of the oil in the inlet (K), for which eta0 and alpha hold.
-    conductivity, beta : float
-        Of the oil: thermal conductivity (W/(m K)) and -d ln(eta)/dT at ambient pressure (1/K), at that temperature.
-    density_1, heat_capacity_1, conductivity_1, density_2, heat_capacity_2, conductivity_2 : float
-        Of the bodies: density (kg/m^3), heat capacity (J/(kg K)) and thermal conductivity (W/(m K)).
-    temperature_1, temperature_2 : float
-        Of the bodies far below their surfaces (K); that of the oil in the inlet if it is not given.  How warm a machine
-        gets is not known to a contact.
-    viscosity : "houpert" or "exponential"
-        How the viscosity falls with the temperature under pressure, see `physics.thermal.WARM_VISCOSITIES`.
-    inlet_factor : "gupta", "wilson-sheu" or "none"
-        The formula by which inlet shear heating reduces the film, see `physics.thermal.INLET_FACTORS`.
+    How warm a machine gets is not known to a contact.  The named laws are in `physics.thermal`: WARM_VISCOSITIES, how
+    the viscosity falls with the temperature under pressure, and INLET_FACTORS, by which formula inlet shear heating
+    reduces the film.
     """
 
-    temperature: Annotated[float, TEMPERATURE]
-    conductivity: Annotated[float, CONDUCTIVITY]
-    beta: Annotated[float, EXPANSION]
-    density_1: Annotated[float, DENSITY]
-    heat_capacity_1: Annotated[float, HEAT_CAPACITY]
-    conductivity_1: Annotated[float, CONDUCTIVITY]
-    density_2: Annotated[float, DENSITY]
-    heat_capacity_2: Annotated[float, HEAT_CAPACITY]
-    conductivity_2: Annotated[float, CONDUCTIVITY]
-    temperature_1: Annotated[float | None, TEMPERATURE] = None
-    temperature_2: Annotated[float | None, TEMPERATURE] = None
-    viscosity: ViscosityName = "houpert"
-    inlet_factor: InletName = "gupta"
+    temperature: Annotated[
+        float,
+        TEMPERATURE,
+        Meaning("of the oil in the inlet, for which eta0 and alpha hold; left out: that in [lubricant]"),
+    ]
+    conductivity: Annotated[
+        float, CONDUCTIVITY, Meaning("thermal conductivity of the oil; left out: that of the named oil")
+    ]
+    beta: Annotated[
+        float,
+        EXPANSION,
+        Meaning("-d ln(eta)/dT of the oil at ambient pressure; left out: that of the named oil", "0.035 / K"),
+    ]
+    density_1: Annotated[float, DENSITY, Meaning("density of body 1; left out, as the next two: that of material_1")]
+    heat_capacity_1: Annotated[float, HEAT_CAPACITY, Meaning("heat capacity of body 1", "460 J/(kg*K)")]
+    conductivity_1: Annotated[float, CONDUCTIVITY, Meaning("thermal conductivity of body 1", "46 W/(m*K)")]
+    density_2: Annotated[float, DENSITY, Meaning("density of body 2; left out, as the next two: that of material_2")]
+    heat_capacity_2: Annotated[float, HEAT_CAPACITY, Meaning("heat capacity of body 2", "460 J/(kg*K)")]
+    conductivity_2: Annotated[float, CONDUCTIVITY, Meaning("thermal conductivity of body 2", "46 W/(m*K)")]
+    temperature_1: Annotated[
+        float | None, TEMPERATURE, Meaning("of body 1 far below its surface; left out: that of the oil", "60 degC")
+    ] = None
+    temperature_2: Annotated[
+        float | None, TEMPERATURE, Meaning("of body 2 far below its surface; left out: that of the oil", "60 degC")
+    ] = None
+    viscosity: Annotated[
+        ViscosityName, Meaning("how it falls with the temperature: more under pressure, or equally at all pressures")
+    ] = "houpert"
+    inlet_factor: Annotated[InletName, Meaning("formula of the film with inlet shear heating")] = "gupta"
 
     def __post_init__(self) -> None:
         allowed: dict[str, list[str]] = {"viscosity": [*WARM_VISCOSITIES], "inlet_factor": [*INLET_FACTORS]}

@@ -32,7 +32,7 @@ from typing import Annotated, Any, ClassVar, Protocol
 import numpy as np
 
 from ertel.physics.registry import FLUIDITY_LAWS
-from ertel.physics.units import ABOVE_ZERO, SHARE, STRESS, Bounds
+from ertel.physics.units import ABOVE_ZERO, SHARE, STRESS, Bounds, Meaning
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
 
@@ -76,7 +76,7 @@ class ReeEyring:
     tau0: Eyring's stress, some MPa for the oils of rolling contacts.
     """
 
-    tau0: Annotated[float, STRESS]
+    tau0: Annotated[float, STRESS, Meaning("Eyring's stress", "5 MPa")]
     reference: ClassVar[str] = (
         "Johnson KL, Tevaarwerk JL. Shear behaviour of elastohydrodynamic oil films. Proc R Soc Lond A 1977;356:215-236"
     )
@@ -101,8 +101,8 @@ class Carreau:
     """
 
     title: ClassVar[str] = "Carreau's law"
-    G: Annotated[float, STRESS]
-    n: Annotated[float, EXPONENT]
+    G: Annotated[float, STRESS, Meaning("stress at which the oil begins to thin", "5 MPa")]
+    n: Annotated[float, EXPONENT, Meaning("exponent; 1: Newtonian", 0.5)]
     reference: ClassVar[str] = (
         "Bair S. A rough shear-thinning correction for EHD film thickness. Tribol Trans 2004;47:361-365"
     )
@@ -121,9 +121,9 @@ class Carreau:
 class CarreauYasuda:
     """phi = (1 + x^a)^{(1/n - 1)/a} with x = |tau|/G; a = 2 is Carreau's law.  A larger a bends more sharply at G."""
 
-    G: Annotated[float, STRESS]
-    n: Annotated[float, EXPONENT]
-    a: Annotated[float, ABOVE_ZERO]
+    G: Annotated[float, STRESS, Meaning("stress at which the oil begins to thin", "5 MPa")]
+    n: Annotated[float, EXPONENT, Meaning("exponent; 1: Newtonian", 0.5)]
+    a: Annotated[float, ABOVE_ZERO, Meaning("how sharply the law bends; 2: Carreau's", 2)]
     reference: ClassVar[str] = (
         "Yasuda K, Armstrong RC, Cohen RE. Shear flow properties of concentrated solutions of linear and star branched "
         "polystyrenes. Rheol Acta 1981;20:163-178; here in the stress"
@@ -164,10 +164,10 @@ class Limited:
     of the exponential part.
     """
 
-    base: Fluidity
-    Lambda: Annotated[float, ABOVE_ZERO]
-    ambient: Annotated[float, STRESS] = 4e6
-    sharpness: Annotated[float, SHARE] = 0.05
+    base: Annotated[Fluidity, Meaning("the law without a limit: a table with one of the other laws")]
+    Lambda: Annotated[float, ABOVE_ZERO, Meaning("growth of the limiting stress with pressure", 0.05)]
+    ambient: Annotated[float, STRESS, Meaning("limiting stress at ambient pressure", "4 MPa")] = 4e6
+    sharpness: Annotated[float, SHARE, Meaning("share of the limit over which the oil comes to slip")] = 0.05
     reference: ClassVar[str] = (
         "Gecim B, Winer WO. Lubricant limiting shear stress effect on EHD film thickness. J Lubr Technol "
         "1980;102:213-220; Bair S, Winer WO. A rheological model for elastohydrodynamic contacts based on primary "

@@ -23,7 +23,7 @@ import numpy as np
 from ertel.physics.fluidity import Fluidity, NewtonianOil
 from ertel.physics.pressure_laws import arrays_of
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, VISCOSITY_LAWS, Registry
-from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, STRESS, VISCOSITY
+from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, STRESS, VISCOSITY, Meaning
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
 
@@ -66,7 +66,7 @@ class Isoviscous:
 class Barus:
     """eta/eta0 = exp(alpha p)."""
 
-    alpha: Annotated[float, COMPLIANCE]
+    alpha: Annotated[float, COMPLIANCE, Meaning("pressure-viscosity coefficient")]
     reference: ClassVar[str] = (
         "Barus C. Isothermals, isopiestics and isometrics relative to viscosity. Am J Sci 1893;45:87-96"
     )
@@ -84,9 +84,9 @@ class Barus:
 class Roelands:
     """eta/eta0 = exp{(alpha p0/z)[(1 + p/p0)^z - 1]} with Roelands' exponent z; d ln(eta)/dp = alpha at p = 0."""
 
-    alpha: Annotated[float, COMPLIANCE]
-    z: Annotated[float, ABOVE_ZERO]
-    p0: Annotated[float, STRESS] = P0_ROELANDS
+    alpha: Annotated[float, COMPLIANCE, Meaning("pressure-viscosity coefficient at ambient pressure")]
+    z: Annotated[float, ABOVE_ZERO, Meaning("Roelands' exponent", 0.6)]
+    p0: Annotated[float, STRESS, Meaning("Roelands' pressure", "0.196 GPa")] = P0_ROELANDS
     reference: ClassVar[str] = (
         "Roelands CWA. Correlational aspects of the viscosity-temperature-pressure relationship of lubricating oils. "
         "PhD thesis, TH Delft; 1966"
@@ -124,7 +124,7 @@ class Incompressible:
 class DowsonHigginson:
     """rho/rho0 = (p1 + 1.34 p)/(p1 + p), p1 = 5.9e8 Pa."""
 
-    p1: Annotated[float, STRESS] = DENSITY_PRESSURE
+    p1: Annotated[float, STRESS, Meaning("pressure of the law", "0.59 GPa")] = DENSITY_PRESSURE
     reference: ClassVar[str] = "Dowson D, Higginson GR. Elasto-hydrodynamic lubrication. Pergamon Press; 1966"
 
     def density(self, p: Array) -> Array:
@@ -165,32 +165,36 @@ class Lubricant:
 class Oil:
     """An oil in SI: its viscosity and density laws and their data.
 
-    Parameters
-    ----------
-    viscosity, density : str or record
-        The name of a registered law, if the law follows from the data below, or a record of the law.
-    eta0, alpha : float
-        Viscosity at ambient pressure (Pa s) and pressure-viscosity coefficient d ln(eta)/dp at ambient pressure (1/Pa).
-        A physical contact needs them.  A dimensionless contact uses those of a typical mineral oil if they are not
-        given: 0.04 Pa s and 22 1/GPa.
-    p0, z : float
-        Roelands' pressure (Pa) and exponent; z follows from eta0 and alpha if it is not given.
-    reference : str
-        Source of the data.
-    rheology : str or record
-        How the oil thins under shear: "newtonian", it does not; or the record of a registered law (`fluidity`).
+    A law is the name of a registered one, if it follows from the data of the oil, or a record of the law.  A
+    dimensionless contact uses eta0 and alpha of a typical mineral oil if they are not given: 0.04 Pa s and 22 1/GPa.
 
     Raises ValueError for a law that is not registered.
     """
 
-    viscosity: str | Viscosity = "roelands"
-    density: str | Density = "dowson-higginson"
-    eta0: Annotated[float | None, VISCOSITY] = None
-    alpha: Annotated[float | None, COMPLIANCE] = None
-    p0: Annotated[float, STRESS] = P0_ROELANDS
-    z: Annotated[float | None, ABOVE_ZERO] = None
-    reference: str = field(default="", compare=False)
-    rheology: str | Fluidity = "newtonian"
+    viscosity: Annotated[str | Viscosity, Meaning("how the viscosity follows from the pressure: a law")] = "roelands"
+    density: Annotated[str | Density, Meaning("how the density follows from the pressure: a law")] = "dowson-higginson"
+    eta0: Annotated[
+        float | None,
+        VISCOSITY,
+        Meaning("viscosity at ambient pressure, at the inlet; needed in SI, otherwise 40 mPa*s if left out"),
+    ] = None
+    alpha: Annotated[
+        float | None,
+        COMPLIANCE,
+        Meaning("pressure-viscosity coefficient at ambient pressure; needed in SI, otherwise 22 / GPa if left out"),
+    ] = None
+    p0: Annotated[float, STRESS, Meaning("Roelands' pressure", "0.196 GPa")] = P0_ROELANDS
+    z: Annotated[float | None, ABOVE_ZERO, Meaning("Roelands' exponent; left out: from eta0 and alpha", 0.6)] = None
+    reference: Annotated[str, Meaning("source of the data, one line of text", "data sheet of the oil")] = field(
+        default="", compare=False
+    )
+    rheology: Annotated[
+        str | Fluidity,
+        Meaning(
+            "how the oil thins under shear: a law; in SI, not by the radial method",
+            {"law": "ree-eyring", "tau0": "5 MPa"},
+        ),
+    ] = "newtonian"
 
     def __post_init__(self) -> None:
         for name, laws in {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}.items():

@@ -16,7 +16,7 @@ from typing import Annotated, Literal, Protocol
 import numpy as np
 
 from ertel.physics.geometry import FREE_BALL_INERTIA
-from ertel.physics.units import DURATION, FINITE, Amount, Quantity, plain
+from ertel.physics.units import DURATION, FINITE, Amount, Meaning, Quantity, plain
 
 Surface = Literal[1, 2]
 
@@ -87,10 +87,10 @@ class Polyline:
 class Oscillation:
     """mean + amplitude sin(2 pi T/period + phase); period in t0, phase in radians."""
 
-    mean: Annotated[float, FINITE]
-    amplitude: Annotated[float, FINITE]
-    period: Annotated[Amount, DURATION]
-    phase: Annotated[float, FINITE] = 0.0
+    mean: Annotated[float, FINITE, Meaning("mean value", 1)]
+    amplitude: Annotated[float, FINITE, Meaning("largest deviation from the mean", 0.2)]
+    period: Annotated[Amount, DURATION, Meaning("period", 4)]
+    phase: Annotated[float, FINITE, Meaning("phase at T = 0, in radians")] = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.period, Quantity) and not self.period > 0:

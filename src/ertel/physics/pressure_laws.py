@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from ertel.physics.registry import DENSITY_LAWS, VISCOSITY_LAWS
-from ertel.physics.units import ABOVE_ZERO, FINITE, SHARE, STRESS
+from ertel.physics.units import ABOVE_ZERO, FINITE, SHARE, STRESS, Meaning
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
 
@@ -27,8 +27,8 @@ class Modulus:
     b below zero is a viscosity that grows faster than Barus'; the law then ends at p = a/|b|.
     """
 
-    a: Annotated[float, STRESS]
-    b: Annotated[float, FINITE]
+    a: Annotated[float, STRESS, Meaning("1/alpha", "50 MPa")]
+    b: Annotated[float, FINITE, Meaning("1/ln(eta/eta0) at high pressure", 0.05)]
     reference: ClassVar[str] = "Arana A et al. Proc Inst Mech Eng J 2019;233:303, at one temperature"
 
     def viscosity(self, p: Array) -> Array:
@@ -41,8 +41,8 @@ class Modulus:
 class Tait:
     """V/V0 = 1 - ln{1 + (p/K0)(1 + K0')}/(1 + K0'), with the bulk modulus K0 at ambient pressure; rho/rho0 = V0/V."""
 
-    K0: Annotated[float, STRESS]
-    K0_prime: Annotated[float, ABOVE_ZERO]
+    K0: Annotated[float, STRESS, Meaning("bulk modulus at ambient pressure", "1.2 GPa")]
+    K0_prime: Annotated[float, ABOVE_ZERO, Meaning("its derivative with pressure", 11)]
     reference: ClassVar[str] = "Dymond JH, Malhotra R. The Tait equation: 100 years on. Int J Thermophys 1988;9:941-951"
 
     def volume(self, p: Array) -> Array:
@@ -63,10 +63,10 @@ class Doolittle:
     R is the share of the volume at ambient pressure that the molecules occupy.
     """
 
-    B: Annotated[float, ABOVE_ZERO]
-    R: Annotated[float, SHARE]
-    K0: Annotated[float, STRESS]
-    K0_prime: Annotated[float, ABOVE_ZERO]
+    B: Annotated[float, ABOVE_ZERO, Meaning("Doolittle's constant", 4)]
+    R: Annotated[float, SHARE, Meaning("volume of the molecules over that of the oil at ambient pressure", 0.67)]
+    K0: Annotated[float, STRESS, Meaning("bulk modulus at ambient pressure", "1.2 GPa")]
+    K0_prime: Annotated[float, ABOVE_ZERO, Meaning("its derivative with pressure", 11)]
     reference: ClassVar[str] = (
         "Doolittle AK. Studies in Newtonian flow II. The dependence of the viscosity of liquids on free-space. "
         "J Appl Phys 1951;22:1471-1475"

@@ -16,7 +16,7 @@ import numpy as np
 
 from ertel.physics.motion import Motion, Surface
 from ertel.physics.registry import SHAPES
-from ertel.physics.units import FINITE, HEIGHT, POSITION, WIDTH, Amount, plain
+from ertel.physics.units import FINITE, HEIGHT, POSITION, WIDTH, Amount, Meaning, plain
 
 Array = Any  # NumPy arrays that broadcast
 
@@ -42,13 +42,17 @@ class Waviness:
     `ramp` behind the front, so that it can enter a smooth contact.  With an infinite front it covers the whole surface.
     """
 
-    amplitude: Annotated[Amount, HEIGHT]
-    wavelength_x: Annotated[Amount, WIDTH] = inf
-    wavelength_y: Annotated[Amount, WIDTH] = inf
-    phase_x: Annotated[float, FINITE] = 0.0
-    phase_y: Annotated[float, FINITE] = 0.0
-    front: Annotated[Amount, POSITION] = inf
-    ramp: Annotated[Amount | None, WIDTH] = None
+    amplitude: Annotated[Amount, HEIGHT, Meaning("half the height from valley to peak")]
+    wavelength_x: Annotated[Amount, WIDTH, Meaning("wavelength along x; left out: ridges along x", 0.5)] = inf
+    wavelength_y: Annotated[Amount, WIDTH, Meaning("wavelength along y; left out: ridges along y", 0.5)] = inf
+    phase_x: Annotated[float, FINITE, Meaning("phase along x, in radians")] = 0.0
+    phase_y: Annotated[float, FINITE, Meaning("phase along y, in radians")] = 0.0
+    front: Annotated[
+        Amount, POSITION, Meaning("x up to which the waves reach at T = 0; left out: they are everywhere", -1.5)
+    ] = inf
+    ramp: Annotated[
+        Amount | None, WIDTH, Meaning("length behind the front over which they grow; left out: at once", 0.5)
+    ] = None
 
     def __post_init__(self) -> None:
         if self.wavelength_x == self.wavelength_y == inf:
@@ -88,11 +92,11 @@ class Waviness:
 class RingWaviness:
     """amplitude cos(2 pi r/wavelength + phase), where r is the distance from (x, y)."""
 
-    amplitude: Annotated[Amount, HEIGHT]
-    wavelength: Annotated[Amount, WIDTH]
-    phase: Annotated[float, FINITE] = 0.0
-    x: Annotated[Amount, POSITION] = 0.0
-    y: Annotated[Amount, POSITION] = 0.0
+    amplitude: Annotated[Amount, HEIGHT, Meaning("half the height from valley to peak")]
+    wavelength: Annotated[Amount, WIDTH, Meaning("distance from ring to ring")]
+    phase: Annotated[float, FINITE, Meaning("phase in the middle, in radians")] = 0.0
+    x: Annotated[Amount, POSITION, Meaning("their middle along x at T = 0")] = 0.0
+    y: Annotated[Amount, POSITION, Meaning("their middle along y")] = 0.0
 
     @property
     def size(self) -> float:
@@ -121,11 +125,11 @@ class Spot:
     Transient increase of film thickness in micro-textured EHL contacts. Tribol Int 2006;39:1745-1756.
     """
 
-    radius: Annotated[Amount, WIDTH]
-    height: Annotated[Amount | None, HEIGHT] = None
-    depth: Annotated[Amount | None, HEIGHT] = None
-    x: Annotated[Amount, POSITION] = 0.0
-    y: Annotated[Amount, POSITION] = 0.0
+    radius: Annotated[Amount, WIDTH, Meaning("its radius")]
+    height: Annotated[Amount | None, HEIGHT, Meaning("height of a bump, in place of depth")] = None
+    depth: Annotated[Amount | None, HEIGHT, Meaning("depth of a cavity", "200 nm")] = None
+    x: Annotated[Amount, POSITION, Meaning("its middle along x at T = 0")] = 0.0
+    y: Annotated[Amount, POSITION, Meaning("its middle along y")] = 0.0
 
     def __post_init__(self) -> None:
         if (self.height is None) == (self.depth is None):

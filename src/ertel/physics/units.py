@@ -1,13 +1,14 @@
-"""Units of the fields of records: marks in annotations, and numbers with a unit.
+"""Units and meanings of the fields of records: marks in annotations, and numbers with a unit.
 
-    radius: Annotated[float, LENGTH]          # a quantity: the record holds metres
+    radius: Annotated[float, LENGTH, Meaning("radius of the ball")]   # a quantity: the record holds metres
     wavelength: Annotated[Amount, WIDTH]      # an amount: a number in the units of the case, or a Quantity in SI
 
 Reading and writing of case files, checks of values and conversion to the units of the case all use the same mark.
+Every text that explains a key to a user is made from its meaning.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from math import isfinite
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
@@ -19,17 +20,17 @@ def _is_finite(value: float) -> bool:
     return not isinstance(value, float) or isfinite(value)  # an int may have too many digits for `isfinite`
 
 
-def _size_complaint(value: float, positive: bool) -> str:
-    least = SMALLEST if positive else -LARGEST
-    return "" if least <= value <= LARGEST else f"must be between {least:g} and {LARGEST:g}"
+def _size_complaint(value: float, least: float, most: float) -> str:
+    return "" if least <= value <= most else f"must be between {least:g} and {most:g}"
 
 
 @dataclass(frozen=True)
 class Unit:
     """SI unit of a field, with an example of how to write it.
 
-    signed: whether the value may be zero or negative.  An amount also has `scale`, the attribute of `Scales` that is
-    one unit of the case, and `own`, the name of that unit.
+    signed: whether the value may be zero or negative.  least, most: the sizes that it may have, in the SI unit; beyond
+    any real contact, so that what is refused is a slip of the pen.  An amount also has `scale`, the attribute of
+    `Scales` that is one unit of the case, and `own`, the name of that unit; least and most are then in this unit.
     """
 
     unit: str
@@ -37,6 +38,17 @@ class Unit:
     signed: bool = False
     scale: str = ""
     own: str = ""
+    least: float = SMALLEST
+    most: float = LARGEST
+
+    def between(self, least: float, most: float) -> "Unit":
+        """The same unit for a value of other sizes."""
+        return replace(self, least=least, most=most)
+
+    @property
+    def in_si(self) -> "Unit":
+        """The unit of a quantity; it differs for an amount only."""
+        return Unit(self.unit, self.example, self.signed) if self.scale else self
 
     def allows(self, value: float) -> bool:
         """Whether a value is allowed, apart from its size: finite, and above zero unless signed."""
@@ -44,7 +56,8 @@ class Unit:
 
     def size_complaint(self, value: float) -> str:
         """Between which sizes the value must be, or "" if it is."""
-        return _size_complaint(value, positive=not self.signed)
+        complaint = _size_complaint(value, -self.most if self.signed else self.least, self.most)
+        return complaint and f"{complaint}{f', in units {self.own}' if self.scale else f' {self.unit}'}"
 
     def complaint(self, value: float) -> str:
         """What the value must be, or "" if it is allowed."""
@@ -54,38 +67,44 @@ class Unit:
 
 
 LENGTH = Unit("m", "10 mm")
-MASS = Unit("kg", "33 g")
-DENSITY = Unit("kg/m^3", "7850 kg/m^3")
-SPEED = Unit("m/s", "0.1 m/s")
-VELOCITY = Unit("m/s", "0.6 m/s", signed=True)
-LOAD = Unit("N", "40 N")
-RADIUS = Unit("m", "10 mm", signed=True)  # of curvature: negative where the surface is concave
+MASS = Unit("kg", "33 g", least=1e-18, most=1e12)
+DENSITY = Unit("kg/m^3", "7850 kg/m^3", least=0.1, most=1e5)
+SPEED = Unit("m/s", "0.1 m/s", least=1e-9, most=1e4)
+VELOCITY = Unit("m/s", "0.6 m/s", signed=True, most=1e4)
+LOAD = Unit("N", "40 N", least=1e-12, most=1e12)
+RADIUS = Unit("m", "10 mm", signed=True, most=1e5)  # of curvature: negative where the surface is concave
 ANGLE = Unit("deg", "30 deg", signed=True)
 STRESS = Unit("Pa", "210 GPa")
-VISCOSITY = Unit("Pa*s", "40 mPa*s")
-COMPLIANCE = Unit("1/Pa", "22 / GPa")
-KINEMATIC_VISCOSITY = Unit("m^2/s", "68 mm^2/s")
-TEMPERATURE = Unit("K", "40 degC")
-EXPANSION = Unit("1/K", "7e-4 / K")
-CONDUCTIVITY = Unit("W/(m*K)", "0.14 W/(m*K)")
-HEAT_CAPACITY = Unit("J/(kg*K)", "2000 J/(kg*K)")
+MODULUS = STRESS.between(1.0, 1e14)
+VISCOSITY = Unit("Pa*s", "40 mPa*s", least=1e-7, most=1e6)
+COMPLIANCE = Unit("1/Pa", "22 / GPa", least=1e-13, most=1e-5)
+KINEMATIC_VISCOSITY = Unit("m^2/s", "68 mm^2/s", least=1e-9, most=1e3)
+TEMPERATURE = Unit("K", "40 degC", least=1.0, most=5000.0)
+EXPANSION = Unit("1/K", "7e-4 / K", least=1e-8, most=1.0)
+CONDUCTIVITY = Unit("W/(m*K)", "0.14 W/(m*K)", least=1e-4, most=1e5)
+HEAT_CAPACITY = Unit("J/(kg*K)", "2000 J/(kg*K)", least=1.0, most=1e6)
 
 DURATION = Unit("s", "5 ms", scale="t0", own="t0")
 TIME = Unit("s", "5 ms", signed=True, scale="t0", own="t0")
-WIDTH = Unit("m", "50 um", scale="a", own="a")
-POSITION = Unit("m", "50 um", signed=True, scale="a", own="a")
-HEIGHT = Unit("m", "20 nm", signed=True, scale="film", own="a^2/R")
+WIDTH = Unit("m", "50 um", scale="a", own="a", least=1e-6, most=1e6)
+POSITION = Unit("m", "50 um", signed=True, scale="a", own="a", most=1e6)
+HEIGHT = Unit("m", "20 nm", signed=True, scale="film", own="a^2/R", most=1e6)
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """Bounds of a plain number; messages are derived from them.  whole: the number must be an integer."""
+    """Bounds of a plain number; messages are derived from them.
+
+    whole: the number must be an integer.  least, most: the sizes that it may have, as in `Unit`.
+    """
 
     gt: float | None = None
     ge: float | None = None
     lt: float | None = None
     le: float | None = None
     whole: bool = False
+    least: float = SMALLEST
+    most: float = LARGEST
 
     def complaint(self, value: float) -> str:
         """What the value must be, or "" if it is allowed."""
@@ -109,7 +128,8 @@ class Bounds:
             limit = getattr(self, name)
             if limit is not None and not inside[name](limit):
                 return f"must be {words} {limit:g}"
-        return _size_complaint(value, positive=self.gt == 0)
+        lowest = -self.most if self.ge is None else self.ge
+        return _size_complaint(value, self.least if self.gt == 0 else lowest, self.most)
 
 
 FINITE = Bounds()
@@ -118,6 +138,18 @@ NOT_NEGATIVE = Bounds(ge=0)
 SHARE = Bounds(gt=0, lt=1)
 
 Mark = Unit | Bounds
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a field means to a user.
+
+    text: a phrase, without a capital letter and a full stop.  example: a value as it is written in a case file, where
+    neither the unit nor the default shows one.
+    """
+
+    text: str
+    example: Any = None
 
 
 @dataclass(frozen=True)
@@ -143,17 +175,23 @@ def plain(amount: Amount) -> float:
 
 def marks(record: Any) -> Mapping[str, Mark]:
     """The marks of the fields of a record (a class), by name of the field; fields without a mark are left out."""
-    return _marks(record)
+    return _parts(record, Unit | Bounds)
+
+
+def meanings(record: Any) -> Mapping[str, Meaning]:
+    """The meanings of the fields of a record (a class), by name of the field; fields without one are left out."""
+    return _parts(record, Meaning)
 
 
 @cache
-def _marks(record: Any) -> Mapping[str, Mark]:
+def _parts(record: Any, kind: Any) -> Mapping[str, Any]:
+    """What the annotations of the fields have of a kind."""
     hints = get_type_hints(record, include_extras=True)
-    found = {name: _mark(hint) for name, hint in hints.items()}
-    return {name: mark for name, mark in found.items() if mark is not None}
+    found = {name: _part(hint, kind) for name, hint in hints.items()}
+    return {name: part for name, part in found.items() if part is not None}
 
 
-def _mark(hint: Any) -> Mark | None:
+def _part(hint: Any, kind: Any) -> Any:
     if get_origin(hint) is Annotated:
-        return next((part for part in get_args(hint)[1:] if isinstance(part, Unit | Bounds)), None)
+        return next((part for part in get_args(hint)[1:] if isinstance(part, kind)), None)
     return None

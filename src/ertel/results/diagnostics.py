@@ -27,22 +27,29 @@ BUDGETS = {  # what an open budget means
     "momentum": "the motion of the ball and the load differ",
     "energy": "the dissipation is uncertain by more than that",
 }
+LARGE_CONTACT = 0.3  # a/R, up to which the parabola is within a few per cent of a sphere
 BARUS_PRESSURE = 0.7e9  # Pa, above which Barus' law says nothing about traction
 CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 
 def impact_warnings(case: Case, data: xr.Dataset) -> list[str]:
     """Warnings about grid, domain or initial gap of an impact; an empty list if there are none."""
-    said = [_film_warning(case, data), _front_warning(case, data), _gap_warning(case), _domain_warning(case, data)]
-    return _spoken([*said, _roughness_warning(case)])
+    said = [_film_warning(case, data), _front_warning(case, data), _domain_warning(case, data)]
+    return _spoken([*said, *case_warnings(case)])
 
 
 def rolling_warnings(case: Case, data: xr.Dataset) -> list[str]:
     """Warnings about grid and inlet of a transient rolling contact; an empty list if there are none."""
-    said = [_film_warning(case, data), _sweep_warning(case, data), _centre_warning(case)]
+    said = [_film_warning(case, data), _sweep_warning(case, data)]
     if data.sizes["frame"]:
         said += [_inlet_warning(case, data["P"].isel(frame=-1), float(data["frame"][-1]))]
-    return _spoken([*said, _roughness_warning(case)])
+    return _spoken([*said, *case_warnings(case)])
+
+
+def case_warnings(case: Case) -> list[str]:
+    """Warnings that follow from the case alone, without a run; an empty list if there are none."""
+    said = _gap_warning(case) if case.starts_apart else _centre_warning(case)
+    return _spoken([said, _roughness_warning(case), _size_warning(case)])
 
 
 def budget_warnings(case: Case, found: Budgets) -> list[str]:
@@ -99,8 +106,7 @@ def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
     finest = solutions[-1]
     said = [_overlap_warning(case, finest), _error_warning(case, solutions), _spike_warning(solutions)]
     P = xr.DataArray(np.asarray(finest.whole(finest.P)), {"Y": finest.grid.y, "X": finest.grid.x}, ("Y", "X"))
-    said += [_inlet_warning(case, P, 0.0), _centre_warning(case), _roughness_warning(case)]
-    return _spoken(said)
+    return _spoken([*said, _inlet_warning(case, P, 0.0), *case_warnings(case)])
 
 
 # -- rolling ----------------------------------------------------------------------------------------------------------
@@ -134,8 +140,18 @@ def _sweep_warning(case: Case, data: xr.Dataset) -> str:
     """
     if data.sizes["time"] == 0:
         return ""
-    p, speed = case.parameters, float(np.average(np.abs(data["U"]), weights=data["dT"]))
-    length = (max(p.alpha_bar, SWEEP_ALPHA_BAR) * p.lambda_bar * speed) ** 0.5
+    return sweep_warning(case, float(np.average(np.abs(data["U"]), weights=data["dT"])))
+
+
+def sweep_length(case: Case, speed: float) -> float:
+    """Length of the pressure sweep in the inlet, in a.  speed: the entrainment U."""
+    p = case.parameters
+    return float((max(p.alpha_bar, SWEEP_ALPHA_BAR) * p.lambda_bar * abs(speed)) ** 0.5)
+
+
+def sweep_warning(case: Case, speed: float) -> str:
+    """A warning if the grid has too few cells across the pressure sweep, otherwise ""."""
+    length = sweep_length(case, speed)
     cells = length * (case.solver.nodes - 1) / (2 * case.solver.half_width)
     if cells >= CELLS_IN_FRONT or length == 0:
         return ""
@@ -220,6 +236,16 @@ def _roughness_warning(case: Case) -> str:
     )
 
 
+def _size_warning(case: Case) -> str:
+    s = case.scales
+    if s is None or s.a <= LARGE_CONTACT * s.R:
+        return ""
+    return (
+        f"the contact is not small (a = {s.a / s.R:.2g} R): Hertz' theory, the half-space and the parabolic gap are "
+        f"good up to about {LARGE_CONTACT:g} R"
+    )
+
+
 def _film_warning(case: Case, data: xr.Dataset) -> str:
     gone = np.flatnonzero(data["H_min"].values <= 0.0)
     if gone.size == 0:
@@ -247,7 +273,11 @@ def front_length(case: Case) -> float:
 def _front_warning(case: Case, data: xr.Dataset) -> str:
     axis = data["X"] if "X" in data.coords else data["r"]
     near = int(np.abs(axis.values - FRONT_POSITION).argmin())
-    spacing = float(axis[near + 1] - axis[near])
+    return front_warning(case, float(axis[near + 1] - axis[near]))
+
+
+def front_warning(case: Case, spacing: float) -> str:
+    """A warning if the grid has too few cells across the front, otherwise "".  spacing: there, in a."""
     cells = front_length(case) / spacing
     if cells >= CELLS_IN_FRONT:
         return ""

@@ -27,7 +27,7 @@ WRITTEN = "store_written"  # in a checkpoint: how many rows of the arrays belong
 class Data(Protocol):
     """The arrays of a run.
 
-    flush_interval: seconds between flushes; a killed run loses at most this much.
+    flush_interval: seconds between flushes, unless the store is told others; a killed run loses at most this much.
     """
 
     flush_interval: float

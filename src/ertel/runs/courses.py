@@ -74,6 +74,10 @@ class Course(Protocol):
         """An item as one line of text."""
         ...
 
+    def place(self, item: Any) -> dict[str, float | int | None]:
+        """Where the run stands: T, None of a steady contact, and step, the number of time steps or grids."""
+        ...
+
     def to_arrays(self, item: Any) -> dict[str, NDArray[Any]]:
         """Everything that is needed to continue after an item, as named arrays, exact to the last bit."""
         ...
@@ -148,6 +152,9 @@ class TransientCourse(ABC):
         record, counts = item.record, item.state.counts
         work = f"{counts.steps} steps, {counts.newton_iterations} Newton, {counts.krylov_iterations} Krylov"
         return f"T {record['T']:.3f}  Δ {record['Delta']:+.4f}  H_c {record['H_c']:.5f}  {work}"
+
+    def place(self, item: Step) -> dict[str, float | int | None]:
+        return {"T": item.state.levels[0].T, "step": item.state.counts.steps}
 
     def to_arrays(self, item: Step) -> dict[str, NDArray[Any]]:
         state, levels = item.state, item.state.levels
@@ -265,6 +272,9 @@ class SteadyCourse:
         r = item.record
         work = f"{r['newton_iterations']} Newton, {r['krylov_iterations']} Krylov"
         return f"{r['nodes']} x {r['nodes_y']}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
+
+    def place(self, item: GridStep) -> dict[str, float | int | None]:
+        return {"T": None, "step": len(item.solutions)}
 
     def to_arrays(self, item: GridStep) -> dict[str, NDArray[Any]]:
         solutions = item.solutions

@@ -6,6 +6,7 @@ run.zarr                scalars of every step, maps at chosen times, provenance;
                         (of a steady contact: scalars of every grid, the maps on the finest one so far)
 checkpoint.npz          the state to go on from, and how much of run.zarr belongs to it
 summary.json            the outcome
+progress.json           how far the run is, for programs that watch it; not part of the data, see `progress_file`
 ======================  =========================================================================================
 
 A flush writes to run.zarr, then renews its metadata: now readers see the new rows; then replaces the checkpoint: now a
@@ -40,12 +41,18 @@ from ertel.runs.files import Damaged as Damaged
 from ertel.runs.files import StoreError as StoreError
 from ertel.runs.files import checked, locked, reading, replace, sealed, unchecked, unsealed
 from ertel.runs.progress import progress_bar
+from ertel.runs.progress_file import ProgressFile
 
 DATA, CHECKPOINT, SUMMARY = "run.zarr", "checkpoint.npz", "summary.json"
 
 
 class RunStore:
-    """The directory of one run.  `create` makes one and `open` opens one; it is an observer of its run."""
+    """The directory of one run.  `create` makes one and `open` opens one; it is an observer of its run.
+
+    flush_interval: seconds between flushes, of which a killed run loses at most so many; None: those of the data.
+    """
+
+    flush_interval: float | None = None
 
     def __init__(self, directory: Path, case: Case, course: Course | None = None):
         self.directory, self.case = directory, case
@@ -141,7 +148,8 @@ class RunStore:
         """Add one item; the items are written at intervals."""
         self._writer.take(item)
         self._item = item
-        if time.monotonic() - self._flushed > self._writer.flush_interval:
+        interval = self._writer.flush_interval if self.flush_interval is None else self.flush_interval
+        if time.monotonic() - self._flushed > interval:
             self.flush()
 
     def flush(self) -> None:
@@ -272,7 +280,9 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
         finished = store.outcome()
         if finished is not None:
             return finished
-        last = drive(store.course, [store, *observers], store.resume())
+        progress = ProgressFile(store.directory, store.course)
+        last = drive(store.course, [store, progress, *observers], store.resume())
+        progress.write(last)
         store.flush()
         work = {"compilations": compiling.count() - compiled, "wall_s": store.seconds}
         summary = store.summarise(last.status, work)

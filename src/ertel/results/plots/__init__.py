@@ -18,18 +18,20 @@ from matplotlib.figure import Figure
 
 from ertel.results.kinds import is_steady
 from ertel.results.plots import steady, transient
-from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, At, Figures, NoFigure
+from ertel.results.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, At, Draw, Figures, NoFigure
 from ertel.results.plots.interferograms import animation, interferogram
 
 __all__ = [
     "BLUE",
     "GREEN",
     "GREY",
+    "NAMES",
     "ORANGE",
     "ORDERED_COLOURS",
     "NoFigure",
     "animation",
     "convergence",
+    "figure_of",
     "figures_of",
     "film",
     "friction",
@@ -43,18 +45,28 @@ __all__ = [
 ]
 
 
+NAMES = tuple(
+    dict.fromkeys((*transient.FIGURES, *transient.MORE_FIGURES, *steady.STEADY_FIGURES, *steady.MORE_STEADY_FIGURES))
+)
+
+
 def figures_of(dataset: xr.Dataset) -> Figures:
     """The figures that show all of a run, by name: functions of the Dataset and of `at`."""
     return steady.STEADY_FIGURES if is_steady(dataset) else transient.FIGURES
 
 
-def _draw(name: str, dataset: xr.Dataset, at: At) -> Figure:
+def figure_of(dataset: xr.Dataset, name: str) -> Draw:
+    """One figure by its name, also one that shows a part of another: a function of the Dataset and of `at`."""
     more = steady.MORE_STEADY_FIGURES if is_steady(dataset) else transient.MORE_FIGURES
     known = {**figures_of(dataset), **more}
     if name not in known:
         run = "a steady contact" if is_steady(dataset) else "a run in time"
         raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(known)}")
-    return known[name](dataset, at)
+    return known[name]
+
+
+def _draw(name: str, dataset: xr.Dataset, at: At) -> Figure:
+    return figure_of(dataset, name)(dataset, at)
 
 
 def overview(dataset: xr.Dataset, at: At = None) -> Figure:

@@ -1,0 +1,153 @@
+"""`ertel new`, `ertel schema` and `ertel check`: case files before they are run."""
+
+from enum import StrEnum
+from pathlib import Path
+from textwrap import wrap
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ertel.apps import output
+from ertel.apps.arguments import CaseFile, Json, Set
+from ertel.apps.exits import BAD_INPUT, bad_input, leave
+from ertel.apps.paths import in_shell, local_path, shown
+
+if TYPE_CHECKING:
+    from ertel.model.case import Case
+
+WIDTH = 100
+
+
+class Kind(StrEnum):
+    """Kinds of contact."""
+
+    impact = "impact"
+    rolling = "rolling"
+
+
+def new(
+    kind: Annotated[Kind, typer.Argument(help="Kind of contact.", show_default=False)],
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            parser=local_path, metavar="[FILE]", help="New case file; default KIND.toml.", show_default=False
+        ),
+    ] = None,
+) -> None:
+    """Write a new case file that runs, with all keys and their meanings.
+
+    Beside it the file ertel.schema.json is written, unless it is there: from it editors with TOML support show meanings
+    and complete keys.
+    """
+    from ertel.inputs.json_schema import json_schema_text
+    from ertel.inputs.templates import SCHEMA_FILE, template
+
+    path = file or Path(f"{kind.value}.toml").absolute()
+    with bad_input():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not _write_new(path, template(kind.value, in_shell(path))):
+            leave(BAD_INPUT, f"{shown(path)} is there already and is left as it is; give another FILE")
+        schema = path.with_name(SCHEMA_FILE)
+        written = [path, schema] if _write_new(schema, json_schema_text()) else [path]
+    for each in written:
+        print(output.printable(shown(each)))
+
+
+def _write_new(path: Path, text: str) -> bool:
+    """Whether a file could be written, because it was not there."""
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        return False
+    return True
+
+
+def schema(
+    as_table: Annotated[bool, typer.Option("--table", help="Print the table of all keys, in Markdown.")] = False,
+) -> None:
+    """Print the JSON schema of case files, for editors and checkers.
+
+    With ertel schema > ertel.schema.json and the line #:schema ./ertel.schema.json at the head of a case file editors
+    show what keys mean, complete them, and mark what is wrong. Units are known to it in their usual spellings only.
+    """
+    from ertel.inputs import keys
+    from ertel.inputs.json_schema import json_schema_text
+
+    print(keys.table(keys.places()) if as_table else json_schema_text(), end="")
+
+
+def print_keys(wanted: bool) -> None:
+    """Print all keys with their meanings, and end; the callback of --help-keys."""
+    if not wanted:
+        return
+    from ertel.inputs import keys
+
+    for title, text, found in keys.places():
+        print(f"\n{title}  {text}" if title != "(top)" else "Keys of case files")
+        for key in found:
+            default = f"; default {key.default}" if key.default else ""
+            print(f"  {key.name}  ({key.kind}{default})")
+            for line in wrap(key.meaning, WIDTH):
+                print(f"      {line}")
+    raise typer.Exit
+
+
+def check(case_file: CaseFile, set_: Set = None, as_json: Json = False) -> None:
+    """Check a case without running it: parameters, scales, film formulas, grid, memory, time, warnings.
+
+    The time is a rough estimate for one or two cores, within a factor of three.
+    """
+    from ertel.inputs.case_files import load_case
+    from ertel.runs.outlook import outlook
+
+    with bad_input():
+        case = load_case(case_file, set_ or [])
+    found = outlook(case)
+    if as_json:
+        output.print_json(found)
+    else:
+        _print_outlook(case, found)
+
+
+def _print_outlook(case: "Case", found: dict[str, Any]) -> None:
+    from ertel.apps import tables
+    from ertel.results.summary import films
+
+    out = tables.console()
+    out.print(f"{case.name or case.kind}: {case.kind}, {case.solver.method}", style="bold")
+    tables.print_parameters(out, found["parameters"])
+    formulas = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
+    if formulas:
+        out.print()
+        out.print(tables.film_table(case, formulas, {}))
+    out.print()
+    tables.print_names(out, _needs(found))
+    for warning in found["warnings"]:
+        out.print(f"Warning: {warning}", style="yellow")
+
+
+def _needs(found: dict[str, Any]) -> dict[str, str]:
+    """Grid, memory and time in words."""
+    from ertel.results.variables import with_prefix
+
+    grid, memory, time = found["grid"], found["memory"], found["time"]
+    size = f"{grid['nodes']} nodes along the radius"
+    if found["method"] != "radial":
+        size = f"{grid['nodes']} x {grid['nodes_across']} nodes"
+    in_si = f" = {with_prefix(grid['spacing_m'], 'm')}" if "spacing_m" in grid else ""
+    there = f" of {memory['available'] / 1e9:.3g} GB" if memory["available"] else ""
+    steps = f", {time['steps']} time steps" if time["steps"] else ""
+    return {
+        "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
+        "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
+        "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",
+        "time": f"roughly {_said(time['seconds'])}{steps}",
+    }
+
+
+def _said(seconds: float) -> str:
+    """A rough duration in words."""
+    if seconds < 60:
+        return f"{max(seconds, 5):.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

@@ -1,0 +1,231 @@
+"""`ertel new`, `ertel schema`, `ertel check` and `ertel run --help-keys`."""
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import pytest
+from cases import ertel_, names
+
+from ertel.inputs.case_files import load_case, parse_case
+from ertel.inputs.json_schema import json_schema
+from ertel.inputs.keys import places
+from ertel.inputs.templates import SCHEMA_FILE, template
+from ertel.model.sections import SOLVERS
+from ertel.runs import duration
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+KINDS = ("impact", "rolling")
+HEAD = re.compile(r"(?:# )?(\[+\w+\]+) ")
+COMMENTED = re.compile(r"# ([a-zA-Z]\w* = .*)")
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+# -- new --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_new_writes_a_case_that_loads(here, kind):
+    assert ertel_("new", kind).stdout.split() == [f"{kind}.toml", SCHEMA_FILE]
+    case = load_case(here / f"{kind}.toml")
+    assert (case.kind, case.name) == (kind, kind)
+    assert (here / f"{kind}.toml").read_text().startswith(f"#:schema ./{SCHEMA_FILE}\n")
+    assert json.loads((here / SCHEMA_FILE).read_text()) == json_schema()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_new_case_runs(here, kind):
+    ertel_("new", kind)
+    small = ("--set", "solver.nodes=33", "--set", "solver.tolerance=0.03")
+    until = ("--set", "time.until=0.02") if kind == "impact" else ()
+    ertel_("run", f"{kind}.toml", *small, *until, "--quiet")
+    assert "summary.json" in names(here / "runs" / kind)
+
+
+def test_new_overwrites_nothing(here):
+    (here / SCHEMA_FILE).write_text("mine")
+    assert ertel_("new", "impact", "ball.toml").stdout == "ball.toml\n"
+    (here / "ball.toml").write_text("mine")
+    assert "ball.toml is there already" in ertel_("new", "rolling", "ball.toml", code=2).stderr
+    assert [(here / name).read_text() for name in ("ball.toml", SCHEMA_FILE)] == ["mine", "mine"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_key_in_a_comment_is_valid_by_itself(kind):
+    validator = jsonschema.Draft202012Validator(json_schema())
+    section, tried = "", 0
+    for line in template(kind, "case.toml").splitlines():
+        if head := HEAD.match(line):
+            section = head[1]
+        elif (key := COMMENTED.match(line)) and section != "[[roughness]]":  # which needs its shape
+            data = tomllib.loads(f"{section}\n{key[1]}")
+            assert [error.message for error in validator.iter_errors({"contact": {}, **data})] == []
+            tried += 1
+    assert tried > 35
+
+
+def test_the_roughness_in_comments_is_valid():
+    text = template("rolling", "case.toml")
+    lines = [line.removeprefix("# ") for line in text[text.index("# [[roughness]]") :].split("\n\n")[0].splitlines()]
+    shape = [line for line in lines if not line.startswith("height")]  # in place of depth
+    assert load(text + "\n".join(shape), method="transient").roughness[0].shape.radius
+
+
+def load(text, method):
+    data = tomllib.loads(text)
+    data["solver"]["method"] = method
+    return parse_case(data)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_template_has_all_keys_of_its_kind(kind):
+    text = template(kind, "case.toml")
+    contact = text[text.index("[contact]") : text.index("[lubricant]")]
+    other = KINDS[1 - KINDS.index(kind)]
+    for key in next(place.keys for place in places() if place.title == "[contact]"):
+        there = re.search(rf"^(# )?{key.name} = ", contact, re.MULTILINE) is not None
+        assert there != key.meaning.startswith(f"{other}:"), key.name
+
+
+# -- schema -----------------------------------------------------------------------------------------------------------
+
+
+def test_schema():
+    assert json.loads(ertel_("schema").stdout) == json_schema()
+
+
+def test_schema_as_a_table():
+    assert ertel_("schema", "--table").stdout.startswith("| section | key | value | meaning | default |\n")
+
+
+def test_keys_in_the_help():
+    text = ertel_("run", "--help-keys").stdout
+    assert "[contact]  the two bodies" in text
+    assert "  nodes  (integer; default 257)\n      nodes per side" in text
+
+
+# -- check ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["rolling", "steel_ball_impact", "moes_impact", "micro_cavity", "ball_bearing"])
+def test_check_of_examples(name):
+    found = json.loads(ertel_("check", str(EXAMPLES / f"{name}.toml"), "--json").stdout)
+    case = load_case(EXAMPLES / f"{name}.toml")
+    assert found["parameters"]["M"] == case.parameters.M
+    assert found["digest"] == case.digest
+    assert bool(found["films"]) == (case.kind == "rolling")
+    assert found["memory"]["needed"] > 5e8
+    assert bool(found["time"]["steps"]) != case.is_steady
+
+
+def test_check_says_what_a_run_would_say():
+    """The sentence of the run's own warning: 33 nodes do not resolve the front."""
+    said = ertel_("check", str(EXAMPLES / "steel_ball_impact.toml"), "--set", "solver.nodes=33").stdout
+    assert re.search(r"Warning: the film is not resolved at the front \(2\.\d cells .* use solver.nodes >= 1\d\d", said)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "said"),
+    [
+        ("rolling", "solver.inlet=4.4", "centre of the contact is not a node"),
+        ("rolling", "solver.nodes=65", "the film is not resolved in the inlet"),
+        ("moes_impact", "time.start_approach=-0.01", "the initial gap 0.01"),
+        ("micro_cavity", "solver.nodes=65", "the roughness is not resolved"),
+        ("rolling", 'contact.load="38.9 MN"', "the contact is not small (a = 1"),
+        ("rolling", "solver.nodes=4097", ""),
+    ],
+)
+def test_warnings_without_a_run(name, change, said):
+    found = json.loads(ertel_("check", str(EXAMPLES / f"{name}.toml"), "--set", change, "--json").stdout)
+    assert any(said in warning for warning in found["warnings"]) or not said
+
+
+def test_a_grid_beyond_the_memory_is_said(monkeypatch):
+    monkeypatch.setattr("ertel.runs.memory.available", lambda: 1e9)
+    found = json.loads(ertel_("check", str(EXAMPLES / "rolling.toml"), "--set", "solver.nodes=2049", "--json").stdout)
+    assert re.match(r"solver.nodes = 2049 needs about \S+ GB of memory, the machine has 1 GB; ", found["warnings"][0])
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ('contact.radius="10 furlong"', 'contact.radius = "10 furlong": must be between 1e-06 and 100 m'),
+        ('contact.speed="300 km/s"', 'contact.speed = "300 km/s": must be between 1e-09 and 10000 m/s'),
+        ('contact.E1="210 mPa"', 'contact.E1 = "210 mPa": must be between 1 and 1e+14 Pa'),
+        ('contact.ball_density="7850 Mg/m^3"', "must be between 0.1 and 100000 kg/m^3"),
+        ('lubricant.eta0="40 MPa*s"', 'lubricant.eta0 = "40 MPa*s": must be between 1e-07 and 1e+06 Pa*s'),
+        ('lubricant.alpha="22 / Pa"', 'lubricant.alpha = "22 / Pa": must be between 1e-13 and 1e-05 1/Pa'),
+    ],
+)
+def test_absurd_sizes_are_refused(change, said):
+    for command in ("check", "run"):
+        assert said in ertel_(command, str(EXAMPLES / "steel_ball_impact.toml"), "--set", change, code=2).stderr
+
+
+def test_both_radii_together_may_be_absurd(here):
+    text = (EXAMPLES / "rolling.toml").read_text().replace('radius = "10 mm"', 'radius_1 = "9 km"\nradius_2 = "9 km"')
+    (here / "far.toml").write_text(text)
+    said = ertel_("check", "far.toml", code=2).stderr
+    assert "contact: its values together give R = 4500.0, which must be between 1e-06 and 100 m" in said
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"contact.radius": "2 um", "contact.speed": "1 mm/s"},  # the tip of an indenter
+        {"contact.radius": "2 m", "contact.speed": "10 m/s"},
+        {"contact.E1": "100 kPa", "contact.E2": "100 kPa"},  # a gel
+        {"contact.E1": "1.1 TPa", "contact.E2": "1.1 TPa"},  # diamond
+        {"lubricant.eta0": "1 mPa*s", "lubricant.alpha": "0.5 / GPa"},  # water
+        {"lubricant.eta0": "2 kPa*s", "lubricant.alpha": "60 / GPa"},  # a cold traction fluid
+    ],
+    ids=str,
+)
+def test_real_contacts_are_not_refused(changes):
+    sets = [part for key, value in changes.items() for part in ("--set", f'{key}="{value}"')]
+    ertel_("check", str(EXAMPLES / "steel_ball_impact.toml"), *sets)
+
+
+# -- how long a run takes ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "measured"),
+    [
+        ("moes_impact", ["solver.method=2d", "time.until=max-approach"], 178),
+        ("moes_impact", ["solver.method=2d", "time.until=max-approach", "time.tolerance=1e-3"], 77),
+        ("moes_impact", ["solver.method=2d"], 417),
+        ("steel_ball_impact", [], 259),
+        ("micro_cavity", [], 295),
+        ("micro_cavity", ["time.step=0.01"], 360),
+    ],
+)
+def test_steps_are_those_that_were_counted(name, changes, measured):
+    """Counted on 33 nodes; within a factor of 1.5."""
+    case = load_case(EXAMPLES / f"{name}.toml", ["solver.nodes=33", *changes])
+    assert measured / 1.5 < duration.steps(case) < 1.5 * measured
+
+
+def test_seconds_of_the_benchmarks():
+    """benchmarks/README.md: 0.29 s a step on 1025 nodes per side, 6.8 s for steady rolling, both of M = 1000."""
+    impact = load_case(EXAMPLES / "moes_impact.toml", ["solver.method=2d", "solver.nodes=1025"])
+    a_step = (duration.seconds(impact) - duration.SECONDS_TO_START) / duration.steps(impact)
+    assert a_step == pytest.approx(0.29, rel=0.5)
+    rolling = load_case(EXAMPLES / "rolling.toml", ["solver.nodes=1025"])
+    assert duration.seconds(rolling) - duration.SECONDS_TO_START == pytest.approx(6.8, rel=0.5)
+
+
+def test_an_oscillation_needs_steps():
+    case = load_case(EXAMPLES / "reversal.toml", ["motion.entrainment={ mean = 1, amplitude = 0.5, period = 0.01 }"])
+    assert duration.steps(case) == pytest.approx(16 * 8 / 0.01, rel=0.01)
+
+
+def test_the_usual_tolerance_is_that_of_the_counts():
+    assert SOLVERS["2d"].tolerance == 1e-3

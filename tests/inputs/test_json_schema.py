@@ -1,0 +1,157 @@
+"""The JSON schema of case files: it takes what ertel takes, and refuses wrong units and unknown keys."""
+
+import tomllib
+from copy import deepcopy
+from pathlib import Path
+
+import jsonschema
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ertel.inputs.case_files import parse_case
+from ertel.inputs.json_schema import json_schema
+from ertel.inputs.quantities import _factor, _split, parse_quantity
+from ertel.inputs.spellings import pattern
+from ertel.physics import units
+from ertel.physics.units import COMPLIANCE, LENGTH, VISCOSITY, Unit
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+SCHEMA = json_schema()
+VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
+UNITS = {name: unit for name, unit in vars(units).items() if isinstance(unit, Unit)}
+CASE = tomllib.loads((EXAMPLES[0].parent / "micro_cavity.toml").read_text())
+THIN = {"law": "limited", "base": {"law": "carreau", "G": "6 MPa", "n": 0.5}, "Lambda": 0.05}
+SHEET = {"nu40": "68 mm^2/s", "nu100": "8.7 mm^2/s", "density": "880 kg/m^3"}
+
+
+def complaints(changes):
+    """What the schema says of the micro-cavity's case with changed values."""
+    data = deepcopy(CASE)
+    for place, value in changes.items():
+        *sections, key = place.split(".")
+        target = data
+        for section in sections:
+            target = target[0] if section == "0" else target.setdefault(section, {})
+        target[key] = value
+    return [error.message for error in VALIDATOR.iter_errors(data)]
+
+
+def test_it_is_a_schema():
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_examples_are_valid(path):
+    assert list(VALIDATOR.iter_errors(tomllib.loads(path.read_text(encoding="utf-8")))) == []
+
+
+def test_every_key_has_a_hover_text():
+    tables = {**SCHEMA["$defs"], "(top)": SCHEMA}
+    silent = [
+        f"{name}.{key}"
+        for name, table in tables.items()
+        for key, value in table["properties"].items()
+        if "description" not in value and key not in ("law", "shape") and "test" not in name
+    ]
+    assert silent == []
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"contact.radius": "0.5 inch"},
+        {"contact.mean_speed": "-9 cm / s"},
+        {"lubricant.alpha": "22 GPa^-1"},
+        {"lubricant.eta0": "250 mPa s"},
+        {"lubricant.rheology": THIN},
+        {"lubricant.rheology": "carreau"},
+        {"lubricant.viscosity": {"law": "barus", "alpha": "22 / GPa"}},
+        {"lubricant.oil": SHEET},
+        {"lubricant.temperature": "-5 degC"},
+        {"time.until": "max-approach"},
+        {"time.until": "5 ms"},
+        {"motion.load": [[0, 1], ["1 ms", 2.5]]},
+        {"motion.load": {"mean": 1, "amplitude": 0.2, "period": "1 ms"}},
+        {"roughness.0.x": "-80 um"},
+    ],
+    ids=str,
+)
+def test_what_is_right(changes):
+    assert complaints(changes) == []
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"contact.radius": "12.5 kg"},
+        {"contact.radius": "12.5"},
+        {"contact.radius": 0.0125},
+        {"contact.radius": "-1 mm"},
+        {"contact.radius": "0 mm"},
+        {"contact.radis": "1 mm"},
+        {"contact.kind": "rowling"},
+        {"contact.nu1": 0.7},
+        {"lubricant.alpha": "22 GPa"},
+        {"lubricant.viscosity": "rolands"},
+        {"lubricant.viscosity": {"law": "barus"}},
+        {"lubricant.rheology": {"law": "carreau", "G": "6 mm"}},
+        {"lubricant.oil": {"nu40": "68 mm^2/s"}},
+        {"solver.nodes": 129.5},
+        {"solver.nodes": True},
+        {"time.until": "rebounds"},
+        {"time.until": "5 mm"},
+        {"motion.load": [[0, 1, 2]]},
+        {"roughness.0.depth": "175 nN"},
+        {"roughness.0.surface": 3},
+        {"roughness.0.shape": "hole"},
+        {"thermals": {}},
+    ],
+    ids=str,
+)
+def test_what_is_wrong(changes):
+    assert complaints(changes)
+
+
+def test_contact_is_needed():
+    assert list(VALIDATOR.iter_errors({"solver": {"nodes": 129}}))
+
+
+# -- quantities -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_patterns_take_their_examples_and_no_other_dimension(name):
+    unit = UNITS[name]
+    matches = {other.unit for other in UNITS.values() if jsonschema_match(unit, other.example)}
+    assert matches == {unit.unit}
+
+
+def jsonschema_match(unit, text):
+    return jsonschema.Draft202012Validator({"pattern": pattern(unit)}).is_valid(text)
+
+
+@settings(max_examples=30)
+@given(st.data())
+@pytest.mark.parametrize("name", UNITS)
+def test_what_the_patterns_take_has_the_right_unit(name, data):
+    text = data.draw(st.from_regex(pattern(UNITS[name]), fullmatch=True))
+    _, written = _split(text)
+    assert _factor(written, UNITS[name]) > 0
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        *(("10 mm", LENGTH), ("1e-2 m", LENGTH), ("3 thou", LENGTH)),
+        *(("22e-9 m^2/N", COMPLIANCE), (".022 / MPa", COMPLIANCE), ("22 GPa**-1", COMPLIANCE)),
+        *(("18.6 mPa·s", VISCOSITY), ("18.6 cP", VISCOSITY), ("0.04 kg/(m*s)", VISCOSITY)),
+    ],
+)
+def test_usual_spellings(text, unit):
+    assert jsonschema_match(unit, text)
+    assert parse_quantity(text, unit)
+
+
+def test_a_case_that_the_schema_takes_is_read():
+    assert parse_case(CASE).kind == "rolling"
