@@ -307,7 +307,7 @@ def test_show_of_a_run_under_way(small):
 
 def test_plot(ball):
     printed = ertel_("plot", "a").stdout.split()
-    pictures = {f"{name}.png" for name in ("overview", "maps", "profiles", "history")}
+    pictures = {f"{name}.png" for name in ("overview", "maps", "profiles", "history", "friction")}
     assert names(ball / "plots") == pictures
     assert {Path(path).name for path in printed} == pictures
 

@@ -23,7 +23,7 @@ from ertel.model.status import Status
 from ertel.model.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
-from ertel.physics.fluidity import ReeEyring
+from ertel.physics.fluidity import Limited, ReeEyring
 from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.lubricant import Barus, Incompressible, Lubricant
 from ertel.physics.motion import constant
@@ -79,6 +79,19 @@ def test_no_stress_is_counted_where_the_film_cavitates():
     found = of(grid, contact(grid, 0.03, 0.0), P, jnp.full(grid.shape, 0.2), 0.7)
     assert float(jnp.abs(jnp.where(P > 0, 0.0, found.stress)).max()) == 0.0
     assert float(found.stress[0, 16, 3]) > 0.0
+
+
+@pytest.mark.parametrize("sliding", [1e-4, 1e4])
+def test_friction_counts_no_stress_above_the_limit(sliding: float):
+    """With the flux's law the stress goes on rising above tau_L: by 5 % of it for every factor of e in the rate."""
+    grid, P = hertz(33)
+    law = Limited(ReeEyring(1.0), Lambda=0.5, ambient=0.1)
+    c = replace(contact(grid, 1.0, 10.0), flow=ThinningFlow(traceable_law(law), 1.0, 1.0, 0.0))
+    found = of(grid, c, P, jnp.full(grid.shape, 0.01), sliding)
+    limit, stress = 0.1 + 0.5 * P, jnp.hypot(*found.stress)
+    assert float(jnp.max(stress - limit)) < 1e-12
+    if sliding > 1.0:  # all of the pressurised film is at its limit
+        assert_allclose(stress, jnp.where(P > 0.0, limit, 0.0), rtol=1e-12)
 
 
 def test_without_a_load_the_coefficients_are_zero():

@@ -25,7 +25,7 @@ jax.config.update("jax_enable_x64", True)
 OIL = Lubricant(Roelands(5.0, 0.67, 5.0), DowsonHigginson(1.6))
 EYRING, NEWTON = ReeEyring(0.05), NewtonianOil()
 GAIN = jax.jit(lambda c, P, H: c.flow.gain(c, P, H))
-MOBILITY = jax.jit(lambda c, P, H: c.flow.mobility(c, P, H))
+MOBILITY = jax.jit(lambda c, P, H: c.flow.mobilities(c, P, H).secant)
 DETAILS = jax.jit(lambda c, P, H, sliding, plane: c.flow.details(c, P, H, sliding, plane))
 
 

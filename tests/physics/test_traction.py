@@ -7,38 +7,18 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
+from ertel.physics.fluidity import cut_off
 from ertel.physics.traction import (
     arana_traction,
-    circle_unit,
     hertz_mean_stress,
     hooke_waviness,
-    limited_stress,
-    rolling_resistance,
-    sliding_traction,
     uniform_film_traction,
 )
 
 
-def test_traction_of_a_stress_in_proportion_to_the_pressure() -> None:
-    """tau = mu p: in units p_h a/R the stress is mu (R/a) P, and the coefficient is mu."""
-    x = np.linspace(-1.5, 1.5, 601)
-    P = np.sqrt(np.maximum(1 - x[:, None] ** 2 - x[None, :] ** 2, 0))
-    mu = sliding_traction(0.05 / 0.02 * P, (x[1] - x[0]) ** 2, 1.0, circle_unit(0.02))
-    assert mu == pytest.approx(0.05, rel=1e-4)
-
-
-def test_rolling_resistance_of_a_closed_form() -> None:
-    """-(1/2) double integral of H dP/dX with H = X, P = exp(-X^2 - Y^2) is pi/2."""
-    x = np.linspace(-5, 5, 201)
-    X, Y = x[None, :], x[:, None]
-    slope = -2 * X * np.exp(-(X**2) - Y**2)
-    found = rolling_resistance(X + 0 * Y, slope, (x[1] - x[0]) ** 2, 2.0, circle_unit(0.02))
-    assert found == pytest.approx(1.5 / pi * 0.02 * pi / 2 / 2.0, rel=1e-9)
-
-
-def test_limited_stress_keeps_the_direction() -> None:
+def test_stress_that_is_cut_off_keeps_its_direction() -> None:
     stress = np.array([[3.0, 0.3], [4.0, 0.4]])
-    assert_allclose(limited_stress(stress, np.array([1.0, 1.0])), [[0.6, 0.3], [0.8, 0.4]])
+    assert_allclose(cut_off(stress, np.array([1.0, 1.0])), [[0.6, 0.3], [0.8, 0.4]])
 
 
 LOG_S = [-2, -1, 0, 1, 2, 4, 6, 8]

@@ -24,7 +24,8 @@ from ertel.model import friction
 from ertel.model.case import Case
 from ertel.model.state import GridSolution
 from ertel.numerics.integrals import Plane
-from ertel.physics.traction import arana_traction, limited_stress
+from ertel.physics.fluidity import cut_off
+from ertel.physics.traction import arana_traction
 from ertel.runs.curves import curve_of
 from ertel.solvers import steady
 
@@ -92,7 +93,7 @@ def traction(case: Case, film: GridSolution, limit: float) -> Traction:
     found, scales = friction.steady(case, film), case.scales
     assert scales is not None
     largest = np.maximum(limit * np.asarray(film.P) * scales.p_h / scales.shear_stress, 1e-30)
-    cut = limited_stress(np.asarray(found.stress), largest)
+    cut = cut_off(np.asarray(found.stress), largest)
     force = float(Plane.of(film.grid).total(jnp.asarray(cut[0]))) / case.geometry.hertz_load
     return Traction(float(found.sliding[0]) * scales.a_over_R, force * scales.a_over_R)
 

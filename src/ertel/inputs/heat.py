@@ -10,10 +10,11 @@ A value that is given explicitly wins over that of the library.
 from collections.abc import Mapping
 from typing import Any
 
-from ertel.inputs import library
+from ertel.inputs import library, names
 from ertel.inputs.messages import ConfigError
 from ertel.model.records import show
 from ertel.model.thermal import Thermal
+from ertel.physics.oils import NamedOil
 from ertel.physics.units import CONDUCTIVITY, DENSITY, EXPANSION, HEAT_CAPACITY, TEMPERATURE, Unit, marks
 
 TEMPERATURES = tuple(key for key, mark in marks(Thermal).items() if mark is TEMPERATURE)
@@ -57,14 +58,22 @@ def _kelvin(key: str, value: Any) -> str:
 
 
 def _oil(lubricant: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, str]:
-    """What the library knows of the oil that is named, at the temperature of the inlet; names are checked elsewhere."""
-    if lubricant.get("oil") not in library.oil_names() or "temperature" not in given:
+    """What is known of the oil that is named or has a data sheet, at the temperature of the inlet."""
+    oil = _known(lubricant.get("oil"))
+    if oil is None or "temperature" not in given:
         return {}
-    oil = library.oil(lubricant["oil"])
     found = {"beta": _text(oil.thinning_at(library.parse_temperature(given["temperature"])), EXPANSION)}
     return (
         found if oil.thermal is None else {**found, "conductivity": _text(oil.thermal.data.conductivity, CONDUCTIVITY)}
     )
+
+
+def _known(written: object) -> NamedOil | None:
+    """The oil, if it is one; what is wrong with it is said elsewhere."""
+    try:
+        return names.oil_of(written)
+    except ConfigError:
+        return None
 
 
 def _body(number: int, contact: Mapping[str, Any]) -> dict[str, str]:

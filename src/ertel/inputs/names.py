@@ -51,7 +51,7 @@ def _lubricant(written: Mapping[str, Any]) -> dict[str, Any]:
             f"temperature = {show(written['temperature'])}: needs lubricant.oil, one of {', '.join(oils.names())}; or "
             "give eta0 and alpha at the temperature of the inlet instead"
         )
-    oil = _oil(written["oil"])
+    oil = oil_of(written["oil"])
     if "temperature" not in written:
         raise ConfigError(f'temperature: missing; oil = {show(written["oil"])} needs it, for example "40 degC"')
     temperature = written["temperature"]
@@ -67,8 +67,8 @@ def _lubricant(written: Mapping[str, Any]) -> dict[str, Any]:
     return {**known, **given, "rheology": law.law}
 
 
-def _oil(written: Any) -> NamedOil:
-    """The oil of a name, or of a data sheet."""
+def oil_of(written: Any) -> NamedOil:
+    """The oil of a name, or of a data sheet.  Raises ConfigError, naming the key `oil`, where it is neither."""
     if not isinstance(written, Mapping):
         return oils.get(written)
     known = signature(oils.sheet).parameters

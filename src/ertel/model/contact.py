@@ -65,7 +65,7 @@ class Details(NamedTuple):
 
     stress: tau_m in the middle of the film along X and along Y, in units of p_h a/R, shape (2, n, n).  heat: what the
     pressure spends on the flow, - flux . grad of the enthalpy, in units of p_h a^2/(R t0), shape (n, n); each face
-    between two nodes gives half to either.  gain, mobility: as from the methods of `PressureFlow`.
+    between two nodes gives half to either.  gain: as from `PressureFlow`.  mobility: the secant one of its mobilities.
     """
 
     stress: Array

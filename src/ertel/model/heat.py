@@ -37,7 +37,7 @@ from ertel.numerics.programs import Program
 from ertel.numerics.stencils import central_slopes, inside
 from ertel.numerics.symmetry import extended
 from ertel.physics import flash
-from ertel.physics.fluidity import Fluidity
+from ertel.physics.fluidity import Fluidity, carried
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.thermal import Exponential, Houpert, Solid, WarmViscosity
 from ertel.physics.warming import Real, Rise, warmed
@@ -95,8 +95,9 @@ class _Film:
         slopes = central_slopes(extended(self.P, self.even), self.spacing)
         gradient = self.p_h * self.H * jnp.stack([slope[1:-1, 1:-1] for slope in slopes])
         sliding = viscosity * self.speed / self.H
-        found = shear(self.law, self.p_h * self.P, jnp.stack([sliding, jnp.zeros_like(sliding)]), gradient)
-        return jnp.where(self.P > 0.0, found.stress, 0.0)
+        pressure = self.p_h * self.P
+        found = shear(self.law, pressure, jnp.stack([sliding, jnp.zeros_like(sliding)]), gradient)
+        return jnp.where(self.P > 0.0, carried(self.law, found.stress, pressure), 0.0)
 
     def heat(self, warmer: Real) -> tuple[Real, Real]:
         """tau_m.(u1 - u2) in W/m^2, and its derivative by the temperature."""

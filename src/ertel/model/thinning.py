@@ -23,7 +23,7 @@ from ertel.model.shear import Mobility, Shear, secant_mobility, shear, tangent_m
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, central_slopes, to_x_faces, to_y_faces
 from ertel.numerics.symmetry import extended
-from ertel.physics.fluidity import Fluidity
+from ertel.physics.fluidity import Fluidity, carried
 
 Number = Array | float
 LARGEST_FACTOR = 1e9  # of a mobility by thinning, in the preconditioner, which computes in single precision
@@ -61,7 +61,7 @@ class ThinningFlow:
         nodes = [field[:, n:].reshape(2, *P.shape) for field in (whole.stress, whole.flux, gradient)]
         found, gradient = Shear(nodes[0], nodes[1], whole.iterations), nodes[2]
         return Details(
-            found.stress / self.unit,
+            carried(self.law, found.stress, self.p_h * P) / self.unit,
             plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], contact.lubricant.enthalpy(P)),
             _gain(in_X, in_Y, contact.spacing),
             self._secant(contact, P, H, found, gradient),

@@ -156,8 +156,8 @@ class Limited:
     from Bair and Winer's -tau_L ln(1 - tau/tau_L) but is smooth at tau = 0.  Both have a pole at tau_L: where the
     pressure gradient drives the stress at a wall to the limit, no stress in the middle carries the sliding (the film
     moves as a plug).  Therefore the law goes on above u1 as an exponential with the same value, slope and curvature.
-    There the stress rises by sharpness * tau_L while the shear rate rises by a factor of e.  The traction's own limit
-    is a matter of its integral (`ertel.physics.traction`).
+    There the stress rises by sharpness * tau_L while the shear rate rises by a factor of e.  What rises above tau_L
+    makes the flux have a solution; friction does not count it (`carried`).
 
     base: the law without a limit.  Lambda: dtau_L/dp, 0.03 to 0.1 for most oils.  ambient: tau_L at ambient
     pressure, without which an oil could carry no stress at the edges of the film; 4 MPa is of a PAO.  sharpness: width
@@ -207,3 +207,18 @@ class Limited:
 def _of_arrays(values: Array) -> Any:
     """The namespace of an array's own functions: NumPy's or JAX's."""
     return values.__array_namespace__() if hasattr(values, "__array_namespace__") else np
+
+
+def carried(law: Fluidity, stress: Array, pressure: Array) -> Array:
+    """The stress that friction counts: not more than the limiting shear stress, where the law has one.
+
+    stress: shape (2, ...), pressure: shape (...), both in Pa.
+    """
+    return cut_off(stress, law.limit(pressure)) if isinstance(law, Limited) else stress
+
+
+def cut_off(stress: Array, limit: Array) -> Array:
+    """The stress vector, shape (2, ...), with its length cut off at a limit above zero, shape (...)."""
+    xp = _of_arrays(stress)
+    length = xp.sqrt(stress[0] ** 2 + stress[1] ** 2)
+    return stress * (limit / xp.maximum(length, limit))

@@ -1,12 +1,4 @@
-"""Traction: the friction coefficient from the shear stress, and formulas to compare with.
-
-The traction coefficient is the tangential force over the load.  With stresses in units p_h a/R, lengths in a and the
-load in units of the Hertz load, F* = (2 pi/3) p_h a^2,
-
-    mu = (3/(2 pi)) (a/R) * double integral of tau_m dXdY / load
-
-for a circular contact; `unit` is the factor (3/(2 pi)) a/R, or of an ellipse what its geometry gives.
-"""
+"""Traction: formulas to compare with.  The traction of a computed film is in `ertel.model.friction`."""
 
 from math import asinh, log, pi
 from typing import NamedTuple
@@ -14,42 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ertel.physics.checks import require_positive
-from ertel.physics.fluidity import Array
-
-
-def circle_unit(a_over_R: float) -> float:
-    """Factor of the traction coefficient of a circular contact, (3/(2 pi)) a/R."""
-    require_positive("a_over_R", a_over_R)
-    return 1.5 / pi * a_over_R
-
-
-def sliding_traction(stress: Array, cell: float, load: float, unit: float) -> float:
-    """Traction coefficient of the mid-plane stress.
-
-    stress: one component of tau_m in units p_h a/R, shape (n, n), on the nodes of the whole grid.  cell: area of a cell
-    in a^2.  load: in units of the Hertz load.  unit: see `circle_unit`.
-    """
-    return float(unit * cell * stress.sum() / load)
-
-
-def rolling_resistance(film: Array, slope: Array, cell: float, load: float, unit: float) -> float:
-    """Traction coefficient of the flow by the pressure gradient, -(1/2) double integral of H dP/dX.
-
-    It acts on both surfaces against the rolling; the stress at the walls is tau_m +- (1/2) H dP/dX.  film: H in a^2/R.
-    slope: dP/dX, the same shape.  The other arguments as in `sliding_traction`.
-    """
-    return float(-0.5 * unit * cell * (film * slope).sum() / load)
-
-
-def limited_stress(stress: Array, limit: Array) -> Array:
-    """The stress vector with its length cut off at a limit: the limiting shear stress in the integral of the traction.
-
-    stress: shape (2, ...).  limit: shape (...), in the same unit, above zero.
-    """
-    xp = stress.__array_namespace__()
-    length = xp.sqrt(stress[0] ** 2 + stress[1] ** 2)
-    return stress * (limit / xp.maximum(length, limit))
-
 
 # -- an Eyring oil in a film of uniform thickness ---------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from ertel.model.case import Case
-from ertel.results import html
+from ertel.results import diagnostics, html
 from ertel.results.curve_points import AXES, SHOWN, SHOWN_WARM, largest_of, shown_name
 from ertel.results.variables import PREFIXES, exponent
 
@@ -22,7 +22,6 @@ HEADS = {  # of a table, where names are long
     **{"mu_isothermal": "mu_iso", "T_film_max": "T_film"},
 }
 WARM = "mu, loss, films and stress are those of the warm film; mu_iso is without heat, mu_r too"
-LARGEST_TRACTION = 0.15  # far above what the limiting shear stress of oils lets through, 0.03 to 0.1
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -122,11 +121,10 @@ class TractionCurve:
     @property
     def warnings(self) -> list[str]:
         """Warnings about the oil, the grid and the domain, with the points that they are about."""
-        largest = largest_of(self.dataset["mu_sliding"])
-        if not self.case.scales or largest <= LARGEST_TRACTION:
+        if not self.case.scales:
             return list(self.said)
-        much = f"mu reaches {largest:.3g}, but oils transmit 0.1 of the load at most (their limiting shear stress)"
-        return [f'{much}; give lubricant.rheology = {{ law = "limited", ... }}', *self.said]
+        largest = largest_of(self.dataset["mu_sliding"])
+        return [*diagnostics.friction_warnings(self.case, largest / self.case.scales.a_over_R), *self.said]
 
     def __repr__(self) -> str:
         lines = (*self.table_lines(), *self.remarks)

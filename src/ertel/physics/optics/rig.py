@@ -28,7 +28,7 @@ from ertel.physics.optics.media import BK7, CHROMIUM, STEEL, Medium
 Array = NDArray[np.float64]
 Complex = Any  # a complex array or scalar
 Visibility = Callable[[Array], Array]  # the contrast of fringes, 1 to 0, at a path difference in m
-OIL_INDEX = 1.48  # of a mineral oil at ambient pressure; 1.45 (squalane) to 1.50
+OIL_INDEX = 1.48  # assumed: mineral oils have 1.47 to 1.49 at ambient pressure, squalane 1.45; better measure yours
 CHROMIUM_THICKNESS = 8e-9  # m, half transparent; rigs have 5 to 20 nm
 NEGLIGIBLE = 1e-6  # of the first beam through the film
 

@@ -1,12 +1,12 @@
 """Interferograms: a run as a microscope above coated glass shows it, as a picture and as an animation.
 
 The film and the density of the oil are interpolated from the grid to the pixels of the picture, so that fringes finer
-than the grid are drawn as they are.  What is below the film is the colour chart: the colour of every film thickness
-under the pressure of its place, with the film along the mid-line.
+than the grid are drawn as they are.  Beside the picture is the film along the mid-line on the colour chart: the colour
+that every film thickness would have there, with the oil as dense as it is there.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -14,6 +14,7 @@ import xarray as xr
 from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from ertel.physics.optics import Chart, Light, Monochromatic, Rig
@@ -42,6 +43,7 @@ ROUND = 1.7  # how far round the contact the picture reaches, in its half widths
 ORDERS = 4.5  # fringes of the film that the colour chart shows, at least
 FRAMES = 120  # of an animation, at most
 PER_SECOND = 12
+TICKS = 6  # along the longer side of a picture
 
 
 @dataclass(frozen=True)
@@ -157,6 +159,8 @@ def draw_picture(axes: Axes, dataset: xr.Dataset, scene: Scene) -> None:
         aspect="equal",
         title=f"Interferogram{_named(scene.chart.light)}{flow}",
     )
+    for axis, pixels in ((axes.xaxis, scene.window.x), (axes.yaxis, scene.window.y)):
+        axis.set_major_locator(MaxNLocator(max(1, round(TICKS * len(pixels) / PIXELS)), min_n_ticks=1))
 
 
 def _named(light: Light) -> str:
@@ -169,13 +173,10 @@ def _show(axes: Axes, picture: Values, limits: tuple[float, float, float, float]
 
 
 def draw_chart(axes: Axes, dataset: xr.Dataset, scene: Scene) -> None:
-    """The film along the mid-line, on the colours that films would have there."""
-    window, chart = scene.window, scene.chart
-    row = int(np.abs(window.y).argmin())
-    film, density = scene.seen.film[row], scene.seen.density[row]
+    """The film along the mid-line, on the colours that films would have there.  scene: of one row of pixels."""
+    window, (film,) = scene.window, scene.seen.film
     top = _top(scene, film)
-    heights = np.linspace(0.0, top, PIXELS)
-    colours = chart.shown(heights[:, None], density[None, :])
+    colours = scene.chart.shown(np.linspace(0.0, top, PIXELS)[:, None], scene.seen.density)
     left, right, _, _ = _limits(dataset, window)
     factor = scene.film.factor
     _show(axes, colours, (left, right, 0.0, top * factor))
@@ -231,14 +232,17 @@ def interferogram(
     seen = Seen.of(dataset, frame, window, scaled)
     chart = Chart(rig or Rig(), light or Monochromatic(), float(seen.film.max()), float(seen.density.max()))
     scene = Scene(window, seen, chart, _shown_film(dataset, scaled), flow)
-    panels: list[Panel] = [partial(draw_picture, scene=scene), partial(draw_chart, scene=scene)]
+    middle = Window(np.linspace(window.x[0], window.x[-1], PIXELS), np.zeros(1))
+    line = replace(scene, window=middle, seen=Seen.of(dataset, frame, middle, scaled))
+    panels: list[Panel] = [partial(draw_picture, scene=scene), partial(draw_chart, scene=line)]
     return compose(dataset, [panels], [*title(dataset), *what])
 
 
 def _moment(dataset: xr.Dataset, at: At) -> tuple[int | None, float, list[str]]:
     """The frame, none of a steady contact; the direction of the flow; and what a heading says."""
     if is_steady(dataset):
-        return None, steady.flow(dataset), steady.films(dataset, at)
+        steady.check(dataset, at)
+        return None, steady.flow(dataset), steady.films(dataset)
     p = profiles_of(dataset, at)
     return p.chosen, entrainment(dataset, p.time), heading(dataset, p)
 

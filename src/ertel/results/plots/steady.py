@@ -225,20 +225,13 @@ def _coefficients(dataset: xr.Dataset) -> list[str]:
     return said(dataset, {name: float(dataset[name][-1]) for name in FRICTION})
 
 
-def films(dataset: xr.Dataset, at: At) -> list[str]:
-    """The films of a steady contact with their errors, for a heading.
-
-    Raises NoFigure where there is nothing to draw yet, and for a moment: it has none.
-    """
-    _check(dataset, at)
-    return _films(dataset)
-
-
-def _films(dataset: xr.Dataset) -> list[str]:
+def films(dataset: xr.Dataset) -> list[str]:
+    """The films with their errors, for a heading."""
     return [_with_error(dataset, name) for name in ("H_c", "H_min")]
 
 
-def _check(dataset: xr.Dataset, at: At) -> None:
+def check(dataset: xr.Dataset, at: At) -> None:
+    """Raise NoFigure where there is nothing to draw yet, and for a moment: a steady contact has none."""
     if at is not None:
         raise NoFigure(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
     if not dataset.sizes["grid"]:
@@ -246,10 +239,10 @@ def _check(dataset: xr.Dataset, at: At) -> None:
 
 
 def _of(
-    dataset: xr.Dataset, at: At, rows: list[list[Panel]], outcome: Callable[[xr.Dataset], list[str]] = _films
+    dataset: xr.Dataset, at: At, rows: list[list[Panel]], outcome: Callable[[xr.Dataset], list[str]] = films
 ) -> Figure:
     """A figure; outcome: what its heading says of the solution."""
-    _check(dataset, at)
+    check(dataset, at)
     dataset = dataset.load()
     return compose(dataset, rows, [*title(dataset), *outcome(dataset)])
 
