@@ -131,7 +131,7 @@ def test_run_stores_and_tells(small, runs):
     assert names(small) == {"case.toml", "run.zarr", "checkpoint.npz", "summary.json", "progress.json"}
     summary = json.loads((small / "summary.json").read_text())
     assert set(SUMMARY_KEYS) <= set(summary)
-    assert list(summary["max_approach"]) == ["T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min"]
+    assert list(summary["max_approach"]) == ["T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min", "power_loss"]
     assert summary["status"] == "converged"
     assert summary["restitution"] is None
     printed = runs[1]["small"]
