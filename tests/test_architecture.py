@@ -4,10 +4,8 @@ import ast
 import importlib.util
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from pathlib import Path
-
-import pytest
 
 import ertel
 
@@ -34,9 +32,6 @@ def module_name(path: Path) -> str:
 FILES = {module_name(path): path for path in sorted(PACKAGE.rglob("*.py"))}
 TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in FILES.items()}
 INSIDE = [name for name in TREES if "." in name]
-
-every_module = pytest.mark.parametrize("module", TREES)
-in_a_room = pytest.mark.parametrize("module", INSIDE)
 
 
 def imports(tree: ast.AST) -> Iterator[str]:
@@ -65,6 +60,16 @@ def room(module: str) -> str:
     return module.split(".")[0]
 
 
+def outside(module: str) -> set[str]:
+    """The packages that a module imports."""
+    return {name.split(".")[0] for name in imports(TREES[module])}
+
+
+def broken(wrong: Callable[[str], Collection[object]], modules: Iterable[str]) -> dict[str, Collection[object]]:
+    """What is wrong in each module that breaks a rule."""
+    return {module: found for module in modules if (found := wrong(module))}
+
+
 def identifiers(tree: ast.AST) -> Iterator[str]:
     for node in ast.walk(tree):
         match node:
@@ -79,11 +84,12 @@ def test_the_package_was_found():
     assert {room(module) for module in INSIDE} == set(ROOMS)
 
 
-@in_a_room
-def test_arrows_point_down(module):
-    others = {room(name) for name in imported(module)} - {room(module), "version"}  # everybody may ask for the version
-    upward = others - ROOMS[room(module)]
-    assert not upward, f"{module} looks into {sorted(upward)}"
+def test_arrows_point_down():
+    def upward(module: str) -> set[str]:
+        others = {room(name) for name in imported(module)} - {room(module), "version"}  # everybody may ask for it
+        return others - ROOMS[room(module)]
+
+    assert broken(upward, INSIDE) == {}
 
 
 def test_no_circle():
@@ -95,43 +101,43 @@ def test_no_circle():
     assert not left, f"these import each other: {sorted(left)}"
 
 
-@every_module
-def test_files_are_short(module):
-    lines = len(FILES[module].read_text(encoding="utf-8").splitlines())
-    assert lines <= LONGEST_FILE, f"{module}: {lines} lines; split it, {LONGEST_FILE} at most"
+def test_files_are_short():
+    lines = {module: len(path.read_text(encoding="utf-8").splitlines()) for module, path in FILES.items()}
+    assert {module: n for module, n in lines.items() if n > LONGEST_FILE} == {}, f"{LONGEST_FILE} lines at most"
 
 
-@pytest.mark.parametrize("module", [name for name in INSIDE if room(name) in ("physics", "numerics")])
-def test_the_ground_floor_needs_no_more_than_arrays(module):
-    outside = {name.split(".")[0] for name in imports(TREES[module])} - set(sys.stdlib_module_names)
-    assert outside <= {"ertel", "numpy", "scipy"} | ({"jax"} if room(module) == "numerics" else set())
+def test_the_ground_floor_needs_no_more_than_arrays():
+    allowed = {"ertel", "numpy", "scipy", *sys.stdlib_module_names}
+    assert broken(lambda m: outside(m) - allowed, [m for m in INSIDE if room(m) == "physics"]) == {}
+    assert broken(lambda m: outside(m) - allowed - {"jax"}, [m for m in INSIDE if room(m) == "numerics"]) == {}
 
 
-@pytest.mark.parametrize("module", [name for name in INSIDE if room(name) not in ("inputs", "results", "runs", "apps")])
-def test_files_and_units_stay_at_the_edges(module):
-    outside = {name.split(".")[0] for name in imports(TREES[module])}
-    assert not outside & {"pydantic", "pint", "tomllib", "zarr", "matplotlib", "typer", "rich", "xarray", "pandas"}
+def test_files_and_units_stay_at_the_edges():
+    edge = {"pydantic", "pint", "tomllib", "zarr", "matplotlib", "typer", "rich", "xarray", "pandas"}
+    inner = [module for module in INSIDE if room(module) not in ("inputs", "results", "runs", "apps")]
+    assert broken(lambda module: outside(module) & edge, inner) == {}
 
 
-@every_module
-def test_only_halfspace_speaks_of_the_fft(module):
-    if module != "numerics.halfspace":
-        assert [name for name in identifiers(TREES[module]) if "fft" in name.lower()] == []
+def test_only_halfspace_speaks_of_the_fft():
+    others = TREES.keys() - {"numerics.halfspace"}
+    assert broken(lambda module: [n for n in identifiers(TREES[module]) if "fft" in n.lower()], others) == {}
 
 
-@every_module
-def test_library_never_prints(module):
-    if not module.startswith("apps."):
-        assert "print" not in identifiers(TREES[module])
+def test_library_never_prints():
+    library = [module for module in TREES if room(module) != "apps"]
+    assert broken(lambda module: {"print"} & set(identifiers(TREES[module])), library) == {}
 
 
-@every_module
-def test_public_names_are_explained(module):
-    tree = TREES[module]
-    public = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef)]
-    silent = [node.name for node in public if not node.name.startswith("_") and ast.get_docstring(node) is None]
-    assert silent == []
-    assert module == "__init__" or ast.get_docstring(tree), "the module says what it is for"
+def test_public_names_are_explained():
+    def silent(module: str) -> list[str]:
+        public = [node for node in TREES[module].body if isinstance(node, ast.FunctionDef | ast.ClassDef)]
+        return [node.name for node in public if not node.name.startswith("_") and ast.get_docstring(node) is None]
+
+    assert broken(silent, TREES) == {}
+
+
+def test_every_module_says_what_it_is_for():
+    assert [module for module in TREES if module != "__init__" and not ast.get_docstring(TREES[module])] == []
 
 
 def test_command_line_starts_light():

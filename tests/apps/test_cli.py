@@ -131,7 +131,8 @@ def test_run_stores_and_tells(small, runs):
     assert names(small) == {"case.toml", "run.zarr", "checkpoint.npz", "summary.json", "progress.json"}
     summary = json.loads((small / "summary.json").read_text())
     assert set(SUMMARY_KEYS) <= set(summary)
-    assert list(summary["max_approach"]) == ["T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min", "power_loss"]
+    keys = ["T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min", "power_loss"]
+    assert list(summary["max_approach"]) == keys
     assert summary["status"] == "converged"
     assert summary["restitution"] is None
     printed = runs[1]["small"]
@@ -307,7 +308,7 @@ def test_show_of_a_run_under_way(small):
 
 def test_plot(ball):
     printed = ertel_("plot", "a").stdout.split()
-    pictures = {f"{name}.png" for name in ("overview", "maps", "profiles", "history", "friction")}
+    pictures = {f"{name}.png" for name in ("overview", "maps", "profiles", "friction", "history")}
     assert names(ball / "plots") == pictures
     assert {Path(path).name for path in printed} == pictures
 

@@ -572,7 +572,7 @@ REFUSED: list[Refusal] = [
     (
         impact(),
         {"output": Output(1e-9)},
-        "output.interval = 1e-09: gives 2.47e+09 maps with 6.52e+06 GB; at most 100000 and 100 GB are allowed, take a ",
+        "output.interval = 1e-09: gives 2.47e+09 maps with 6.53e+06 GB; at most 100000 and 100 GB are allowed, take a ",
     ),
     (
         impact(solver=Solver(nodes=4097)),

@@ -106,7 +106,7 @@ class Unwilling(Method):
     def __init__(self, method: Transient2D, longest: float):
         self.method, self.longest = method, longest
         self.coordinates, self.controlled = method.coordinates, method.controlled
-        for name in ("start", "solve", "measure", "budget", "error", "whole"):
+        for name in ("start", "solve", "measure", "account", "friction", "error", "whole"):
             setattr(self, name, getattr(method, name))
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:

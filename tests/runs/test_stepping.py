@@ -7,11 +7,12 @@ import pytest
 from cases import BARUS, course_with, rolled, steps_of
 
 from ertel.model.case import Case
+from ertel.model.friction import Friction
 from ertel.model.sections import SOLVERS, Drive, Output, Time
 from ertel.model.state import Method, State, Stepping
 from ertel.physics.motion import Oscillation, Polyline, Signal
 from ertel.physics.scales import Parameters
-from ertel.results.variables import BUDGET
+from ertel.results.variables import BUDGET, FRICTION
 from ertel.runs.drive import Gathering, drive
 
 PULSE = Polyline(((0.0, 1.0), (1.0, 1.0), (1.02, 3.0), (1.04, 1.0)))
@@ -42,10 +43,13 @@ class LikeTheLoad(Method):
         names = ("F", "P_c", "P_max", "X_P_max", "Y_P_max", "P_fall", "H_c", "H_min", "X_min", "Y_min")
         return dict.fromkeys(names, float(level.H[0, 0]))
 
-    def budget(self, levels: Sequence[State]) -> dict[str, float]:
-        return dict.fromkeys(BUDGET, 0.0)
+    def account(self, levels: Sequence[State]) -> dict[str, float]:
+        return dict.fromkeys((*BUDGET, *FRICTION), 0.0)
 
-    def whole(self, field: object) -> object:
+    def friction(self, level: State) -> Friction:
+        return Friction(np.zeros((2, 1, 1)), np.zeros((1, 1)), np.zeros(2), np.zeros(2), np.zeros(()))
+
+    def whole(self, field: object, odd: bool = False) -> object:
         return field
 
     def error(self, new: State, predicted: object) -> float:

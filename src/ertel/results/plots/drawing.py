@@ -215,7 +215,13 @@ def _thin_ticks(axes: Axes, stretch: float) -> None:
     """Few ticks on the short axis of a long map."""
     short = axes.xaxis if stretch > 1 else axes.yaxis
     if max(stretch, 1 / stretch) > LONG:
-        short.set_major_locator(MaxNLocator(2))
+        short.set_major_locator(MaxNLocator(1, min_n_ticks=1))
+
+
+def head_map(axes: Axes, dataset: xr.Dataset, what: str, z: Scale, steps: Values) -> None:
+    """What a map shows and how far its lines are apart, above it; in two lines where the map is narrow."""
+    narrow = "\n" if stretch(dataset) > LONG else " "
+    axes.set_title(f"{what},{narrow}a line every {steps[1]:.3g} {z.unit}")
 
 
 def draw_film(axes: Axes, dataset: xr.Dataset, field: Field, side: float, top: float, lines: int = 10) -> None:
@@ -223,7 +229,7 @@ def draw_film(axes: Axes, dataset: xr.Dataset, field: Field, side: float, top: f
     z = scale(dataset, "H", top / 2)
     steps = levels(top * z.factor, lines)
     draw_map(axes, dataset, field, side, z, steps, FILM_COLOURS)
-    axes.set_title(f"Film thickness, a line every {steps[1]:.3g} {z.unit}")
+    head_map(axes, dataset, "Film thickness", z, steps)
 
 
 def draw_pressure(axes: Axes, dataset: xr.Dataset, field: Field, side: float) -> None:
@@ -232,7 +238,7 @@ def draw_pressure(axes: Axes, dataset: xr.Dataset, field: Field, side: float) ->
     z = scale(dataset, "P", top)
     steps = levels(top * z.factor)
     draw_map(axes, dataset, field, side, z, steps, PRESSURE_COLOURS)
-    axes.set_title(f"Pressure, a line every {steps[1]:.3g} {z.unit}")
+    head_map(axes, dataset, "Pressure", z, steps)
 
 
 def draw_flow(axes: Axes, direction: float) -> None:

@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from ertel.results.plots import stored
-from ertel.results.plots.drawing import BLUE, ORANGE, Field, Scale, draw_map, extent, levels, map_of, scale
+from ertel.results.plots.drawing import BLUE, ORANGE, Field, Scale, draw_map, extent, head_map, levels, map_of, scale
 from ertel.results.plots.histories import draw_series
 from ertel.results.plots.moments import Profiles, shown
 
@@ -51,7 +51,7 @@ def _draw(
     profile = loss.values.max(axis=0)
     side = extent(dataset, loss.x, np.where(profile > SEEN * profile.max(), profile, 0.0))
     draw_map(axes, dataset, field, side, z, steps, colours)
-    axes.set_title(f"{heading}, a line every {steps[1]:.3g} {z.unit}")
+    head_map(axes, dataset, heading, z, steps)
 
 
 def _top(field: Field) -> float:
