@@ -93,6 +93,17 @@ def test_own_lubricant() -> None:
     assert 0.5 * roelands < power < roelands
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_thinning_film() -> None:
+    """The Newtonian film does not depend on sliding; that of squalane, which thins, falls with it."""
+    example = script("thinning_film")
+    example.SLIDING = [0.0, 1.5]
+    films = {name: curve.dataset["h_c"].values for name, curve in example.curves(nodes=33).items()}
+    assert films["newtonian"][1] == pytest.approx(films["newtonian"][0], rel=1e-12)
+    assert films["carreau"][0] < films["newtonian"][0]
+    assert films["carreau"][1] < 0.98 * films["carreau"][0]
+
+
 def test_interferogram() -> None:
     """The fringes give the film back under which they were seen, on so coarse a grid too."""
     example = script("interferogram")
@@ -101,7 +112,7 @@ def test_interferogram() -> None:
     assert seen == pytest.approx(computed, abs=1e-12)
 
 
-@pytest.mark.parametrize("name", ["ball_bearing", "skewed_ellipse"])
+@pytest.mark.parametrize("name", ["ball_bearing", "gear_flanks", "skewed_ellipse"])
 def test_elliptical_examples(name: str) -> None:
     """On so small a grid the film is too thin, but of the size of Chittenden's formula."""
     case = load_case(EXAMPLES / f"{name}.toml", ["solver.nodes=33"])
