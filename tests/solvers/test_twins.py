@@ -27,7 +27,11 @@ def at_maximum(M: float, method: str, nodes: int, half_width: float) -> dict[str
 
 @pytest.mark.parametrize(
     ("M", "nodes", "radial"),
-    [(200, 129, 201), pytest.param(200, 257, 401, marks=pytest.mark.slow), pytest.param(1000, 257, 401, marks=FINE)],
+    [
+        (200, 129, 201),
+        pytest.param(200, 257, 401, marks=pytest.mark.slow),
+        pytest.param(1000, 257, 401, marks=pytest.mark.slow),
+    ],
 )
 def test_the_twins_agree_and_ever_better(M: float, nodes: int, radial: int) -> None:
     twin = at_maximum(M, "radial", radial, 2.0)["H_c"]
