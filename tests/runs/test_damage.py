@@ -128,10 +128,11 @@ def any_file(directory: Path, chance: random.Random) -> Path:
 # -- any bit of any file ----------------------------------------------------------------------------------------------
 
 
-def test_no_flipped_bit_is_silent_in_a_finished_run(runs, copy):
+@pytest.mark.parametrize("trials", [30, pytest.param(200, marks=pytest.mark.slow)])
+def test_no_flipped_bit_is_silent_in_a_finished_run(runs, copy, trials):
     directory, chance = copy(runs.finished), random.Random(1)
     seen = []
-    for _ in range(60):
+    for _ in range(trials):
         file = any_file(directory, chance)
         before = flip(file, chance)
         seen.append(runs.unchanged(runs.read, directory))
@@ -139,9 +140,10 @@ def test_no_flipped_bit_is_silent_in_a_finished_run(runs, copy):
     assert True in seen and False in seen
 
 
-def test_no_flipped_bit_is_silent_in_a_resumed_run(runs, copy, tmp_path):
+@pytest.mark.parametrize("trials", [6, pytest.param(40, marks=pytest.mark.slow)])
+def test_no_flipped_bit_is_silent_in_a_resumed_run(runs, copy, tmp_path, trials):
     chance, seen = random.Random(2), []
-    for number in range(12):
+    for number in range(trials):
         directory = Path(shutil.copytree(runs.cut, tmp_path / str(number)))
         flip(any_file(directory, chance), chance)
         seen.append(runs.unchanged(runs.resume, directory))

@@ -161,7 +161,8 @@ def test_without_viscosity_the_ball_comes_back_with_its_speed() -> None:
     """lambda_bar -> 0: no loss.  The loss falls with lambda_bar, and is small where it is small."""
     losses = []
     for lambda_bar in (1e-2, 1e-4):
-        losses.append(1 - simulate(isoviscous(lambda_bar, 33, until="rebound")).summary["restitution"])
+        case = isoviscous(lambda_bar, 33, until="rebound", tolerance=1e-3)
+        losses.append(1 - simulate(case).summary["restitution"])
     assert losses[0] > losses[1]
     assert 0 < losses[1] < 0.005
 
@@ -181,7 +182,7 @@ def test_work_per_step_is_bounded(oil: str) -> None:
 @pytest.mark.parametrize("M", [pytest.param(200, marks=pytest.mark.slow), 1000])
 def test_what_the_default_tolerance_leaves_is_small_beside_the_error_of_the_grid(M: float) -> None:
     """A tenth at most: the counts above are those of steps that are exact enough."""
-    fixed = {"step": 0.01, "until": 1.5}
+    fixed = {"step": 0.03, "until": 1.5}
     coarse, fine, exact = (
         simulate(impact(M, 10, nodes, time=fixed, solver=solver)).dataset.isel(time=-1)
         for nodes, solver in ((65, {}), (129, {}), (129, TIGHT))
