@@ -343,14 +343,3 @@ def test_a_limit_of_the_stress_needs_more_and_never_fails() -> None:
         found = flow(traceable_law(law), np.stack([B, 0 * B], 1), g.T)
         assert np.all(np.isfinite(found.stress)) and np.all(np.isfinite(found.flux))
         assert int(found.iterations) < LIMIT
-
-
-@every_law
-def test_a_point_has_the_same_flow_in_any_company(law: Fluidity) -> None:
-    """The iteration goes on until the last point has converged, so each must have converged to round-off alone."""
-    s, g = [[0.5, -2.0], [3.0, 0.4], [30.0, 2.0], [1000.0, 100.0]], [[0.3, 1.0], [0.6, 0.3], [2.0, -1.0], [4.0, 4.0]]
-    together = flow(law, s, g)
-    for k, (sliding, gradient) in enumerate(zip(s, g, strict=True)):
-        alone = flow(law, [sliding] * 10, [gradient] * 10)
-        for found, expected in zip(alone[:2], together[:2], strict=True):
-            assert_allclose(found[:, 0], expected[:, k], rtol=1e-12, atol=1e-12 * float(jnp.abs(expected[:, k]).max()))
