@@ -1,3 +1,4 @@
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -115,3 +116,12 @@ def test_forcing_follows_the_gain_of_newtons_iteration() -> None:
     assert forcing(0.1, 1e6) == pytest.approx(0.01)
     assert forcing(1e-4, 1e6) == 1e-3
     assert forcing(1e-4, 3.0) == pytest.approx(0.1)
+
+
+def test_an_iteration_evaluates_the_residual_twice() -> None:
+    """Once with its derivative, and once at the new iterate: that of an oil that thins is dear."""
+
+    def solve(P: Array) -> Array:
+        return newton.solve(lambda P, H: jnp.sinh(P) + H, identity, lambda P, H, free: identity, P, P, 1e-9).left
+
+    assert str(jax.make_jaxpr(solve)(jnp.ones((3, 3)))).count("= sinh") == 2

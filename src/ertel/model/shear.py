@@ -29,13 +29,14 @@ import numpy as np
 from jax import Array
 from jax.custom_derivatives import SymbolicZero
 
+from ertel.numerics.blocks import in_blocks
 from ertel.numerics.pointwise import TINY, Matrix, Tensor, divided, dot, length, product, square, times, transposed
 from ertel.physics.fluidity import Fluidity
 
 NODES = 8  # across the film, even
 SPREAD = 10.0  # growth of ln(phi) towards a wall over half the film at which the nodes begin to move to the walls
 PLAIN = 1e-6  # a spread that stands for none
-TOLERANCE = 1e-5  # of the last change of tau_m in units of the stress at the walls; the error is about its square
+TOLERANCE = 1e-7  # of the last change of tau_m in units of the stress at the walls; the error is about its square
 LIMIT = 40  # of Newton iterations
 
 
@@ -58,9 +59,9 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> Sh
     (2, ...).  gradient: g = h grad p in Pa, shape (2, ...).  All finite; differentiable (forward and reverse) in all of
     them and in the numbers of the law, which must be a JAX pytree (`pytrees.traceable_law`).
     """
-    fixed = jax.lax.stop_gradient((law, pressure, sliding, gradient))
-    stress, nodes, iterations = _solved(*fixed)
-    return Shear(*_attached((law, pressure), sliding, gradient, stress, nodes), iterations)
+    law_, *fields = jax.lax.stop_gradient((law, pressure, sliding, gradient))
+    stress, nodes, iterations = in_blocks(partial(_solved, law_), pressure.shape, *fields)
+    return Shear(*_attached((law, pressure), sliding, gradient, stress, nodes), jnp.max(iterations))
 
 
 def dissipation(found: Shear, sliding: Array, gradient: Array) -> Array:
@@ -84,8 +85,12 @@ def secant_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Arra
     It has a limit where tau_m . g = 0.  In a small gradient it is phi across and d(phi tau)/dtau along tau_m.  The
     off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
     """
-    t, nodes = found.stress, _nodes(law, pressure, found.stress, gradient)
-    zeta, weight = nodes
+    mobility: Mobility = in_blocks(partial(_secant, law), pressure.shape, pressure, found.stress, gradient)
+    return mobility
+
+
+def _secant(law: Fluidity, pressure: Array, t: Array, gradient: Array) -> Mobility:
+    zeta, weight = jax.lax.stop_gradient(_nodes(law, pressure, t, gradient))  # where they lie has no influence
     phi, slope = _both(law, pressure, t, gradient, zeta)
     across = dot(t, gradient)
     # |tau+|^2 - |tau-|^2 = 4 zeta tau_m . g; where it is too small for a quotient, the mean slope by |tau|^2 serves
@@ -101,8 +106,8 @@ def secant_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Arra
 
 def tangent_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Array) -> Mobility:
     """The tensor dQ/dg times 12 at constant sliding, positive definite: of the flux's exact derivative."""
-    nodes = _nodes(law, pressure, found.stress, gradient)
-    _, _, by_gradient = _derivative(law, pressure, found.stress, gradient, nodes)
+    nodes = in_blocks(partial(_nodes, law), pressure.shape, pressure, found.stress, gradient)
+    by_gradient = _derivative((law, pressure), found.stress, gradient, nodes).by_gradient
     return Mobility(*(12.0 * component for component in by_gradient))
 
 
@@ -206,7 +211,7 @@ class _Iterate(NamedTuple):
 
 
 def _solved(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> tuple[Array, Nodes, Array]:
-    """tau_m, the nodes of its integrals, and the number of iterations.
+    """tau_m, the nodes of its integrals, and the number of iterations, the same at each point.
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
     equation is psi(sliding(tau_m)/F) = psi(s/F).  For Eyring's law and sliding along the gradient its left side is
@@ -235,7 +240,7 @@ def _solved(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> 
     far = jnp.full_like(pressure, jnp.inf)
     first = _Iterate(aim, jnp.zeros_like(aim), far, jnp.max(far), jnp.zeros((), jnp.int32))
     last = jax.lax.while_loop(unsolved, improve, first)
-    return last.stress + last.change, nodes, last.iterations
+    return last.stress + last.change, nodes, jnp.full(pressure.shape, last.iterations)
 
 
 def _resting(law: Fluidity, pressure: Array, gradient: Array) -> Array:
@@ -266,26 +271,33 @@ def _bent(law: Fluidity, pressure: Array, v: Array) -> tuple[Array, Any]:
 @jax.custom_jvp
 def _attached(oil: Any, sliding: Array, gradient: Array, stress: Array, nodes: Nodes) -> tuple[Array, Array]:
     """tau_m and Q.  oil: the law and the pressure.  stress: the solution for these arguments, whose changes follow."""
-    law, pressure = oil
-    m = _moments(law, pressure, stress, gradient, nodes)
-    return stress, m.s1 * stress + m.s2 * gradient
+    return stress, _derivative(oil, stress, gradient, nodes).flux
 
 
 @partial(_attached.defjvp, symbolic_zeros=True)
 def _change(primals: Any, tangents: Any) -> Any:
     oil, _, gradient, t, nodes = primals
-    found = _attached(*primals)
-    A, by_sliding, by_gradient = _derivative(oil[0], oil[1], t, gradient, nodes)
-    d_oil, ds, dg = (jax.tree.map(_given, part, is_leaf=_is_zero) for part in tangents[:3])
-    missing = ds
-    extra = jnp.zeros_like(t)
-    if not all(_is_zero(leaf) for leaf in jax.tree.leaves(tangents[0], is_leaf=_is_zero)):
-        flow = partial(_integrals, t=t, gradient=gradient, nodes=nodes)
-        _, (slid, extra) = jax.jvp(flow, (oil,), (d_oil,))
-        missing = ds - slid
+    flux, A, by_sliding, by_gradient = _derivative(oil, t, gradient, nodes)
+    ds, dg = (_given(part) for part in tangents[1:3])
+    slid, extra = _by_oil(oil, tangents[0], t, gradient, nodes)
+    missing = ds - slid
     d_stress = divided(A, missing) - product(transposed(by_sliding), dg)
     d_flux = product(by_sliding, missing) + times(by_gradient, dg) + extra
-    return found, (d_stress, d_flux)
+    return (t, flux), (d_stress, d_flux)
+
+
+def _by_oil(oil: Any, change: Any, t: Array, gradient: Array, nodes: Nodes) -> tuple[Array, Array]:
+    """The change of the sliding and of the flux of a given middle stress, from what changes of the law and pressure."""
+    numbers, structure = jax.tree.flatten(oil)
+    changes = enumerate(jax.tree.leaves(change, is_leaf=_is_zero))
+    moving = {k: number for k, number in changes if not _is_zero(number)}
+
+    def flow(moved: dict[int, Array]) -> tuple[Array, Array]:
+        values = [moved.get(k, number) for k, number in enumerate(numbers)]
+        return _integrals(jax.tree.unflatten(structure, values), t, gradient, nodes)
+
+    _, found = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
+    return found
 
 
 def _integrals(oil: Any, t: Array, gradient: Array, nodes: Nodes) -> tuple[Array, Array]:
@@ -297,15 +309,29 @@ def _integrals(oil: Any, t: Array, gradient: Array, nodes: Nodes) -> tuple[Array
     return s0 * t + s1 * gradient, s1 * t + s2 * gradient
 
 
-def _derivative(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> tuple[Tensor, Matrix, Tensor]:
-    """A, C A^-1 and D - C A^-1 C."""
+class _Derivative(NamedTuple):
+    """The flux Q, A, C A^-1 and D - C A^-1 C."""
+
+    flux: Array
+    A: Tensor
+    by_sliding: Matrix
+    by_gradient: Tensor
+
+
+def _derivative(oil: Any, t: Array, g: Array, nodes: Nodes) -> _Derivative:
+    law, pressure = oil
+    found: _Derivative = in_blocks(partial(_derived, law), pressure.shape, pressure, t, g, nodes)
+    return found
+
+
+def _derived(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> _Derivative:
     m = _moments(law, pressure, t, g, nodes)
     columns = divided(m.A, jnp.stack(m.C[:2])), divided(m.A, jnp.stack(m.C[1:]))  # of A^-1 C
     share = columns[0][0], columns[0][1], columns[1][0], columns[1][1]  # its transpose C A^-1, row by row
     xx = m.D[0] - (share[0] * m.C[0] + share[1] * m.C[1])
     xy = m.D[1] - (share[0] * m.C[1] + share[1] * m.C[2])
     yy = m.D[2] - (share[2] * m.C[1] + share[3] * m.C[2])
-    return m.A, share, (xx, xy, yy)
+    return _Derivative(m.s1 * t + m.s2 * g, m.A, share, (xx, xy, yy))
 
 
 def _is_zero(tangent: Any) -> bool:

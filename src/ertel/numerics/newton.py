@@ -30,7 +30,7 @@ class Options:
     reduction in later ones, see `_forcing`.
     """
 
-    newton_least: int = 1  # not 0: errors of predictions within the tolerance would accumulate from step to step
+    newton_least: int = 1  # at least 1: errors of predictions within the tolerance would accumulate from step to step
     newton_limit: int = 40
     filling_limit: int = 6  # iterations that use `filled`: it may free and hold the same nodes in turns
     krylov_limit: int = 16
@@ -75,12 +75,16 @@ class Solution(NamedTuple):
 
 
 _Pair = tuple[Array, Array]  # a field and a number
+_Change = Callable[[Array, Array], Array]  # of r, from those of P and H
 
 
 class _Iterate(NamedTuple):
+    """r: the residual at P and H; size: its largest in units of the tolerance."""
+
     P: Array
     H: Array
     s: Array
+    r: Array
     size: Array
     newton: Array
     krylov: Array
@@ -110,13 +114,12 @@ def solve(
     system = _System(residual, partner_change, preconditioner, tolerance, options, border, filled)
     zero = jnp.zeros((), jnp.int32)
     s = jnp.asarray(border.s, P.dtype)
-    start = system.size(P, H, s)
-    history = jnp.full(options.newton_limit + 1, jnp.nan).at[0].set(start)
-    forcing = jnp.full_like(start, options.first_reduction)
-    first = _Iterate(P, H, s, start, zero, zero, history, forcing)
+    history = jnp.full(options.newton_limit + 1, jnp.nan)
+    infinite, forcing = (jnp.asarray(value, P.dtype) for value in (jnp.inf, options.first_reduction))
+    # no residual is needed yet: the first iteration is always done, and begins with it
+    first = _Iterate(P, H, s, jnp.zeros_like(P), infinite, zero, zero, history, forcing)
     last = jax.lax.while_loop(system.is_unsolved, system.improve, first)
-    r = residual(last.P, last.H)
-    left = _free(last.P, r) * r
+    left = _free(last.P, last.r) * last.r
     return Solution(last.P, last.H, last.s, left, last.size, last.size <= 1.0, last.newton, last.krylov, last.history)
 
 
@@ -132,9 +135,8 @@ class _System:
     border: Border
     filled: Map
 
-    def size(self, P: Array, H: Array, s: Array) -> Array:
+    def size(self, P: Array, s: Array, r: Array) -> Array:
         """The largest residual in units of the tolerance."""
-        r = self.residual(P, H)
         misfit = jnp.abs(self.border.misfit(P, s)) / self.border.tolerance
         return jnp.maximum(jnp.max(jnp.abs(_free(P, r) * r) / self.tolerance), misfit)
 
@@ -144,24 +146,25 @@ class _System:
 
     def improve(self, it: _Iterate) -> _Iterate:
         """One Newton iteration."""
-        (dP, ds), krylov = self.newton_change(it)
+        r, change_of_r = jax.linearize(self.residual, it.P, it.H)
+        (dP, ds), krylov = self.newton_change(it, r, change_of_r)
         # all nodes by the same share: where the few of a spike alone are held back, their neighbours lose their balance
         largest = jnp.maximum(jnp.max(jnp.abs(dP)), jnp.abs(ds))
         share = jnp.minimum(1.0, self.options.largest_change / jnp.maximum(largest, jnp.finfo(dP.dtype).tiny))
         P, s = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
         H = it.H + self.change_of_H((P - it.P, s - it.s))
-        reached, count = self.size(P, H, s), it.newton + 1
-        history = it.history.at[count].set(reached)
-        forcing = _forcing(self.options, reached / it.size, reached)
-        return _Iterate(P, H, s, reached, count, it.krylov + krylov, history, forcing)
+        left, count = self.residual(P, H), it.newton + 1
+        size, reached = self.size(it.P, it.s, r), self.size(P, s, left)
+        history = it.history.at[it.newton].set(size).at[count].set(reached)
+        forcing = _forcing(self.options, reached / size, reached)
+        return _Iterate(P, H, s, left, reached, count, it.krylov + krylov, history, forcing)
 
     def change_of_H(self, d: _Pair) -> Array:
         return self.partner_change(d[0]) + self.border.dH_ds * d[1]
 
-    def newton_change(self, it: _Iterate) -> tuple[_Pair, Array]:
+    def newton_change(self, it: _Iterate, r: Array, change_of_r: _Change) -> tuple[_Pair, Array]:
         """The change that solves the linear equations nearly, and the Krylov iterations that it took."""
         weight = jnp.asarray(self.border.weight, it.P.dtype)
-        r, change_of_r = jax.linearize(self.residual, it.P, it.H)
         early = it.newton < self.options.filling_limit
         free = _free(it.P, jnp.where(early, self.filled(jnp.where(it.P > 0.0, 0.0, r)), r))
         misfit, change_of_misfit = jax.linearize(self.border.misfit, it.P, it.s)

@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax import Array, tree
 
 from ertel.model import contact
+from ertel.model.contact import Contact
 from ertel.model.flow import Rate
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.line_smoother import line_smoother
@@ -46,15 +48,8 @@ def levels(
     rate: of the mass, where the smoother adds none of its own.
     """
     c, elastic = problem.contact, problem.elastic
-
-    def laws(P: Array, H: Array) -> tuple[tuple[Array, Pair], Pair]:
-        found = contact.mobilities(c, P, H)
-        return (contact.mass(c, P, H), found.secant), found.tangent
-
     # in double precision: of a thick oil the viscosity is beyond single, its inverse and their derivatives are not
-    one, zero = jnp.ones_like(P), jnp.zeros_like(P)
-    (mass, _), by, eps = jax.linearize(laws, P, H, has_aux=True)
-    by_P, by_H = by(one, zero), by(zero, one)
+    mass, eps, by_P, by_H = _laws(c, P, H)
     # where the pressure is curved, as at the foot of a spike, the diagonal is larger by half, or more than doubled
     steepening = -0.5 * stencils.curvature(by_P[1], P, c.even) / c.spacing**2
 
@@ -74,3 +69,24 @@ def levels(
     _, change = jax.linearize(balance, mass, eps, P)
     finest = multigrid.Coefficients(eps, rate * by_H[0], rate * by_P[0], free, steepening)
     return multigrid.hierarchy(elastic, finest, smoother, jacobian)
+
+
+_Changes = tuple[Array, Pair]  # of the mass and of the mobility
+
+
+def _laws(c: Contact, P: Array, H: Array) -> tuple[Array, Pair, _Changes, _Changes]:
+    """The mass, the tangent mobility, and the derivatives of the mass and of the secant mobility by P and by H."""
+
+    def laws(P: Array, H: Array) -> tuple[tuple[Array, Pair], Pair]:
+        found = contact.mobilities(c, P, H)
+        return (contact.mass(c, P, H), found.secant), found.tangent
+
+    def change(dP: Array, dH: Array) -> Any:
+        return jax.jvp(laws, (P, H), (dP, dH), has_aux=True)
+
+    # both derivatives at once: they share most of the work
+    one, zero = jnp.ones_like(P), jnp.zeros_like(P)
+    both = jnp.stack([one, zero]), jnp.stack([zero, one])
+    (mass, _), by, eps = jax.vmap(change, out_axes=(None, 0, None))(*both)
+    by_P, by_H = (tree.map(lambda field, k=k: field[k], by) for k in range(2))
+    return mass, eps, by_P, by_H

@@ -18,7 +18,7 @@ from ertel.model.budget import Account, Around, Moment
 from ertel.model.case import Case
 from ertel.model.contact import Contact
 from ertel.model.flow import Flow, rate_in_time
-from ertel.model.friction import ANY_SIZE, Friction, coefficients
+from ertel.model.friction import Friction, coefficients
 from ertel.model.measure import measure
 from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
@@ -38,6 +38,7 @@ THIN = 0.1  # of the film scale: below this the time error of a film is not take
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 LARGEST_REST = 20.0  # tolerances of time, may be left over in the film of a step: more would rule the size of the steps
+SMALL = 3 * 65 * 65  # entries of three levels on a grid whose account, once a step, is not worth optimising
 # Krylov: 3 or 4 are needed, and each has its two fields
 OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
 
@@ -304,4 +305,4 @@ def _account(
     return budget.account(space, c, P, H, m, change)
 
 
-_program = Program(jax.jit(_account), ANY_SIZE)
+_program = Program(jax.jit(_account), SMALL)
