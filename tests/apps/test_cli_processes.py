@@ -101,7 +101,7 @@ def test_figures_for_nobody(here):
     with deaf() as stdout:
         ended = done([sys.executable, "-u", "-m", "ertel", "plot", "a"], stdout=stdout)
     assert (ended.returncode, ended.stderr) == (0, "")
-    assert names(here / "a" / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png"}
+    assert names(here / "a" / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png", "friction.png"}
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no directory in which even root cannot write")

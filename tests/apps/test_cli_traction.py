@@ -129,8 +129,8 @@ def test_a_film_that_does_not_converge_fails(here: Path, monkeypatch: pytest.Mon
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["ball.toml"], "one of them must vary"),
-        (["ball.toml", "--slide-to-roll", "0:1:3", "--load", "1:2:3"], "slide_to_roll and load given"),
+        (["ball.toml"], "give exactly one of slide_to_roll, mean_speed, load; got none"),
+        (["ball.toml", "--slide-to-roll", "0:1:3", "--load", "1:2:3"], "got slide_to_roll and load"),
         (["ball.toml", "--slide-to-roll", "0:1"], 'slide_to_roll = "0:1": must be FIRST:LAST:NUMBER'),
         (["ball.toml", "--slide-to-roll", "0:1:one"], "must be a whole number from 2 to 1000"),
         (["ball.toml", "--mean-speed", "0:1 m/s:3:log"], "must both be above zero"),

@@ -159,7 +159,7 @@ def quantity(kind: str, low: float, high: float) -> st.SearchStrategy[str]:
 
 balls = st.fixed_dictionaries(
     {
-        "radius": quantity("length", 0.1, 99.0),
+        "radius": quantity("length", 1.5, 99.0),
         "ball_density": st.floats(1e3, 2e4).map(lambda rho: f"{rho!r} kg/m^3"),
         "speed": quantity("speed", 1e-3, 1e2),
         "E_prime": quantity("stress", 1.0, 1e3),

@@ -126,3 +126,10 @@ def test_an_inlet_far_too_hot_for_the_formula():
     with pytest.raises(ConfigError, match=r'^thermal.inlet_factor = "gupta": its formula gives phi_T = -'):
         case_of({}, contact, oil)
     assert case_of({"inlet_factor": "wilson-sheu"}, contact, oil).thermal
+
+
+def test_two_temperatures_of_the_inlet_are_refused():
+    assert case_of({"temperature": "313.15 K"}).thermal.temperature == 313.15
+    said = re.escape('thermal.temperature = "80 degC": differs from lubricant.temperature = "40 degC", for which')
+    with pytest.raises(ConfigError, match=said):
+        case_of({"temperature": "80 degC"})

@@ -92,7 +92,7 @@ OILS = st.builds(
 )
 THERMALS = st.builds(
     Thermal,
-    *[sizes(250.0, 450.0), sizes(0.1, 0.2), sizes(0.01, 0.1), *[sizes()] * 6],
+    *[sizes(250.0, 450.0), sizes(0.1, 0.2), sizes(0.01, 0.1), *[sizes(1.0, 1000.0)] * 6],
     *[st.one_of(st.none(), sizes(250.0, 450.0))] * 2,
     inlet_factor=st.sampled_from(["wilson-sheu", "none"]),
 )

@@ -87,19 +87,23 @@ def test_film_and_inlet() -> None:
 
 @pytest.mark.parametrize("rheology", ["newtonian", pytest.param(OIL["rheology"], marks=pytest.mark.slow)], ids=str)
 def test_without_heat_the_friction_is_the_isothermal_one(rheology: Any) -> None:
-    case = case_of(beta="1e-12 / K", viscosity="exponential", inlet_factor="none")
+    case = case_of(beta="1e-8 / K", viscosity="exponential", inlet_factor="none")
     case = parse_case({**case.to_data(), "lubricant": {**OIL, "rheology": rheology}})
     P, H = film_of(case)
     found, grid = heated(case, P, H), discretise.grid_of(case)
     c, load = discretise.contact_of(case, grid), case.geometry.hertz_load
     cold = jax.jit(friction)(Plane.of(grid), c, jnp.asarray(P), jnp.asarray(H), 0.4, 1.0, load)
-    assert_allclose(found.stress, cold.stress, rtol=1e-6, atol=1e-12)
-    assert_allclose(found.sliding, cold.sliding, rtol=1e-6)
+    left = 1.01e-8 * float(
+        np.max(found.T_film) - case.thermal.temperature
+    )  # of the viscosity, by the least beta allowed
+    assert left < 1e-4
+    assert_allclose(found.stress, cold.stress, rtol=left, atol=1e-12)
+    assert_allclose(found.sliding, cold.sliding, rtol=left)
 
 
 def test_heat_reduces_the_traction_and_more_so_with_sliding() -> None:
     slow, fast = heated_at(0.2), heated_at(1.0)
-    cold = case_of(beta="1e-12 / K", viscosity="exponential", inlet_factor="none")
+    cold = case_of(beta="1e-8 / K", viscosity="exponential", inlet_factor="none")
     share = [
         float(hot.sliding[0] / heated(cold, *film_of(cold), S).sliding[0]) for hot, S in ((slow, 0.2), (fast, 1.0))
     ]
@@ -151,7 +155,7 @@ def test_temperature_of_a_body_at_rest_under_hertzian_heat() -> None:
     assert s and thermal
     heat = 1e8 * film_of(case)[0]
     exact = pi * 1e8 * s.a / (4 * thermal.bodies[1].conductivity)
-    assert _rise(thermal.bodies[1], 0.0, s.a, grid)(heat).max() == pytest.approx(exact, rel=0.01)
+    assert _rise(thermal.bodies[1], 0.0, 0.0, s.a, grid)(heat).max() == pytest.approx(exact, rel=0.01)
 
 
 def test_the_start_does_not_matter() -> None:
@@ -167,3 +171,14 @@ def test_a_case_without_thermal_data_has_no_temperatures() -> None:
     P, H = film_of(case)
     with pytest.raises(ValueError, match=r"^thermal: the case has no such section"):
         heated(case, P, H)
+
+
+def test_a_limiting_stress_without_sliding_has_no_heat() -> None:
+    """The stress is zero everywhere, where the length of a vector has no derivative."""
+    limited = {"law": "limited", "base": OIL["rheology"], "Lambda": 0.05}
+    case = case_of()
+    case = parse_case({**case.to_data(), "lubricant": {**OIL, "rheology": limited}})
+    found = heated(case, *film_of(case), slide_to_roll=0.0)
+    assert found.converged
+    assert_allclose(found.sliding, 0.0, atol=1e-12)
+    assert_allclose(found.T_film, case.thermal.temperature, rtol=1e-12)

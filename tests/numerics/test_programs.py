@@ -32,7 +32,8 @@ def scaled(record, x):
 
 
 @pytest.fixture(autouse=True)
-def nothing_traced():
+def nothing_traced(monkeypatch):
+    monkeypatch.setattr(programs, "_directory", None)  # other tests of this process may keep programs
     traced.clear()
     scaled.clear_cache()
 

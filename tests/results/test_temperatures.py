@@ -85,13 +85,13 @@ def test_warnings(run: ertel.Result) -> None:
     found = heated(run.case, *(run.dataset[name].values[32:] for name in ("P", "H")))
     assert thermal_warnings(run.case, found._replace(peclet=(8.0, 0.0))) == []
     slow = thermal_warnings(run.case, found._replace(peclet=(2.0, 1.0)))
-    assert [line[:17] for line in slow] == ["surface 1 is slow", "surface 2 is slow"]
+    assert [line[:17] for line in slow] == ["surface 1 moves s", "surface 2 moves s"]
     [hot] = thermal_warnings(run.case, found._replace(inlet=Inlet(1.5, 0.6), peclet=(8.0, 8.0)))
     assert hot.startswith(
         "the inlet factor phi_T = 0.6 (Gupta et al. 1992, Zhu and Cheng) is made for L_t up to about 1"
     )
     [lost] = thermal_warnings(run.case, found._replace(converged=False, peclet=(8.0, 8.0)))
-    assert lost.startswith("the temperatures were not found")
+    assert lost.startswith("the heat balance did not converge")
 
 
 def test_how_much_too_hot_a_slow_surface_is() -> None:

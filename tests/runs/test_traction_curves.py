@@ -12,6 +12,7 @@ from ertel.model import friction, heat
 from ertel.model.case import Case
 from ertel.model.sections import Drive
 from ertel.model.status import Status
+from ertel.physics.motion import constant
 from ertel.runs.drive import drive
 from ertel.runs.traction import traction
 from ertel.solvers import steady
@@ -161,7 +162,7 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
     np.testing.assert_allclose(data["h_c"], data["phi_T"] * cold["h_c"], rtol=1e-12)
     spent = data["power_loss"] - data["power_loss"][0]
     np.testing.assert_allclose(spent, data["mu_sliding"] * 20.0 * data["slide_to_roll"], rtol=1e-6, atol=1e-12)
-    for part in ("mu_iso", "T_film (K)", "warm film"):
+    for part in ("mu_iso", "T_film (K)", "include heat"):
         assert part in repr(curve)
     assert len(curve.plot().axes) == 6
 
@@ -169,8 +170,8 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({}, "one of them must vary"),
-        ({"slide_to_roll": [0], "load": [1]}, "slide_to_roll and load given"),
+        ({}, "give exactly one of slide_to_roll, mean_speed, load; got none"),
+        ({"slide_to_roll": [0], "load": [1]}, "got slide_to_roll and load"),
         ({"load": "1:5"}, "load = .*FIRST:LAST:NUMBER"),
         ({"mean_speed": "0:1:3"}, "contact.mean_speed = .* must not be zero"),
         ({"mean_speed": [1.0], "film": "once"}, "film depends on mean_speed"),
@@ -189,3 +190,10 @@ def test_a_curve_needs_a_steady_contact_and_speed_and_load_need_si() -> None:
     dimensionless = parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, "solver": {"nodes": 33}})
     with pytest.raises(ConfigError, match=r"load = .*dimensionless"):
         traction(dimensionless, load=[1.0])
+
+
+def test_a_constant_factor_of_the_axis_is_refused() -> None:
+    case = physical()
+    doubled = replace(case, drive=Drive(load=constant(2.0)))
+    with pytest.raises(ConfigError, match=r"motion\.load = 2: multiplies the load of a curve"):
+        traction(doubled, load=[10.0, 20.0])

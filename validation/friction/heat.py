@@ -90,7 +90,7 @@ def plain_iteration(chosen: Case, s: GridSolution, S: float) -> tuple[float, flo
     scales, thermal, grid = chosen.scales, chosen.thermal, s.grid
     assert scales and thermal and chosen.oil.eta0
     mean = scales.front_speed
-    thinner = thermal.inlet(chosen.oil.eta0, scales, mean, S).factor * s.H
+    thinner = thermal.inlet(chosen.oil.eta0, scales.p_h / scales.E_prime, mean, S).factor * s.H
     sheared = heat._sheared(chosen, grid, thermal.viscosity_of(chosen.oil.eta0), s.P, thinner, S * mean)
     speeds = mean * (1 + S / 2), mean * (1 - S / 2)
     rises = [heat._rise(body, u, scales.a, grid) for body, u in zip(thermal.bodies, speeds, strict=True)]

@@ -35,6 +35,11 @@ def with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
     for key in TEMPERATURES:
         if key in given:
             given[key] = _kelvin(key, given[key])
+    if "temperature" in lubricant and given["temperature"] != _kelvin("temperature", lubricant["temperature"]):
+        raise ConfigError(
+            f"thermal.temperature = {show(written['temperature'])}: differs from lubricant.temperature = "
+            f"{show(lubricant['temperature'])}, for which eta0 and alpha hold; leave thermal.temperature out"
+        )
     found = {**_oil(lubricant, given), **_body(1, contact), **_body(2, contact), **given}
     for key, mark in marks(Thermal).items():
         if key not in found and key not in ("temperature_1", "temperature_2"):

@@ -18,14 +18,13 @@ import numpy as np
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.quantities import parse_number, parse_quantity
 from ertel.model.records import show
-from ertel.physics.units import Bounds, Unit
+from ertel.physics.units import Bounds, Mark, Unit
 
 LOG = "log"
 MOST_VALUES = 1000
 NUMBER = Bounds(gt=1, le=MOST_VALUES, whole=True)
 
 Given = str | float | Sequence[Any]
-Mark = Unit | Bounds
 
 
 def parse_values(name: str, given: Given, mark: Mark) -> tuple[float, ...]:

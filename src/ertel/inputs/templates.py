@@ -48,7 +48,7 @@ def template(kind: Kind, name: str) -> str:
         f"#   ertel check {name}        what follows from it, without running it",
         f"#   ertel run {name}",
         "#",
-        "# Keys in comments may be given too; each shows an example or its default. Quantities have a unit, any",
+        "# Keys in comments are optional; some exclude others, see ertel check. Quantities have a unit, any",
         "# that you like; amounts without one are in the units of the case: lengths a, heights a^2/R, times t0.",
     ]
     given = GIVEN[kind]

@@ -14,7 +14,7 @@ Heat is conducted across the film only, with one temperature for the viscosity; 
 """
 
 from dataclasses import dataclass, field
-from math import pi
+from math import cbrt, pi
 from typing import Any, NamedTuple
 
 import jax
@@ -144,11 +144,14 @@ def heated(
         raise ValueError("thermal: the case has no such section, and so no data for temperatures")
     S = case.motion.slide_to_roll if slide_to_roll is None else slide_to_roll
     mean, grid = case.motion.entrainment(0.0) * s.front_speed, grid or discretise.grid_of(case)
-    inlet = thermal.inlet(eta0, s, mean, S)
+    grown = cbrt(case.motion.load(0.0))  # the contact, by a load that [motion] changes
+    half_width = s.a * case.geometry.extent[0] * grown
+    inlet = thermal.inlet(eta0, s.p_h * grown / s.E_prime, mean, S)
     film = opened(inlet.factor * jnp.asarray(H))
     sheared = _sheared(case, grid, thermal.viscosity_of(eta0), P, film, S * mean)
     moving = list(zip(thermal.bodies, (mean * (1.0 + 0.5 * S), mean * (1.0 - 0.5 * S)), strict=True))
-    rises = [_rise(body, speed, s.a, grid) for body, speed in moving]
+    peclet = tuple(flash.peclet_number(body, speed, half_width) for body, speed in moving)
+    rises = [_rise(body, speed, number, s.a, grid) for (body, speed), number in zip(moving, peclet, strict=True)]
     found = warmed(sheared.heat, rises, np.asarray(sheared.H) / thermal.conductivity, thermal.warmer, heat)
     stress = _program(sheared, found.film)[0] / s.shear_stress
     return Heated(
@@ -160,7 +163,7 @@ def heated(
         heat=found.heat,
         stress=stress,
         sliding=_force(grid, stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
-        peclet=tuple(flash.peclet_number(body, speed, s.a) for body, speed in moving),
+        peclet=peclet,
         iterations=found.iterations,
         applications=found.applications,
         converged=found.converged,
@@ -180,9 +183,9 @@ def _force(grid: Grid, stress: Array) -> Array:
     return jnp.stack([plane.total(stress[0]), jnp.zeros(()) if grid.even.y else plane.total(stress[1])])
 
 
-def _rise(body: Solid, speed: float, a: float, grid: Grid) -> Rise:
+def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid) -> Rise:
     """How warm a surface gets by the heat that flows into it: as it passes through the contact, or at rest."""
-    if flash.peclet_number(body, speed, a) >= flash.AT_REST:
+    if peclet >= flash.AT_REST:
         response = flash.response(body, speed, grid.shape[1], grid.spacing * a)
         return lambda heat: np.asarray(heat @ response.T)
     kernel = halfspace.spectrum(grid, a / (2.0 * pi * body.conductivity))

@@ -1,6 +1,7 @@
 """The section [thermal] of a case: data of the oil and of both bodies for the temperatures of a steady contact."""
 
 from dataclasses import dataclass
+from math import cbrt
 from typing import Annotated, NamedTuple
 
 from ertel.model.records import show
@@ -86,10 +87,10 @@ class Thermal:
         """The law of the warm oil's viscosity.  Raises ValueError for an eta0 (Pa s) for which it has no meaning."""
         return WARM_VISCOSITIES[self.viscosity].of(eta0, self.beta, self.temperature)
 
-    def inlet(self, eta0: float, scales: Scales, mean_speed: float, slide_to_roll: float) -> "Inlet":
-        """Inlet shear heating; mean_speed in m/s."""
+    def inlet(self, eta0: float, p_h_over_E: float, mean_speed: float, slide_to_roll: float) -> "Inlet":
+        """Inlet shear heating; eta0 in Pa s, mean_speed in m/s."""
         L_t = thermal_loading(eta0, self.beta, mean_speed, self.conductivity)
-        factor = INLET_FACTORS[self.inlet_factor].formula(L_t, abs(slide_to_roll), scales.p_h / scales.E_prime)
+        factor = INLET_FACTORS[self.inlet_factor].formula(L_t, abs(slide_to_roll), p_h_over_E)
         return Inlet(L_t, factor)
 
 
@@ -113,7 +114,8 @@ def check(thermal: Thermal, oil: Oil, scales: Scales | None, solver: Solver, mot
         thermal.viscosity_of(oil.eta0)
     except ValueError as error:
         raise ValueError(f"thermal.viscosity = {show(thermal.viscosity)}: {error}") from error
-    inlet = thermal.inlet(oil.eta0, scales, motion.entrainment(0.0) * scales.front_speed, motion.slide_to_roll)
+    pressure = scales.p_h * cbrt(motion.load(0.0)) / scales.E_prime
+    inlet = thermal.inlet(oil.eta0, pressure, motion.entrainment(0.0) * scales.front_speed, motion.slide_to_roll)
     if not inlet.factor > 0:
         raise ValueError(
             f"thermal.inlet_factor = {show(thermal.inlet_factor)}: its formula gives phi_T = {inlet.factor:.3g} at the "

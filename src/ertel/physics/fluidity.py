@@ -220,5 +220,7 @@ def carried(law: Fluidity, stress: Array, pressure: Array) -> Array:
 def cut_off(stress: Array, limit: Array) -> Array:
     """The stress vector, shape (2, ...), with its length cut off at a limit above zero, shape (...)."""
     xp = _of_arrays(stress)
-    length = xp.sqrt(stress[0] ** 2 + stress[1] ** 2)
-    return stress * (limit / xp.maximum(length, limit))
+    square = stress[0] ** 2 + stress[1] ** 2
+    above = square > limit**2
+    # a root of zero has no derivative
+    return stress * xp.where(above, limit / xp.sqrt(xp.where(above, square, limit**2)), 1.0)

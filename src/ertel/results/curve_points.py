@@ -42,11 +42,11 @@ SHOWN_WARM = ("mu_isothermal", "T_film_max")  # with a section [thermal]
 WARM = (*SHOWN_WARM, "T_1_max", "T_2_max", "phi_T")
 VARIABLES: Mapping[str, Variable] = {
     **variables.VARIABLES,
-    "mu_1": Variable("resistance of surface 1, mu + mu_r", "mu_1", "a/R", "a_over_R", "mu_1", "1"),
-    "mu_2": Variable("resistance of surface 2, mu_r - mu", "mu_2", "a/R", "a_over_R", "mu_2", "1"),
-    "tau_max": Variable("maximum shear stress", "tau_max", "p_h a/R", "shear_stress", "tau_max", "Pa"),
+    "mu_1": Variable("friction coefficient of surface 1, mu + mu_r", "mu_1", "a/R", "a_over_R", "mu_1", "1"),
+    "mu_2": Variable("friction coefficient of surface 2, mu_r - mu", "mu_2", "a/R", "a_over_R", "mu_2", "1"),
+    "tau_max": Variable("maximum mid-plane shear stress", "tau_max", "p_h a/R", "shear_stress", "tau_max", "Pa"),
     "mu_isothermal": replace(
-        FRICTION["mu_sliding"], long_name="traction coefficient without heat", si_name="mu_isothermal"
+        FRICTION["mu_sliding"], long_name="isothermal traction coefficient", si_name="mu_isothermal"
     ),
     "T_1_max": Variable("highest temperature of surface 1", "T_1", "K", "", "T_1_max", "K"),
     "T_2_max": Variable("highest temperature of surface 2", "T_2", "K", "", "T_2_max", "K"),

@@ -127,7 +127,7 @@ class _Whole(Protocol):
 
 def whole_maps(method: _Whole, P: Any, H: Any, friction: Friction) -> dict[str, np.ndarray]:
     """All `FIELDS` on the whole plane, from a film and its friction."""
-    tau_x, tau_y = friction.stress
+    tau_x, tau_y = np.asarray(friction.stress)
     fields = {"P": P, "H": H, "tau_x": tau_x, "tau_y": tau_y, "loss": friction.loss}
     return {name: np.asarray(method.whole(field, odd=name == "tau_y")) for name, field in fields.items()}
 

@@ -8,7 +8,7 @@ from ertel.model import heat
 from ertel.model.case import Case
 from ertel.model.heat import Heated
 from ertel.model.state import GridSolution
-from ertel.physics.flash import SLOWEST, slow_excess
+from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
 from ertel.physics.thermal import INLET_FACTORS
 from ertel.results.variables import TEMPERATURES
 
@@ -66,9 +66,17 @@ def thermal_warnings(case: Case, found: Heated) -> list[str]:
     for number, peclet in enumerate(found.peclet, 1):
         if slow_excess(peclet) > slow_excess(SLOWEST):
             said.append(
-                f"surface {number} is slow, with a Peclet number of {peclet:.2g}: below {SLOWEST:g} heat also flows "
-                f"along the surface, and its temperature rise is about {slow_excess(peclet):.0%} too high"
+                f"surface {number} moves slowly, with a Peclet number of {peclet:.2g}: "
+                + (
+                    "it counts as at rest"
+                    if peclet < AT_REST
+                    else f"below {SLOWEST:g} heat also flows along the surface"
+                )
+                + f", and its temperature rise is about {slow_excess(peclet):.0%} too high"
             )
     if not found.converged:
-        said.append(f"the temperatures were not found in {found.iterations} iterations; they mean nothing")
+        said.append(
+            f"the heat balance did not converge in {found.iterations} iterations: temperatures and thermal "
+            "traction mean nothing"
+        )
     return said

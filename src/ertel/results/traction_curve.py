@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from ertel.model.case import Case
-from ertel.results import diagnostics, html
+from ertel.results import html
 from ertel.results.curve_points import AXES, SHOWN, SHOWN_WARM, largest_of, shown_name
 from ertel.results.variables import PREFIXES, exponent
 
@@ -21,7 +21,9 @@ HEADS = {  # of a table, where names are long
     **{"mu_sliding": "mu", "mu_rolling": "mu_r", "power_loss": "loss"},
     **{"mu_isothermal": "mu_iso", "T_film_max": "T_film"},
 }
-WARM = "mu, loss, films and stress are those of the warm film; mu_iso is without heat, mu_r too"
+WARM = (
+    "mu, loss, films and stress include heat (inlet shear heating, flash temperature); mu_iso and mu_r are isothermal"
+)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -121,10 +123,7 @@ class TractionCurve:
     @property
     def warnings(self) -> list[str]:
         """Warnings about the oil, the grid and the domain, with the points that they are about."""
-        if not self.case.scales:
-            return list(self.said)
-        largest = largest_of(self.dataset["mu_sliding"])
-        return [*diagnostics.friction_warnings(self.case, largest / self.case.scales.a_over_R), *self.said]
+        return list(self.said)
 
     def __repr__(self) -> str:
         lines = (*self.table_lines(), *self.remarks)

@@ -64,11 +64,12 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     _check_steady(case)
     wanted = {name: values for name, values in given.items() if values is not None}
     if len(wanted) != 1:
-        said = " and ".join(wanted) or "none of them"
-        raise ConfigError(f"{', '.join(AXES)}: {said} given; one of them must vary along the curve")
+        said = " and ".join(wanted) or "none"
+        raise ConfigError(f"give exactly one of {', '.join(AXES)}; got {said}")
     [(axis, values)] = wanted.items()
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
+    check_factors(case, axis)
     curve = Curve(case, axis, parse_values(axis, values, AXES[axis].mark), _film(case, axis, film))
     curve.cases  # noqa: B018  # raises where a value is not allowed
     return curve
@@ -93,6 +94,16 @@ def _film(case: Case, axis: str, film: str | None) -> Film:
 
 
 # -- the case of a point ----------------------------------------------------------------------------------------------
+
+
+def check_factors(case: Case, axis: str) -> None:
+    """Speed and load of a case may have a constant factor in [motion], which would change the axis."""
+    for of, key, factor in (
+        ("load", "load", case.motion.load(0.0)),
+        ("mean_speed", "entrainment", abs(case.motion.entrainment(0.0))),
+    ):
+        if axis == of and factor != 1.0:
+            raise ConfigError(f"motion.{key} = {factor:g}: multiplies the {of} of a curve; leave it out of the case")
 
 
 def _with_slide_to_roll(case: Case, value: float) -> Case:

@@ -19,6 +19,7 @@ STEPS_OF_A_PERIOD = 16.0
 SECONDS_A_STEP = 2e-3, 1e-6  # of a step, and for each node that is kept
 SECONDS_A_RADIAL_STEP = 2e-3, 1.7e-7  # and for each pair of nodes along the radius
 SECONDS_STEADY = 1.3e-5  # for each node that is kept, with the coarser grids
+TIMES_OF_THINNING = 2.0, 6.0  # what a steady film and a step of an oil that thins take, times a Newtonian one
 SECONDS_TO_START = 5.0  # with compiled programs from the cache; some fifteen more where there are none
 
 
@@ -43,4 +44,5 @@ def seconds(case: Case) -> float:
     kept = prod(discretise.grid_of(case).shape)
     film = 0.0 if case.starts_apart else SECONDS_STEADY * kept
     start, each = SECONDS_A_STEP
-    return SECONDS_TO_START + film + steps(case) * (start + each * kept)
+    more, slower = (1.0, 1.0) if case.oil.is_newtonian else TIMES_OF_THINNING
+    return SECONDS_TO_START + more * film + slower * steps(case) * (start + each * kept)

@@ -3,6 +3,7 @@
 curve = traction(case, slide_to_roll="0:0.5:15")
 """
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,8 @@ from ertel.runs.drive import Observer, drive
 from ertel.runs.progress import bars
 from ertel.runs.traction_store import CurveStore
 
+NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but not that of a surface
+
 ObserversOf = Callable[[int, SteadyCourse], Sequence[Observer]]  # of the film for a point, by the number of the point
 
 
@@ -46,7 +49,7 @@ def run(
         for new in _computed(curve, before, observers_of, stop):
             store.keep(new)
         found = _found(curve, store.points, store.directory)
-        if len(store.points) > before:
+        if len(store.points) > before or not store.drawn:
             store.draw(found)
     return found
 
@@ -85,12 +88,14 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
         "tau_max": float(np.hypot(*np.asarray(found.stress)).max()),
         **dict(zip(WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
-    said = diagnostics.steady_warnings(case, film.solutions)
+    said, status = diagnostics.steady_warnings(case, film.solutions), film.status
     if case.thermal is not None and film.status.ok:
         warm = heat.of_solution(case, grids.finest)
         values |= _warm_values(case, values, warm)
         said += thermal_warnings(case, warm)
-    return point(case, values, film.status, said)
+        status = film.status if warm.converged else Status.NEWTON_STALLED
+    said += diagnostics.friction_warnings(case, values["mu_sliding"])
+    return point(case, values, status, said)
 
 
 def _warm_values(case: Case, cold: Mapping[str, float], warm: Heated) -> dict[str, float]:
@@ -124,7 +129,7 @@ def _grouped(curve: Curve, points: Sequence[Point]) -> tuple[str, ...]:
     alike: dict[str, list[str]] = {}
     for value, each in zip(curve.values, points, strict=False):
         for sentence in each["warnings"]:
-            alike.setdefault(sentence.partition("(")[0], []).append(f"{curve.axis} = {value:.4g}: {sentence}")
+            alike.setdefault(NUMBER.sub("#", sentence), []).append(f"{curve.axis} = {value:.4g}: {sentence}")
     more = " (and the same at {} other points)".format
     return tuple(first + (more(len(others)) if others else "") for first, *others in alike.values())
 

@@ -71,6 +71,11 @@ class CurveStore:
         self.points = (*self.points, new)
         replace(self.directory / POINTS, self._content())
 
+    @property
+    def drawn(self) -> bool:
+        """Whether table and picture are there."""
+        return all((self.directory / name).exists() for name in (TABLE, PICTURE))
+
     def draw(self, found: TractionCurve) -> None:
         """Write the table and the picture of the points."""
         if self.points:

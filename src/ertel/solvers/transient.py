@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -215,7 +215,7 @@ class Transient2D(Method):
 
     def friction(self, level: State) -> Friction:
         """See `Method.friction`: by the program of the account, as if the film did not change."""
-        masses = jnp.stack([level.fields["mass"]] * 3)
+        masses: Any = np.stack([np.asarray(level.fields["mass"])] * 3)
         return self._account(level, masses, np.zeros(3), self.flow(level.T, [level.T] * 2)).friction
 
     def _account(self, level: State, masses: Array, rates: Weights, flow: Flow | None) -> Account:
