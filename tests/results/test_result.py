@@ -49,7 +49,7 @@ def test_repr_of_a_physical_impact():
     assert f"{0.07 * film:.4g} nm (0.07 a*^2/R), error 1.0%" in text
     assert "error 10.0%" in text
     assert "GPa (1.3 p_h*)" in text
-    assert "(0.004 F* delta*/t0)" in text and "traction" not in text
+    assert "(0.004 F* a*^2/(R t0))" in text and "traction" not in text
     assert "coefficient of restitution e  0.9300" in text
     assert len(text.splitlines()) < 15
 

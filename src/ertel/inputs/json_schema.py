@@ -11,6 +11,7 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from ertel.inputs.oil_rheology import OF_OILS
 from ertel.inputs.schema import SECTIONS, case_file
+from ertel.model.records import law_fields
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -35,7 +36,10 @@ def json_schema() -> dict[str, Any]:
         found["$defs"][name.capitalize()]["description"] = part.text
     del found["$defs"]["Thermal"]["required"]  # the named oil and materials may complete it
     laws = found["$defs"]["Lubricant"]["properties"]["rheology"]["oneOf"]
-    laws[0] = {"type": "string", "enum": ["newtonian", *OF_OILS]}
+    laws[0] = {
+        "type": "string",
+        "enum": ["newtonian", *(name for name, (law, _) in OF_OILS.items() if not law_fields(law))],
+    }
     for table in found["$defs"].values():
         table.pop("title", None)
         if table["properties"].get("law", {}).get("const") in OF_OILS:  # a named oil may have the rest

@@ -28,7 +28,7 @@ H = -Delta + G + D has the gap G (with the roughness) and the deformation D.  Th
   the grid, and with the flow through the edge, integral of h rho q.n + U (rho h - P) H n_x.
 
 With the kinetic energy of the ball, inertia V dV/dT = (w - F) V, the work of the applied load w and of the surfaces is
-stored, dissipated, or lost to the outside.  Energies are in units F* delta*, powers in F* delta*/t0.  Mass is in
+stored, dissipated, or lost to the outside.  Energies are in units F* a^2/R, powers in F* a^2/(R t0).  Mass is in
 rho0 a^4/R: in SI a volume, that of the oil at ambient pressure.
 
 The flow through the edge is not taken from the solver's own fluxes, so the budgets can fail.

@@ -132,7 +132,7 @@ class Rolling(Kind):
 
     units: Mapping[str, str] = {
         "a*": "a", "a*^2/R": "a^2/R", "p_h*": "p_h", "F*": "F", "a*/t0": "u_m", "a*/R": "a/R", "p_h* a*/R": "p_h a/R",
-        "p_h* a*^2/(R t0)": "p_h u_m a/R", "F* delta*/t0": "F u_m a/R",
+        "p_h* a*^2/(R t0)": "p_h u_m a/R", "F* a*^2/(R t0)": "F u_m a/R", "F* a*^2/R": "F a^2/R",
     }  # fmt: skip
     conditions = (
         Condition("$u_m$", "u_m_m_per_s", "m/s"),

@@ -54,11 +54,11 @@ def _pressure(long_name: str, symbol: str) -> Variable:
 
 
 def _energy(long_name: str, symbol: str, si_name: str) -> Variable:
-    return Variable(long_name, symbol, "F* delta*", "energy", si_name, "J")
+    return Variable(long_name, symbol, "F* a*^2/R", "energy", si_name, "J")
 
 
 def _power(long_name: str, symbol: str, si_name: str, comment: str = "") -> Variable:
-    return Variable(long_name, symbol, "F* delta*/t0", "power", si_name, "W", comment=comment)
+    return Variable(long_name, symbol, "F* a*^2/(R t0)", "power", si_name, "W", comment=comment)
 
 
 def _oil_flow(long_name: str, symbol: str, si_name: str, comment: str = "") -> Variable:

@@ -36,7 +36,7 @@ UNITS = {
     "a": "$a$", "a^2/R": "$a^2/R$", "p_h": "$p_h$", "F": "$F$", "u_m": "$u_m$",
     "a*/R": "$a^*/R$", "p_h* a*/R": r"$p_h^*\, a^*/R$", "p_h* a*^2/(R t0)": r"$p_h^*\, a^{*2}/(R t_0)$",
     "a/R": "$a/R$", "p_h a/R": r"$p_h\, a/R$", "p_h u_m a/R": r"$p_h\, u_m\, a/R$",
-    "F* delta*/t0": r"$F^* \delta^*/t_0$", "F u_m a/R": r"$F u_m\, a/R$",
+    "F* a*^2/(R t0)": r"$F^* a^{*2}/(R\,t_0)$", "F u_m a/R": r"$F u_m\, a/R$",
 }  # fmt: skip
 SHOWN = {"W/m2": (1e-6, "W/mm²"), "1": (1.0, "")}  # SI units that are shown otherwise than with a prefix
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
