@@ -23,6 +23,6 @@ class Status(Enum):
 
 
 _ADVICE = {
-    Status.NEWTON_STALLED: "reduce the time step, or use more nodes where the film is thin",
+    Status.NEWTON_STALLED: "use more nodes where the film is thin, or shorter steps in time",
     Status.STEP_TOO_SMALL: "refine the grid (solver.nodes), check the lubricant, or loosen time.tolerance",
 }
