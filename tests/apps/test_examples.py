@@ -112,11 +112,11 @@ def test_interferogram() -> None:
     assert seen == pytest.approx(computed, abs=1e-12)
 
 
-@pytest.mark.parametrize("name", ["ball_bearing", "gear_flanks", "skewed_ellipse"])
-def test_elliptical_examples(name: str) -> None:
+@pytest.mark.parametrize(("name", "nodes"), [("ball_bearing", 65), ("gear_flanks", 65), ("skewed_ellipse", 33)])
+def test_elliptical_examples(name: str, nodes: int) -> None:
     """On so small a grid the film is too thin, but of the size of Chittenden's formula."""
-    case = load_case(EXAMPLES / f"{name}.toml", ["solver.nodes=33"])
+    case = load_case(EXAMPLES / f"{name}.toml", [f"solver.nodes={nodes}"])
     result = ertel.simulate(case)
     formula = next(film for film in films(case) if film.name.startswith("Chittenden")).central
     assert result.summary["status"] == "converged" and formula
-    assert 0.25 * formula < result.summary["H_c"] < 1.1 * formula
+    assert 0.6 * formula < result.summary["H_c"] < 1.1 * formula

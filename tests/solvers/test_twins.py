@@ -48,6 +48,8 @@ def test_the_twins_agree_in_everything(nodes: int, radial: int) -> None:
     for name in ("T", "Delta", "F", "P_c", "H_c"):
         assert two[name] == pytest.approx(one[name], rel=5e-3), name
     assert abs(two["H_min"] - one["H_min"]) < abs(two["H_min"] - half["H_min"]) / 2
+    if nodes == 257:  # 3.05 % on 129
+        assert two["H_min"] == pytest.approx(one["H_min"], rel=0.03)
 
 
 @pytest.mark.parametrize("nodes", [201, pytest.param(401, marks=pytest.mark.slow)])
