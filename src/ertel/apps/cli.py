@@ -27,6 +27,7 @@ from ertel.apps.arguments import (
     directory_option,
     values_option,
 )
+from ertel.apps.browser.command import browse
 from ertel.apps.exits import bad_input
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
@@ -329,3 +330,4 @@ def about(
 
 for command in (cases.new, cases.check, cases.schema, paper):
     app.command()(command)
+app.command("app")(browse)

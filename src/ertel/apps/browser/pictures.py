@@ -1,0 +1,135 @@
+"""Pictures for pages: drawn by a process of its own, so that pages answer meanwhile; the last ones are kept.
+
+Neither process imports JAX, and this one imports no matplotlib.
+"""
+
+import asyncio
+import signal
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+INTERFEROGRAM = "interferogram"
+LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
+KEPT = 60  # pictures, of some 0.2 MB each
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a page must know of a run.
+
+    figures: the names of its pictures.  T: the times of its maps in t0, empty for a steady contact; times: the same as
+    text.  events: the maps of events by name.  news: label, symbol and value of the last step or grid.
+    """
+
+    title: str
+    figures: tuple[str, ...]
+    T: tuple[float, ...]
+    times: tuple[str, ...]
+    events: dict[str, int] = field(default_factory=dict)
+    news: tuple[tuple[str, str, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Wish:
+    """A picture.  figure: its name.  at: a time in t0 or an event.  light: of an interferogram, one of `LIGHTS`.
+
+    dots: per inch.  stamp: of the data, see `stamp_of`.
+    """
+
+    run: Path
+    figure: str
+    at: float | str | None = None
+    light: str = "mono"
+    kind: str = "png"
+    dots: int = 110
+    stamp: int = 0
+
+
+def stamp_of(run: Path) -> int:
+    """A number that changes when data are written; 0 where there are none yet."""
+    try:
+        return (run / "run.zarr" / "zarr.json").stat().st_mtime_ns
+    except OSError:
+        return 0
+
+
+# -- in the other process ---------------------------------------------------------------------------------------------
+
+
+def _tell(run: Path, stamp: int) -> Told:
+    from ertel.apps.browser import drawing
+
+    return drawing.tell(run, stamp)
+
+
+def _draw(wish: Wish) -> bytes:
+    from ertel.apps.browser import drawing
+
+    return drawing.draw(wish)
+
+
+def _begin() -> None:
+    """Leave Ctrl-C to the app, and import what takes long before it is asked for."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    from ertel.apps.browser import drawing as drawing
+
+
+# -- in this one ------------------------------------------------------------------------------------------------------
+
+
+def _process() -> Executor:
+    return ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=_begin)
+
+
+class Artist:
+    """Draws pictures and keeps the last ones.  make: of the executor that draws."""
+
+    def __init__(self, make: Callable[[], Executor] = _process):
+        self._make, self._executor = make, make()
+        self._kept: OrderedDict[Wish, bytes] = OrderedDict()
+
+    def begin(self) -> None:
+        """Start the process that draws, before it is needed."""
+        self._executor.submit(int)
+
+    async def tell(self, run: Path) -> Told:
+        """What is known of a run.  Raises ValueError where its data cannot be read, or are not there yet."""
+        return await self._asked(_tell, run, stamp_of(run))
+
+    async def draw(self, wish: Wish) -> bytes:
+        """A picture as a file.  Raises ValueError where there is nothing to draw."""
+        if wish not in self._kept:
+            self._kept[wish] = await self._asked(_draw, wish)
+            while len(self._kept) > KEPT:
+                self._kept.popitem(last=False)
+        self._kept.move_to_end(wish)
+        return self._kept[wish]
+
+    async def _asked(self, work: Callable[..., T], *arguments: Any) -> T:
+        """The answer of the other process; one that ended, for want of memory perhaps, is started again."""
+        with self._renewed_if_broken():
+            return await asyncio.get_running_loop().run_in_executor(self._executor, work, *arguments)
+        raise AssertionError("a broken process is an error")
+
+    @contextmanager
+    def _renewed_if_broken(self) -> Iterator[None]:
+        try:
+            yield
+        except BrokenProcessPool as error:
+            self._executor = self._make()
+            raise ValueError(
+                "the process that draws has ended, for want of memory perhaps; it was started again"
+            ) from error
+
+    def close(self) -> None:
+        """End the process that draws."""
+        self._executor.shutdown(wait=False, cancel_futures=True)
