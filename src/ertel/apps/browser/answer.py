@@ -47,9 +47,9 @@ def show_answer(place: ui.element, case: Case, found: dict[str, Any]) -> None:
         _parameters(case)
         ui.separator()
         grid, memory, time = found["grid"], found["memory"], found["time"]
-        nodes = f"{grid['nodes']} × {grid['nodes_across']}" if grid["nodes_across"] > 1 else f"{grid['nodes']}, radial"
+        nodes = f"{grid['nodes']} x {grid['nodes_across']}" if grid["nodes_across"] > 1 else f"{grid['nodes']}, radial"
         _line("nodes", nodes)
-        _line("cells in the pressure sweep", f"{grid['cells_in_sweep']:.1f} (about 10 needed)")
+        _line("cells in the pressure sweep", f"{grid['cells_in_sweep']:.1f}, 10 needed")
         _line("memory", f"about {memory['needed'] / 1e9:.2g} GB")
         steps = f", {time['steps']} steps" if time["steps"] else ""
         _line("time", f"roughly {_said(time['seconds'])}{steps}")

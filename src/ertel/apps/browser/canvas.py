@@ -39,28 +39,31 @@ class Canvas:
         self._busy = True
         self._waits.set_visibility(True)
         try:
-            while self._wish is not None and self._wish != self._shown:
+            while self._wish is not None and self._wish != self._shown and not self._image.is_deleted:
                 await self._draw_one(self._wish)
         finally:
             self._busy = False
-            self._waits.set_visibility(False)
+            if not self._image.is_deleted:
+                self._waits.set_visibility(False)
 
     async def _draw_one(self, wish: Wish) -> None:
+        self._shown = wish
+        address, said = "", ""
         try:
             address = await self._site.address(wish)
         except ValueError as error:
-            self._said.set_text(_sentence(str(error)))
-            self._image.set_visibility(False)
-        else:
+            said = _sentence(str(error))
+        if self._image.is_deleted:  # the page was left
+            return
+        if address:
             self._image.props(f'src="{address}"')
-            self._said.set_text("")
-            self._image.set_visibility(True)
-        self._shown = wish
+        self._said.set_text(said)
+        self._image.set_visibility(bool(address))
 
 
 def _sentence(text: str) -> str:
     """A message of ertel for a page."""
-    text = text.removeprefix("dataset: ")
+    text = text.replace("dataset: has", "the run has")
     return f"{text[:1].upper()}{text[1:]}."
 
 

@@ -1,5 +1,7 @@
 """Two runs side by side, at the same time."""
 
+from pathlib import Path
+
 from nicegui import ui
 
 from ertel.apps.browser.canvas import Canvas
@@ -10,8 +12,8 @@ from ertel.apps.browser.site import Site
 from ertel.results.key_numbers import key_numbers
 
 STEPS = 200  # of the slider
-FIGURES = {"film": "Film", "pressure": "Pressure", **{name: TABS[name][0] for name in ("profiles", "midlines")}}
-FIGURES |= {name: TABS[name][0] for name in ("history", "friction", INTERFEROGRAM)}
+NARROW = {"film": "Film", "pressure": "Pressure"}  # figures of one panel, that stand beside each other
+WIDE = {name: TABS[name][0] for name in ("profiles", "history", "friction", INTERFEROGRAM)}  # one above the other
 
 
 def compare_page(site: Site, a: str = "", b: str = "") -> None:
@@ -35,14 +37,15 @@ class Comparison:
         with ui.row().classes("head"):
             ui.label("Two runs side by side").classes("title")
             ui.space()
-            self._figure = ui.toggle(FIGURES, value="film", on_change=self._show).props("no-caps unelevated dense")
+            self._figure = ui.toggle({**NARROW, **WIDE}, value="film", on_change=self._show).props(
+                "no-caps unelevated dense"
+            )
             self._figure.classes("choice")
-        with ui.element("div").classes("card moment-card") as self._when:
-            with ui.row().classes("moment"):
-                ui.icon("schedule")
-                self._slider = ui.slider(min=0, max=STEPS, value=STEPS, on_change=self._show).mark("slider")
-                self._label = ui.label().classes("time")
-        with ui.element("div").classes("pair"):
+        with ui.element("div").classes("card moment-card") as self._when, ui.row().classes("moment"):
+            ui.icon("schedule")
+            self._slider = ui.slider(min=0, max=STEPS, value=STEPS, on_change=self._show).mark("slider")
+            self._label = ui.label().classes("time")
+        with ui.element("div").classes("pair") as self._pair:
             sides = [self._side(number, names, name) for number, name in enumerate(chosen)]
         self._names, self._numbers, self._canvases = (list(parts) for parts in zip(*sides, strict=True))
         for number in (0, 1):
@@ -61,6 +64,8 @@ class Comparison:
             self._told[number] = await self.site.artist.tell(path)
         except ValueError as error:
             ui.notify(str(error))
+            return
+        if self._label.is_deleted:  # the page was left
             return
         self._begin(self._told[number] or Told("", (), (), ()))
         summary = summary_of(path)
@@ -85,13 +90,13 @@ class Comparison:
         T = max(ends) * self._slider.value / STEPS if ends else None
         self._when.set_visibility(bool(ends))
         self._label.set_text("" if T is None else f"T = {T:.3f}")
-        for number, told in enumerate(self._told):
+        self._pair.classes(replace="pair wide" if self._figure.value in WIDE else "pair")
+        for told, name, canvas in zip(self._told, self._names, self._canvases, strict=True):
             if told is not None:
-                path = self.site.folder.run(self._names[number].value)
-                at = None if not told.T or T is None else min(told.T, key=lambda t: abs(t - T))
-                figure = (
-                    {"profiles": "midlines"}.get(self._figure.value, self._figure.value)
-                    if not told.T
-                    else ({"midlines": "profiles"}.get(self._figure.value, self._figure.value))
-                )
-                self._canvases[number].show(Wish(path, figure, at, stamp=stamp_of(path)))
+                canvas.show(self._wish(told, self.site.folder.run(name.value), T))
+
+    def _wish(self, told: Told, run: Path, T: float | None) -> Wish:
+        """The picture of one run, at the map next to a time."""
+        at = None if not told.T or T is None else min(told.T, key=lambda t: abs(t - T))
+        is_midline_of_steady = self._figure.value == "profiles" and not told.T
+        return Wish(run, "midlines" if is_midline_of_steady else self._figure.value, at, stamp=stamp_of(run))

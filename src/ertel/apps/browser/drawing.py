@@ -43,13 +43,10 @@ def tell(run: Path, stamp: int) -> Told:
 
 
 def _news(data: xr.Dataset) -> tuple[tuple[str, str, str], ...]:
-    """The last values of a run."""
-    found = []
-    for name in NEWS:
-        if name in data and data[name].size:
-            value = _plain(shown(data, name, float(data[name].values[-1])))
-            found.append((VARIABLES[name].long_name, name, value))
-    return tuple(found)
+    """The last values of a run; a friction that is zero is none."""
+    last = {name: float(data[name].values[-1]) for name in NEWS if name in data and data[name].size}
+    told = {name: value for name, value in last.items() if value or not name.startswith("mu")}
+    return tuple((VARIABLES[name].long_name, name, _plain(shown(data, name, value))) for name, value in told.items())
 
 
 def _plain(text: str) -> str:

@@ -20,7 +20,7 @@ OWN = "own"  # in place of the name of an oil or a material
 OILS = {OWN: "by its viscosity", **{name: name for name in oil_names()}}
 MATERIALS = {name: name for name in material_names()}
 METHODS: Mapping[Kind, Mapping[str, str]] = {
-    "impact": {"radial": "along the radius: seconds", "2d": "in the plane: minutes"},
+    "impact": {"radial": "radial: seconds", "2d": "plane: minutes"},
     "rolling": {"steady": "steady", "transient": "in time"},
 }
 GRIDS: Mapping[str, tuple[int, ...]] = {
@@ -30,7 +30,7 @@ GRIDS: Mapping[str, tuple[int, ...]] = {
     "transient": (65, 129, 193, 257),
 }
 USUAL = {"radial": 257, "2d": 129, "steady": 129, "transient": 129}  # nodes: an answer within a minute
-ENDS = {"max-approach": "at maximum approach", "rebound": "after the rebound"}
+ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
 
 
 @dataclass

@@ -20,7 +20,12 @@ def home_page(site: Site) -> None:
                 _offer("description", file.stem, "Case file in this folder", address_of("/new", case=file.name))
             runs = [entry for entry in site.entries()]
             for entry in runs[:4]:
-                _offer("blur_circular", entry.path.name, "Run in this folder", address_of("/run", name=entry.name))
+                _offer(
+                    "blur_circular",
+                    entry.path.name,
+                    entry.about or "Run in this folder",
+                    address_of("/run", name=entry.name),
+                )
             if len(runs) > 1:
                 _offer("vertical_split", "Compare", "Two runs side by side", "/compare")
 

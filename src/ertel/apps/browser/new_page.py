@@ -54,26 +54,25 @@ class NewCase:
             ui.label("New case").classes("title")
         with ui.element("div").classes("new"):
             with ui.element("div").classes("left"):
-                self._tabs = ui.tabs(on_change=self._turned).props("no-caps dense align=left")
+                self._tabs = ui.tabs().props("no-caps dense align=left")
                 with self._tabs:
                     ui.tab("form", "Form")
                     ui.tab("text", "Case file").mark("tab-text")
-                self._tabs.set_value("form")
                 self._fields = ui.element("div").classes("fields")
                 self._text = ui.textarea(on_change=self._changed).props("outlined autogrow spellcheck=false")
                 self._text.classes("code").mark("text")
             with ui.element("div").classes("right"):
                 self._answer = ui.element("div").classes("card answer")
                 with ui.element("div").classes("card launch"):
-                    self._name = ui.input(LABELS["name"], placeholder=HINTS["name"]).props("outlined dense")
+                    self._name = ui.input(LABELS["name"], placeholder=HINTS["name"]).props("outlined dense stack-label")
                     self._name.mark("name")
                     self._run = ui.button("Run", icon="play_arrow", on_click=self._start).props("unelevated no-caps")
                     self._run.mark("run")
-        self._text.set_visibility(False)
         self._build()
+        self._tabs.on_value_change(self._turned)
+        self._tabs.set_value("form")
         if begin_from:
             self._begin_from(begin_from)
-        self._changed()
 
     def _begin_from(self, name: str) -> None:
         try:
@@ -81,8 +80,8 @@ class NewCase:
         except (OSError, ValueError) as error:
             ui.notify(str(error))
             return
-        self._tabs.set_value("text")
         self._text.set_value(text)
+        self._tabs.set_value("text")
 
     # -- the form -----------------------------------------------------------------------------------------------------
 
@@ -92,7 +91,7 @@ class NewCase:
         self._inputs = {}
         self._fields.clear()
         with self._fields:
-            with ui.element("div").classes("card group"):
+            with ui.element("div").classes("card choices"):
                 self._choice("kind", {"impact": "Impact", "rolling": "Rolling"}, self._choose_kind)
                 self._choice("given", {"si": "Quantities", "moes": "M and L"}, self._rebuilt("given"))
             shown = form.shown
@@ -184,7 +183,7 @@ class NewCase:
         except ValueError as error:
             self._refuse(str(error))
             return
-        if case is None:  # the app is closing
+        if case is None or self._answer.is_deleted:  # the app is closing, or the page was left
             return
         self._mark(None)
         self._data = data
@@ -196,10 +195,13 @@ class NewCase:
         except ValueError as error:
             self._refuse(str(error))
             return
-        show_answer(self._answer, case, found)
+        if not self._answer.is_deleted:
+            show_answer(self._answer, case, found)
 
     def _refuse(self, message: str) -> None:
         """Say what is wrong, also at the field where the form has it."""
+        if self._answer.is_deleted:
+            return
         self._run.disable()
         self._mark(message)
         show_fault(self._answer, message)
@@ -211,6 +213,8 @@ class NewCase:
 
     def _start(self) -> None:
         """Write the case file, run it, and go to its page."""
+        if self._asked:
+            self._asked.cancel()
         name = plain_name((self._name.value or "").strip()) or _name_of(self._data, "case")
         try:
             path = self.site.processes.start(name, tomli_w.dumps({**self._data, "name": name}))

@@ -23,6 +23,7 @@ from ertel.model.status import Status
 from ertel.runs import files, progress_file
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
+STOPPED = (0, 130, -signal.SIGINT)  # exit codes of a run that ended or was asked to
 FLUSH = "2"  # seconds between what a live picture can show
 
 
@@ -62,6 +63,7 @@ class _Started:
     """A process that this app started; its messages go to a file without a name."""
 
     process: subprocess.Popen[bytes]
+    arguments: Sequence[str]
     messages: IO[bytes]
     since: float = field(default_factory=monotonic)
     asked_to_stop: bool = False
@@ -93,10 +95,14 @@ class Processes:
         return run
 
     def resume(self, run: Path) -> None:
-        """Continue a run.  Raises ValueError where a process works on it."""
+        """Continue a run, or begin again where it was stopped before it made its directory.
+
+        Raises ValueError where a process works on it.
+        """
         if self.standing(run).phase.is_active:
             raise ValueError(f"{self.folder.name_of(run)}: is running; there is nothing to resume")
-        self._launch(run, ["resume", str(run)])
+        begun = run.exists() or run not in self._started
+        self._launch(run, ["resume", str(run)] if begun else self._started[run].arguments)
 
     def _launch(self, run: Path, arguments: Sequence[str]) -> None:
         messages = tempfile.TemporaryFile()  # noqa: SIM115 - open as long as the process writes
@@ -108,7 +114,7 @@ class Processes:
             stderr=messages,
             start_new_session=True,
         )
-        self._started[run] = _Started(process, messages)
+        self._started[run] = _Started(process, arguments, messages)
 
     def stop(self, run: Path) -> None:
         """Ask a run to stop after its current step or grid; asked twice, it stops at once.  It can be resumed.
@@ -140,7 +146,7 @@ class Processes:
         progress, ours = progress_file.read(run), self._started.get(run)
         if ours and ours.process.poll() is None:
             return Standing(_phase_of(ours, progress), progress, seconds=monotonic() - ours.since)
-        if ours and ours.process.returncode not in (0, 130) and not _outcome(run):
+        if ours and ours.process.returncode not in STOPPED and not _outcome(run):
             return Standing(Phase.FAILED, progress, ours.last_message())
         if not _outcome(run) and _is_locked(run):
             return Standing(Phase.RUNNING if progress and _lives(progress["process"]) else Phase.COMPILING, progress)

@@ -141,6 +141,8 @@ class RunPage:
             told = await self.site.artist.tell(self.path)
         except ValueError:
             return  # between two writes; the next look tells
+        if self._numbers.is_deleted:  # the page was left
+            return
         self._stamp, self._drawn = stamp, now
         self._take_over(told)
 
@@ -196,7 +198,7 @@ class RunPage:
         active = standing.phase.is_active
         self._stop.set_visibility(active)
         self._stop.set_text("Stop now" if standing.phase is Phase.STOPPING else "Stop")
-        self._resume.set_visibility(not active and standing.phase is not Phase.FINISHED and self.path.exists())
+        self._resume.set_visibility(not active and standing.phase is not Phase.FINISHED)
         self._going.set_visibility(standing.phase is not Phase.FINISHED)
         waits = standing.phase is Phase.COMPILING
         self._bar.props(add="indeterminate" if waits else "", remove="" if waits else "indeterminate")

@@ -12,7 +12,7 @@ from nicegui import app, ui
 
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.pictures import Artist, Wish
-from ertel.apps.browser.processes import Phase, Processes, Standing
+from ertel.apps.browser.processes import Phase, Processes, Standing, summary_of
 
 PICTURES = "/pictures"
 SECONDS = 2.0  # between two looks at the folder
@@ -33,11 +33,12 @@ SAID = {
 
 @dataclass(frozen=True)
 class Entry:
-    """A run in the list."""
+    """A run in the list.  about: kind, M and L, if they are known."""
 
     name: str
     path: Path
     standing: Standing
+    about: str = ""
 
 
 @dataclass
@@ -82,13 +83,18 @@ class Site:
     def entries(self) -> list[Entry]:
         """The runs of the folder, those that go on first, then the latest."""
         paths = dict.fromkeys([*self.processes.ours(), *self.folder.runs()])
-        found = [Entry(self.folder.name_of(path), path, self.processes.standing(path)) for path in paths]
+        found = [Entry(self.folder.name_of(path), path, self.processes.standing(path), _about(path)) for path in paths]
         return sorted(found, key=lambda entry: not entry.standing.phase.is_active)
 
     def find(self, name: str) -> Path:
         """The directory of a run, which may not be there yet if it was just started.  Raises ValueError."""
         path = self.folder.inside(name)
         return path if self.processes.knows(path) else self.folder.run(name)
+
+
+def _about(run: Path) -> str:
+    summary = summary_of(run)
+    return f"{summary['kind']}, M {summary['M']:.4g}, L {summary['L']:.3g}" if summary else ""
 
 
 def address_of(page: str, **values: str) -> str:
@@ -157,10 +163,9 @@ def _row(entry: Entry) -> None:
     with ui.link(target=address_of("/run", name=entry.name)).classes(f"run {phase.value}"):
         ui.icon(icon).classes("state")
         with ui.element("div").classes("text"):
-            folder, _, name = entry.name.rpartition("/")
-            ui.label(name).classes("name").tooltip(entry.name)
-            share = f" · {entry.standing.done:.0%}" if phase in (Phase.RUNNING, Phase.INTERRUPTED) else ""
-            ui.label(f"{word}{share} · {folder}" if folder else f"{word}{share}").classes("more")
+            ui.label(entry.path.name).classes("name").tooltip(entry.name)
+            share = f"{word} {entry.standing.done:.0%}" if phase in (Phase.RUNNING, Phase.INTERRUPTED) else word
+            ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
 
 
 def _closing(site: Site) -> None:
