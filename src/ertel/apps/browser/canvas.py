@@ -103,7 +103,7 @@ class Slider:
         """Take over the maps of a run and show one of them."""
         self._told = told
         self._row.set_visibility(len(told.T) > 1)
-        self._slider.props(f"max={max(len(told.T) - 1, 1)}")
+        self._slider.props["max"] = max(len(told.T) - 1, 1)
         self._events.clear()
         with self._events:
             for event, place in told.events.items():

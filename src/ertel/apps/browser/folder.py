@@ -93,7 +93,10 @@ def _runs_below(folder: Path, depth: int) -> Iterator[Path]:
 
 
 def _is_run(path: Path) -> bool:
-    return (path / CASE).is_file() and ((path / DATA).is_dir() or (path / f"{DATA}.old").is_dir())
+    try:
+        return (path / CASE).is_file() and ((path / DATA).is_dir() or (path / f"{DATA}.old").is_dir())
+    except OSError:  # a name that is too long
+        return False
 
 
 def _changed(path: Path) -> float:

@@ -50,6 +50,8 @@ def serve(folder: Path, port: int, show: bool, ready: Callable[[], None]) -> lis
     """
     site = Site(Folder.at(folder), Processes(Folder.at(folder)), Artist())
     site.serve()
+    app.on_startup(site.artist.begin)
+    app.on_shutdown(site.artist.close)
     app.on_startup(ready)
     app.add_middleware(Guard, port=port)
     with suppress(KeyboardInterrupt):  # by which the server hands on a signal that ended it

@@ -88,10 +88,11 @@ class RunPage:
         with ui.button(icon="download").props("flat round aria-label='Download'").mark("download"):
             ui.tooltip("Download")
             with ui.menu():
-                ui.menu_item("Case file (TOML)", lambda: ui.download.file(self.path / CASE, f"{self.path.name}.toml"))
+                ui.menu_item("Case file (TOML)", self._download_case).mark("download-case")
                 ui.menu_item("Summary (JSON)", self._download_summary)
                 for kind in ("png", "svg", "pdf"):
-                    ui.menu_item(f"This picture ({kind.upper()})", lambda kind=kind: self._download(kind))
+                    item = ui.menu_item(f"This picture ({kind.upper()})", lambda kind=kind: self._download(kind))
+                    item.mark(f"download-{kind}")
         with ui.button(icon="more_vert").props("flat round aria-label='More'"), ui.menu():
             ui.menu_item(
                 "New case from this one", lambda: ui.navigate.to(address_of("/new", case=f"{self.name}/{CASE}"))
@@ -123,12 +124,20 @@ class RunPage:
             return
         ui.download.content(content, f"{self.path.name}-{wish.figure}.{kind}")
 
+    def _download_case(self) -> None:
+        try:
+            content = (self.path / CASE).read_bytes()
+        except OSError:
+            ui.notify("The case file is written when the run begins.")
+            return
+        ui.download.content(content, f"{self.path.name}.toml")
+
     def _download_summary(self) -> None:
         summary = summary_of(self.path)
         if summary is None:
             ui.notify("The summary is written when the run ends.")
             return
-        ui.download.content(json.dumps(summary, indent=2), f"{self.path.name}-summary.json")
+        ui.download.content(json.dumps(summary, indent=2).encode(), f"{self.path.name}-summary.json")
 
     # -- renewed ------------------------------------------------------------------------------------------------------
 

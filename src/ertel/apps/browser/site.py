@@ -55,8 +55,6 @@ class Site:
     def serve(self) -> None:
         """Answer requests for pictures."""
         app.get(PICTURES + "/{key}")(self.picture)
-        app.on_startup(self.artist.begin)
-        app.on_shutdown(self.artist.close)
 
     async def picture(self, key: str) -> Response:
         """A picture that a page was given the address of."""
