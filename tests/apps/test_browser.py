@@ -21,8 +21,9 @@ from ertel.apps.browser import checking, pictures
 from ertel.apps.browser.folder import Folder, Outside
 from ertel.apps.browser.form import Form, field_of
 from ertel.apps.browser.guard import Guard
-from ertel.apps.browser.pictures import Artist, Wish, stamp_of
+from ertel.apps.browser.pictures import Artist
 from ertel.apps.browser.processes import Phase, Processes
+from ertel.apps.browser.wishes import Wish, stamp_of
 from ertel.inputs.case_files import ConfigError, parse_case
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the app stops runs by SIGINT")
@@ -259,7 +260,7 @@ key_numbers(summary_of(run))
 Processes(folder).standing(run)
 heavy = [[name for name in ("jax", "matplotlib", "xarray") if name in sys.modules]]
 from ertel.apps.browser import drawing
-from ertel.apps.browser.pictures import Wish, stamp_of
+from ertel.apps.browser.wishes import Wish, stamp_of
 drawing.tell(run, stamp_of(run))
 for figure in ("front", "interferogram"):
     drawing.draw(Wish(run, figure, "max-approach", dots=20, stamp=stamp_of(run)))

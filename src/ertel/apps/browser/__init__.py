@@ -4,7 +4,7 @@
 command, guard        the command; who may ask: this machine, and pages of the app only
 folder, processes     the folder and its runs; runs as processes of their own: started, watched, stopped, resumed
 form, checking        what a user fills in, and what ertel says of it
-drawing, pictures     pictures, drawn by a process of their own
+pictures, drawing     pictures, drawn by a process of their own; wishes: what it is asked and answers
 site, pages           what all pages share; one file for each page
 ====================  =================================================================================================
 

@@ -5,8 +5,8 @@ from typing import Any
 
 from nicegui import background_tasks, ui
 
-from ertel.apps.browser.pictures import Told, Wish
 from ertel.apps.browser.site import Site
+from ertel.apps.browser.wishes import Told, Wish
 
 
 class Canvas:

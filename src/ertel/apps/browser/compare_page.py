@@ -5,10 +5,10 @@ from pathlib import Path
 from nicegui import ui
 
 from ertel.apps.browser.canvas import Canvas
-from ertel.apps.browser.pictures import INTERFEROGRAM, Told, Wish, stamp_of
 from ertel.apps.browser.processes import summary_of
 from ertel.apps.browser.run_page import TABS
 from ertel.apps.browser.site import Site
+from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish, stamp_of
 from ertel.results.key_numbers import key_numbers
 
 STEPS = 200  # of the slider

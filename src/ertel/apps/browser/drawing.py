@@ -11,7 +11,7 @@ from pathlib import Path
 import xarray as xr
 from matplotlib.figure import Figure
 
-from ertel.apps.browser.pictures import INTERFEROGRAM, Told, Wish
+from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish
 from ertel.results import plots
 from ertel.results.kinds import is_steady
 from ertel.results.plots.drawing import is_physical, scale

@@ -8,9 +8,9 @@ from time import monotonic
 from nicegui import ui
 
 from ertel.apps.browser.canvas import Canvas, Slider
-from ertel.apps.browser.pictures import INTERFEROGRAM, LIGHTS, Told, Wish, stamp_of
 from ertel.apps.browser.processes import Phase, Standing, summary_of
 from ertel.apps.browser.site import SAID, Site, address_of
+from ertel.apps.browser.wishes import INTERFEROGRAM, LIGHTS, Told, Wish, stamp_of
 from ertel.results.key_numbers import Number, key_numbers
 from ertel.runs.directories import CASE
 

@@ -11,8 +11,9 @@ from fastapi import Response
 from nicegui import app, ui
 
 from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.pictures import Artist, Wish
+from ertel.apps.browser.pictures import Artist
 from ertel.apps.browser.processes import Phase, Processes, Standing, summary_of
+from ertel.apps.browser.wishes import Wish
 
 PICTURES = "/pictures"
 SECONDS = 2.0  # between two looks at the folder
