@@ -237,6 +237,14 @@ def test_pictures_are_drawn_once(tmp_path, artist, monkeypatch):
     assert asyncio.run(artist.draw(wish)) is first
 
 
+def test_errors_are_plain(tmp_path, artist):
+    """An error that matplotlib's company knows would bring matplotlib into the web process."""
+    run = make_run(tmp_path / "run")
+    with pytest.raises(ValueError, match="has no such figure") as error:
+        asyncio.run(artist.draw(Wish(run, "midlines", stamp=stamp_of(run))))
+    assert type(error.value) is ValueError
+
+
 def test_a_run_without_data_has_no_pictures(tmp_path, artist):
     with pytest.raises(ValueError, match="nothing is written yet"):
         asyncio.run(artist.tell(tmp_path))

@@ -4,6 +4,7 @@ Neither process imports JAX, and this one imports no matplotlib.
 """
 
 import asyncio
+import gc
 import signal
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
@@ -27,13 +28,26 @@ KEPT = 60  # pictures, of some 0.2 MB each
 def _tell(run: Path, stamp: int) -> Told:
     from ertel.apps.browser import drawing
 
-    return drawing.tell(run, stamp)
+    with _plain_errors():
+        return drawing.tell(run, stamp)
 
 
 def _draw(wish: Wish) -> bytes:
     from ertel.apps.browser import drawing
 
-    return drawing.draw(wish)
+    with _plain_errors():
+        content = drawing.draw(wish)
+    gc.collect()  # the figure, whose arrays are large, refers to itself
+    return content
+
+
+@contextmanager
+def _plain_errors() -> Iterator[None]:
+    """Errors of matplotlib's company as plain ones: who receives them would import it."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(str(error)) from None
 
 
 def _begin() -> None:
