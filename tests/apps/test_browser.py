@@ -243,6 +243,7 @@ def test_errors_are_plain(tmp_path, artist):
     with pytest.raises(ValueError, match="has no such figure") as error:
         asyncio.run(artist.draw(Wish(run, "midlines", stamp=stamp_of(run))))
     assert type(error.value) is ValueError
+    assert error.value.__context__ is None
 
 
 def test_a_run_without_data_has_no_pictures(tmp_path, artist):
