@@ -150,6 +150,17 @@ def test_a_named_oil_takes_a_temperature():
     assert parse_case(form.data()).oil.eta0 < 0.012
 
 
+def test_a_sliding_contact_may_thin_its_oil():
+    form = Form(slide_to_roll="0.1", rheology="ree-eyring", tau0="-3 MPa")
+    assert "rheology" not in form.data()["lubricant"]  # an impact does not slide
+    form.choose_kind("rolling")
+    with pytest.raises(ConfigError) as error:
+        parse_case(form.data())
+    assert field_of(str(error.value)) == "tau0"
+    form.tau0 = "3 MPa"
+    assert not parse_case(form.data()).oil.is_newtonian
+
+
 def test_messages_name_their_field():
     form = Form(radius="10 furlong")
     with pytest.raises(ConfigError) as error:

@@ -30,6 +30,7 @@ GRIDS: Mapping[str, tuple[int, ...]] = {
     "transient": (65, 129, 193, 257),
 }
 USUAL = {"radial": 257, "2d": 129, "steady": 129, "transient": 129}  # nodes: an answer within a minute
+RHEOLOGIES = {"newtonian": "Newtonian", "ree-eyring": "Ree-Eyring"}
 ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
 
 
@@ -37,7 +38,6 @@ ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
 class Form:
     """The fields of the form, all as text.  Each is named as its key in case files, with its section in `SECTION`."""
 
-    name: str = ""
     kind: Kind = "impact"
     given: Literal["si", "moes"] = "si"
     M: str = "1000"
@@ -54,6 +54,8 @@ class Form:
     temperature: str = "40 degC"
     eta0: str = str(GIVEN["impact"]["[lubricant]"]["eta0"])
     alpha: str = str(GIVEN["impact"]["[lubricant]"]["alpha"])
+    rheology: str = "newtonian"
+    tau0: str = "5 MPa"
     method: str = "radial"
     nodes: str = str(USUAL["radial"])
     until: str = "max-approach"
@@ -83,11 +85,19 @@ class Form:
             return ()
         return ("eta0", "alpha") if self.oil == OWN else ("oil", "temperature")
 
+    @property
+    def asks_rheology(self) -> bool:
+        """Whether the form asks how the oil thins: where surfaces may slide, in SI."""
+        return self.kind == "rolling" and self.given == "si"
+
     def data(self) -> dict[str, Any]:
         """The case as plain data, as a case file has it; what is left empty is left out."""
         given = {name: str(getattr(self, name)).strip() for name in self.shown}
         items = [f"{SECTION[name]}.{name}={text}" for name, text in given.items() if text]
-        return apply_overrides({"name": self.name.strip()} if self.name.strip() else {}, items)
+        data = apply_overrides({}, items)
+        if self.asks_rheology and self.rheology != "newtonian":
+            data["lubricant"]["rheology"] = {"law": self.rheology, "tau0": self.tau0.strip()}
+        return data
 
     def text(self) -> str:
         """The case file."""
@@ -96,7 +106,7 @@ class Form:
 
 SECTION = {
     **dict.fromkeys((item.name for item in fields(Form)), "contact"),
-    **dict.fromkeys(("oil", "temperature", "eta0", "alpha"), "lubricant"),
+    **dict.fromkeys(("oil", "temperature", "eta0", "alpha", "rheology", "tau0"), "lubricant"),
     **dict.fromkeys(("method", "nodes"), "solver"),
     "until": "time",
 }
@@ -105,7 +115,7 @@ SECTION = {
 def field_of(message: str) -> str | None:
     """The field of the form that a message of ertel names first, contact.radius = ...; None where there is none."""
     section, _, rest = message.partition(".")
-    name = rest.split(" ")[0].rstrip(":")
+    name = rest.split(" ")[0].rstrip(":").rpartition(".")[2]
     return name if SECTION.get(name) == section else None
 
 

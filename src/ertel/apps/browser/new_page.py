@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import tomli_w
@@ -9,9 +10,10 @@ from nicegui import run, ui
 
 from ertel.apps.browser import checking
 from ertel.apps.browser.answer import show_answer, show_fault, show_waiting
-from ertel.apps.browser.form import ENDS, GRIDS, MATERIALS, METHODS, OILS, OWN, Form, field_of, read_text
+from ertel.apps.browser.form import ENDS, GRIDS, MATERIALS, METHODS, OILS, OWN, RHEOLOGIES, Form, field_of, read_text
 from ertel.apps.browser.site import Site, address_of
 from ertel.model.rules import plain_name
+from ertel.runs.directories import CASE
 
 PAUSE = 0.5  # seconds after the last change before ertel is asked
 LABELS = {
@@ -29,6 +31,8 @@ LABELS = {
     "temperature": "Temperature",
     "eta0": "Viscosity",
     "alpha": "Pressure-viscosity coefficient",
+    "rheology": "Rheology",
+    "tau0": "Eyring stress",
     "nodes": "Nodes",
     "method": "Method",
     "until": "End",
@@ -76,12 +80,14 @@ class NewCase:
 
     def _begin_from(self, name: str) -> None:
         try:
-            text = self.site.folder.inside(name).read_text(encoding="utf-8")
+            path = self.site.folder.inside(name)
+            text = path.read_text(encoding="utf-8")
         except (OSError, ValueError) as error:
             ui.notify(str(error))
             return
         self._text.set_value(text)
         self._tabs.set_value("text")
+        self._name.set_value(path.parent.name if path.name == CASE else path.stem)
 
     # -- the form -----------------------------------------------------------------------------------------------------
 
@@ -98,7 +104,9 @@ class NewCase:
             self._group("Contact", [name for name in ("M", "L", "radius", *_driven(form)) if name in shown])
             if form.given == "si":
                 self._group("Materials", ["material_1", "material_2"])
-                self._group("Oil", ["oil", *(("eta0", "alpha") if form.oil == OWN else ("temperature",))])
+                self._group(
+                    "Oil", ["oil", *(("eta0", "alpha") if form.oil == OWN else ("temperature",)), *_thinning(form)]
+                )
             self._group("Computation", ["method", "nodes", *(("until",) if form.kind == "impact" else ())])
 
     def _group(self, title: str, names: list[str]) -> None:
@@ -106,6 +114,7 @@ class NewCase:
             "material_1": MATERIALS,
             "material_2": MATERIALS,
             "oil": OILS,
+            "rheology": RHEOLOGIES,
             "method": METHODS[self.form.kind],
             "nodes": {str(n): str(n) for n in GRIDS[self.form.method]},
             "until": ENDS,
@@ -128,7 +137,8 @@ class NewCase:
     def _select(self, name: str, options: dict[str, str]) -> None:
         field = ui.select(options, label=LABELS[name], value=getattr(self.form, name))
         field.props("outlined dense options-dense hide-bottom-space").mark(name)
-        rebuilds = {"method": self.form.choose_method, "oil": lambda value: setattr(self.form, "oil", value)}
+        chosen = {each: partial(setattr, self.form, each) for each in ("oil", "rheology")}
+        rebuilds = {"method": self.form.choose_method, **chosen}
         field.on_value_change(lambda event: self._set(name, event.value, rebuilds.get(name)))
         self._inputs[name] = field
 
@@ -226,6 +236,12 @@ class NewCase:
 
 def _driven(form: Form) -> tuple[str, ...]:
     return ("ball_density", "speed") if form.kind == "impact" else ("load", "mean_speed", "slide_to_roll")
+
+
+def _thinning(form: Form) -> tuple[str, ...]:
+    if not form.asks_rheology:
+        return ()
+    return ("rheology",) if form.rheology == "newtonian" else ("rheology", "tau0")
 
 
 def _name_of(data: dict[str, Any], otherwise: str) -> str:

@@ -219,7 +219,7 @@ class RunPage:
         """The key numbers of the summary, or the last values of a run that goes on."""
         summary = summary_of(self.path)
         numbers = key_numbers(summary) if summary else []
-        if not numbers and self._told:
+        if not numbers and self._told and self._told.T:  # those of the first grids of a steady contact mean nothing
             numbers = [Number(label, symbol, value) for label, symbol, value in self._told.news]
         self._numbers.clear()
         with self._numbers:
@@ -234,12 +234,12 @@ class RunPage:
 
 
 def _number(number: Number) -> None:
-    more = [_pretty(number.value)] if number.si else []
+    more = [pretty(number.value)] if number.si else []
     more += [f"± {number.error}"] if number.error else []
     with ui.element("div").classes("number"):
         ui.label(number.label).classes("what")
         with ui.row().classes("known"):
-            ui.label(number.si or _pretty(number.value)).classes("value")
+            ui.label(number.si or pretty(number.value)).classes("value")
             ui.html(_symbol(number.symbol), sanitize=False).classes("symbol")
         ui.label("  ".join(more)).classes("also")
 
@@ -253,7 +253,7 @@ def _symbol(name: str) -> str:
     return f"{escape(base)}<sub>{escape(index)}</sub>"
 
 
-def _pretty(text: str) -> str:
+def pretty(text: str) -> str:
     """Units with their powers raised."""
     return text.replace("^2", "²").replace("t0", "t₀")
 
@@ -269,7 +269,11 @@ def news(standing: Standing) -> str:
             return "Stopping: the current step or grid is finished first, then it can be resumed."
         case Phase.FAILED:
             return f"{standing.message[:1].upper()}{standing.message[1:]}"
-    where = f"T = {p['T']:.3f}, step {p['step']}" if p.get("T") is not None else f"grid {p.get('step', 0)}"
+    where = (
+        f"T = {p['T']:.3f}, step {p['step']}"
+        if p.get("T") is not None
+        else f"grid {p.get('step', 0)}, the coarse ones first"
+    )
     if standing.phase is Phase.INTERRUPTED:
         return f"Interrupted at {where}; it can be resumed." if p else "Interrupted before its first step."
     left = p.get("seconds_left")
