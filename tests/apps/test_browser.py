@@ -140,7 +140,7 @@ def test_runs_of_other_programs_are_told_by_their_lock(tmp_path):
 @pytest.mark.parametrize("given", ["si", "moes"])
 def test_the_form_begins_with_a_case(kind, given):
     form = Form(given=given)
-    form.choose_kind(kind)
+    form.choose("kind", kind)
     assert parse_case(form.data()).kind == kind
 
 
@@ -153,7 +153,7 @@ def test_a_named_oil_takes_a_temperature():
 def test_a_sliding_contact_may_thin_its_oil():
     form = Form(slide_to_roll="0.1", rheology="ree-eyring", tau0="-3 MPa")
     assert "rheology" not in form.data()["lubricant"]  # an impact does not slide
-    form.choose_kind("rolling")
+    form.choose("kind", "rolling")
     with pytest.raises(ConfigError) as error:
         parse_case(form.data())
     assert field_of(str(error.value)) == "tau0"

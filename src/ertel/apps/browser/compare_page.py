@@ -6,9 +6,10 @@ from nicegui import ui
 
 from ertel.apps.browser.canvas import Canvas
 from ertel.apps.browser.processes import summary_of
-from ertel.apps.browser.run_page import TABS, pretty
+from ertel.apps.browser.run_page import TABS
 from ertel.apps.browser.site import Site
 from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish, stamp_of
+from ertel.apps.browser.words import pretty
 from ertel.results.key_numbers import key_numbers
 
 STEPS = 200  # of the slider

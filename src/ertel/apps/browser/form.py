@@ -30,7 +30,10 @@ GRIDS: Mapping[str, tuple[int, ...]] = {
     "transient": (65, 129, 193, 257),
 }
 USUAL = {"radial": 257, "2d": 129, "steady": 129, "transient": 129}  # nodes: an answer within a minute
-RHEOLOGIES = {"newtonian": "Newtonian", "ree-eyring": "Ree-Eyring"}
+NEWTONIAN = "newtonian"
+RHEOLOGIES = {NEWTONIAN: "Newtonian", "ree-eyring": "Ree-Eyring"}
+DECIDE = ("kind", "given", "oil", "rheology", "method")  # fields on which others depend
+TITLES = ("Contact", "Materials", "Oil", "Computation")
 ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
 
 
@@ -54,49 +57,48 @@ class Form:
     temperature: str = "40 degC"
     eta0: str = str(GIVEN["impact"]["[lubricant]"]["eta0"])
     alpha: str = str(GIVEN["impact"]["[lubricant]"]["alpha"])
-    rheology: str = "newtonian"
+    rheology: str = NEWTONIAN
     tau0: str = "5 MPa"
     method: str = "radial"
     nodes: str = str(USUAL["radial"])
     until: str = "max-approach"
 
-    def choose_kind(self, kind: Kind) -> None:
-        """Change the kind of contact; the method and the grid become the usual ones for it."""
-        self.kind = kind
-        self.choose_method(next(iter(METHODS[kind])))
+    def choose(self, name: str, value: Any) -> None:
+        """Change a field.  With the kind of contact the method changes, with the method the grid."""
+        setattr(self, name, value)
+        if name == "kind":
+            self.choose("method", next(iter(METHODS[self.kind])))
+        elif name == "method":
+            self.nodes = str(USUAL[self.method])
 
-    def choose_method(self, method: str) -> None:
-        """Change the method; the grid becomes the usual one for it."""
-        self.method, self.nodes = method, str(USUAL[method])
-
-    @property
-    def shown(self) -> tuple[str, ...]:
-        """The fields that go into the case file."""
-        contact = ("M", "L") if self.given == "moes" else self._quantities()
+    def groups(self) -> dict[str, tuple[str, ...]]:
+        """The fields that the choices so far leave to be filled in, by the title of their group."""
         ends = ("until",) if self.kind == "impact" else ()
-        return ("kind", *contact, *self._oil(), "method", "nodes", *ends)
+        groups: dict[str, tuple[str, ...]] = {"Contact": self._contact(), "Computation": ("method", "nodes", *ends)}
+        if self.given == "si":
+            groups |= {"Materials": ("material_1", "material_2"), "Oil": self._oil()}
+        return {title: groups[title] for title in TITLES if title in groups}
 
-    def _quantities(self) -> tuple[str, ...]:
+    def _contact(self) -> tuple[str, ...]:
+        if self.given == "moes":
+            return ("M", "L")
         driven = ("ball_density", "speed") if self.kind == "impact" else ("load", "mean_speed", "slide_to_roll")
-        return ("radius", *driven, "material_1", "material_2")
+        return ("radius", *driven)
 
     def _oil(self) -> tuple[str, ...]:
-        if self.given == "moes":
-            return ()
-        return ("eta0", "alpha") if self.oil == OWN else ("oil", "temperature")
-
-    @property
-    def asks_rheology(self) -> bool:
-        """Whether the form asks how the oil thins: where surfaces may slide, in SI."""
-        return self.kind == "rolling" and self.given == "si"
+        data = ("oil", "eta0", "alpha") if self.oil == OWN else ("oil", "temperature")
+        if self.kind == "impact":  # the surfaces do not slide
+            return data
+        return (*data, "rheology") if self.rheology == NEWTONIAN else (*data, "rheology", "tau0")
 
     def data(self) -> dict[str, Any]:
         """The case as plain data, as a case file has it; what is left empty is left out."""
-        given = {name: str(getattr(self, name)).strip() for name in self.shown}
-        items = [f"{SECTION[name]}.{name}={text}" for name, text in given.items() if text]
-        data = apply_overrides({}, items)
-        if self.asks_rheology and self.rheology != "newtonian":
-            data["lubricant"]["rheology"] = {"law": self.rheology, "tau0": self.tau0.strip()}
+        names = ["kind", *(name for group in self.groups().values() for name in group)]
+        given = {name: str(getattr(self, name)).strip() for name in names if name not in ("rheology", "tau0")}
+        given = {name: text for name, text in given.items() if text not in ("", OWN)}
+        data = apply_overrides({}, [f"{SECTION[name]}.{name}={text}" for name, text in given.items()])
+        if "tau0" in names:
+            data.setdefault("lubricant", {})["rheology"] = {"law": self.rheology, "tau0": self.tau0.strip()}
         return data
 
     def text(self) -> str:

@@ -1,8 +1,6 @@
 """The page of a new case: a form, or the text of a case file; beside it what ertel says of it, while it is written."""
 
 import asyncio
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import tomli_w
@@ -10,7 +8,7 @@ from nicegui import run, ui
 
 from ertel.apps.browser import checking
 from ertel.apps.browser.answer import show_answer, show_fault, show_waiting
-from ertel.apps.browser.form import ENDS, GRIDS, MATERIALS, METHODS, OILS, OWN, RHEOLOGIES, Form, field_of, read_text
+from ertel.apps.browser.form import DECIDE, ENDS, GRIDS, MATERIALS, METHODS, OILS, RHEOLOGIES, Form, field_of, read_text
 from ertel.apps.browser.site import Site, address_of
 from ertel.model.rules import plain_name
 from ertel.runs.directories import CASE
@@ -98,18 +96,12 @@ class NewCase:
         self._fields.clear()
         with self._fields:
             with ui.element("div").classes("card choices"):
-                self._choice("kind", {"impact": "Impact", "rolling": "Rolling"}, self._choose_kind)
-                self._choice("given", {"si": "Quantities", "moes": "M and L"}, self._rebuilt("given"))
-            shown = form.shown
-            self._group("Contact", [name for name in ("M", "L", "radius", *_driven(form)) if name in shown])
-            if form.given == "si":
-                self._group("Materials", ["material_1", "material_2"])
-                self._group(
-                    "Oil", ["oil", *(("eta0", "alpha") if form.oil == OWN else ("temperature",)), *_thinning(form)]
-                )
-            self._group("Computation", ["method", "nodes", *(("until",) if form.kind == "impact" else ())])
+                self._choice("kind", {"impact": "Impact", "rolling": "Rolling"})
+                self._choice("given", {"si": "Quantities", "moes": "M and L"})
+            for title, names in form.groups().items():
+                self._group(title, names)
 
-    def _group(self, title: str, names: list[str]) -> None:
+    def _group(self, title: str, names: tuple[str, ...]) -> None:
         options: dict[str, Any] = {
             "material_1": MATERIALS,
             "material_2": MATERIALS,
@@ -137,34 +129,18 @@ class NewCase:
     def _select(self, name: str, options: dict[str, str]) -> None:
         field = ui.select(options, label=LABELS[name], value=getattr(self.form, name))
         field.props("outlined dense options-dense hide-bottom-space").mark(name)
-        chosen = {each: partial(setattr, self.form, each) for each in ("oil", "rheology")}
-        rebuilds = {"method": self.form.choose_method, **chosen}
-        field.on_value_change(lambda event: self._set(name, event.value, rebuilds.get(name)))
+        field.on_value_change(lambda event: self._set(name, event.value))
         self._inputs[name] = field
 
-    def _choice(self, name: str, options: dict[str, str], chosen: Callable[[Any], None]) -> None:
+    def _choice(self, name: str, options: dict[str, str]) -> None:
         toggle = ui.toggle(options, value=getattr(self.form, name)).props("no-caps unelevated spread").mark(name)
-        toggle.on_value_change(lambda event: chosen(event.value))
+        toggle.on_value_change(lambda event: self._set(name, event.value))
 
-    def _choose_kind(self, kind: Any) -> None:
-        self.form.choose_kind(kind)
-        self._build()
-        self._changed()
-
-    def _rebuilt(self, name: str) -> Callable[[Any], None]:
-        def choose(value: Any) -> None:
-            setattr(self.form, name, value)
+    def _set(self, name: str, value: Any) -> None:
+        """Take over a value; the form is built again where other fields depend on it."""
+        self.form.choose(name, value or "")
+        if name in DECIDE:
             self._build()
-            self._changed()
-
-        return choose
-
-    def _set(self, name: str, value: Any, rebuild: Callable[[Any], None] | None = None) -> None:
-        if rebuild:
-            rebuild(value)
-            self._build()
-        else:
-            setattr(self.form, name, value or "")
         self._changed()
 
     # -- the answer ---------------------------------------------------------------------------------------------------
@@ -232,16 +208,6 @@ class NewCase:
             ui.notify(f"cannot write to {self.site.folder.root}: {(error.strerror or str(error)).lower()}")
             return
         ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
-
-
-def _driven(form: Form) -> tuple[str, ...]:
-    return ("ball_density", "speed") if form.kind == "impact" else ("load", "mean_speed", "slide_to_roll")
-
-
-def _thinning(form: Form) -> tuple[str, ...]:
-    if not form.asks_rheology:
-        return ()
-    return ("rheology",) if form.rheology == "newtonian" else ("rheology", "tau0")
 
 
 def _name_of(data: dict[str, Any], otherwise: str) -> str:
