@@ -23,7 +23,7 @@ PROMISED = {
         "run",
         "open",
         "simulate_batch",
-        "sweep",
+        "tasks",
         "plots",
         "formulas",
     ),

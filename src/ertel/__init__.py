@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from ertel.results.result import Result as Result
     from ertel.results.traction_curve import TractionCurve as TractionCurve
     from ertel.results.variables import to_si as to_si
-    from ertel.runs import sweep as sweep
+    from ertel.runs import tasks as tasks
     from ertel.runs.batch import simulate_batch as simulate_batch
     from ertel.runs.drive import simulate as simulate
     from ertel.runs.response import respond as respond
@@ -114,7 +114,7 @@ _MODULES = {
     "fronts": "results.fronts",
     "plots": "results.plots",
     "waves": "results.waves",
-    "sweep": "runs.sweep",
+    "tasks": "runs.tasks",
 }
 _ROOMS = ("physics", "numerics", "model", "inputs", "results", "solvers", "runs", "apps")
 __all__ = ["__version__", *_HOMES, *_MODULES]

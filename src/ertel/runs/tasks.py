@@ -1,27 +1,22 @@
-"""Independent runs in parallel on any Executor.  Results are in order and stored on disk; a failure is a value.
+"""Functions that are run side by side, with results in order that are kept on disk.
 
     tasks = [Task(f"M{M}", run, (M,)) for M in (200, 500, 1000)]
-    with processes(2) as executor:
-        results = sweep(tasks, executor, Path("runs"))
+    with cluster.local(2) as workers:
+        results = run_tasks(tasks, workers, Path("runs"))
 
-Any `concurrent.futures.Executor` will do, for example that of dask.distributed: Client.get_executor().
-Results that are kept are plain data, see `ertel.runs.plain`.
+Results that are kept are plain data, see `ertel.runs.plain`.  A failure is a value.
 """
 
 import logging
-import multiprocessing
-import os
-import signal
-import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
 
 from ertel.runs import plain
+from ertel.runs.workers import Failure as Failure
+from ertel.runs.workers import Job, Wire, Workers, deaf, never
 from ertel.version import installed_version, own_sources
 
 _log = logging.getLogger(__name__)
@@ -29,9 +24,9 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Task:
-    """One run: function(*arguments).  Function and arguments are pickled to reach another process.
+    """One run: function(*arguments).
 
-    name: names the file that keeps the result, unique in a sweep.  seconds: expected duration.
+    name: names the file that keeps the result, unique among the tasks.  seconds: expected duration.
     """
 
     name: str
@@ -40,52 +35,9 @@ class Task:
     seconds: float = 0.0
 
 
-@dataclass(frozen=True)
-class Failure:
-    """A run that raised an exception, and its message."""
-
-    reason: str
-
-
-@contextmanager
-def processes(jobs: int) -> Iterator[Executor]:
-    """Worker processes with one thread each, which share the memory of a GPU.  An error ends them at once."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when a worker starts: many small dense solves
-    os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
-    context, others = multiprocessing.get_context("spawn"), set(multiprocessing.active_children())  # JAX fears forks
-    complain = threading.excepthook
-    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_start_worker) as pool:
-        try:
-            yield pool
-        except BaseException:
-            threading.excepthook = lambda _: None  # the pool's thread stumbles over tasks that were cancelled
-            for worker in set(multiprocessing.active_children()) - others:
-                worker.terminate()
-            pool.shutdown()
-            raise
-        finally:
-            threading.excepthook = complain
-
-
-def _start_worker() -> None:
-    from ertel.runs import compiling
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    compiling.start_at_once()
-
-
-def _end_with_parent() -> None:
-    """End this worker when its parent was killed: nobody would collect the result."""
-    parent = multiprocessing.parent_process()
-    if parent:
-        parent.join()
-        os._exit(1)
-
-
-def sweep(
+def run_tasks(
     tasks: Sequence[Task],
-    executor: Executor,
+    workers: Workers,
     directory: Path | None = None,
     on_done: Callable[[Task, Any], object] = lambda task, result: None,
 ) -> list[Any]:
@@ -95,10 +47,10 @@ def sweep(
     ----------
     tasks : sequence of Task
         Their names must differ.
-    executor : concurrent.futures.Executor
-        Runs the tasks.
+    workers : Workers
+        Who runs the tasks: `cluster.local`, `cluster.existing`, or `workers.Here` for this process.
     directory : Path, optional
-        Where results are kept.  A kept result is used again, so that an interrupted sweep goes on where it was.  It
+        Where results are kept.  A kept result is used again, so that what was interrupted goes on where it was.  It
         must come from the same function, arguments, version and source code of ertel.  The source code of functions
         outside ertel is not compared.  Arguments and results must be plain data, see `ertel.runs.plain`; a tuple comes
         back as a list.
@@ -127,18 +79,18 @@ def sweep(
     found = kept(tasks, directory)
     for name, result in found.items():
         on_done(by_name[name], result)
-    futures = {executor.submit(task.function, *task.arguments): task for task in tasks if task.name not in found}
-    try:
-        for future in as_completed(futures):
-            task, result = futures[future], _outcome(future)
-            found[task.name] = result
-            if directory and not isinstance(result, Failure):
-                _keep(directory, task, result)
-            on_done(task, result)
-    finally:
-        for future in futures:
-            future.cancel()  # after an interrupt, the tasks that have not begun
+    jobs = [Job(task.name, _run, (task.function, task.arguments)) for task in tasks if task.name not in found]
+    for name, result in workers.outcomes(jobs, deaf, never):
+        found[name] = result
+        if directory and not isinstance(result, Failure):
+            _keep(directory, by_name[name], result)
+        on_done(by_name[name], result)
     return [found[task.name] for task in tasks]
+
+
+def _run(wire: Wire, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """The job that a task is; it tells no news."""
+    return function(*arguments)
 
 
 def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
@@ -182,10 +134,3 @@ def _stamp(task: Task) -> str:
         return plain.digest([installed_version(), own_sources(), *function, task.arguments])
     except TypeError as error:
         raise TypeError(f"arguments of task {task.name}: {error}") from error
-
-
-def _outcome(future: Future[Any]) -> Any:
-    try:
-        return future.result()
-    except Exception as error:
-        return Failure(f"{type(error).__name__}: {error}")
