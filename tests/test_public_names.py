@@ -24,6 +24,7 @@ PROMISED = {
         "open",
         "simulate_batch",
         "tasks",
+        "sweep",
         "plots",
         "formulas",
     ),

@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from ertel.results import plots as plots
     from ertel.results import waves as waves
     from ertel.results.result import Result as Result
+    from ertel.results.study_result import StudyResult as StudyResult
     from ertel.results.traction_curve import TractionCurve as TractionCurve
     from ertel.results.variables import to_si as to_si
     from ertel.runs import tasks as tasks
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
     from ertel.runs.response import respond_linearly as respond_linearly
     from ertel.runs.store import open_run as open
     from ertel.runs.store import run as run
+    from ertel.runs.sweep import sweep as sweep
     from ertel.runs.traction import traction as traction
 
     __version__: str
@@ -92,6 +94,7 @@ _HOMES = {  # name: module, or module:name there
     "Spot": "physics.surfaces",
     "Waviness": "physics.surfaces",
     "Result": "results.result",
+    "StudyResult": "results.study_result",
     "TractionCurve": "results.traction_curve",
     "to_si": "results.variables",
     "simulate_batch": "runs.batch",
@@ -101,6 +104,7 @@ _HOMES = {  # name: module, or module:name there
     "respond_linearly": "runs.response",
     "open": "runs.store:open_run",
     "run": "runs.store",
+    "sweep": "runs.sweep",
     "traction": "runs.traction",
 }
 _MODULES = {

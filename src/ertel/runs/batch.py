@@ -112,7 +112,7 @@ def check_alike(cases: Sequence[Case]) -> None:
     for case in cases:
         if case.solver.method not in ON_THE_PLANE:
             raise ValueError(f'solver.method = "{case.solver.method}": must be one of {ON_THE_PLANE} in a batch')
-    first, *others = (_shape(case) for case in cases)
+    first, *others = (shape_of(case) for case in cases)
     for number, other in enumerate(others, start=1):
         for name, value in other.items():
             if value != first[name]:
@@ -121,7 +121,7 @@ def check_alike(cases: Sequence[Case]) -> None:
                 )
 
 
-def _shape(case: Case) -> dict[str, object]:
+def shape_of(case: Case) -> dict[str, object]:
     """Everything on which the compiled step depends, by field."""
     grid, oil = discretise.grid_of(case), traceable(case.lubricant)
     return {
