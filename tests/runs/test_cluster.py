@@ -11,8 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from ertel.runs import cluster
+from ertel.inputs.studies import parse_study
+from ertel.runs import cluster, progress_file
 from ertel.runs.cluster import Cluster, NoScheduler
+from ertel.runs.drive import simulate
+from ertel.runs.studies import gather, run_study
 from ertel.runs.tasks import Task, kept, run_tasks
 from ertel.runs.workers import READY, Failure, Here, Job, Wire, Workers
 
@@ -140,6 +143,23 @@ def test_the_others_need_not_wait_for_its_end(two):
     assert found == {"a": "stopped", "b": "stopped"} and begun == {"a", "b"}
 
 
+def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
+    """Signal 9 while a run is computed: another worker continues it, and the numbers are those without the signal."""
+    impacts = {"contact": {"M": [20, 40, 60, 80], "L": 5}, "solver": {"method": "radial", "nodes": 17}}
+    study = parse_study({**impacts, "time": {"until": 1.0, "tolerance": 0.01}})
+    killed: list[str] = []
+
+    def kill_once(key, news):
+        if not killed and news["done"] < 1:
+            killed.append(key)
+            os.kill(progress_file.read(tmp_path / "runs" / key)["process"], signal.SIGKILL)
+
+    said = run_study(study, tmp_path, two, hear=kill_once)
+    assert len(killed) == 1 and said == {case.digest: "converged" for case in study.cases}
+    found = gather(study, tmp_path).dataset["H_min_extreme"]
+    assert found.values[0] == pytest.approx(simulate(study.cases[0]).summary["extremes"]["H_min"]["value"], rel=1e-6)
+
+
 def test_a_scheduler_that_is_there_already(two, tmp_path):
     address = two._client.scheduler.address
     with cluster.existing(address) as workers:
@@ -166,6 +186,8 @@ INTERRUPTED = """
 import sys
 from pathlib import Path
 from ertel.runs.cluster import local
+from ertel.runs.drive import simulate
+from ertel.runs.studies import gather, run_study
 from ertel.runs.tasks import Task, run_tasks
 from test_cluster import double, never_ends
 def interrupt(task, result):
@@ -179,6 +201,8 @@ if __name__ == "__main__":
 """
 KILLED = """
 from ertel.runs.cluster import local
+from ertel.runs.drive import simulate
+from ertel.runs.studies import gather, run_study
 from ertel.runs.tasks import Task, run_tasks
 from test_cluster import never_ends
 if __name__ == "__main__":
