@@ -14,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from ertel.apps import cases, completion, output
+from ertel.apps import cases, completion, looking, output
 from ertel.apps.arguments import (
     CaseFile,
     Estimate,
@@ -368,5 +368,5 @@ def about(
         tables.print_names(tables.console(), found)
 
 
-for command in (cases.new, cases.check, cases.schema, paper):
+for command in (cases.new, cases.check, cases.schema, paper, looking.ls, looking.compare, looking.export):
     app.command()(command)

@@ -1,7 +1,5 @@
 """Columns of tables: to read, with prefixes that fit, and of files, with the unit in the name."""
 
-from collections.abc import Iterator, Sequence
-
 import numpy as np
 import xarray as xr
 
@@ -32,10 +30,3 @@ def column(head: str, values: xr.DataArray) -> list[str]:
 
 def _number(value: float) -> str:
     return "-" if np.isnan(value) else f"{value:.4g}"
-
-
-def lines(columns: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Columns side by side, as lines of text."""
-    widths = [max(map(len, column)) for column in columns]
-    for cells in zip(*columns, strict=True):
-        yield "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ertel.results import columns, html
+from ertel.results import html, text
 from ertel.results.columns import column, with_units
 from ertel.results.scalars import SHOWN, in_si
 from ertel.results.study_runs import MISSING
@@ -81,7 +81,7 @@ class StudyResult:
 
     def table_lines(self) -> Iterator[str]:
         """The table as lines of text."""
-        yield from columns.lines(self.table())
+        yield from text.lines(self.table())
 
     def __repr__(self) -> str:
         lines = (*self.table_lines(), *self.remarks)

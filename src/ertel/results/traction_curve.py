@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ertel.model.case import Case
-from ertel.results import columns, html
+from ertel.results import html, text
 from ertel.results.columns import column, with_units
 from ertel.results.curve_points import AXES, SHOWN, SHOWN_WARM, shown_name
 
@@ -97,7 +97,7 @@ class TractionCurve:
     def table_lines(self) -> Iterator[str]:
         """The same as lines of text."""
         heads, rows = self.table()
-        yield from columns.lines(list(zip(heads, *rows, strict=True)))
+        yield from text.lines(list(zip(heads, *rows, strict=True)))
 
     @property
     def remarks(self) -> list[str]:

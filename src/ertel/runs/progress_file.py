@@ -18,10 +18,12 @@ import time
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ertel.model.status import Status
-from ertel.runs.courses import Course, Item
+
+if TYPE_CHECKING:  # it brings JAX, which readers do not need
+    from ertel.runs.courses import Course, Item
 
 PROGRESS = "progress.json"
 INTERVAL = 1.0  # s
@@ -31,13 +33,13 @@ _KEYS = {"status", "T", "step", "done", "seconds", "seconds_left", "written", "p
 class ProgressFile:
     """An observer that keeps the progress of a run in its directory."""
 
-    def __init__(self, directory: Path, course: Course):
+    def __init__(self, directory: Path, course: "Course"):
         self._path, self._course = directory / PROGRESS, course
         self._started = time.monotonic()
         self._first: tuple[float, float] | None = None  # time and share done when the first item came
         self._written = -INTERVAL
 
-    def __call__(self, item: Item) -> None:
+    def __call__(self, item: "Item") -> None:
         """Write the progress, unless it was written a moment ago."""
         now, done = time.monotonic(), self._course.fraction(item)
         if self._first is None and item.record:
@@ -46,7 +48,7 @@ class ProgressFile:
             self._written = now
             self.write(item)
 
-    def write(self, item: Item) -> None:
+    def write(self, item: "Item") -> None:
         """Write the progress; a disk that refuses it stops no run."""
         done = 1.0 if item.status.ok else self._course.fraction(item)
         content = {

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ertel.results.curve_points import largest_of
-from ertel.results.plots.drawing import BLUE, ORDERED_COLOURS, UNITS, NoFigure, mathtext
+from ertel.results.plots.drawing import BLUE, ORDERED_COLOURS, UNITS, NoFigure, Picture, mathtext
 from ertel.results.plots.traction import has_equal_ratios
 from ertel.results.variables import PREFIXES, exponent, with_prefix
 
@@ -35,7 +35,7 @@ def figure(dataset: xr.Dataset) -> Figure:
     panels = [names for names in shown if names]
     if not panels:
         raise NoFigure("dataset: no run has any numbers yet, there is nothing to draw")
-    found = Figure(figsize=(max(4.8 * len(panels), 6.0), 4.0), layout="constrained")
+    found = Picture(figsize=(max(4.8 * len(panels), 6.0), 4.0), layout="constrained", dpi=150)
     for axes, names in zip(found.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         _draw(axes, dataset, names)
     found.suptitle(str(dataset.attrs["title"]).replace("_", " "))
