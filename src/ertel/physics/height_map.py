@@ -76,10 +76,9 @@ class HeightMap:
         from scipy.ndimage import map_coordinates
 
         columns, rows = np.broadcast_arrays(columns, rows)
-        found: Array = map_coordinates(
-            _spline(self, *cutoffs), [rows, columns], order=3, mode="reflect", prefilter=False
-        )
-        return found
+        places = [rows.ravel(), columns.ravel()]
+        found = map_coordinates(_spline(self, *cutoffs), places, order=3, mode="reflect", prefilter=False)
+        return found.reshape(rows.shape)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, HeightMap) and self.digest == other.digest
