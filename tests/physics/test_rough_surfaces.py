@@ -103,7 +103,7 @@ def test_the_surface_has_continuous_second_derivatives_between_points() -> None:
     ("heights", "message"),
     [
         (np.ones(5), "heights: is 5; must be a map"),
-        (np.ones((3, 9)), "heights: is 3 x 9; must be a map of 4 to 4096"),
+        (np.ones((3, 9)), "heights: is 3 x 9; must be a map of 4 to 4096 points a side"),
         (np.where(NOISE > 1, np.nan, NOISE), "heights: has gaps"),
         (np.zeros((5, 5)), "heights: are all zero"),
     ],

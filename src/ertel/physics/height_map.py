@@ -14,7 +14,7 @@ from ertel.physics.band_limit import kept_share
 Array = Any  # NumPy arrays that broadcast
 
 FEWEST, MOST = 4, 4096  # points along a side: a cubic spline needs the first, the second is 134 MB
-SPLINES = 12  # kept in memory: some maps on the grids of a hierarchy
+SPLINES = 8  # kept in memory: some maps on the grids of a hierarchy
 
 
 class HeightMap:
@@ -32,7 +32,7 @@ class HeightMap:
         found = np.array(heights, dtype="<f8", order="C")
         if found.ndim != 2 or min(found.shape) < FEWEST or max(found.shape) > MOST:
             shape = " x ".join(map(str, found.shape)) or "a number"
-            raise ValueError(f"heights: is {shape}; must be a map of {FEWEST} to {MOST} points along each side")
+            raise ValueError(f"heights: is {shape}; must be a map of {FEWEST} to {MOST} points a side")
         if not np.isfinite(found).all():
             raise ValueError("heights: has gaps, or numbers that are not finite; fill them first")
         if not found.any():
