@@ -36,7 +36,8 @@ def written(path: Path, heights: np.ndarray, unit: str = "um") -> Path:
     found = topography(
         np.ma.masked_invalid(heights.T * factor), tuple(length * factor for length in LENGTHS), unit=unit
     )
-    (found.to_netcdf if path.suffix == ".nc" else found.to_matrix)(str(path))
+    writers = {".nc": found.to_netcdf, ".x3p": found.to_x3p, ".gwy": found.to_gwy}
+    writers.get(path.suffix, found.to_matrix)(str(path))
     return path
 
 
@@ -61,10 +62,11 @@ def lengths(shape: Measured) -> list[float]:
 
 
 @pytest.mark.parametrize(
-    ("name", "unit"), [("disc.nc", "um"), ("disc.nc", "nm"), ("disc.txt", "um"), ("disc.asc", "nm")]
+    ("name", "unit"),
+    [("a.nc", "um"), ("a.nc", "nm"), ("a.txt", "um"), ("a.asc", "nm"), ("a.x3p", "um"), ("a.gwy", "um")],
 )
 def test_heights_lengths_and_units_are_those_of_the_file(tmp_path, name, unit) -> None:
-    """NetCDF and a matrix as text, as SurfaceTopography writes them."""
+    """NetCDF, a matrix as text, X3P (ISO 5436-2) and Gwyddion's, as SurfaceTopography writes them."""
     written(tmp_path / name, WAVE, unit)
     found = read(tmp_path, file=name)
     assert lengths(found) == pytest.approx(LENGTHS)
@@ -231,6 +233,18 @@ def test_a_case_reads_back_with_its_maps(tmp_path) -> None:
     assert Case.from_data(case.to_data(), case.maps) == case
     with pytest.raises(ValueError, match=r"^roughness\[1\].file = .*: its heights are not given with the case$"):
         Case.from_data(case.to_data())
+
+
+def test_the_file_that_ertel_wrote_is_taken_as_it_is(tmp_path) -> None:
+    """Its trend is off already: a second time would change it."""
+    table = {"length_x": 1.0, "rms": 0.1}
+    own = HeightMap(WAVE + TILT)
+    (tmp_path / own.name).write_bytes(own.to_bytes())
+    assert read(tmp_path, file=own.name, length_y=1.0, **table).file == own
+    with pytest.raises(ConfigError, match=r'^roughness\[1\].detrend = "mean": has been seen to where ertel wrote'):
+        read(tmp_path, file=own.name, detrend="mean", length_y=1.0, **table)
+    with pytest.raises(ConfigError, match=r"^roughness\[1\].length_y: missing"):
+        read(tmp_path, file=own.name, **table)
 
 
 def test_arrays_are_given_from_python() -> None:

@@ -87,7 +87,7 @@ def test_the_rate_of_the_gap_is_that_of_the_surface_on_the_grid() -> None:
 @pytest.mark.parametrize(
     ("shape", "nodes", "said"),
     [
-        (ROUGH, 65, "3.2 cells across its smallest width 0.2 a, about 16 are needed; of waves below 4 cells"),
+        (ROUGH, 65, "3.2 cells across its smallest width 0.2 a, about 16 are needed; waves below 4 cells are"),
         (ROUGH, 65, "or leave out waves of roughness[1] below 1 a"),
         (replace(ROUGH, longest=3.0, shortest=1.0), 65, ""),
         (Measured(HeightMap(HEIGHTS), 6.0, 4.0, 0.02), 65, "6.4 cells across its smallest width 0.4 a"),

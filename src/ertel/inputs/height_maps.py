@@ -32,7 +32,7 @@ OWN_NAME = re.compile(r"heights-[0-9a-f]{16}\.npy")
 DETRENDS = {"plane": "height", "curvature": "curvature", "mean": "center"}  # as SurfaceTopography calls them
 LARGEST_FILE = 2_000_000_000  # bytes
 MOST_GAPS = 0.5  # of the points
-READING = ("channel", "unit", "detrend")
+READING = {"channel", "unit", "detrend"}
 
 
 class _Raw(NamedTuple):
@@ -72,6 +72,8 @@ def _with_map(table: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], H
     content = _content(path, table["file"])
     placed = {key: value for key, value in table.items() if key not in READING}
     if OWN_NAME.fullmatch(path.name):
+        for key in READING & table.keys():
+            raise ValueError(f"{key} = {show(table[key])}: has been seen to where ertel wrote this file; leave it out")
         found = _named(table["file"], HeightMap.from_bytes, content)
         if found.name != path.name:
             raise ValueError(f"file = {show(table['file'])}: was changed since ertel wrote it; put the run's own back")
@@ -164,8 +166,8 @@ def _surface_topography(needed_for: str) -> Any:
         import SurfaceTopography
     except ImportError as error:
         raise ValueError(
-            f"{needed_for}: needs the package SurfaceTopography, which reads measured surfaces; install it with "
-            "pip install 'ertel[surfaces]'"
+            f"{needed_for}: needs the package SurfaceTopography, which reads measured surfaces, takes off their form "
+            "and fills their gaps; install it with pip install 'ertel[surfaces]'"
         ) from error
     return SurfaceTopography
 
@@ -190,7 +192,7 @@ def _smoothed(table: Mapping[str, Any], raw: _Raw) -> NDArray[np.float64]:
     if gaps > MOST_GAPS:
         raise ValueError(f"file = {show(table['file'])}: {gaps:.0%} of its points are gaps; at most {MOST_GAPS:.0%}")
     if heights.ndim == 2 and (gaps or detrend != "none"):
-        wanted = f'detrend = "{detrend}"' if detrend != "none" else f"file = {show(table['file'])}: has gaps, and"
+        wanted = f'detrend = "{detrend}"' if detrend != "none" else f"file = {show(table['file'])}"
         sizes = raw.sizes or tuple(map(float, heights.shape[::-1]))
         found = _surface_topography(wanted).Topography(heights.T, sizes)
         found = found if detrend == "none" else found.detrend(DETRENDS[detrend])

@@ -233,7 +233,7 @@ def _roughness_warning(case: Case) -> str:
     cells = size * (case.solver.nodes - 1) / width
     if cells >= CELLS_IN_WAVE:
         return ""
-    lost = f"; of waves below {CELLS_KEPT:g} cells it keeps a part or nothing" if waves else ""
+    lost = f"; waves below {CELLS_KEPT:g} cells are lowered or left out" if waves else ""
     longer = f", or leave out waves of roughness[{number}] below {size * CELLS_IN_WAVE / cells:.3g} a" if waves else ""
     return (
         f"the roughness is not resolved ({cells:.1f} cells across its smallest width {size:.3g} a, about "
