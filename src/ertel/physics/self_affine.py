@@ -27,12 +27,12 @@ class SelfAffine:
 
     It is a sum of cosines of all directions with wavelengths from `shortest` to `longest` and random phases, so it is
     the same on every grid; the spectrum is flat above the wavelength `rolloff`.  See Persson BNJ, Albohr O, Tartaglino
-    U, Volokitin AI, Tosatti E. J Phys Condens Matter 2005;17:R1-R62, section 2.  `rms` is that of a whole period, by
+    U, Volokitin AI, Tosatti E. J Phys Condens Matter 2005;17:R1-R62.  `rms` is that of a whole period, by
     which the surface repeats itself along x and y.
     """
 
     rms: Annotated[Amount, RMS, Meaning("root mean square of its heights")]
-    hurst: Annotated[float, Bounds(gt=0, le=1), Meaning("Hurst exponent: 1 smooth hills, near 0 fractal", 0.8)]
+    hurst: Annotated[float, Bounds(gt=0, le=1), Meaning("Hurst exponent; 1: smooth hills, near 0: jagged ones", 0.8)]
     shortest: Annotated[Amount, WIDTH, Meaning("shortest wavelength", "20 um")]
     longest: Annotated[Amount, WIDTH, Meaning("longest wavelength", "200 um")]
     rolloff: Annotated[
