@@ -21,6 +21,7 @@ from ertel.physics.height_map import HeightMap
 from ertel.physics.surfaces import Feature, Measured, SelfAffine
 from ertel.results import diagnostics
 from ertel.results.plots.stored import roughness_height
+from ertel.runs import compiling
 from ertel.runs.drive import simulate
 from ertel.runs.store import RunStore, StoreError, compute
 
@@ -37,7 +38,7 @@ time = { tolerance = 0.01, until = 0.4 }
 shape = "measured"
 file = "disc.npy"
 detrend = "none"
-length_x = 3.0
+length_x = 4.5
 rms = 0.01
 cutoff = 0.5
 """
@@ -99,6 +100,15 @@ def test_what_the_grid_and_the_map_lack_is_said(shape, nodes, said) -> None:
     warned = " ".join(text for text in diagnostics.case_warnings(rough(nodes, shape)) if "roughness" in text)
     assert said in warned
     assert bool(warned) == bool(said)
+
+
+def test_another_surface_needs_no_compilation() -> None:
+    """Its heights are data of the programs."""
+    simulate(rough(33))
+    compiled = compiling.count()
+    for shape in (replace(ROUGH, seed=5, longest=0.7), Measured(HeightMap(HEIGHTS), 6.0, 4.0, 0.02)):
+        simulate(rough(33, shape))
+    assert compiling.count() == compiled
 
 
 # -- in a run directory -----------------------------------------------------------------------------------------------
