@@ -25,7 +25,7 @@ class Measured:
     smooth.  From arrays in metres it is made by `Measured.of`.
     """
 
-    file: Annotated[HeightMap, Meaning("file with the heights, where it lies seen from the case file", "disc.al3d")]
+    file: Annotated[HeightMap, Meaning("file with the heights, relative to the case file", "disc.al3d")]
     length_x: Annotated[
         Amount | None, WIDTH, Meaning("length of the map along its x; left out: as the file says", "500 um")
     ] = None
