@@ -4,6 +4,7 @@ import json
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from ertel.results.plots.stored import roughness_height
 from ertel.runs import compiling
 from ertel.runs.drive import simulate
 from ertel.runs.store import RunStore, StoreError, compute
+from ertel.solvers import steady
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
 ROUGH = SelfAffine(rms=0.02, hurst=0.8, shortest=0.2, longest=1.0, seed=3)
@@ -71,6 +73,19 @@ def test_a_grid_that_resolves_a_surface_has_all_of_it() -> None:
     grid = discretise.grid_of(case)
     found = discretise.heights(case.features, case, grid, 0.0)
     np.testing.assert_allclose(found, ROUGH.heights(grid.kept_x[None, :], grid.kept_y[:, None]), atol=1e-14)
+
+
+@pytest.mark.slow
+def test_second_order_in_space() -> None:
+    """The film on the grids of the nested iteration, of which the coarsest lacks the shortest waves (2.7 cells)."""
+    surface = replace(ROUGH, rms=0.01, shortest=0.5, longest=2.0, seed=1)
+    case = ertel.rolling(M=50, L=8, nodes=129, motion={"slide_to_roll": -2.0}, roughness=[surface])
+    grids = steady.settled(case).solutions[-3:]
+    assert [s.grid.nodes for s in grids] == [33, 65, 129]
+    films = [np.asarray(s.H)[::step, ::step] for s, step in zip(grids, (1, 2, 4), strict=True)]
+    inside = np.hypot(grids[0].grid.x, grids[0].grid.y[:, None]) < 0.8
+    early, late = (np.sqrt(np.mean((a - b)[inside] ** 2)) for a, b in pairwise(films))
+    assert np.log2(early / late) > 1.8
 
 
 def test_the_rate_of_the_gap_is_that_of_the_surface_on_the_grid() -> None:
