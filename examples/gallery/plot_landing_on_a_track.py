@@ -45,8 +45,8 @@ axes[2].set(xlabel="x (µm)", ylabel="film thickness (µm)", xlim=(-300, 300), y
 axes[2].legend()
 
 # %%
-# The trapped oil moves with the mean speed of the surfaces: its summit has gone the way that they went since first touch,
-# go since first touch: it was trapped a little later.
+# The trapped oil moves with the mean speed of the surfaces: its summit has gone the way that they went since first
+# touch, up to the size of the cells and the time that trapping takes.
 moving = runs[4.0]
 data = moving.dataset
 summit = data["H"].isel(frame=-1).sel(Y=0, method="nearest").sel(X=slice(-0.8, 0.8)).idxmax("X")
