@@ -35,7 +35,7 @@ axes[1].set(xlabel="∇₂", ylabel="amplitude left in the centre", ylim=(0, 1))
 axes[1].legend()
 
 # %%
-# The curve is a fit to many contacts, most of them under higher loads; here up to a tenth more is left.  That is not the
-# grid: on 257 nodes a side 0.872, 0.800, 0.657 and 0.534 are left.
+# The curve is a fit to many contacts, most of them under higher loads; here up to a tenth more is left.  That is not
+# the grid: on 257 nodes a side 0.872, 0.800, 0.657 and 0.534 are left.
 print(dict(zip(nabla2.round(2).tolist(), left.round(3).tolist(), strict=True)))
 assert np.allclose(left, [0.872, 0.800, 0.657, 0.534], atol=0.015)
