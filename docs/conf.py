@@ -15,6 +15,7 @@ HERE = Path(__file__).parent
 ROOT = HERE.parent
 
 sys.path.insert(0, str(ROOT / "src"))  # the pages speak of this checkout
+sys.path.insert(0, str(HERE))  # scraper
 os.environ["PYTHONPATH"] = str(ROOT / "src")
 
 import ertel  # noqa: E402
@@ -87,6 +88,7 @@ intersphinx_mapping = {
 # -- the gallery ------------------------------------------------------------------------------------------------------
 
 sphinx_gallery_conf = {
+    "image_scrapers": ("matplotlib", "scraper.ertel_figure"),
     "examples_dirs": str(ROOT / "examples/gallery"),
     "gallery_dirs": "docs/gallery",
     "plot_gallery": os.environ.get("ERTEL_GALLERY", "run") == "run",

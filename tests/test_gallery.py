@@ -1,4 +1,4 @@
-"""The gallery's scripts are short, say what they show, draw, and check a number; two of them run here on coarse grids."""
+"""The gallery's scripts are short, say what they show, draw, and check a number; two run here on coarse grids."""
 
 import ast
 from pathlib import Path

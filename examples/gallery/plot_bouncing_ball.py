@@ -17,7 +17,7 @@ def bounce(stokes):
     oil = ertel.Oil(viscosity="isoviscous", density="incompressible")
     lambda_bar = 16 / (15 * stokes)
     M = (128 * np.pi**3 / (3 * lambda_bar**3)) ** 0.25
-    return ertel.simulate(ertel.impact(M=M, L=0, oil=oil, method="radial", nodes=201, half_width=4, until="rebound"))
+    return ertel.simulate(ertel.impact(M=M, L=0, oil=oil, method="radial", nodes=151, half_width=4, until="rebound"))
 
 
 # %%
