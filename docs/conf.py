@@ -35,6 +35,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
 ]
 root_doc = "docs/index"
+smartquotes = False  # flags have two hyphens
 include_patterns = [
     "docs/**",
     "validation/**",
