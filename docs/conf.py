@@ -97,6 +97,7 @@ sphinx_gallery_conf = {
     "download_all_examples": False,
     "remove_config_comments": True,
     "show_memory": False,
+    "write_computation_times": False,  # its page would load scripts from elsewhere
     "within_subsection_order": "FileNameSortKey",
 }
 
