@@ -10,7 +10,7 @@ from matplotlib import pyplot
 GALLERY = Path(__file__).parents[1] / "examples/gallery"
 SCRIPTS = sorted(GALLERY.glob("plot_*.py"))
 LONGEST = 60
-COARSER = {"plot_bell_interferogram": ("nodes=151", "nodes=97"), "plot_film_against_speed": ("129)", "65)")}
+COARSER = {"plot_bell_interferogram": ("nodes=151", "nodes=97"), "plot_impact_viscometer": ("nodes=201", "nodes=97")}
 
 
 def named(script: Path) -> str:

@@ -34,15 +34,9 @@ def test_si_of_a_stored_run(opened):
     assert si["h_c"].attrs["units"] == "m"
 
 
-def test_the_case_of_a_stored_run(opened):
-    assert opened.ertel.case == parse_case(BALL_FALLS)
-
-
 def test_what_a_dataset_has_not():
     with pytest.raises(ValueError, match="dimensionless"):
         dry_impact(MOES_FALLS).ertel.si()
-    with pytest.raises(ValueError, match="does not hold its case"):
-        xr.Dataset().ertel.case  # noqa: B018
 
 
 def test_it_is_registered_with_the_runs_and_not_before():

@@ -12,14 +12,13 @@ that makes or opens a run.
 
 import xarray as xr
 
-from ertel.model.case import Case
 from ertel.results.result import Plot
 from ertel.results.variables import to_si
 
 
-@xr.register_dataset_accessor("ertel")
+@xr.register_dataset_accessor("ertel")  # type: ignore[no-untyped-call]
 class RunAccessor:
-    """What ertel knows of a Dataset of a run: `dataset.ertel.plot`, `.si()`, `.case`."""
+    """What ertel knows of a Dataset of a run: `dataset.ertel.plot` and `.si()`."""
 
     def __init__(self, dataset: xr.Dataset):
         self._dataset = dataset
@@ -33,12 +32,5 @@ class RunAccessor:
         """The Dataset in SI units under SI names (h_c for H_c, t for time).  Raises ValueError if dimensionless."""
         return to_si(self._dataset)
 
-    @property
-    def case(self) -> Case:
-        """The case of the run.  Raises ValueError where the Dataset does not hold it."""
-        from ertel.results.plots.stored import case_of  # brings matplotlib
-
-        return case_of(self._dataset)
-
     def __repr__(self) -> str:
-        return f"{self.plot}\nalso si(), case"
+        return f"{self.plot}; also si()"

@@ -13,7 +13,7 @@ from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as of_ratio
 
 
-def case_of(dataset: xr.Dataset) -> Case:
+def _case_of(dataset: xr.Dataset) -> Case:
     """The case of a run.  Raises ValueError where it could not be written down."""
     if "case" not in dataset.attrs:
         raise ValueError(f"dataset: does not hold its case; {dataset.attrs.get('case_not_written', 'no reason given')}")
@@ -32,22 +32,22 @@ def geometry(dataset: xr.Dataset) -> Geometry:
 
 def slide_to_roll(dataset: xr.Dataset) -> float:
     """(u1 - u2)/u_m."""
-    return case_of(dataset).motion.slide_to_roll
+    return _case_of(dataset).motion.slide_to_roll
 
 
 def start_approach(dataset: xr.Dataset) -> float:
     """Delta of an impact at T = 0."""
-    return case_of(dataset).schedule.start_approach
+    return _case_of(dataset).schedule.start_approach
 
 
 def tolerance(dataset: xr.Dataset) -> float:
     """The tolerance of the discrete equations."""
-    return case_of(dataset).solver.tolerance
+    return _case_of(dataset).solver.tolerance
 
 
 def density(dataset: xr.Dataset, P: NDArray[np.float64]) -> NDArray[np.float64]:
     """rho/rho0 of the oil at pressures in p_h, of their shape."""
-    return np.asarray(case_of(dataset).lubricant.density(P), dtype=np.float64)
+    return np.asarray(_case_of(dataset).lubricant.density(P), dtype=np.float64)
 
 
 def roughness_height(dataset: xr.Dataset, T: float, X: ArrayLike, Y: ArrayLike) -> NDArray[np.float64]:
@@ -65,6 +65,6 @@ def roughness_height(dataset: xr.Dataset, T: float, X: ArrayLike, Y: ArrayLike) 
     array of the broadcast shape
         Height in a*^2/R, positive where metal stands towards the film; zero where all surfaces are smooth.
     """
-    case = case_of(dataset)
+    case = _case_of(dataset)
     heights = surfaces.height(case.features, case.motion, T, np.asarray(X), np.asarray(Y))
     return np.asarray(heights, dtype=np.float64)
