@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from ertel.physics.surfaces import SelfAffine as SelfAffine
     from ertel.physics.surfaces import Spot as Spot
     from ertel.physics.surfaces import Waviness as Waviness
+    from ertel.results import accessor as accessor
     from ertel.results import fronts as fronts
     from ertel.results import plots as plots
     from ertel.results import waves as waves
@@ -119,6 +120,7 @@ _MODULES = {
     "oils": "inputs.oils",
     "optics": "physics.optics",
     "units": "physics.units",
+    "accessor": "results.accessor",
     "fronts": "results.fronts",
     "plots": "results.plots",
     "waves": "results.waves",

@@ -12,7 +12,7 @@ from functools import cached_property
 from math import inf
 from typing import Any
 
-from ertel.model import extents, rules, thermal
+from ertel.model import description, extents, rules, thermal
 from ertel.model.conditions import Conditions, Kind
 from ertel.model.records import (
     checked,
@@ -59,7 +59,7 @@ SCHEMA = 1  # of the layout of case files
 USUAL_OIL, USUAL_SOLVER = Oil(), SOLVERS["2d"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Case:
     """One contact, ready to be simulated.
 
@@ -98,6 +98,22 @@ class Case:
         rules.check_fields(self.drive, self.time, self.output, self.roughness)
         self._complete()
         self._check()
+
+    def __repr__(self) -> str:
+        return description.text(*self._described)
+
+    def _repr_html_(self) -> str:
+        return description.table(*self._described)
+
+    @property
+    def _described(self) -> tuple[str, dict[str, Any]]:
+        """A title, and the sections; the fields themselves where a law cannot be written."""
+        p, name = self.parameters, f"{self.name}, " if self.name else ""
+        title = f"{name}{self.kind} ({self.solver.method}), M = {p.M:.4g}, L = {p.L:.4g}"
+        try:
+            return title, self.to_data()
+        except ValueError:
+            return title, {f.name: repr(getattr(self, f.name)) for f in fields(self) if getattr(self, f.name)}
 
     def _complete(self) -> None:
         """Fill in defaults, so that the record defines the case completely."""
