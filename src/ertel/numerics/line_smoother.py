@@ -30,7 +30,7 @@ from ertel.numerics.tridiagonal import Factors
 
 JACOBI_DAMPING = 0.5  # both are smaller than in the point smoother, for the second-order wedge and pressure spikes
 DISTRIBUTIVE_DAMPING = 0.35
-SHORT_WAVES, LONG_WAVES = 0.9, 0.03  # as in `multigrid`; short waves grow more readily with the derivative
+SHORT_WAVES, LONG_WAVES = 2.0, 0.03  # as in `multigrid`; short waves grow more readily with the derivative
 
 
 @register_dataclass
