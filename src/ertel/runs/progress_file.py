@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 from ertel.model.status import Status
 
-if TYPE_CHECKING:  # brings JAX with it
+if TYPE_CHECKING:  # it brings JAX, which readers do not need
     from ertel.runs.courses import Course, Item
 
 PROGRESS = "progress.json"
