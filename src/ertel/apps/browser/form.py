@@ -6,7 +6,6 @@ The values go to ertel as they are written, so that its own messages answer them
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from pathlib import Path
 from typing import Any, Literal
 
 import tomli_w
@@ -127,10 +126,3 @@ def read_text(text: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise ValueError(f"the text is not valid TOML: {str(error)[:200]}") from error
-
-
-def files_of(data: Mapping[str, Any]) -> list[Path]:
-    """The files that a case reads: those of measured surfaces."""
-    tables = data.get("roughness", [])
-    found = [table.get("file") for table in tables if isinstance(table, dict)] if isinstance(tables, list) else []
-    return [Path(name) for name in found if isinstance(name, str)]

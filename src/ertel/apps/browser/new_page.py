@@ -80,6 +80,9 @@ class NewCase:
         try:
             path = self.site.folder.inside(name)
             text = path.read_text(encoding="utf-8")
+            data, root = read_text(text), self.site.folder.root
+            if checking.moved(data, path.parent, root) != data:
+                text = tomli_w.dumps(checking.moved(data, path.parent, root))
         except (OSError, ValueError) as error:
             ui.notify(str(error))
             return
@@ -165,24 +168,25 @@ class NewCase:
         await asyncio.sleep(PAUSE)
         try:
             data = read_text(self._text.value) if self._tabs.value == "text" else self.form.data()
-            case = await run.io_bound(checking.case_in, data, self.site.folder)
-        except ValueError as error:
-            self._refuse(str(error))
-            return
-        if case is None or self._answer.is_deleted:  # the app is closing, or the page was left
-            return
-        self._mark(None)
-        self._data = data
-        self._run.enable()
-        self._name.props(f'placeholder="{_name_of(data, case.kind)}"')
-        show_waiting(self._answer, case)
-        try:
-            found = await checking.outlook(tomli_w.dumps(data))
+            parameters = await run.io_bound(checking.at_once, data, self.site.folder)
+            self._accept(data, parameters)
+            found = await checking.outlook(data, self.site.folder)
         except ValueError as error:
             self._refuse(str(error))
             return
         if not self._answer.is_deleted:
-            show_answer(self._answer, case, found)
+            show_answer(self._answer, found)
+            self._run.enable()
+
+    def _accept(self, data: dict[str, Any], parameters: dict[str, Any] | None) -> None:
+        """Say that it is a case, or without parameters that it may be one."""
+        if self._answer.is_deleted:  # the page was left
+            return
+        self._mark(None)
+        self._data = data
+        self._run.set_enabled(parameters is not None)
+        self._name.props(f'placeholder="{_name_of(data)}"')
+        show_waiting(self._answer, parameters)
 
     def _refuse(self, message: str) -> None:
         """Say what is wrong, also at the field where the form has it."""
@@ -201,7 +205,7 @@ class NewCase:
         """Write the case file, run it, and go to its page."""
         if self._asked:
             self._asked.cancel()
-        name = plain_name((self._name.value or "").strip()) or _name_of(self._data, "case")
+        name = plain_name((self._name.value or "").strip()) or _name_of(self._data)
         try:
             path = self.site.processes.start(name, tomli_w.dumps({**self._data, "name": name}))
         except OSError as error:
@@ -210,6 +214,6 @@ class NewCase:
         ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
 
 
-def _name_of(data: dict[str, Any], otherwise: str) -> str:
+def _name_of(data: dict[str, Any]) -> str:
     """The name of a case, or the kind of its contact."""
-    return str(data.get("name") or data.get("contact", {}).get("kind") or otherwise)
+    return str(data.get("name") or data.get("contact", {}).get("kind") or "impact")
