@@ -178,6 +178,31 @@ def test_no_scheduler_is_said_in_one_sentence(tmp_path, monkeypatch):
         pass
 
 
+@pytest.fixture
+def scheduler(tmp_path) -> Iterator[tuple[subprocess.Popen[bytes], Path]]:
+    """A scheduler in a process of its own, without workers, and its file."""
+    file = tmp_path / "scheduler.json"
+    where = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show", "--scheduler-file", str(file)]
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", *where]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
+        deadline = time.monotonic() + HANG
+        while not file.exists() and time.monotonic() < deadline:
+            time.sleep(0.05)
+        yield process, file
+        process.kill()
+
+
+def test_jobs_of_a_scheduler_that_is_lost_have_failed(scheduler, capfd):
+    """Also those that wait for the programs of another one; nothing waits for ever, and nothing is said twice."""
+    process, file = scheduler
+    jobs = [Job("a", max, (1,), "program"), Job("b", max, (2,), "program"), Job("c", max, (3,))]  # nobody does them
+    asked = iter([False, False, False])
+    with cluster.existing(file=file) as workers:
+        found = dict(workers.outcomes(jobs, asked=lambda: next(asked, None) is None and process.kill() is None))
+    assert found == dict.fromkeys("abc", Failure("the scheduler was lost"))
+    assert capfd.readouterr() == ("", "")
+
+
 # -- how workers end: each in a process of its own, so that a worker that stays can be seen ----------------------------
 
 # A worker holds the other end of the standard output, which is therefore at its end only when the worker is.
