@@ -78,7 +78,6 @@ def test_runs_that_fail_are_named_and_the_others_go_on(here):
         (["--part", "3/2"], "ertel: --part 3/2: must be I/N with I from 1 to N, for example 2/8"),
         (["--part", "a"], "ertel: --part a: must be I/N with I from 1 to N, for example 2/8"),
         (["--scheduler", "tcp://a:1", "--scheduler-file", "b"], "ertel: scheduler = "),
-        (["--scheduler-file", "none.json"], "ertel: scheduler_file = "),
         (["--jobs", "0"], "ertel: Invalid value for '--jobs'"),
     ],
 )

@@ -12,6 +12,7 @@ programs of other flags apart.  A worker that dies is replaced, and its job begi
 """
 
 import logging
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -73,7 +74,7 @@ def existing(address: str | None = None, file: Path | None = None) -> Iterator["
     They need this version of ertel, and the directories of the jobs under the same names.  Raises NoScheduler.
     """
     where = f"scheduler = {address}" if address else f"scheduler_file = {file}"
-    if file is not None and not file.exists():
+    if file is not None and not _is_written(file):
         raise NoScheduler(f"{where}: no such file; give the one that the scheduler wrote")
     with ExitStack() as stack:
         try:
@@ -83,6 +84,14 @@ def existing(address: str | None = None, file: Path | None = None) -> Iterator["
                 f"{where}: no scheduler answers there within {ANSWER} s; see to it that it runs"
             ) from error
         yield cluster
+
+
+def _is_written(file: Path) -> bool:
+    """Whether a file is there, now or soon: a job may start the scheduler just before."""
+    deadline = time.monotonic() + ANSWER
+    while not file.exists() and time.monotonic() < deadline:
+        time.sleep(LOOK)
+    return file.exists()
 
 
 @contextmanager
