@@ -16,7 +16,7 @@ from ertel.runs import cluster, progress_file
 from ertel.runs.cluster import Cluster, NoScheduler
 from ertel.runs.drive import simulate
 from ertel.runs.studies import gather, run_study
-from ertel.runs.tasks import Task, kept, run_tasks
+from ertel.runs.tasks import Task, run_tasks
 from ertel.runs.workers import READY, Failure, Here, Job, Wire, Workers
 
 HANG = 120  # s: what lives longer is taken for something that never ends
@@ -203,27 +203,10 @@ def test_jobs_of_a_scheduler_that_is_lost_have_failed(scheduler, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-# -- how workers end: each in a process of its own, so that a worker that stays can be seen ----------------------------
+# -- how workers end: in a process of its own, so that a worker that stays can be seen ---------------------------------
 
 # A worker holds the other end of the standard output, which is therefore at its end only when the worker is.
 
-INTERRUPTED = """
-import sys
-from pathlib import Path
-from ertel.runs.cluster import local
-from ertel.runs.drive import simulate
-from ertel.runs.studies import gather, run_study
-from ertel.runs.tasks import Task, run_tasks
-from test_cluster import double, never_ends
-def interrupt(task, result):
-    raise KeyboardInterrupt
-if __name__ == "__main__":
-    try:
-        with local(2) as workers:
-            run_tasks([Task("short", double, (1,)), Task("long", never_ends)], workers, Path(sys.argv[1]), interrupt)
-    except KeyboardInterrupt:
-        print("\\ninterrupted")  # a worker may have been ended within its own line
-"""
 KILLED = """
 from ertel.runs.cluster import local
 from ertel.runs.drive import simulate
@@ -256,13 +239,6 @@ def rest_of_output(parent: subprocess.Popen[str]) -> str:
     except subprocess.TimeoutExpired:
         os.killpg(parent.pid, signal.SIGKILL)
         raise
-
-
-def test_an_interrupt_ends_the_workers_and_keeps_what_is_done(tmp_path):
-    parent = started(tmp_path / "interrupted.py", INTERRUPTED, str(tmp_path / "kept"))
-    assert rest_of_output(parent).splitlines()[-1] == "interrupted"
-    assert parent.returncode == 0
-    assert kept([Task("short", double, (1,)), Task("long", never_ends)], tmp_path / "kept") == {"short": 2}
 
 
 def test_workers_end_with_a_parent_that_is_killed(tmp_path):
