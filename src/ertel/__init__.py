@@ -42,9 +42,12 @@ if TYPE_CHECKING:
     from ertel.physics.scales import Parameters as Parameters
     from ertel.physics.scales import Scales as Scales
     from ertel.physics.surfaces import Feature as Feature
+    from ertel.physics.surfaces import Measured as Measured
     from ertel.physics.surfaces import RingWaviness as RingWaviness
+    from ertel.physics.surfaces import SelfAffine as SelfAffine
     from ertel.physics.surfaces import Spot as Spot
     from ertel.physics.surfaces import Waviness as Waviness
+    from ertel.results import accessor as accessor
     from ertel.results import fronts as fronts
     from ertel.results import plots as plots
     from ertel.results import waves as waves
@@ -90,7 +93,9 @@ _HOMES = {  # name: module, or module:name there
     "Parameters": "physics.scales",
     "Scales": "physics.scales",
     "Feature": "physics.surfaces",
+    "Measured": "physics.surfaces",
     "RingWaviness": "physics.surfaces",
+    "SelfAffine": "physics.surfaces",
     "Spot": "physics.surfaces",
     "Waviness": "physics.surfaces",
     "Result": "results.result",
@@ -115,6 +120,7 @@ _MODULES = {
     "oils": "inputs.oils",
     "optics": "physics.optics",
     "units": "physics.units",
+    "accessor": "results.accessor",
     "fronts": "results.fronts",
     "plots": "results.plots",
     "waves": "results.waves",

@@ -146,6 +146,7 @@ def _angle(c: Case, degrees: float) -> list[str]:
 
 
 ALL = {name: globals()[name] for name in ("formula", "resistance", "angle")}
+TITLES = {"formula": "the film formula", "resistance": "rolling resistance", "angle": "flow at an angle"}
 
 
 def main(arguments: list[str]) -> None:
@@ -155,7 +156,8 @@ def main(arguments: list[str]) -> None:
         nodes = int(arguments[at + 1])
         arguments = arguments[:at] + arguments[at + 2 :]
     for name in arguments or ALL:
-        (HERE / f"{name}.md").write_text(ALL[name](nodes), encoding="utf-8")
+        text = f"# Ellipses: {TITLES[name]}\n\n{ALL[name](nodes)}"
+        (HERE / f"{name}.md").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

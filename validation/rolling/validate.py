@@ -210,6 +210,12 @@ def waves(nodes: int) -> str:
 
 
 NODES = {"reference": 257, "limits": 513, "cavity": 257, "waves": 513}
+TITLES = {
+    "reference": "reference values",
+    "limits": "limits",
+    "cavity": "a measured micro-cavity",
+    "waves": "waves that pass",
+}
 
 
 def main(arguments: list[str]) -> None:
@@ -217,7 +223,7 @@ def main(arguments: list[str]) -> None:
     nodes = int(arguments[arguments.index("--nodes") + 1]) if "--nodes" in arguments else None
     for name in [name for name in arguments if name in NODES] or NODES:
         text = globals()[name](nodes or NODES[name])
-        (HERE / f"{name}.md").write_text(text, encoding="utf-8")
+        (HERE / f"{name}.md").write_text(f"# Rolling: {TITLES[name]}\n\n{text}", encoding="utf-8")
         print(text)
 
 

@@ -31,6 +31,7 @@ from ertel.apps.arguments import (
     directory_option,
     values_option,
 )
+from ertel.apps.browser.command import browse
 from ertel.apps.exits import bad_input
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
@@ -370,3 +371,4 @@ def about(
 
 for command in (cases.new, cases.check, cases.schema, paper, looking.ls, looking.compare, looking.export):
     app.command()(command)
+app.command("app")(browse)

@@ -15,6 +15,7 @@ from typing import Any
 from ertel.model.case import Case
 from ertel.model.state import solved
 from ertel.model.status import Status
+from ertel.results import accessor as accessor  # datasets of runs have .ertel
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.runs import compiling

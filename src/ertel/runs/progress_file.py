@@ -10,6 +10,8 @@ from the pace so far, null before there is one, among others while programs are 
 The file is renewed at most once a second, under another name and then renamed, so that readers find the old content or
 the new one.  It is not part of the data of the run: without checksum, not waited for until it is on the disk, and
 nothing is computed from it.  A run that was killed leaves "running" behind; `written` and `process` tell.
+
+This module does not import JAX, so that programs that only watch a run stay small.
 """
 
 import json
