@@ -100,7 +100,7 @@ def test_version():
     assert ertel_("--version").stdout == f"ertel {ertel.__version__}\n"
 
 
-COMMANDS = ["run", "resume", "show", "plot", "params", "film", "about", "paper"]
+COMMANDS = ["run", "resume", "show", "plot", "params", "film", "about", "paper", "sweep", "ls", "compare", "export"]
 
 
 def test_help_names_the_commands():

@@ -195,6 +195,40 @@ def test_sigterm_ends_the_workers_of_the_paper(here):
         time.sleep(0.05)
 
 
+STUDY = """
+[contact]
+M = [20, 40, 60]
+L = 5
+[solver]
+method = "radial"
+nodes = 17
+[time]
+until = 1000
+step = 1e-3
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no list of children")
+def test_ctrl_c_stops_the_runs_of_a_study_so_that_they_go_on(here):
+    """A terminal sends it to the workers too."""
+    (here / "loads.toml").write_text(STUDY)
+    with started([*ERTEL, "sweep", "loads.toml", "--jobs", "2"], start_new_session=True) as process:
+        deadline = time.monotonic() + 120
+        while len(list(here.glob("sweeps/loads/runs/*/progress.json"))) < 2 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        workers = children(process.pid)
+        os.killpg(process.pid, signal.SIGINT)
+        out, told = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert told.decode().splitlines() == ["3 runs, 3 of them to do", "ertel: interrupted; the same command continues"]
+    assert out.decode().splitlines()[-2] == "3 runs: 2 interrupted, 1 missing"
+    for directory in here.glob("sweeps/loads/runs/*"):
+        assert RunStore.open(directory).summary()["steps"] > 0
+    while any(runs(worker) for worker in workers):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
 def test_an_interrupt_while_the_command_is_imported(here):
     """Ctrl-C before the command line listens."""
     (here / "typer.py").write_text("import signal; signal.raise_signal(signal.SIGINT)")

@@ -10,6 +10,7 @@ import pytest
 
 import ertel
 from ertel.inputs.case_files import load_case
+from ertel.inputs.studies import load_study
 from ertel.model import discretise
 from ertel.model.sections import METHODS
 from ertel.results.diagnostics import case_warnings
@@ -78,6 +79,11 @@ def test_case_files_mean_what_they_always_did(name: str) -> None:
 def test_case_files_load(path: Path) -> None:
     case = load_case(path)
     assert case.solver.method in METHODS[case.kind]
+
+
+@pytest.mark.parametrize("path", sorted((EXAMPLES / "sweeps").glob("*.toml")), ids=lambda path: path.stem)
+def test_studies_load(path: Path) -> None:
+    assert len(load_study(path).cases) == 10
 
 
 @pytest.mark.filterwarnings("ignore:H_min is uncertain:UserWarning")

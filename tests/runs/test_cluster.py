@@ -16,7 +16,7 @@ from ertel.runs import cluster, progress_file
 from ertel.runs.cluster import Cluster, NoScheduler
 from ertel.runs.drive import simulate
 from ertel.runs.studies import gather, run_study
-from ertel.runs.tasks import Task, kept, run_tasks
+from ertel.runs.tasks import Task, run_tasks
 from ertel.runs.workers import READY, Failure, Here, Job, Wire, Workers
 
 HANG = 120  # s: what lives longer is taken for something that never ends
@@ -178,27 +178,35 @@ def test_no_scheduler_is_said_in_one_sentence(tmp_path, monkeypatch):
         pass
 
 
-# -- how workers end: each in a process of its own, so that a worker that stays can be seen ----------------------------
+@pytest.fixture
+def scheduler(tmp_path) -> Iterator[tuple[subprocess.Popen[bytes], Path]]:
+    """A scheduler in a process of its own, without workers, and its file."""
+    file = tmp_path / "scheduler.json"
+    where = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show", "--scheduler-file", str(file)]
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", *where]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
+        deadline = time.monotonic() + HANG
+        while not file.exists() and time.monotonic() < deadline:
+            time.sleep(0.05)
+        yield process, file
+        process.kill()
+
+
+def test_jobs_of_a_scheduler_that_is_lost_have_failed(scheduler, capfd):
+    """Also those that wait for the programs of another one; nothing waits for ever, and nothing is said twice."""
+    process, file = scheduler
+    jobs = [Job("a", max, (1,), "program"), Job("b", max, (2,), "program"), Job("c", max, (3,))]  # nobody does them
+    asked = iter([False, False, False])
+    with cluster.existing(file=file) as workers:
+        found = dict(workers.outcomes(jobs, asked=lambda: next(asked, None) is None and process.kill() is None))
+    assert found == dict.fromkeys("abc", Failure("the scheduler was lost"))
+    assert capfd.readouterr() == ("", "")
+
+
+# -- how workers end: in a process of its own, so that a worker that stays can be seen ---------------------------------
 
 # A worker holds the other end of the standard output, which is therefore at its end only when the worker is.
 
-INTERRUPTED = """
-import sys
-from pathlib import Path
-from ertel.runs.cluster import local
-from ertel.runs.drive import simulate
-from ertel.runs.studies import gather, run_study
-from ertel.runs.tasks import Task, run_tasks
-from test_cluster import double, never_ends
-def interrupt(task, result):
-    raise KeyboardInterrupt
-if __name__ == "__main__":
-    try:
-        with local(2) as workers:
-            run_tasks([Task("short", double, (1,)), Task("long", never_ends)], workers, Path(sys.argv[1]), interrupt)
-    except KeyboardInterrupt:
-        print("\\ninterrupted")  # a worker may have been ended within its own line
-"""
 KILLED = """
 from ertel.runs.cluster import local
 from ertel.runs.drive import simulate
@@ -231,13 +239,6 @@ def rest_of_output(parent: subprocess.Popen[str]) -> str:
     except subprocess.TimeoutExpired:
         os.killpg(parent.pid, signal.SIGKILL)
         raise
-
-
-def test_an_interrupt_ends_the_workers_and_keeps_what_is_done(tmp_path):
-    parent = started(tmp_path / "interrupted.py", INTERRUPTED, str(tmp_path / "kept"))
-    assert rest_of_output(parent).splitlines()[-1] == "interrupted"
-    assert parent.returncode == 0
-    assert kept([Task("short", double, (1,)), Task("long", never_ends)], tmp_path / "kept") == {"short": 2}
 
 
 def test_workers_end_with_a_parent_that_is_killed(tmp_path):

@@ -166,6 +166,16 @@ def test_a_directory_that_cannot_be_written_is_refused_before_anything_is_comput
     assert CALLS == []
 
 
+def test_an_interrupt_keeps_what_is_done(tmp_path: Path):
+    def interrupt(task: Task, result: object) -> None:
+        raise KeyboardInterrupt
+
+    tasks = [Task(str(x), double, (x,)) for x in (1, 2)]
+    with pytest.raises(KeyboardInterrupt):
+        run_tasks(tasks, Here(), tmp_path, interrupt)
+    assert kept(tasks, tmp_path) == {"1": 2}
+
+
 def test_failures_are_not_kept(tmp_path: Path):
     task = Task("bad", one_over, (0,))
     run_tasks([task], Here(), tmp_path)

@@ -179,9 +179,9 @@ def sweep(
     from ertel.inputs.studies import load_study
 
     with bad_input():
-        engine = sweep.Engine(jobs, scheduler, scheduler_file, sweep.part_of(part))
+        engine, chosen = sweep.Engine(jobs, scheduler, scheduler_file), sweep.part_of(part)
         study = load_study(study_file, set_ or [])
-    sweep.sweep(study, out or Path("sweeps").absolute() / study.name, engine, as_json, quiet)
+    sweep.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
 
 
 @app.command("warm-up")

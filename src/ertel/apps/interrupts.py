@@ -31,6 +31,10 @@ class Stop:
     code = 0
 
     def __call__(self, item: object) -> bool:
+        return self.asked()
+
+    def asked(self) -> bool:
+        """Whether a signal came."""
         return self.code > 0
 
 

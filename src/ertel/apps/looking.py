@@ -9,7 +9,7 @@ import typer
 
 from ertel.apps import completion, output
 from ertel.apps.arguments import Json, RunDirectory, directory_option
-from ertel.apps.exits import BAD_INPUT, bad_input, leave
+from ertel.apps.exits import bad_input
 from ertel.apps.paths import local_path, shown
 
 if TYPE_CHECKING:
@@ -183,10 +183,8 @@ def export(
         data = run.dataset()
     target = out or directory / "export"
     with bad_input():
+        shown_data = to_si(data) if in_si else data
         target.mkdir(parents=True, exist_ok=True)
-        try:
-            paths = exports.EXPORTS[to.value](to_si(data) if in_si else data, target)
-        except exports.NoExport as error:
-            leave(BAD_INPUT, str(error))
+        paths = exports.EXPORTS[to.value](shown_data, target)
     for path in paths:
         print(output.printable(shown(path)))

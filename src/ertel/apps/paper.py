@@ -2,14 +2,17 @@
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ertel.apps import interrupts, output
-from ertel.apps.arguments import Quiet
+from ertel.apps.arguments import Jobs, Quiet, Scheduler, SchedulerFile
 from ertel.apps.exits import FAILED, bad_input, leave, reason_of
 from ertel.apps.paths import local_path, shown
+
+if TYPE_CHECKING:
+    from ertel.runs.sweep import Engine
 
 
 def paper(
@@ -21,7 +24,9 @@ def paper(
             parser=local_path, metavar="DIR", help="Directory for the page; results kept in it are used again."
         ),
     ] = Path("paper"),
-    jobs: Annotated[int | None, typer.Option(help="Number of processes; default one per core.", min=1)] = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+    scheduler_file: SchedulerFile = None,
     quiet: Quiet = False,
 ) -> None:
     """Reproduce the figures of the paper, with their data, on one page.
@@ -29,14 +34,13 @@ def paper(
     After an interruption the same command continues.
     """
     from ertel.apps.boundary_layers import figures
-    from ertel.runs.workers import cores
+    from ertel.runs.sweep import Engine
 
-    jobs = jobs or cores()
     with bad_input():
         names = figures.names_of(figure)
         out.mkdir(parents=True, exist_ok=True)
     try:
-        page, missing = _make_page(names, quick, out, jobs, quiet)
+        page, missing = _make_page(names, quick, out, Engine(jobs, scheduler, scheduler_file), quiet)
     except interrupts.Interrupted as error:
         leave(error.code, "interrupted; the same command continues")
     except OSError as error:
@@ -46,20 +50,20 @@ def paper(
         leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))
 
 
-def _make_page(names: list[str], quick: bool, out: Path, jobs: int, quiet: bool) -> tuple[Path, dict[str, str]]:
+def _make_page(names: list[str], quick: bool, out: Path, engine: "Engine", quiet: bool) -> tuple[Path, dict[str, str]]:
     """Run what is missing and write the page: its path, and why figures are missing."""
     from ertel.apps.boundary_layers import figures
-    from ertel.runs import cluster, compiling
+    from ertel.runs import compiling
     from ertel.runs.progress import bars
 
     compiling.check_jax()
-    runs, done, seconds = figures.expected(names, quick, out, jobs)
+    runs, done, seconds = figures.expected(names, quick, out, engine.processes)
     if not quiet:
         output.say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
     with bars(not quiet) as progress, ExitStack() as stack:
         compiling.devices()  # or no run can begin
         with interrupts.deferred():
-            workers = stack.enter_context(cluster.local(jobs))
+            workers = stack.enter_context(engine.workers(runs - done))
         bar = progress.add_task("runs", total=runs, news="")
 
         def on_done(task: Any, _: object) -> None:

@@ -2,32 +2,21 @@
 
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 
 from ertel.apps import output, running, tables
 from ertel.apps.exits import FAILED, bad_input, leave, reason_of
-from ertel.apps.interrupts import Stop, interruptible
+from ertel.apps.interrupts import interruptible
 from ertel.apps.paths import in_shell, shown
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs.progress import bars
 from ertel.runs.studies import DATA, EVERY, PICTURE, TABLE, Part, alone, gather, left_of, run_study, write
-from ertel.runs.sweep import Watched, workers_of
-from ertel.runs.workers import cores
+from ertel.runs.sweep import Engine as Engine
+from ertel.runs.sweep import Watched
 
 GOES_ON = "the same command continues"
 LISTED = 5  # failed runs that the last line names
-
-
-@dataclass(frozen=True)
-class Engine:
-    """Who does the runs.  jobs: processes; None: one for each core.  part: i of n, of a study without a scheduler."""
-
-    jobs: int | None = None
-    scheduler: str | None = None
-    scheduler_file: Path | None = None
-    part: Part = EVERY
 
 
 def part_of(text: str | None) -> Part:
@@ -40,40 +29,31 @@ def part_of(text: str | None) -> Part:
     raise ValueError(f"--part {text}: must be I/N with I from 1 to N, for example 2/8")
 
 
-def sweep(study: Study, directory: Path, engine: Engine, as_json: bool, quiet: bool) -> None:
+def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bool, quiet: bool) -> None:
     """Do what is left of a study, write and print what all its runs say."""
     running.prepare()
+    left = left_of(study, directory, part)
+    if not quiet:
+        output.say(f"{len(study.cases)} runs, {len(left)} of them to do{_in_part(part)}")
     with interruptible() as stop, ExitStack() as stack:
-        if engine.part == EVERY:
+        with bad_input():
+            workers = stack.enter_context(engine.workers(len(left)))
+        if part == EVERY:
             stack.enter_context(alone(directory))
         try:
-            said = _run(study, directory, engine, quiet, stop)
+            with bars(not quiet) as progress:
+                watched = Watched(progress, len(left))
+                said = run_study(study, directory, workers, part, watched.hear, stop.asked, watched.done)
             result = gather(study, directory, said)
-            if engine.part == EVERY:
+            if part == EVERY:
                 write(result, directory)
         except OSError as error:
             leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {GOES_ON}")
-    if engine.part == EVERY:
+    if part == EVERY:
         _report(result, directory, as_json, quiet)
     if stop.code:
         leave(stop.code, f"interrupted; {GOES_ON}")
-    _leave_if_failed(said, result, directory, engine.part)
-
-
-def _run(study: Study, directory: Path, engine: Engine, quiet: bool, stop: Stop) -> Mapping[str, str]:
-    """Do what is left; how each run ended that was worked on."""
-    left = left_of(study, directory, engine.part)
-    if not quiet:
-        output.say(f"{len(study.cases)} runs, {len(left)} of them to do{_in_part(engine.part)}")
-    if not left:
-        return {}
-    jobs = min(engine.jobs or cores(), len(left))
-    with bad_input():
-        stack = ExitStack()
-        workers = stack.enter_context(workers_of(jobs, engine.scheduler, engine.scheduler_file))
-    with stack, bars(not quiet) as progress:
-        watched = Watched(progress, len(left))
-        return run_study(study, directory, workers, engine.part, watched.hear, lambda: stop.code > 0, watched.done)
+    _leave_if_failed(said, result, directory, part)
 
 
 def _in_part(part: Part) -> str:

@@ -80,11 +80,14 @@ def load_study(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     """
     data = apply_overrides(read_toml(Path(path)), overrides)
     data.setdefault("name", plain_name(Path(path).stem))
-    return parse_study(data)
+    return parse_study(data, Path(path).parent)
 
 
-def parse_study(data: Mapping[str, Any]) -> Study:
-    """The study in plain data.  Raises ConfigError, naming the field, its value and what is allowed.
+def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
+    """The study in plain data.
+
+    folder: that in which files lie that the data name.  Raises ConfigError, naming the field, its value and what is
+    allowed.
 
     Examples
     --------
@@ -100,7 +103,7 @@ def parse_study(data: Mapping[str, Any]) -> Study:
             "the study has one case only: give a list, or { from = ..., to = ..., number = ... }, for the value that "
             "varies"
         )
-    cases = tuple(_case(plain, axes, values) for values in _combinations(axes, mode))
+    cases = tuple(_case(plain, axes, values, folder) for values in _combinations(axes, mode))
     return Study(cases[0].name or cases[0].kind, mode, axes, cases, _with_values(plain, axes, _first(axes)))
 
 
@@ -210,9 +213,9 @@ def _combinations(axes: Sequence[Axis], mode: str) -> Iterator[tuple[Any, ...]]:
     return product(*lists) if mode == "product" else zip(*lists, strict=True)
 
 
-def _case(data: Mapping[str, Any], axes: Sequence[Axis], values: Sequence[Any]) -> Case:
+def _case(data: Mapping[str, Any], axes: Sequence[Axis], values: Sequence[Any], folder: str | Path) -> Case:
     try:
-        return parse_case(_with_values(data, axes, values))
+        return parse_case(_with_values(data, axes, values), folder)
     except ConfigError as error:
         where = ", ".join(f"{axis.field} = {show(value)}" for axis, value in zip(axes, values, strict=True))
         raise ConfigError(f"{error} (in the case with {where})") from error

@@ -11,6 +11,7 @@ import xarray as xr
 
 from ertel.results import html, text
 from ertel.results.columns import column, with_units
+from ertel.results.curve_points import largest_of
 from ertel.results.scalars import SHOWN, in_si
 from ertel.results.study_runs import MISSING
 
@@ -67,8 +68,8 @@ class StudyResult:
         """The columns of a table to read, each with its heading first."""
         flat = self._flat(self.dataset).isel(each=slice(MOST_ROWS))
         found = [column(str(name), flat[name]) for name in self.dataset.coords]
-        numbers = (each for name in SHOWN for each in (name, in_si(name)) if each in flat and each not in flat.coords)
-        found += [column(name, flat[name]) for name in dict.fromkeys(numbers)]
+        numbers = dict.fromkeys(each for name in SHOWN for each in (name, in_si(name)) if each in flat)
+        found += [column(name, flat[name]) for name in numbers if largest_of(flat[name]) > 0]
         return [*found, column("status", flat["status"]), column("directory", flat["directory"])]
 
     @property

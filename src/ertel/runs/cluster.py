@@ -12,9 +12,9 @@ programs of other flags apart.  A worker that dies is replaced, and its job begi
 """
 
 import logging
+import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
@@ -22,7 +22,9 @@ from uuid import uuid4
 
 import dask
 from distributed import Client, Event, Future, KilledWorker, LocalCluster
+from distributed.utils import silence_logging_cmgr
 
+from ertel.inputs.messages import ConfigError
 from ertel.runs.on_workers import SETTINGS, Start, performed
 from ertel.runs.workers import READY, Asked, Failure, Hear, Job, cores, deaf, never
 from ertel.version import own_sources
@@ -31,9 +33,11 @@ Inbox = SimpleQueue[tuple[str, Any]]  # of keys with news, or with None when the
 RETRIES = 2  # of a job that raised an error of the system, on this worker or another one
 LOOK = 0.2  # s between looks for a wish to stop, here
 ANSWER = 20  # s in which a scheduler must answer
+RUNNING = "running"  # the status of a client that has its scheduler
+LOST = Failure("the scheduler was lost")
 
 
-class NoScheduler(ValueError):
+class NoScheduler(ConfigError):
     """No scheduler answers at an address."""
 
 
@@ -70,7 +74,7 @@ def existing(address: str | None = None, file: Path | None = None) -> Iterator["
     They need this version of ertel, and the directories of the jobs under the same names.  Raises NoScheduler.
     """
     where = f"scheduler = {address}" if address else f"scheduler_file = {file}"
-    if file is not None and not file.exists():
+    if file is not None and not _is_written(file):
         raise NoScheduler(f"{where}: no such file; give the one that the scheduler wrote")
     with ExitStack() as stack:
         try:
@@ -82,16 +86,26 @@ def existing(address: str | None = None, file: Path | None = None) -> Iterator["
         yield cluster
 
 
+def _is_written(file: Path) -> bool:
+    """Whether a file is there, now or soon: a job may start the scheduler just before."""
+    deadline = time.monotonic() + ANSWER
+    while not file.exists() and time.monotonic() < deadline:
+        time.sleep(LOOK)
+    return file.exists()
+
+
 @contextmanager
 def _connected(address: str | None, start: Start, file: Path | None = None) -> Iterator["Cluster"]:
     where = {"address": address} if address else {"scheduler_file": str(file)}
-    with Client(**where, timeout=ANSWER, set_as_default=False) as client:
+    quiet = silence_logging_cmgr(logging.CRITICAL)
+    with quiet, Client(**where, timeout=ANSWER, set_as_default=False) as client:
         name = f"ertel-{uuid4().hex[:8]}"
         client.register_plugin(start, name=name)
         try:
             yield Cluster(client)
         finally:
-            client.unregister_worker_plugin(name)
+            if client.status == RUNNING:
+                client.unregister_worker_plugin(name)
 
 
 # -- this side --------------------------------------------------------------------------------------------------------
@@ -111,10 +125,12 @@ class Cluster:
         futures: dict[str, Future[Any]] = {}
         self._client.subscribe_topic(topic, lambda event: inbox.put((*event[1],)))
         try:
-            while left:
-                futures |= {job.key: self._submit(job, topic, inbox) for job in line.ready()}
+            while left and not self._is_lost:
+                for job in line.ready():
+                    futures[job.key] = self._submit(job, topic, inbox)
                 if asked():
-                    stop.set()
+                    with suppress(OSError):  # the scheduler is lost, see above
+                        stop.set()
                 try:
                     key, news = inbox.get(timeout=LOOK)
                 except Empty:
@@ -122,14 +138,28 @@ class Cluster:
                 if news is None:
                     left.remove(key)
                     line.release(key)
-                    yield key, _outcome(futures.pop(key))
+                    yield key, self._outcome(futures.pop(key))
                 elif key in left:
                     hear(key, news)
                     if news.get(READY):
                         line.release(key)
+            yield from ((key, LOST) for key in left)
         finally:
-            self._client.unsubscribe_topic(topic)
-            self._client.cancel(list(futures.values()))
+            if not self._is_lost:
+                self._client.unsubscribe_topic(topic)
+                self._client.cancel(list(futures.values()))
+
+    def _outcome(self, future: Future[Any]) -> Any:
+        try:
+            return future.result()
+        except KilledWorker:
+            return Failure("its process was killed again and again, perhaps for want of memory")
+        except Exception as error:
+            return LOST if self._is_lost else Failure.of(error)
+
+    @property
+    def _is_lost(self) -> bool:
+        return self._client.status != RUNNING
 
     def _submit(self, job: Job, topic: str, inbox: Inbox) -> Future[Any]:
         content = job.function, job.arguments, job.key, topic, own_sources()
@@ -163,15 +193,3 @@ class _Line:
         """Let all go on that wait for a job."""
         self._ready += self._behind.get(self._program[key], [])
         self._behind[self._program[key]] = []
-
-
-def _outcome(future: Future[Any]) -> Any:
-    """The outcome of a job that is done."""
-    try:
-        return future.result()
-    except KilledWorker:
-        return Failure("its process was killed again and again, perhaps for want of memory")
-    except CancelledError:
-        return Failure("the scheduler was lost")
-    except Exception as error:
-        return Failure.of(error)

@@ -93,12 +93,12 @@ def _ran(case: Case, directory: Path, said: Mapping[str, str]) -> Ran:
     place = run_directory(directory, case)
     status, summary = said.get(case.digest, ""), None
     try:
-        if (place / CASE).exists() and not status.startswith(FAILED):
-            summary = RunStore.open(place).summary()
-            status = summary["status"] if summary else "running"
+        if not status.startswith(FAILED):
+            summary = RunStore.open(place).summary() if (place / CASE).exists() else None
+            status = summary["status"] if summary else "running" if place.exists() else MISSING
     except StoreError as error:
         status = f"{FAILED}{error}"
-    return Ran(case, summary, status or MISSING, str(place.relative_to(directory)))
+    return Ran(case, summary, status, str(place.relative_to(directory)))
 
 
 def write(result: StudyResult, directory: Path) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from ertel.model import discretise
 from ertel.model.case import Case
+from ertel.physics.height_map import HeightMap
 from ertel.runs.batch import shape_of
 from ertel.runs.courses import Course, Item
 from ertel.runs.store import CASE, RunStore, Taken, compute
@@ -19,17 +20,18 @@ EXTENT = ("solver.half_width", "solver.half_width_y", "solver.inlet")  # numbers
 
 def job_of(directory: Path, case: Case) -> Job:
     """The job that brings the run in a directory to its end."""
-    return Job(case.digest, run_in, (str(directory), case.to_data()), program_of(case))
+    return Job(case.digest, run_in, (str(directory), case.to_data(), case.maps), program_of(case))
 
 
-def run_in(wire: Wire, directory: str, data: Mapping[str, Any]) -> str:
+def run_in(wire: Wire, directory: str, data: Mapping[str, Any], maps: Mapping[str, HeightMap]) -> str:
     """Begin or continue the run of a case in a directory; its status.
 
-    Raises StoreError where the directory holds something else or another process computes the run.
+    data, maps: of the case, see `Case.from_data`.  Raises StoreError where the directory holds something else or
+    another process computes the run.
     """
     if wire.stopped():
         return "interrupted"
-    store = _store(Path(directory), Case.from_data(data))
+    store = _store(Path(directory), Case.from_data(data, maps))
     told = _Telling(wire, store.course)
     return str(compute(store, [told, lambda item: wire.stopped()])["status"])
 

@@ -5,6 +5,7 @@ ertel.sweep("speeds.toml", "sweeps/speeds", jobs=2)
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,26 +16,45 @@ from ertel.results.study_result import StudyResult
 from ertel.runs import compiling
 from ertel.runs.progress import bars
 from ertel.runs.studies import alone, gather, left_of, run_study, write
-from ertel.runs.workers import Here, News, Workers
+from ertel.runs.workers import Here, News, Workers, cores
 
 
-@contextmanager
-def workers_of(jobs: int, scheduler: str | None = None, scheduler_file: Path | None = None) -> Iterator[Workers]:
-    """Those who do the runs: the workers of a scheduler, or so many processes; one is this process.
+@dataclass(frozen=True)
+class Engine:
+    """Who does the runs.
 
-    Raises NoScheduler, ConfigError.
+    jobs: processes of this machine, None for one for each core; 1 is this process.  scheduler, scheduler_file: the
+    address of a scheduler that runs, or the file that it wrote; its workers do them.
     """
-    if scheduler and scheduler_file:
-        raise ConfigError(f"scheduler = {show(scheduler)}: give it, or scheduler_file, not both")
-    if jobs < 1:
-        raise ConfigError(f"jobs = {jobs}: must be one or more")
-    if jobs == 1 and not scheduler and not scheduler_file:
-        yield Here()
-        return
-    from ertel.runs import cluster  # imports dask
 
-    with cluster.existing(scheduler, scheduler_file) if scheduler or scheduler_file else cluster.local(jobs) as found:
-        yield found
+    jobs: int | None = None
+    scheduler: str | None = None
+    scheduler_file: Path | None = None
+
+    def __post_init__(self) -> None:
+        if self.scheduler and self.scheduler_file:
+            raise ConfigError(f"scheduler = {show(self.scheduler)}: give it, or scheduler_file, not both")
+        if self.jobs is not None and self.jobs < 1:
+            raise ConfigError(f"jobs = {self.jobs}: must be one or more")
+
+    @property
+    def processes(self) -> int:
+        """The number of processes of this machine."""
+        return self.jobs or cores()
+
+    @contextmanager
+    def workers(self, runs: int) -> Iterator[Workers]:
+        """Those who do so many runs: no more processes than these.  Raises NoScheduler."""
+        elsewhere = self.scheduler or self.scheduler_file
+        jobs = min(self.processes, runs)
+        if runs == 0 or (jobs == 1 and not elsewhere):
+            yield Here()
+            return
+        from ertel.runs import cluster  # imports dask
+
+        clusters = cluster.existing(self.scheduler, self.scheduler_file) if elsewhere else cluster.local(jobs)
+        with clusters as found:
+            yield found
 
 
 def sweep(
@@ -42,7 +62,7 @@ def sweep(
     directory: str | Path,
     *,
     overrides: Sequence[str] = (),
-    jobs: int = 1,
+    jobs: int | None = 1,
     scheduler: str | None = None,
     scheduler_file: str | Path | None = None,
     progress: bool = False,
@@ -60,8 +80,9 @@ def sweep(
     overrides : sequence of str
         Values of the case, "contact.M=[100, 200]".
     jobs : int
-        Number of processes on this machine, with one thread each; 1: this process, with all cores.  A script that asks
-        for more must begin its work below `if __name__ == "__main__":`, because they import it.
+        Number of processes on this machine, with one thread each; None: one for each core.  1: this process, with all
+        cores.  A script that asks for more must begin its work below `if __name__ == "__main__":`, because they
+        import it.
     scheduler, scheduler_file : str or Path
         Address of a scheduler of dask.distributed that runs, or the file that it wrote: its workers do the runs.
     progress : bool
@@ -77,15 +98,13 @@ def sweep(
     """
     compiling.check_jax()
     compiling.keep_on_disk()
+    engine = Engine(jobs, scheduler, None if scheduler_file is None else Path(scheduler_file))
     found = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
     place = Path(directory).absolute()
-    file = None if scheduler_file is None else Path(scheduler_file)
-    said: dict[str, str] = {}
-    with alone(place):
-        if left := left_of(found, place):
-            with workers_of(min(jobs, len(left)), scheduler, file) as workers, bars(progress) as shown:
-                watched = Watched(shown, len(left))
-                said = run_study(found, place, workers, hear=watched.hear, on_done=watched.done)
+    left = len(left_of(found, place))
+    with engine.workers(left) as workers, alone(place), bars(progress) as shown:
+        watched = Watched(shown, left)
+        said = run_study(found, place, workers, hear=watched.hear, on_done=watched.done)
         result = gather(found, place, said)
         write(result, place)
     return result

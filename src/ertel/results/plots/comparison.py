@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ertel.results.kinds import is_steady
-from ertel.results.plots.drawing import BLUE, ORANGE, UNITS, At, Picture, Values, is_physical, mathtext
+from ertel.results.plots.drawing import BLUE, ORANGE, UNITS, WIDEST, At, Picture, Values, is_physical, mathtext
 from ertel.results.plots.moments import profiles_of
 from ertel.results.variables import PREFIXES, VARIABLES, exponent
 
@@ -35,10 +35,11 @@ def figure(runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None) -> F
     panels = [("X", "H"), ("X", "P")]
     if not any(is_steady(run) for run in runs):
         panels.append(("time", "H_min"))
-    found = Picture(figsize=(4.8 * len(panels), 4.0), layout="constrained", dpi=150)
+    found = Picture(figsize=(4.8 * len(panels), 4.2), layout="constrained", dpi=150)
     for axes, (x, y) in zip(found.subplots(1, len(panels)), panels, strict=True):
         curves = [_curve(run, name, x, y, at, in_si) for run, name in zip(runs, names, strict=True)]
         _draw(axes, curves, x, y, in_si)
+    found.legend(*found.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=2, frameon=False)
     return found
 
 
@@ -70,7 +71,14 @@ def _draw(axes: Axes, curves: Sequence[Curve], x: str, y: str, in_si: bool) -> N
     axes.set(xlabel=label_x, ylabel=label_y)
     if y == "H":
         axes.set_ylim(0.0, 3.0 * max(_inside(c) * c.factors[1] * of_y for c in curves))
-    axes.legend(frameon=False, fontsize="small")
+    if x == "X":
+        side = max(_side(c) * c.factors[0] * of_x for c in curves)
+        axes.set_xlim(-side, side)
+
+
+def _side(curve: Curve) -> float:
+    """How far from the centre a curve is shown."""
+    return min(WIDEST, float(np.abs(curve.x).max()))
 
 
 def _inside(curve: Curve) -> float:
@@ -83,7 +91,11 @@ def _scale(name: str, largest: float, in_si: bool) -> tuple[float, str]:
     variable = VARIABLES[name]
     if not in_si:
         unit = UNITS.get(variable.unit, variable.unit)
-        return 1.0, f"{variable.long_name} {mathtext(variable.symbol)} ({unit})"
+        return 1.0, _label(name, variable.symbol, unit)
     power = exponent(largest)
     unit = PREFIXES[power] + variable.si_units
-    return 10.0**-power, f"{variable.long_name} {mathtext(variable.si_name)} ({unit})"
+    return 10.0**-power, _label(name, variable.si_name, unit)
+
+
+def _label(name: str, symbol: str, unit: str) -> str:
+    return f"{'' if name == 'X' else VARIABLES[name].long_name} {mathtext(symbol)} ({unit})".strip()

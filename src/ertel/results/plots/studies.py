@@ -43,7 +43,7 @@ def figure(dataset: xr.Dataset) -> Figure:
 
 
 def _has_numbers(dataset: xr.Dataset, name: str) -> bool:
-    return name in dataset and bool(np.isfinite(dataset[name].values).any())
+    return name in dataset and largest_of(dataset[name]) > 0
 
 
 def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
@@ -63,6 +63,8 @@ def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
             axes.errorbar(
                 x[there], y[there], bar, fmt=style, markersize=3.5, capsize=2, color=colour, label=", ".join(said)
             )
+    if axes.get_xscale() == "log" and len(names) > 1:
+        axes.set_yscale("log")  # films are powers of speed, load and viscosity, nearly
     title = "film thickness" if len(names) > 1 else dataset[names[0]].attrs["long_name"]
     axes.set(xlabel=label, ylabel=f"{title} ({unit})" if unit else title)
     if 1 < len(places) * len(names) <= MOST_LINES:
@@ -86,14 +88,19 @@ def _x(axes: Axes, along: xr.DataArray) -> tuple[np.ndarray, str]:
     if along.dtype.kind != "f":
         x = np.arange(along.size)
         axes.set_xticks(x, [str(value) for value in along.values], rotation=20)
-        return x, str(along.name)
+        return x, _spoken(along)
     unit = along.attrs.get("units", "1")
     power = 0 if unit == "1" or "/" in unit or unit == "K" else exponent(largest_of(along))
     if has_equal_ratios(along.values):
         axes.set_xscale("log")
     else:
         axes.xaxis.set_major_locator(MaxNLocator(6))
-    return along.values / 10**power, f"{along.name}" + (f" ({PREFIXES[power]}{unit})" if unit != "1" else "")
+    return along.values / 10**power, _spoken(along) + (f" ({PREFIXES[power]}{unit})" if unit != "1" else "")
+
+
+def _spoken(values: xr.DataArray) -> str:
+    """The name of what varies, as it is spoken."""
+    return str(values.name).replace("_", " ")
 
 
 def _said(value: xr.DataArray) -> str:
@@ -101,7 +108,7 @@ def _said(value: xr.DataArray) -> str:
     if value.dtype.kind != "f":
         return str(value.values)
     unit = value.attrs.get("units", "1")
-    return f"{value.name} = {with_prefix(float(value), unit)}"
+    return f"{_spoken(value)} = {with_prefix(float(value), unit)}"
 
 
 def _unit(values: xr.DataArray, largest: float) -> tuple[float, str]:

@@ -1,6 +1,7 @@
 """Studies on the disk: what is run, what is gathered, and how they go on after all that may come between."""
 
 import itertools
+import pickle
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,12 @@ from cases import names
 
 import ertel
 from ertel.inputs.messages import ConfigError
-from ertel.inputs.studies import parse_study
+from ertel.inputs.studies import load_study, parse_study
+from ertel.model.case import Case
 from ertel.results.scalars import scalars
 from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import left_of, run_directory, run_study, write
-from ertel.runs.study_jobs import program_of
+from ertel.runs.study_jobs import job_of, program_of
 from ertel.runs.workers import READY, Here
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "E_prime": "226.37 GPa"}
@@ -161,6 +163,29 @@ def test_runs_of_one_program_differ_in_numbers_only():
     assert one == other
     finer = parse_study({**study_of(eta0="10 mPa*s"), "solver": {"method": "radial", "nodes": 33}})
     assert program_of(finer.cases[0]) != one
+
+
+ROUGH = """
+contact = { M = 200, L = 10 }
+solver = { nodes = 33 }
+[[roughness]]
+shape = "measured"
+file = "disc.npy"
+detrend = "none"
+length_x = 4.5
+rms = [0.01, 0.02]
+cutoff = 0.5
+"""
+
+
+def test_a_measured_surface_goes_with_its_case_to_another_process(tmp_path):
+    """The file lies beside that of the study; a worker needs neither."""
+    np.save(tmp_path / "disc.npy", np.random.default_rng(0).normal(size=(20, 30)))
+    (tmp_path / "rough.toml").write_text(ROUGH)
+    study = load_study(tmp_path / "rough.toml")
+    jobs = [job_of(run_directory(tmp_path, case), case) for case in study.cases]
+    arrived = [Case.from_data(*pickle.loads(pickle.dumps(job.arguments))[1:]) for job in jobs]
+    assert tuple(arrived) == study.cases and arrived[0] != arrived[1]
 
 
 ROLLING = {

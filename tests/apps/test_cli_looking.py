@@ -1,0 +1,168 @@
+"""`ertel ls`, `ertel compare` and `ertel export`."""
+
+import csv
+import json
+import re
+import struct
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from cases import ertel_, names
+
+import ertel
+
+BALL = """
+[contact]
+radius = "10 mm"
+mass = "32.6726 g"
+speed = "0.1 m/s"
+E_prime = "226.37 GPa"
+[lubricant]
+eta0 = "10 mPa*s"
+alpha = "22 / GPa"
+[solver]
+nodes = 33
+[time]
+tolerance = 0.01
+until = 0.1
+[output]
+interval = 0.05
+"""
+RADIAL = {"--set": ["solver.method=radial", "solver.nodes=17", "time.tolerance=0.1", "output.interval=10"]}
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run on the plane, a radial one and one without dimensions in a folder below, and a file among them."""
+    folder = tmp_path_factory.mktemp("runs")
+    (folder / "ball.toml").write_text(BALL)
+    radial = [part for setting in RADIAL["--set"] for part in ("--set", setting)]
+    ertel_("run", str(folder / "ball.toml"), "-q", "--out", str(folder / "plane"))
+    ertel_("run", str(folder / "ball.toml"), "-q", "--out", str(folder / "below" / "radial"), *radial)
+    case = ertel.impact(M=20, L=5, method="radial", nodes=17, until=0.02)
+    ertel.run(case, folder / "below" / "moes")
+    return folder
+
+
+# -- ls ---------------------------------------------------------------------------------------------------------------
+
+
+def test_runs_are_listed_with_their_numbers(runs):
+    head, *rows = ertel_("ls", str(runs)).stdout.splitlines()
+    assert head.split()[:6] == ["run", "case", "status", "written", "M", "L"]
+    assert [row.split()[0] for row in rows] == ["below/moes", "below/radial", "plane"]
+    assert "ball, radial" in rows[1] and "converged" in rows[1] and "ball, 2d" in rows[2]
+
+
+def test_the_list_as_data(runs):
+    found = json.loads(ertel_("ls", str(runs), "--json").stdout)
+    assert [run["directory"] for run in found] == ["below/moes", "below/radial", "plane"]
+    plane = found[2]
+    assert (plane["status"], plane["done"], plane["method"]) == ("converged", 1.0, "2d")
+    thinnest = ertel.open(runs / "plane").summary["si"]["extremes"]["H_min"]["h_min_m"]
+    assert plane["numbers"]["h_min_extreme"]["value"] == pytest.approx(thinnest)
+    assert plane["numbers"]["h_min_extreme"]["units"] == "m"
+
+
+def test_an_unfinished_and_a_damaged_run_are_listed(tmp_path):
+    case = ertel.impact(M=20, L=5, method="radial", nodes=17, until=0.02)
+    ertel.run(case, tmp_path / "stopped", observers=[lambda item: True])
+    ertel.run(case, tmp_path / "damaged")
+    (tmp_path / "stopped" / "summary.json").unlink()
+    (tmp_path / "damaged" / "case.toml").write_text("no case")
+    found = {run["directory"]: run for run in json.loads(ertel_("ls", str(tmp_path), "--json").stdout)}
+    assert found["damaged"]["status"] == "damaged"
+    assert found["stopped"]["status"] == "unfinished" and 0 < found["stopped"]["done"] < 1
+
+
+def test_no_runs_and_no_folder(tmp_path):
+    assert ertel_("ls", str(tmp_path)).stderr == f"no runs in {tmp_path}\n"
+    assert "no such file or directory" in ertel_("ls", str(tmp_path / "none"), code=2).stderr
+
+
+# -- compare ----------------------------------------------------------------------------------------------------------
+
+
+def test_two_runs_side_by_side(runs):
+    told = ertel_("compare", str(runs / "plane"), str(runs / "below" / "radial")).stdout
+    assert re.search(r'^solver.method +"2d" +"radial"$', told, re.M)
+    assert re.search(r"^thinnest film of the run +h_min_extreme +\S+ [nµ]m +\S+ [nµ]m +[+-]\d+\.\d\d%$", told, re.M)
+
+
+def test_a_run_with_itself(runs):
+    told = ertel_("compare", str(runs / "plane"), str(runs / "plane")).stdout
+    assert told.startswith("The cases are the same.\n")
+    found = json.loads(ertel_("compare", str(runs / "plane"), str(runs / "plane"), "--json").stdout)
+    assert found["case"] == [] and {pair["change"] for pair in found["numbers"]} <= {0.0, None}
+
+
+def test_a_run_in_si_and_one_without_are_compared_without(runs):
+    found = json.loads(ertel_("compare", str(runs / "plane"), str(runs / "below" / "moes"), "--json").stdout)
+    by_name = {pair["name"]: pair for pair in found["numbers"]}
+    assert "H_min_extreme" in by_name and "h_min_extreme" not in by_name
+    assert {"field": "contact.M", "first": None, "second": 20.0} in found["case"]
+
+
+def test_both_in_one_figure(runs, tmp_path):
+    told = ertel_("compare", str(runs / "plane"), str(runs / "below" / "radial"), "--plot", str(tmp_path / "both.png"))
+    assert told.stdout.splitlines()[-1] == str(tmp_path / "both.png")
+    assert (tmp_path / "both.png").read_bytes().startswith(b"\x89PNG")
+
+
+# -- export -----------------------------------------------------------------------------------------------------------
+
+
+def test_netcdf_holds_the_whole_run(runs, tmp_path):
+    ertel_("export", str(runs / "plane"), "--to", "netcdf", "--out", str(tmp_path))
+    with xr.open_dataset(tmp_path / "run.nc", engine="scipy") as found:
+        stored = ertel.open(runs / "plane").dataset
+        assert set(found.variables) == set(stored.variables)
+        assert all(np.array_equal(found[name], stored[name], equal_nan=True) for name in stored.variables)
+        assert found.attrs["digest"] == stored.attrs["digest"]
+        assert found["H"].attrs["long_name"] == "film thickness"
+
+
+def test_histories_as_csv(runs, tmp_path):
+    ertel_("export", str(runs / "plane"), "--to", "csv", "--si", "--out", str(tmp_path))
+    with (tmp_path / "history.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    stored = ertel.open(runs / "plane").si
+    assert [float(row["h_min_m"]) for row in rows] == stored["h_min"].values.tolist()
+    assert [float(row["t_s"]) for row in rows] == stored["t"].values.tolist()
+
+
+def test_maps_for_paraview(runs, tmp_path):
+    """The bytes as the format has them: x runs fastest."""
+    ertel_("export", str(runs / "plane"), "--to", "vtk", "--out", str(tmp_path))
+    stored = ertel.open(runs / "plane").dataset
+    times = re.findall(r'timestep="([^"]+)"', (tmp_path / "maps.pvd").read_text())
+    assert [float(time) for time in times] == stored["frame"].values.tolist()
+    head, _, body = (tmp_path / "maps_0001.vti").read_bytes().partition(b'<AppendedData encoding="raw">\n_')
+    said = head.decode()
+    assert (
+        'WholeExtent="0 32 0 32 0 0"' in said and 'Origin="-2.0 -2.0 0.0 "' in said and 'Spacing="0.125 0.125' in said
+    )
+    offset = int(re.search(r'Name="H".*offset="(\d+)"', said)[1])
+    [size] = struct.unpack_from("<Q", body, offset)
+    values = np.frombuffer(body, "<f8", size // 8, offset + 8)
+    assert np.array_equal(values, stored["H"].values[1].ravel())
+
+
+def test_a_radial_run_has_no_maps_for_paraview(runs):
+    told = ertel_("export", str(runs / "below" / "radial"), "--to", "vtk", code=2).stderr
+    assert told == "ertel: maps for ParaView: a run by the radial method has profiles only; use netcdf or csv\n"
+
+
+def test_what_to_install_is_said(runs, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyevtk.hl", None)
+    told = ertel_("export", str(runs / "plane"), "--to", "vtk", code=2).stderr
+    assert told == 'ertel: maps for ParaView need pyevtk: pip install "ertel[paraview]"\n'
+
+
+def test_si_needs_a_case_in_si(runs):
+    told = ertel_("export", str(runs / "below" / "moes"), "--to", "csv", "--si", code=2).stderr
+    assert "the case is dimensionless" in told
+    assert names(runs / "below" / "moes").isdisjoint({"export"})

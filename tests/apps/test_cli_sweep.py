@@ -1,0 +1,87 @@
+"""`ertel sweep`: what it prints and writes, its exit codes, and how it goes on."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from cases import ertel_, names
+
+STUDY = """
+[contact]
+M = [20, 40]
+L = 5
+[solver]
+method = "radial"
+nodes = 17
+[time]
+until = 0.02
+tolerance = 0.1
+[sweep]
+mode = "product"
+"""
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A working directory with a study."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "loads.toml").write_text(STUDY)
+    return tmp_path
+
+
+def test_a_study_from_its_file_to_its_table(here):
+    done = ertel_("sweep", "loads.toml", "--jobs", "1")
+    assert done.stderr == "2 runs, 2 of them to do\n"
+    title, head, *rows, said, stored = done.stdout.splitlines()
+    assert title == "loads" and head.split()[0] == "M" and [row.split()[0] for row in rows] == ["20", "40"]
+    assert said == "2 runs: 2 converged"
+    assert stored == "Stored in sweeps/loads, with sweep.zarr, sweep.csv and sweep.png"
+    with (here / "sweeps/loads/sweep.csv").open() as file:
+        directories = [row["directory"] for row in csv.DictReader(file)]
+    shown = ertel_("show", f"sweeps/loads/{directories[0]}").stdout
+    assert shown.startswith("loads: M = 20, L = 5 (radial")
+    again = ertel_("sweep", "loads.toml", "--json", "--set", "contact.M=[40, 60]", "--jobs", "1")
+    assert again.stderr == "2 runs, 1 of them to do\n"
+    assert [(run["M"], run["status"]) for run in json.loads(again.stdout)["runs"]] == [
+        (40.0, "converged"),
+        (60.0, "converged"),
+    ]
+
+
+def test_a_part_gathers_nothing(here):
+    done = ertel_("sweep", "loads.toml", "--part", "2/2", "--jobs", "1", "--out", "study")
+    assert done.stderr == "2 runs, 1 of them to do in part 2 of 2\n" and done.stdout == ""
+    assert names(here / "study") == {"runs"} and len(names(here / "study/runs")) == 1
+    assert ertel_("sweep", "loads.toml", "--out", "study", "--jobs", "1").stderr == "2 runs, 1 of them to do\n"
+
+
+def test_runs_that_fail_are_named_and_the_others_go_on(here):
+    ertel_("sweep", "loads.toml", "-q", "--jobs", "1")
+    broken = sorted((here / "sweeps/loads/runs").iterdir())[0]
+    (broken / "case.toml").write_text("[contact]\nM = 1\nL = 1\n")
+    done = ertel_("sweep", "loads.toml", "--jobs", "1", "--set", "contact.M=[20, 40, 60]", code=1)
+    assert "3 runs: 2 converged, 1 failed" in done.stdout
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith(f"ertel: 1 of 3 runs failed: runs/{broken.name}; ertel show sweeps/loads/runs/")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--set", "contact.M=20"], "ertel: the study has one case only: give a list"),
+        (
+            ["--set", "contact.M=[20, 'x']"],
+            'ertel: contact.M = "x": must be a number (in the case with contact.M = "x")',
+        ),
+        (["--set", "sweep.mode=grid"], 'ertel: sweep.mode = "grid": allowed: product, zip'),
+        (["--part", "3/2"], "ertel: --part 3/2: must be I/N with I from 1 to N, for example 2/8"),
+        (["--part", "a"], "ertel: --part a: must be I/N with I from 1 to N, for example 2/8"),
+        (["--scheduler", "tcp://a:1", "--scheduler-file", "b"], "ertel: scheduler = "),
+        (["--jobs", "0"], "ertel: Invalid value for '--jobs'"),
+    ],
+)
+def test_wrong_input_is_one_sentence_and_runs_nothing(here, arguments, message):
+    done = ertel_("sweep", "loads.toml", "-q", *arguments, code=2)
+    assert done.stderr.startswith(message) and len(done.stderr.splitlines()) == 1
+    assert done.stdout == "" and not list(Path().glob("sweeps/*/runs/*"))
