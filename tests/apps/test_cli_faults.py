@@ -1,6 +1,7 @@
 """What goes wrong around a command becomes one sentence and an exit code; what was computed is kept."""
 
 import json
+import shutil
 import signal
 import time
 import warnings
@@ -38,11 +39,19 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A run that has ended."""
+    directory = tmp_path_factory.mktemp("faults")
+    (directory / "case.toml").write_text(CASE)
+    ertel_("run", str(directory / "case.toml"), "--out", str(directory / "run"), "-q")
+    return directory / "run"
+
+
 @pytest.fixture
-def done(here):
-    """The directory of a finished run."""
-    ertel_("run", "case.toml", "--out", "my run", "-q")
-    return here / "my run"
+def done(here, finished):
+    """A copy of it in the working directory."""
+    return Path(shutil.copytree(finished, here / "my run"))
 
 
 def said(result):

@@ -122,7 +122,14 @@ def test_interferogram() -> None:
     assert seen == pytest.approx(computed, abs=1e-12)
 
 
-@pytest.mark.parametrize(("name", "nodes"), [("ball_bearing", 65), ("gear_flanks", 65), ("skewed_ellipse", 33)])
+@pytest.mark.parametrize(
+    ("name", "nodes"),
+    [
+        ("skewed_ellipse", 33),
+        pytest.param("ball_bearing", 65, marks=pytest.mark.slow),
+        pytest.param("gear_flanks", 65, marks=pytest.mark.slow),
+    ],
+)
 def test_elliptical_examples(name: str, nodes: int) -> None:
     """On so small a grid the film is too thin, but of the size of Chittenden's formula."""
     case = load_case(EXAMPLES / f"{name}.toml", [f"solver.nodes={nodes}"])

@@ -29,7 +29,7 @@ CASE = {
     "name": "small",
     "contact": {"M": 200, "L": 10},
     "solver": {"nodes": 33},
-    "time": {"tolerance": 0.01, "until": 1.4},
+    "time": {"tolerance": 0.01, "until": 0.9},
 }
 
 
