@@ -123,6 +123,11 @@ def test_only_halfspace_speaks_of_the_fft():
     assert broken(lambda module: [n for n in identifiers(TREES[module]) if "fft" in n.lower()], others) == {}
 
 
+def test_only_the_engine_speaks_of_dask():
+    others = TREES.keys() - {"runs.cluster", "runs.on_workers"}
+    assert broken(lambda module: outside(module) & {"dask", "distributed"}, others) == {}
+
+
 def test_library_never_prints():
     library = [module for module in TREES if room(module) != "apps"]
     assert broken(lambda module: {"print"} & set(identifiers(TREES[module])), library) == {}
@@ -142,7 +147,7 @@ def test_every_module_says_what_it_is_for():
 
 def test_command_line_starts_light():
     """`ertel --help` answers at once: what takes long to import comes only when it is needed."""
-    heavy = ["jax", "matplotlib", "xarray", "pint"]
+    heavy = ["jax", "matplotlib", "xarray", "pint", "distributed"]
     code = f"import sys, ertel.apps.cli; print([name for name in {heavy} if name in sys.modules])"
     path = str(PACKAGE.parent)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=path)

@@ -23,6 +23,7 @@ PROMISED = {
         "run",
         "open",
         "simulate_batch",
+        "tasks",
         "sweep",
         "plots",
         "formulas",

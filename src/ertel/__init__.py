@@ -42,7 +42,9 @@ if TYPE_CHECKING:
     from ertel.physics.scales import Parameters as Parameters
     from ertel.physics.scales import Scales as Scales
     from ertel.physics.surfaces import Feature as Feature
+    from ertel.physics.surfaces import Measured as Measured
     from ertel.physics.surfaces import RingWaviness as RingWaviness
+    from ertel.physics.surfaces import SelfAffine as SelfAffine
     from ertel.physics.surfaces import Spot as Spot
     from ertel.physics.surfaces import Waviness as Waviness
     from ertel.results import accessor as accessor
@@ -50,9 +52,10 @@ if TYPE_CHECKING:
     from ertel.results import plots as plots
     from ertel.results import waves as waves
     from ertel.results.result import Result as Result
+    from ertel.results.study_result import StudyResult as StudyResult
     from ertel.results.traction_curve import TractionCurve as TractionCurve
     from ertel.results.variables import to_si as to_si
-    from ertel.runs import sweep as sweep
+    from ertel.runs import tasks as tasks
     from ertel.runs.batch import simulate_batch as simulate_batch
     from ertel.runs.drive import simulate as simulate
     from ertel.runs.response import respond as respond
@@ -60,6 +63,7 @@ if TYPE_CHECKING:
     from ertel.runs.response import respond_linearly as respond_linearly
     from ertel.runs.store import open_run as open
     from ertel.runs.store import run as run
+    from ertel.runs.sweep import sweep as sweep
     from ertel.runs.traction import traction as traction
 
     __version__: str
@@ -89,10 +93,13 @@ _HOMES = {  # name: module, or module:name there
     "Parameters": "physics.scales",
     "Scales": "physics.scales",
     "Feature": "physics.surfaces",
+    "Measured": "physics.surfaces",
     "RingWaviness": "physics.surfaces",
+    "SelfAffine": "physics.surfaces",
     "Spot": "physics.surfaces",
     "Waviness": "physics.surfaces",
     "Result": "results.result",
+    "StudyResult": "results.study_result",
     "TractionCurve": "results.traction_curve",
     "to_si": "results.variables",
     "simulate_batch": "runs.batch",
@@ -102,6 +109,7 @@ _HOMES = {  # name: module, or module:name there
     "respond_linearly": "runs.response",
     "open": "runs.store:open_run",
     "run": "runs.store",
+    "sweep": "runs.sweep",
     "traction": "runs.traction",
 }
 _MODULES = {
@@ -116,7 +124,7 @@ _MODULES = {
     "fronts": "results.fronts",
     "plots": "results.plots",
     "waves": "results.waves",
-    "sweep": "runs.sweep",
+    "tasks": "runs.tasks",
 }
 _ROOMS = ("physics", "numerics", "model", "inputs", "results", "solvers", "runs", "apps")
 __all__ = ["__version__", *_HOMES, *_MODULES]

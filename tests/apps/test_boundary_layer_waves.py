@@ -17,7 +17,7 @@ from ertel.apps.boundary_layers.smooth import Results, radial_name
 from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
 from ertel.results.waves import local_nabla2
-from ertel.runs.sweep import Task
+from ertel.runs.tasks import Task
 
 M, L, WAVE = 200, 10, 0.4
 X = np.linspace(-1.5, 1.5, 301)

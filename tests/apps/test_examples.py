@@ -1,14 +1,18 @@
 """The examples run: each case file loads, each script gives the number that it is about."""
 
 import importlib.util
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 import ertel
 from ertel.inputs.case_files import load_case
+from ertel.model import discretise
 from ertel.model.sections import METHODS
+from ertel.results.diagnostics import case_warnings
 from ertel.results.summary import films
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -120,3 +124,24 @@ def test_elliptical_examples(name: str, nodes: int) -> None:
     formula = next(film for film in films(case) if film.name.startswith("Chittenden")).central
     assert result.summary["status"] == "converged" and formula
     assert 0.6 * formula < result.summary["H_c"] < 1.1 * formula
+
+
+@pytest.mark.parametrize(("name", "nodes", "until"), [("rough_impact", 33, 0.2), ("rough_rolling", 33, 0.05)])
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_rough_examples(name: str, nodes: int, until: float) -> None:
+    """They begin as they should: the film feels the hills, and nothing touches."""
+    short = [f"solver.nodes={nodes}", "solver.fold=false", f"time.until={until}", "time.tolerance=0.01"]
+    case = load_case(EXAMPLES / f"{name}.toml", short)
+    rough, smooth = (ertel.simulate(each) for each in (case, replace(case, roughness=())))
+    assert rough.summary["status"] == smooth.summary["status"] == "converged"
+    films = [run.dataset["H"].isel(frame=-1).values for run in (rough, smooth)]
+    assert films[0].min() > 0
+    assert np.abs(films[0] - films[1]).max() > 0.02 * case.film_scale
+    grid = discretise.grid_of(case)
+    heights = np.asarray(discretise.heights(case.features, case, grid, until))
+    assert np.corrcoef((films[1] - films[0]).ravel(), heights.ravel())[0, 1] > 0.9
+
+
+def test_rough_examples_are_resolved_by_their_grids() -> None:
+    for name in ("rough_impact", "rough_rolling"):
+        assert not [text for text in case_warnings(load_case(EXAMPLES / f"{name}.toml")) if "roughness" in text]

@@ -20,7 +20,7 @@ from ertel.runs import compiling
 from ertel.runs.batch import lanes_for, run_together, simulate_batch
 from ertel.runs.drive import simulate
 from ertel.runs.stepping import Step
-from ertel.runs.sweep import Failure
+from ertel.runs.tasks import Failure
 
 TIGHT = {"tolerance": 1e-8, "half_width": 2.0}  # the default width depends on M
 

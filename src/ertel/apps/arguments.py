@@ -8,16 +8,15 @@ import typer
 from ertel.apps import completion
 from ertel.apps.paths import local_path
 
-CaseFile = Annotated[
-    Path,
-    typer.Argument(
-        parser=local_path,
-        metavar="CASE.toml",
-        help="Case file; see examples/.",
-        autocompletion=completion.case_files,
-        show_default=False,
-    ),
-]
+
+def _file(metavar: str, text: str) -> Any:
+    return typer.Argument(
+        parser=local_path, metavar=metavar, help=text, autocompletion=completion.case_files, show_default=False
+    )
+
+
+CaseFile = Annotated[Path, _file("CASE.toml", "Case file; see examples/.")]
+StudyFile = Annotated[Path, _file("SWEEP.toml", "Case file with lists or ranges of values.")]
 
 
 def _run_directory(metavar: str) -> Any:
@@ -45,6 +44,24 @@ Flush = Annotated[
         metavar="SECONDS",
         help="Write at least so far apart; default 5 s, and each grid of a steady run. A killed run loses this much.",
         show_default=False,
+    ),
+]
+Jobs = Annotated[
+    int | None,
+    typer.Option(
+        min=1,
+        help="Number of processes; default one per core. 1: this process, with all cores.",
+        show_default=False,
+    ),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="Use the workers of a dask scheduler that runs.", show_default=False),
+]
+SchedulerFile = Annotated[
+    Path | None,
+    typer.Option(
+        parser=local_path, metavar="FILE", help="The same, by the file that the scheduler wrote.", show_default=False
     ),
 ]
 Set = Annotated[

@@ -14,19 +14,24 @@ from typing import Annotated
 
 import typer
 
-from ertel.apps import cases, completion, output
+from ertel.apps import cases, completion, looking, output
 from ertel.apps.arguments import (
     CaseFile,
     Estimate,
     Flush,
+    Jobs,
     Json,
     OptionalRun,
     Quiet,
     RunDirectory,
+    Scheduler,
+    SchedulerFile,
     Set,
+    StudyFile,
     directory_option,
     values_option,
 )
+from ertel.apps.browser.command import browse
 from ertel.apps.exits import bad_input
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
@@ -140,6 +145,43 @@ def traction(
         case = load_case(case_file, set_ or [])
     given = {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}
     traction(case, given, film, out, as_json, quiet)
+
+
+@app.command()
+def sweep(
+    study_file: StudyFile,
+    out: Annotated[Path | None, directory_option("Directory of the study; default sweeps/NAME.")] = None,
+    set_: Set = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+    scheduler_file: SchedulerFile = None,
+    part: Annotated[
+        str | None,
+        typer.Option(
+            metavar="I/N",
+            help="Do the I-th of N parts only, such as one task of a job array; the command without it gathers.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a parameter study: all combinations of the values in a case file that are lists or ranges.
+
+    The file is a case file in which a list, or { from = 1, to = 10, number = 4, spacing = "log" }, may stand for any
+    value. The section [sweep] has mode = "product" (all combinations, the default) or mode = "zip" (the first values
+    belong together, then the second ones). --set takes such values too: --set "contact.M=[100, 200]".
+
+    Each run is an ordinary run directory, DIR/runs/DIGEST of its case. What is missing or unfinished is done: a study
+    can be stopped, killed, edited and started again with the same command.
+    """
+    from ertel.apps import sweep
+    from ertel.inputs.studies import load_study
+
+    with bad_input():
+        engine = sweep.Engine(jobs, scheduler, scheduler_file, sweep.part_of(part))
+        study = load_study(study_file, set_ or [])
+    sweep.sweep(study, out or Path("sweeps").absolute() / study.name, engine, as_json, quiet)
 
 
 @app.command("warm-up")
@@ -327,5 +369,6 @@ def about(
         tables.print_names(tables.console(), found)
 
 
-for command in (cases.new, cases.check, cases.schema, paper):
+for command in (cases.new, cases.check, cases.schema, paper, looking.ls, looking.compare, looking.export):
     app.command()(command)
+app.command("app")(browse)

@@ -60,6 +60,8 @@ def as_sentences() -> Iterator[None]:
     except WrongUsage as error:
         leave(BAD_INPUT, _usage(error))
     except Exception as error:
+        if isinstance(error.__cause__, Interrupted):  # that a compiled module met while it was imported
+            leave(error.__cause__.code, "interrupted")
         leave(*_judged(error))
 
 

@@ -38,17 +38,21 @@ class Stop:
 def raised() -> Iterator[None]:
     """Signals raise `Interrupted` where the program is."""
 
-    complaints = threading.excepthook
-
     def on_signal(number: int, frame: FrameType | None) -> None:
-        threading.excepthook = lambda _: None  # a pool's thread complains of workers that are ended
         raise Interrupted(number)
 
-    try:
-        with _handled(on_signal), _never_lost():
-            yield
-    finally:
-        threading.excepthook = complaints
+    with _handled(on_signal), _never_lost():
+        yield
+
+
+@contextmanager
+def deferred() -> Iterator[None]:
+    """Signals wait for the end of this block, which must be short: what it starts is then whole and can be ended."""
+    came: list[int] = []
+    with _handled(lambda number, frame: came.append(number)):
+        yield
+    for number in came[:1]:
+        signal.raise_signal(number)
 
 
 @contextmanager

@@ -1,6 +1,6 @@
 """`ertel paper`: the figures of the paper, with their data, on one page."""
 
-import os
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -29,8 +29,9 @@ def paper(
     After an interruption the same command continues.
     """
     from ertel.apps.boundary_layers import figures
+    from ertel.runs.workers import cores
 
-    jobs = jobs or os.cpu_count() or 1
+    jobs = jobs or cores()
     with bad_input():
         names = figures.names_of(figure)
         out.mkdir(parents=True, exist_ok=True)
@@ -48,19 +49,20 @@ def paper(
 def _make_page(names: list[str], quick: bool, out: Path, jobs: int, quiet: bool) -> tuple[Path, dict[str, str]]:
     """Run what is missing and write the page: its path, and why figures are missing."""
     from ertel.apps.boundary_layers import figures
-    from ertel.runs import compiling
+    from ertel.runs import cluster, compiling
     from ertel.runs.progress import bars
-    from ertel.runs.sweep import processes
 
     compiling.check_jax()
     runs, done, seconds = figures.expected(names, quick, out, jobs)
     if not quiet:
         output.say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
-    with bars(not quiet) as progress, processes(jobs) as executor:
+    with bars(not quiet) as progress, ExitStack() as stack:
         compiling.devices()  # or no run can begin
+        with interrupts.deferred():
+            workers = stack.enter_context(cluster.local(jobs))
         bar = progress.add_task("runs", total=runs, news="")
 
         def on_done(task: Any, _: object) -> None:
             progress.update(bar, advance=1, news=task.name)
 
-        return figures.make(names, quick, out, executor, on_done)
+        return figures.make(names, quick, out, workers, on_done)

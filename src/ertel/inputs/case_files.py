@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from ertel.inputs.heat import with_thermal_data
+from ertel.inputs.height_maps import with_maps
 from ertel.inputs.messages import ConfigError, message
 from ertel.inputs.names import without_names
 from ertel.inputs.schema import case_file, keys_of, plain, section_of
@@ -31,13 +32,13 @@ def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
     path = Path(path)
     data = apply_overrides(read_toml(path), overrides)
     data.setdefault("name", plain_name(path.stem))
-    return parse_case(data)
+    return parse_case(data, path.parent)
 
 
-def parse_case(data: Mapping[str, object]) -> Case:
+def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
     """The case in plain data with the sections and keys of a case file.
 
-    Raises ConfigError at the first error.
+    folder: that in which files lie that the data name.  Raises ConfigError at the first error.
 
     Examples
     --------
@@ -54,7 +55,8 @@ def parse_case(data: Mapping[str, object]) -> Case:
     except ValidationError as error:
         raise ConfigError(message(error)) from error
     try:
-        return Case.from_data(read)
+        read, maps = with_maps(read, Path(folder))
+        return Case.from_data(read, maps)
     except ValueError as error:
         raise ConfigError(_as_written(str(error), data["contact"], read["contact"])) from error
 
@@ -122,7 +124,8 @@ def _read_bytes(path: Path, name: str) -> bytes:
 def to_toml(case: Case) -> str:
     """A case as a case file, complete and in SI; it reads back as the same case, to the last bit.
 
-    Raises ValueError for a law or a shape that has no registered name.
+    A case with measured surfaces needs the files of `Case.maps` beside it, as in a run directory.  Raises ValueError
+    for a law or a shape that has no registered name.
     """
     import tomli_w
 

@@ -6,11 +6,12 @@ from math import isfinite
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from ertel.inputs.named import DataSheet
-from ertel.inputs.schema import SECTIONS, SURFACE, TOP, first_paragraph
+from ertel.inputs.schema import FILES, SECTIONS, SURFACE, TOP, first_paragraph
 from ertel.inputs.spellings import kind_of
 from ertel.model.records import OIL_LAWS, law_fields, show
 from ertel.model.sections import ENDS, METHODS, SOLVERS, START_APPROACH, STOPS, Solver, Time
 from ertel.model.thermal import Thermal
+from ertel.physics.height_map import HeightMap
 from ertel.physics.motion import Oscillation, Signal
 from ertel.physics.registry import SHAPES, Registry
 from ertel.physics.units import Bounds, Meaning, Unit, marks, meanings
@@ -72,7 +73,8 @@ def _roughness() -> Iterator[Place]:
     shape = Key("shape", " or ".join(SHAPES), "which shape", NEEDED)
     yield Place("[[roughness]]", TOP["roughness"].text, (shape, own))
     for name, record in SHAPES.items():
-        yield Place(f'shape = "{name}"', first_paragraph(record).removesuffix("."), keys_of(record))
+        reading = keys_of(FILES[name]) if name in FILES else ()
+        yield Place(f'shape = "{name}"', first_paragraph(record).removesuffix("."), (*keys_of(record), *reading))
 
 
 def keys_of(record: Any) -> tuple[Key, ...]:
@@ -106,10 +108,10 @@ def _kind(record: Any, name: str, hint: Any, mark: Unit | Bounds | None) -> str:
         return kind_of(mark)
     if name in OIL_LAWS and not inside:
         return f"{', '.join(law for law, kind in OIL_LAWS[name].items() if hasattr(kind, 'of'))} or table"
-    words = {bool: "true or false", Signal: SIGNAL, DataSheet: "name or table"}
+    words = {HeightMap: "name of a file", bool: "true or false", Signal: SIGNAL, DataSheet: "name or table"}
     options = get_args(hint) or (hint,)
-    if get_origin(hint) is Literal:
-        return " or ".join(map(str, options))
+    if literals := [option for option in (hint, *options) if get_origin(option) is Literal]:
+        return " or ".join(map(str, get_args(literals[0])))
     return next((word for kind, word in words.items() if kind in options), "table" if name in inside else "text")
 
 

@@ -1,7 +1,7 @@
-"""The keys that name an oil or a material of the library; `inputs.names` replaces them by numbers."""
+"""The keys that name an oil, a material or a file; `inputs.names` and `inputs.height_maps` replace them by numbers."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 from ertel.physics.units import (
     COMPLIANCE,
@@ -44,3 +44,17 @@ class NamedLubricant:
         Meaning("name of an oil, ertel oils lists them, or a table with its data sheet", "squalane"),
     ] = None
     temperature: Annotated[float | None, TEMPERATURE, Meaning("temperature of the inlet; goes with oil")] = None
+
+
+@dataclass(frozen=True)
+class MeasuredFile:
+    """How the file of a measured map is read, in [[roughness]]."""
+
+    channel: Annotated[
+        str | None, Meaning("which of the channels of the file; left out: its first one with heights", "Height")
+    ] = None
+    unit: Annotated[str | None, Meaning("unit of lengths and heights of a file that does not say it", "um")] = None
+    detrend: Annotated[
+        Literal["plane", "curvature", "mean", "none"] | None,
+        Meaning("what is taken off the heights as the form of the body; left out: plane", "curvature"),
+    ] = None

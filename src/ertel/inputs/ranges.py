@@ -74,11 +74,15 @@ def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
         raise ValueError(f"must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:{LOG} for equal ratios")
     unit = _unit(rest[0], mark) or _unit(left, mark)
     start, end = (_value(text if _unit(text, mark) else f"{text} {unit}", mark) for text in (left, rest[0]))
-    if rest[2:] and not start * end > 0:
-        raise ValueError(f"the ends of a range with :{LOG} must both be above zero, or both below")
-    number = _number(rest[1])
-    if rest[2:]:
-        return tuple(float(value) for value in np.geomspace(start, end, number))
+    return spaced(start, end, _number(rest[1]), logarithmic=bool(rest[2:]))
+
+
+def spaced(start: float, end: float, number: int, logarithmic: bool) -> tuple[float, ...]:
+    """Values from start to end, with equal steps or equal ratios.  Raises ValueError where there are no such ratios."""
+    if logarithmic and not start * end > 0:
+        raise ValueError("the ends of a range with equal ratios (log) must both be above zero, or both below")
+    if logarithmic:
+        return (start, *(float(value) for value in np.geomspace(start, end, number)[1:-1]), end)
     first, last = Fraction(repr(start)), Fraction(repr(end))  # exact, so that a range through zero contains zero
     return tuple(float(first + (last - first) * i / (number - 1)) for i in range(number))
 
@@ -92,7 +96,12 @@ def _number(text: str) -> int:
 
 def _unit(text: str, mark: Mark) -> str:
     """What stands after the number of a quantity; a plain number has no unit."""
-    return text.lstrip("+-0123456789.eE ") if isinstance(mark, Unit) else ""
+    return unit_in(text) if isinstance(mark, Unit) else ""
+
+
+def unit_in(text: str) -> str:
+    """What stands after the number of a quantity."""
+    return text.lstrip("+-0123456789.eE ")
 
 
 def _value(given: Any, mark: Mark) -> float:

@@ -24,13 +24,14 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from ertel.inputs.named import DataSheet, Materials, NamedLubricant
+from ertel.inputs.named import DataSheet, Materials, MeasuredFile, NamedLubricant
 from ertel.inputs.quantities import parse_amount, parse_number, parse_quantity
 from ertel.inputs.spellings import amount_schema, number_schema, quantity_schema
 from ertel.model.conditions import Conditions
 from ertel.model.records import OIL_LAWS, law_fields
 from ertel.model.sections import STOPS, Drive, Output, Solver, Time
 from ertel.model.thermal import Thermal
+from ertel.physics.height_map import HeightMap
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
@@ -70,6 +71,7 @@ TOP: Mapping[str, Meaning] = {  # keys of the file itself
     "name": Meaning("of the run's directory and titles; left out: that of the file", "steel_ball"),
     "roughness": Meaning("shapes on the surfaces, any number of them; their heights are added"),
 }
+FILES = {"measured": MeasuredFile}  # records of further keys of shapes, that say how their file is read
 SURFACE = Meaning("surface on which the shape is and with which it moves")
 
 
@@ -128,6 +130,8 @@ def _type(hint: Any, mark: object) -> Any:
         number: Any = int if mark.whole else float
         reader = BeforeValidator(partial(parse_number, bounds=mark))
         return Annotated[number, reader, WithJsonSchema(number_schema(mark))]
+    if hint is HeightMap:
+        return str
     return Annotated[hint, Field(strict=False)] if get_origin(hint) is tuple else hint
 
 
@@ -198,7 +202,9 @@ def _tables(key: str, records: Mapping[str, type]) -> Iterator[Any]:
         inside = {part: _inner_law() for part in law_fields(record)}
         told = first_paragraph(record)
         named = {key: (Literal[name], ...)}
-        own = create_model(name, __base__=section_of(record, **inside), __doc__=told, **named)  # type: ignore[call-overload]
+        base = section_of(FILES[name]) if key == "shape" and name in FILES else Section
+        section = section_of(record, "", base, **inside)
+        own = create_model(name, __base__=section, __doc__=told, **named)  # type: ignore[call-overload]
         if key == "shape":
             surface = (_one_of(1, 2), Field(1, **_explained(SURFACE)))
             own = create_model(name, __base__=own, __doc__=told, surface=surface)

@@ -19,6 +19,7 @@ from ertel.model.records import (
     data_of,
     feature_data,
     feature_of,
+    maps_in,
     named,
     oil_data,
     oil_of,
@@ -47,6 +48,7 @@ from ertel.model.sections import (
 from ertel.model.thermal import Thermal
 from ertel.physics import film_formulas, surfaces
 from ertel.physics.geometry import CIRCLE, Geometry
+from ertel.physics.height_map import NO_MAPS, HeightMap
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
@@ -217,6 +219,11 @@ class Case:
         """The roughness in the units of the case."""
         return scaled_all(self.roughness, self.scales, "roughness")
 
+    @property
+    def maps(self) -> dict[str, HeightMap]:
+        """The measured heights that belong to the case, by the names of their files in its plain data."""
+        return maps_in(self.roughness)
+
     @cached_property
     def schedule(self) -> Schedule:
         """Start, end, steps and maps in units t0.  Raises ValueError for a steady case, which has none."""
@@ -271,11 +278,12 @@ class Case:
         return data_of(replace(self.solver, inlet=self.solver.half_width) if centred else self.solver)
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> "Case":
+    def from_data(cls, data: Mapping[str, Any], maps: Mapping[str, HeightMap] = NO_MAPS) -> "Case":
         """The case from plain data, with defaults filled in.
 
         A quantity is a string with its SI unit ("0.01 m") or, if only a quantity is allowed, a number.  `inputs` reads
-        case files with other units.  Raises ValueError at the first error.
+        case files with other units.  maps: as the property, of a case that has any.  Raises ValueError at the first
+        error.
         """
         known = ("schema", "name", *(_SECTIONS.get(f.name, f.name) for f in fields(cls) if f.name != "name"))
         for name in data:
@@ -292,7 +300,9 @@ class Case:
             oil=oil,
             solver=_solver_of(data.get("solver", {}), contact, oil, drive, time),
             drive=drive,
-            roughness=tuple(feature_of(d, f"roughness[{i}]") for i, d in enumerate(data.get("roughness", ()), 1)),
+            roughness=tuple(
+                feature_of(feature, f"roughness[{i}]", maps) for i, feature in enumerate(data.get("roughness", ()), 1)
+            ),
             time=time,
             output=_optional(lambda section: record_of(Output, section, "output"), data.get("output")),
             thermal=_optional(lambda section: record_of(Thermal, section, "thermal"), data.get("thermal")),

@@ -17,6 +17,7 @@ from ertel.physics import surfaces
 from ertel.physics.surfaces import Feature
 
 INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
+CELLS_KEPT = 4.0  # in the shortest wave of a rough surface of which a grid loses nothing; of two cells nothing is left
 
 
 def grid_of(case: Case) -> Grid:
@@ -70,8 +71,13 @@ def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
 
 
 def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Array:
-    """The height of the roughness on the grid at time T; it moves with the surfaces."""
-    return jnp.asarray(surfaces.height(features, case.motion, T, grid.kept_x[None, :], grid.kept_y[:, None]))
+    """The height of the roughness on the grid at time T; it moves with the surfaces.
+
+    Of rough surfaces the waves that are too short for the grid are left out (`CELLS_KEPT`), so that a coarse grid does
+    not mistake them for longer ones.
+    """
+    X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
+    return jnp.asarray(surfaces.height(features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing))
 
 
 def gap_change(case: Case, grid: Grid, T: float) -> Array:
@@ -84,5 +90,6 @@ def gap_change(case: Case, grid: Grid, T: float) -> Array:
 def _gap(case: Case, grid: Grid, T: float, shift: float) -> Array:
     """The gap at time T, at nodes that have moved along X."""
     X, Y = grid.kept_x[None, :] + shift, grid.kept_y[:, None]
-    gap: Array = case.geometry.gap(X, Y) - surfaces.height(case.features, case.motion, T, X, Y)
+    rough = surfaces.height(case.features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing)
+    gap: Array = case.geometry.gap(X, Y) - rough
     return gap

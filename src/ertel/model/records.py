@@ -12,6 +12,7 @@ from math import inf, log10
 from typing import Any, TypeVar, get_type_hints
 
 from ertel.physics.fluidity import Fluidity
+from ertel.physics.height_map import NO_MAPS, HeightMap
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Polyline, Signal, constant
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
@@ -56,6 +57,8 @@ def _plain(value: Any, mark: object = None) -> Any:
             return first if start == 0.0 and not rest else [[_plain(T), v] for T, v in value.points]
         case Oscillation():
             return data_of(value)
+        case HeightMap():
+            return value.name
         case _ if hasattr(value, "fluidity"):  # a law inside of another one
             return law_data(value, FLUIDITY_LAWS)
     raise ValueError(f"{show(value)}: cannot be written down; allowed: numbers, texts, signals, records with a name")
@@ -76,6 +79,12 @@ def oil_data(oil: Oil) -> dict[str, Any]:
 def feature_data(feature: Feature) -> dict[str, Any]:
     """A feature as plain data."""
     return {"shape": SHAPES.name_of(feature.shape), **data_of(feature.shape), "surface": feature.surface}
+
+
+def maps_in(features: Sequence[Feature]) -> dict[str, HeightMap]:
+    """The measured heights of some features, by the names that stand for them in their plain data."""
+    values = [value for feature in features for value in vars(feature.shape).values()]
+    return {value.name: value for value in values if isinstance(value, HeightMap)}
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------
@@ -155,8 +164,8 @@ def oil_of(data: Data, place: str) -> Oil:
     return record_of(Oil, read, place)
 
 
-def feature_of(data: Data, place: str) -> Feature:
-    """A feature from plain data, its shape by a registered name."""
+def feature_of(data: Data, place: str, maps: Mapping[str, HeightMap] = NO_MAPS) -> Feature:
+    """A feature from plain data, its shape by a registered name, its maps of heights by the names of their files."""
     name, surface = data.get("shape"), data.get("surface", 1)
     if name not in SHAPES:
         said = "missing" if name is None else f"= {show(name)}"
@@ -164,7 +173,17 @@ def feature_of(data: Data, place: str) -> Feature:
     if surface not in (1, 2):
         raise ValueError(f"{place}.surface = {show(surface)}: allowed: 1 or 2")
     shape: Any = SHAPES[str(name)]
-    return Feature(record_of(shape, {k: v for k, v in data.items() if k not in ("shape", "surface")}, place), surface)
+    read = {key: value for key, value in data.items() if key not in ("shape", "surface")}
+    for key in map_fields(shape) & read.keys():
+        if read[key] not in maps:
+            raise ValueError(f"{place}.{key} = {show(read[key])}: its heights are not given with the case")
+        read[key] = maps[read[key]]
+    return Feature(record_of(shape, read, place), surface)
+
+
+def map_fields(record: Any) -> set[str]:
+    """The fields of a shape (a class) that are maps of heights."""
+    return {name for name, hint in get_type_hints(record).items() if hint is HeightMap}
 
 
 # -- checking ---------------------------------------------------------------------------------------------------------
@@ -284,7 +303,7 @@ def scaled(record: T, scales: Scales | None, place: str) -> T:
             changed[item.name] = _over(value, kinds[item.name], scales, where)
         elif is_dataclass(value) and not isinstance(value, type):
             changed[item.name] = scaled(value, scales, where if item.name != "shape" else place)
-    return replace(record, **changed) if changed else record  # type: ignore[type-var]
+    return named(place, replace, record, **changed) if changed else record
 
 
 def _over(amount: Any, mark: object, scales: Scales | None, place: str) -> float:

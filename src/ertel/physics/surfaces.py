@@ -1,4 +1,4 @@
-"""Surface features: waviness, rings, a bump or a cavity.  Each moves with its own surface.
+"""Surface features: waviness, rings, a bump or a cavity, and rough surfaces.  Each moves with its own surface.
 
 Heights are in units a^2/R and lengths in units a.  A positive height is material that protrudes into the film: the gap
 is X^2/2 + Y^2/2 - roughness, eq. (3).  A shape is a function of position on its surface; a `Feature` is a shape on
@@ -14,8 +14,10 @@ from typing import Annotated, Any, Protocol
 
 import numpy as np
 
+from ertel.physics.measured import Measured as Measured
 from ertel.physics.motion import Motion, Surface
 from ertel.physics.registry import SHAPES
+from ertel.physics.self_affine import SelfAffine as SelfAffine
 from ertel.physics.units import FINITE, HEIGHT, POSITION, WIDTH, Amount, Meaning, plain
 
 Array = Any  # NumPy arrays that broadcast
@@ -24,9 +26,11 @@ Array = Any  # NumPy arrays that broadcast
 class Shape(Protocol):
     """A height as a function of position on a surface.
 
-    It may have three more properties.  `even` says whether it is even in Y and in X; if so, only a half or a quarter of
+    It may have more properties.  `even` says whether it is even in Y and in X; if so, only a half or a quarter of
     the plane is computed.  `size` is the width of its finest detail (a); ertel warns if the grid does not resolve it.
-    `axisymmetric` says whether its height depends only on the distance from (0, 0).
+    `axisymmetric` says whether its height depends only on the distance from (0, 0).  A rough surface also has a method
+    `heights_above(shortest, X, Y)`: its heights without the waves shorter than `shortest` (a), which a grid cannot
+    show.
     """
 
     def heights(self, X: Array, Y: Array) -> Array: ...
@@ -179,9 +183,21 @@ def axisymmetric(features: Sequence[Feature]) -> bool:
     return all(getattr(feature.shape, "axisymmetric", False) for feature in features)
 
 
-def height(features: Sequence[Feature], motion: Motion, T: float, X: Array, Y: Array) -> Array:
-    """Sum of all features at time T at the contact's coordinates X, Y (arrays that broadcast)."""
+def height(features: Sequence[Feature], motion: Motion, T: float, X: Array, Y: Array, shortest: float = 0.0) -> Array:
+    """Sum of all features at time T at the contact's coordinates X, Y (arrays that broadcast).
+
+    shortest: of rough surfaces, waves shorter than this (a) are left out.
+    """
     total = np.zeros(np.broadcast_shapes(np.shape(X), np.shape(Y)))
     for feature in features:
-        total = total + feature.shape.heights(X - motion.travel(feature.surface, T), Y)
+        total = total + _heights(feature.shape, shortest, X - motion.travel(feature.surface, T), Y)
     return total
+
+
+def has_waves(shape: Shape) -> bool:
+    """Whether a shape is a rough surface, of whose waves a grid leaves out the shortest."""
+    return hasattr(shape, "heights_above")
+
+
+def _heights(shape: Any, shortest: float, X: Array, Y: Array) -> Array:
+    return shape.heights_above(shortest, X, Y) if has_waves(shape) else shape.heights(X, Y)

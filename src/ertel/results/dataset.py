@@ -10,6 +10,7 @@ from ertel.model import budget, discretise
 from ertel.model.case import Case
 from ertel.model.friction import Friction, coefficients
 from ertel.model.state import GridSolution
+from ertel.results.height_maps import variables_of
 from ertel.results.provenance import provenance
 from ertel.results.temperatures import temperature_maps
 from ertel.results.variables import AXES, BUDGET, EVENTS, FIELDS, FRICTION, MEASURED, SCALARS, variable_attributes
@@ -80,7 +81,7 @@ def assemble(
         for name, values in arrays.items()
     }
     axes = {name: variables.pop(name) for name in AXES if name in variables}
-    return xr.Dataset(variables, axes, {**provenance(case), **(attributes or {})})
+    return xr.Dataset({**variables, **variables_of(case)}, axes, {**provenance(case), **(attributes or {})})
 
 
 def assemble_steady(
@@ -112,8 +113,11 @@ def assemble_steady(
     }
     axes = {"Y": finest.y, "X": finest.x, "grid": np.array([s.grid.nodes for s in solutions], dtype=np.int64)}
     coordinates = {**axes, "iteration": np.arange(history.shape[1])}
+    variables = {
+        name: (dims, values, variable_attributes(name, case.scales)) for name, (dims, values) in arrays.items()
+    }
     return xr.Dataset(
-        {name: (dims, values, variable_attributes(name, case.scales)) for name, (dims, values) in arrays.items()},
+        {**variables, **variables_of(case)},
         {name: ((name,), values, variable_attributes(name, case.scales)) for name, values in coordinates.items()},
         {**provenance(case), **(attributes or {})},
     )

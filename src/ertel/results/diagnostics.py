@@ -7,10 +7,12 @@ import numpy as np
 import xarray as xr
 
 from ertel.model.case import Case
+from ertel.model.discretise import CELLS_KEPT
 from ertel.model.state import GridSolution, Rolling
 from ertel.numerics.grid import allowed_nodes
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
+from ertel.physics.surfaces import Measured, has_waves
 from ertel.results import domain, variables
 from ertel.results.budgets import Budgets
 
@@ -49,7 +51,7 @@ def rolling_warnings(case: Case, data: xr.Dataset) -> list[str]:
 def case_warnings(case: Case) -> list[str]:
     """Warnings that follow from the case alone, without a run; an empty list if there are none."""
     said = _gap_warning(case) if case.starts_apart else _centre_warning(case)
-    return _spoken([said, _roughness_warning(case), _size_warning(case)])
+    return _spoken([said, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
 
 
 def budget_warnings(case: Case, found: Budgets) -> list[str]:
@@ -225,15 +227,31 @@ def _doubled(case: Case) -> int:
 
 
 def _roughness_warning(case: Case) -> str:
-    size = min((getattr(feature.shape, "size", inf) for feature in case.features), default=inf)
-    cells = size * (case.solver.nodes - 1) / (2 * case.solver.half_width)
+    sizes = [(getattr(f.shape, "size", inf), i, has_waves(f.shape)) for i, f in enumerate(case.features, 1)]
+    size, number, waves = min(sizes, default=(inf, 0, False))
+    width = 2 * case.solver.half_width
+    cells = size * (case.solver.nodes - 1) / width
     if cells >= CELLS_IN_WAVE:
         return ""
-    needed = (case.solver.nodes - 1) * CELLS_IN_WAVE / cells + 1
+    lost = f"; waves below {CELLS_KEPT:g} cells are lowered or left out" if waves else ""
+    longer = f", or leave out waves of roughness[{number}] below {size * CELLS_IN_WAVE / cells:.3g} a" if waves else ""
     return (
         f"the roughness is not resolved ({cells:.1f} cells across its smallest width {size:.3g} a, about "
-        f"{CELLS_IN_WAVE:.0f} are needed); {_use(needed)}"
+        f"{CELLS_IN_WAVE:.0f} are needed{lost}); {_use(width * CELLS_IN_WAVE / size + 1)}{longer}"
     )
+
+
+def _map_warnings(case: Case) -> list[str]:
+    """Where a measured map is smaller than the Hertzian contact."""
+    along_x, along_y = case.geometry.extent
+    maps = [(i, feature.shape) for i, feature in enumerate(case.features, 1) if isinstance(feature.shape, Measured)]
+    return [
+        f"roughness[{number}]: the map is smaller than the contact (without its taper {shape.covered[0]:.3g} a by "
+        f"{shape.covered[1]:.3g} a, the contact {2 * along_x:.3g} a by {2 * along_y:.3g} a): beyond it the surface is "
+        "smooth"
+        for number, shape in maps
+        if shape.covered[0] < 2 * along_x or shape.covered[1] < 2 * along_y
+    ]
 
 
 def _size_warning(case: Case) -> str:

@@ -6,13 +6,12 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import xarray as xr
 
 from ertel.model.case import Case
-from ertel.results import html
-from ertel.results.curve_points import AXES, SHOWN, SHOWN_WARM, largest_of, shown_name
-from ertel.results.variables import PREFIXES, exponent
+from ertel.results import html, text
+from ertel.results.columns import column, with_units
+from ertel.results.curve_points import AXES, SHOWN, SHOWN_WARM, shown_name
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
@@ -74,41 +73,31 @@ class TractionCurve:
 
     def to_csv(self, path: str | Path) -> None:
         """Write the points as a CSV file; the names of its columns end with the unit, h_c_m, power_loss_W."""
-        self._with_units.to_dataframe().to_csv(path)
+        with_units(self.dataset).to_dataframe().to_csv(path)
 
     def as_data(self) -> dict[str, Any]:
         """The curve as plain data for JSON; names in SI end with the unit, and what is missing is None."""
-        rows = self._with_units.to_dataframe().reset_index().to_dict("records")
+        rows = with_units(self.dataset).to_dataframe().reset_index().to_dict("records")
         points = [{name: None if value != value else value for name, value in row.items()} for row in rows]
         about = {name: self.dataset.attrs[name] for name in ("title", "kind", "M", "L", "varies", "film")}
         return {**about, "points": points, "warnings": self.warnings, "complete": self.complete}
 
-    @property
-    def _with_units(self) -> xr.Dataset:
-        """The dataset with the unit at the end of every name in SI."""
-        units = {str(name): str(v.attrs.get("units", "1")) for name, v in self.dataset.variables.items()}
-        return self.dataset.rename(
-            {name: f"{name}_{unit.replace('/', '_per_')}" for name, unit in units.items() if unit != "1"}
-        )
-
     def table(self) -> tuple[list[str], list[list[str]]]:
         """The heading and the rows of a table to read, with units that fit."""
         physical = self.case.scales is not None
-        columns = [_column(AXES[self.axis].symbol, self.dataset[self.axis])]
+        found = [column(AXES[self.axis].symbol, self.dataset[self.axis])]
         for name in SHOWN if self.case.thermal is None else (*SHOWN, *SHOWN_WARM):
             shown = shown_name(physical, name)
-            columns.append(_column(HEADS.get(name, shown), self.dataset[shown]))
+            found.append(column(HEADS.get(name, shown), self.dataset[shown]))
         if self.failed:
-            columns.append(["status", *self.dataset["status"].values.tolist()])
-        heads, *rows = (list(cells) for cells in zip(*columns, strict=True))
+            found.append(["status", *self.dataset["status"].values.tolist()])
+        heads, *rows = (list(cells) for cells in zip(*found, strict=True))
         return heads, rows
 
     def table_lines(self) -> Iterator[str]:
         """The same as lines of text."""
         heads, rows = self.table()
-        widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
-        for cells in (heads, *rows):
-            yield "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True))
+        yield from text.lines(list(zip(heads, *rows, strict=True)))
 
     @property
     def remarks(self) -> list[str]:
@@ -143,16 +132,3 @@ class TractionCurve:
         remarks = "".join(f"<div>{escape(line)}</div>" for line in self.remarks)
         picture = html.image(self.plot(), "traction curve") if rows else ""
         return f"<div><b>{escape(self.heading)}</b>{table}{remarks}</div>{picture}"
-
-
-def _column(head: str, values: xr.DataArray) -> list[str]:
-    """A heading with the unit, and the values in it, with a prefix that fits the largest."""
-    unit = values.attrs["units"]
-    if unit == "1":
-        return [head, *(_number(value) for value in values.values)]
-    power = 0 if "/" in unit or unit == "K" else exponent(largest_of(values))
-    return [f"{head} ({PREFIXES[power]}{unit})", *(_number(value / 10**power) for value in values.values)]
-
-
-def _number(value: float) -> str:
-    return "-" if np.isnan(value) else f"{value:.4g}"

@@ -8,7 +8,7 @@ one call of `jax.vmap`.  What the cases must share is the shape of that call: gr
 closure.
 
 A batched iteration goes on until the slowest case has converged, so a batch pays where a single step leaves the device
-idle: small grids, and graphics processors.  Runs that fill the cores are better spread over processes (`sweep`).
+idle: small grids, and graphics processors.  Runs that fill the cores are better spread over processes (`ertel.sweep`).
 """
 
 from collections.abc import Callable, Generator, Sequence
@@ -30,7 +30,7 @@ from ertel.results.result import Result
 from ertel.runs.courses import METHODS, course_of
 from ertel.runs.drive import Gathering
 from ertel.runs.stepping import Step
-from ertel.runs.sweep import Failure
+from ertel.runs.workers import Failure
 from ertel.solvers.transient import StepProblem, StepSolution, Transient2D, solve_step
 
 Run = Generator[Any, Any, Any]  # yields problems, is sent their solutions, returns its outcome
@@ -112,7 +112,7 @@ def check_alike(cases: Sequence[Case]) -> None:
     for case in cases:
         if case.solver.method not in ON_THE_PLANE:
             raise ValueError(f'solver.method = "{case.solver.method}": must be one of {ON_THE_PLANE} in a batch')
-    first, *others = (_shape(case) for case in cases)
+    first, *others = (shape_of(case) for case in cases)
     for number, other in enumerate(others, start=1):
         for name, value in other.items():
             if value != first[name]:
@@ -121,7 +121,7 @@ def check_alike(cases: Sequence[Case]) -> None:
                 )
 
 
-def _shape(case: Case) -> dict[str, object]:
+def shape_of(case: Case) -> dict[str, object]:
     """Everything on which the compiled step depends, by field."""
     grid, oil = discretise.grid_of(case), traceable(case.lubricant)
     return {

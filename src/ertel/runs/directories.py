@@ -27,14 +27,17 @@ class Taken(StoreError):
 
 @contextmanager
 def draft(directory: Path, case: Case, fill: Callable[[Path], object]) -> Iterator[Path]:
-    """A new directory beside another, with a case file and what `fill` writes; deleted at the end if it is still there.
+    """A new directory beside another, with the files of a case and what `fill` writes.
 
-    Raises StoreError where it cannot be written, ValueError where the case cannot.
+    It is deleted at the end if it is still there.  Raises StoreError where it cannot be written, ValueError where the
+    case cannot.
     """
     text = to_toml(case)
     path = directory.parent / f".{directory.name}-{uuid4().hex[:8]}"
     try:
         replace(path / CASE, text.encode())
+        for name, heights in case.maps.items():
+            replace(path / name, heights.to_bytes())
         fill(path)
         yield path
     except OSError as error:
@@ -76,7 +79,7 @@ def move_to_unused(path: Path, directory: Path) -> Path:
 def read_case(directory: Path) -> Case:
     """The case of a run.  Raises StoreError where its file cannot be read."""
     try:
-        return parse_case(read_toml(directory / CASE))
+        return parse_case(read_toml(directory / CASE), directory)
     except ConfigError as error:
         raise StoreError(f"{directory / CASE}: cannot be read as a case ({error}); put the run's own back") from error
 

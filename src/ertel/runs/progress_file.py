@@ -10,6 +10,8 @@ from the pace so far, null before there is one, among others while programs are 
 The file is renewed at most once a second, under another name and then renamed, so that readers find the old content or
 the new one.  It is not part of the data of the run: without checksum, not waited for until it is on the disk, and
 nothing is computed from it.  A run that was killed leaves "running" behind; `written` and `process` tell.
+
+This module does not import JAX, so that programs that only watch a run stay small.
 """
 
 import json
@@ -18,10 +20,12 @@ import time
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ertel.model.status import Status
-from ertel.runs.courses import Course, Item
+
+if TYPE_CHECKING:  # it brings JAX, which readers do not need
+    from ertel.runs.courses import Course, Item
 
 PROGRESS = "progress.json"
 INTERVAL = 1.0  # s
@@ -31,13 +35,13 @@ _KEYS = {"status", "T", "step", "done", "seconds", "seconds_left", "written", "p
 class ProgressFile:
     """An observer that keeps the progress of a run in its directory."""
 
-    def __init__(self, directory: Path, course: Course):
+    def __init__(self, directory: Path, course: "Course"):
         self._path, self._course = directory / PROGRESS, course
         self._started = time.monotonic()
         self._first: tuple[float, float] | None = None  # time and share done when the first item came
         self._written = -INTERVAL
 
-    def __call__(self, item: Item) -> None:
+    def __call__(self, item: "Item") -> None:
         """Write the progress, unless it was written a moment ago."""
         now, done = time.monotonic(), self._course.fraction(item)
         if self._first is None and item.record:
@@ -46,7 +50,7 @@ class ProgressFile:
             self._written = now
             self.write(item)
 
-    def write(self, item: Item) -> None:
+    def write(self, item: "Item") -> None:
         """Write the progress; a disk that refuses it stops no run."""
         done = 1.0 if item.status.ok else self._course.fraction(item)
         content = {

@@ -1,191 +1,112 @@
-"""Independent runs in parallel on any Executor.  Results are in order and stored on disk; a failure is a value.
+"""Parameter studies: the runs of a case in which several values stand for one.
 
-    tasks = [Task(f"M{M}", run, (M,)) for M in (200, 500, 1000)]
-    with processes(2) as executor:
-        results = sweep(tasks, executor, Path("runs"))
-
-Any `concurrent.futures.Executor` will do, for example that of dask.distributed: Client.get_executor().
-Results that are kept are plain data, see `ertel.runs.plain`.
+ertel.sweep("speeds.toml", "sweeps/speeds", jobs=2)
 """
 
-import logging
-import multiprocessing
-import os
-import signal
-import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryFile
 from typing import Any
 
-from ertel.runs import plain
-from ertel.version import installed_version, own_sources
-
-_log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Task:
-    """One run: function(*arguments).  Function and arguments are pickled to reach another process.
-
-    name: names the file that keeps the result, unique in a sweep.  seconds: expected duration.
-    """
-
-    name: str
-    function: Callable[..., Any]
-    arguments: tuple[Any, ...] = ()
-    seconds: float = 0.0
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A run that raised an exception, and its message."""
-
-    reason: str
+from ertel.inputs.messages import ConfigError
+from ertel.inputs.studies import load_study, parse_study
+from ertel.model.records import show
+from ertel.results.study_result import StudyResult
+from ertel.runs import compiling
+from ertel.runs.progress import bars
+from ertel.runs.studies import alone, gather, left_of, run_study, write
+from ertel.runs.workers import Here, News, Workers
 
 
 @contextmanager
-def processes(jobs: int) -> Iterator[Executor]:
-    """Worker processes with one thread each, which share the memory of a GPU.  An error ends them at once."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when a worker starts: many small dense solves
-    os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
-    context, others = multiprocessing.get_context("spawn"), set(multiprocessing.active_children())  # JAX fears forks
-    complain = threading.excepthook
-    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_start_worker) as pool:
-        try:
-            yield pool
-        except BaseException:
-            threading.excepthook = lambda _: None  # the pool's thread stumbles over tasks that were cancelled
-            for worker in set(multiprocessing.active_children()) - others:
-                worker.terminate()
-            pool.shutdown()
-            raise
-        finally:
-            threading.excepthook = complain
+def workers_of(jobs: int, scheduler: str | None = None, scheduler_file: Path | None = None) -> Iterator[Workers]:
+    """Those who do the runs: the workers of a scheduler, or so many processes; one is this process.
 
+    Raises NoScheduler, ConfigError.
+    """
+    if scheduler and scheduler_file:
+        raise ConfigError(f"scheduler = {show(scheduler)}: give it, or scheduler_file, not both")
+    if jobs < 1:
+        raise ConfigError(f"jobs = {jobs}: must be one or more")
+    if jobs == 1 and not scheduler and not scheduler_file:
+        yield Here()
+        return
+    from ertel.runs import cluster  # imports dask
 
-def _start_worker() -> None:
-    from ertel.runs import compiling
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    compiling.start_at_once()
-
-
-def _end_with_parent() -> None:
-    """End this worker when its parent was killed: nobody would collect the result."""
-    parent = multiprocessing.parent_process()
-    if parent:
-        parent.join()
-        os._exit(1)
+    with cluster.existing(scheduler, scheduler_file) if scheduler or scheduler_file else cluster.local(jobs) as found:
+        yield found
 
 
 def sweep(
-    tasks: Sequence[Task],
-    executor: Executor,
-    directory: Path | None = None,
-    on_done: Callable[[Task, Any], object] = lambda task, result: None,
-) -> list[Any]:
-    """Run all tasks that have no kept result.
+    study: str | Path | Mapping[str, Any],
+    directory: str | Path,
+    *,
+    overrides: Sequence[str] = (),
+    jobs: int = 1,
+    scheduler: str | None = None,
+    scheduler_file: str | Path | None = None,
+    progress: bool = False,
+) -> StudyResult:
+    """Run all cases of a parameter study that are not there yet, and gather their numbers.
 
     Parameters
     ----------
-    tasks : sequence of Task
-        Their names must differ.
-    executor : concurrent.futures.Executor
-        Runs the tasks.
-    directory : Path, optional
-        Where results are kept.  A kept result is used again, so that an interrupted sweep goes on where it was.  It
-        must come from the same function, arguments, version and source code of ertel.  The source code of functions
-        outside ertel is not compared.  Arguments and results must be plain data, see `ertel.runs.plain`; a tuple comes
-        back as a list.
-    on_done : callable
-        Is called with each task and its result as soon as it is there.
+    study : str, Path or mapping
+        A case file, or plain data of the same layout, in which a list or { from, to, number, spacing } may stand for
+        any value; [sweep] mode is "product" or "zip".  See `ertel.inputs.studies`.
+    directory : str or Path
+        Of the study: made if it is not there.  Its runs are ordinary run directories, runs/DIGEST of the case.  What
+        is missing or unfinished is done, and nothing else is remembered.
+    overrides : sequence of str
+        Values of the case, "contact.M=[100, 200]".
+    jobs : int
+        Number of processes on this machine, with one thread each; 1: this process, with all cores.  A script that asks
+        for more must begin its work below `if __name__ == "__main__":`, because they import it.
+    scheduler, scheduler_file : str or Path
+        Address of a scheduler of dask.distributed that runs, or the file that it wrote: its workers do the runs.
+    progress : bool
+        Whether to show a progress bar.
 
     Returns
     -------
-    list
-        The results in the order of the tasks, a `Failure` for each run that raised an exception.
+    StudyResult
+        It shows itself as a table; `dataset`, `plot()`, `to_csv(path)`.  They are also in the directory.  A run that
+        failed is a row with its reason.
 
-    Raises
-    ------
-    ValueError
-        Two tasks have the same name.
-    TypeError
-        Arguments or a result that must be kept are not plain data.
-    OSError
-        A result cannot be written; those before it are kept.
+    Raises ConfigError, naming the field, its value and what is allowed; StoreError where another process is at it.
     """
-    by_name = {task.name: task for task in tasks}
-    if len(by_name) < len(tasks):
-        raise ValueError(f"tasks = {[task.name for task in tasks]}: their names must differ")
-    if directory:
-        _require_writable(directory)
-    found = kept(tasks, directory)
-    for name, result in found.items():
-        on_done(by_name[name], result)
-    futures = {executor.submit(task.function, *task.arguments): task for task in tasks if task.name not in found}
-    try:
-        for future in as_completed(futures):
-            task, result = futures[future], _outcome(future)
-            found[task.name] = result
-            if directory and not isinstance(result, Failure):
-                _keep(directory, task, result)
-            on_done(task, result)
-    finally:
-        for future in futures:
-            future.cancel()  # after an interrupt, the tasks that have not begun
-    return [found[task.name] for task in tasks]
+    compiling.check_jax()
+    compiling.keep_on_disk()
+    found = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
+    place = Path(directory).absolute()
+    file = None if scheduler_file is None else Path(scheduler_file)
+    said: dict[str, str] = {}
+    with alone(place):
+        if left := left_of(found, place):
+            with workers_of(min(jobs, len(left)), scheduler, file) as workers, bars(progress) as shown:
+                watched = Watched(shown, len(left))
+                said = run_study(found, place, workers, hear=watched.hear, on_done=watched.done)
+        result = gather(found, place, said)
+        write(result, place)
+    return result
 
 
-def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
-    """Task name -> kept result, for the tasks that have a valid one."""
-    found = {}
-    for task in tasks if directory else ():
-        wanted = _stamp(task)
-        try:
-            stamp, result = plain.read(_file(directory, task))
-        except FileNotFoundError:
-            continue
-        except (ValueError, LookupError, OSError) as error:  # damaged, or written by another version
-            _log.warning("the kept result of %s cannot be read and is computed again: %s", task.name, error)
-            continue
-        if stamp == wanted:
-            found[task.name] = result
-    return found
+class Watched:
+    """A bar for all runs, and one for each that is computed now."""
 
+    def __init__(self, progress: Any, runs: int):
+        self._progress = progress
+        self._all = progress.add_task("runs", total=runs, news="")
+        self._bars: dict[str, Any] = {}
 
-def _require_writable(directory: Path) -> None:
-    """Raise OSError before anything is computed where results cannot be kept."""
-    directory.mkdir(parents=True, exist_ok=True)
-    TemporaryFile(dir=directory).close()
+    def hear(self, key: str, news: News) -> None:
+        """Show the news of a run."""
+        if key not in self._bars:
+            self._bars[key] = self._progress.add_task(key[:8], total=1.0, news="")
+        self._progress.update(self._bars[key], completed=news["done"], news=news["text"])
 
-
-def _keep(directory: Path, task: Task, result: object) -> None:
-    try:
-        plain.write(_file(directory, task), [_stamp(task), result])
-    except TypeError as error:
-        raise TypeError(f"result of task {task.name}: {error}") from error
-
-
-def _file(directory: Path | None, task: Task) -> Path:
-    return (directory or Path()) / f"{task.name}.result"
-
-
-def _stamp(task: Task) -> str:
-    """A digest of what a kept result depends on.  Raises TypeError where the arguments are not plain data."""
-    function = task.function.__module__, task.function.__qualname__
-    try:
-        return plain.digest([installed_version(), own_sources(), *function, task.arguments])
-    except TypeError as error:
-        raise TypeError(f"arguments of task {task.name}: {error}") from error
-
-
-def _outcome(future: Future[Any]) -> Any:
-    try:
-        return future.result()
-    except Exception as error:
-        return Failure(f"{type(error).__name__}: {error}")
+    def done(self, key: str, status: str) -> None:
+        """Count a run that is done."""
+        self._progress.update(self._all, advance=1, news=f"{key[:8]} {status}"[:60])
+        if key in self._bars:
+            self._progress.remove_task(self._bars.pop(key))

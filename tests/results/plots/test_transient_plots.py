@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from made_up import BALL_FALLS as BALL
+from made_up import BALL_ROLLS, in_time
 from made_up import MOES_FALLS as MOES
 from made_up import dry_impact as made_up
 from matplotlib.colors import to_rgba
 
 from ertel.inputs.case_files import parse_case
 from ertel.physics import hertz
-from ertel.results import plots
+from ertel.results import fronts, plots
 from ertel.results.plots import drawing, transient
 
 
@@ -145,6 +146,27 @@ def test_histories(moes):
     made_of = line(front, "front: place of the minimum film thickness").get_ydata()
     loaded = np.isfinite(made_of)
     np.testing.assert_allclose(made_of[loaded & np.isfinite(dry)], dry[loaded & np.isfinite(dry)])
+
+
+def test_the_front_and_its_speed(ball):
+    place, speed = panels(plots.front(ball))
+    scales = parse_case(BALL).scales
+    assert scales is not None
+    assert (place.get_ylabel(), speed.get_ylabel()) == ("distance from the centre (µm)", "speed (m/s)")
+    shown, dry = line(speed, "front: place of the minimum film"), line(speed, "edge of the dry contact")
+    expected = fronts.front(ball)
+    np.testing.assert_allclose(shown.get_xdata(), expected.T * scales.t0 * 1e6)
+    np.testing.assert_allclose(shown.get_ydata(), expected.speed * scales.front_speed)
+    late = shown.get_xdata() > 0.5 * shown.get_xdata()[-1]  # the made-up front is the edge of the dry contact
+    same = np.interp(shown.get_xdata()[late], dry.get_xdata(), dry.get_ydata())
+    np.testing.assert_allclose(shown.get_ydata()[late], same, atol=0.02 * scales.front_speed)
+
+
+def test_no_front_before_maximum_approach_nor_in_rolling(ball):
+    with pytest.raises(plots.NoFigure, match=r"the front has no speed: .*before it"):
+        plots.front(ball.isel(frame=slice(0, 30)))
+    with pytest.raises(plots.NoFigure, match="a rolling contact has none"):
+        plots.front(in_time(BALL_ROLLS))
 
 
 def test_histories_mark_the_maximum(ball):

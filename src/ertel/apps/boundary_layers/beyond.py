@@ -8,11 +8,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
-from ertel import Feature, Parameters, RingWaviness, Waviness, fronts, respond, sweep, waves
+from ertel import Feature, Parameters, RingWaviness, Waviness, fronts, respond, waves
 from ertel.apps.boundary_layers.dots import Extrapolated
 from ertel.apps.boundary_layers.plans import Moes, impact_seconds
 from ertel.apps.boundary_layers.reduction import case_cells
 from ertel.apps.boundary_layers.waves import HEIGHT, impact_case, last_wave
+from ertel.runs.tasks import Task
 
 Maker = Callable[[float, float], Waviness | RingWaviness]
 SHAPES: Mapping[str, Maker] = {  # of height and wavelength
@@ -80,10 +81,10 @@ def shaped_name(kind: str, M: float, L: float, nodes: int) -> str:
 
 def shaped_tasks(
     kind: str, case: Moes, shapes: Sequence[Shaped], grids: tuple[int, int], oil: str = USUAL
-) -> list[sweep.Task]:
+) -> list[Task]:
     """An impact on both grids."""
     return [
-        sweep.Task(
+        Task(
             shaped_name(kind, *case, nodes),
             shaped_impact,
             (*case, tuple(shapes), nodes, oil),

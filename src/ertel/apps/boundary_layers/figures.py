@@ -6,17 +6,17 @@ Lubrecht AA, Biboulet N, Venner CH. Boundary layers: unifying the impact and rol
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import ertel
-from ertel import sweep
 from ertel.apps.boundary_layers import film, front, oils, page, reduction, shapes, smooth, waves
 from ertel.apps.boundary_layers.page import Drawn, Part
 from ertel.apps.boundary_layers.plans import FULL, QUICK, Plan
 from ertel.apps.boundary_layers.smooth import Results
+from ertel.runs.tasks import Failure, Task, kept, run_tasks
+from ertel.runs.workers import Workers
 
 TITLE = "Boundary layers in impact and rolling EHL point contacts: the figures of the paper"
 SETTINGS = (
@@ -32,7 +32,7 @@ class PaperFigure:
     """One figure.  tasks: the runs that it needs; draw: the figure from their results, task name -> result."""
 
     title: str
-    tasks: Callable[[Plan], list[sweep.Task]]
+    tasks: Callable[[Plan], list[Task]]
     draw: Callable[[Results, Plan], Drawn]
 
 
@@ -60,7 +60,7 @@ def plan_of(quick: bool) -> Plan:
     return QUICK if quick else FULL
 
 
-def tasks_of(names: Sequence[str], plan: Plan) -> list[sweep.Task]:
+def tasks_of(names: Sequence[str], plan: Plan) -> list[Task]:
     """All runs that the figures need, each once."""
     found = {task.name: task for name in names for task in FIGURES[name].tasks(plan)}
     return list(found.values())
@@ -69,7 +69,7 @@ def tasks_of(names: Sequence[str], plan: Plan) -> list[sweep.Task]:
 def expected(names: Sequence[str], quick: bool, directory: Path, jobs: int) -> tuple[int, int, float]:
     """Number of runs, number of those that are done, and seconds that the others will take."""
     tasks = tasks_of(names, plan_of(quick))
-    done = sweep.kept(tasks, directory / RUNS)
+    done = kept(tasks, directory / RUNS)
     left = [task.seconds for task in tasks if task.name not in done]
     return len(tasks), len(done), max(sum(left) / jobs, max(left, default=0.0))
 
@@ -78,8 +78,8 @@ def make(
     names: Sequence[str],
     quick: bool,
     directory: Path,
-    executor: Executor,
-    on_done: Callable[[sweep.Task, Any], object] = lambda task, result: None,
+    workers: Workers,
+    on_done: Callable[[Task, Any], object] = lambda task, result: None,
 ) -> tuple[Path, dict[str, str]]:
     """Run what is not kept yet, draw the figures and write the page.
 
@@ -87,7 +87,7 @@ def make(
     """
     plan = plan_of(quick)
     tasks = tasks_of(names, plan)
-    results = dict(zip([t.name for t in tasks], sweep.sweep(tasks, executor, directory / RUNS, on_done), strict=True))
+    results = dict(zip([t.name for t in tasks], run_tasks(tasks, workers, directory / RUNS, on_done), strict=True))
     parts = {name: _part(name, results, plan, directory) for name in names}
     remarks = [f"ertel {ertel.__version__}, {plan.resolution}.  {SETTINGS}"]
     file = directory / ("index.html" if len(names) > 1 else f"{names[0]}.html")
@@ -99,7 +99,7 @@ def _part(name: str, results: Results, plan: Plan, directory: Path) -> Part:
     """The figure drawn and saved, or the reasons why its runs failed."""
     figure = FIGURES[name]
     own = {task.name: results[task.name] for task in figure.tasks(plan)}
-    failures = [result.reason for result in own.values() if isinstance(result, sweep.Failure)]
+    failures = [result.reason for result in own.values() if isinstance(result, Failure)]
     if failures:
         return Part(figure.title, failure="; ".join(failures))
     return page.save(figure.draw(own, plan), name, figure.title, directory)

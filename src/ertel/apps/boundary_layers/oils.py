@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from matplotlib.figure import Figure
 from pandas import DataFrame
 
-from ertel import plots, sweep
+from ertel import plots
 from ertel.apps.boundary_layers.beyond import (
     OILS,
     SOFT,
@@ -23,6 +23,7 @@ from ertel.apps.boundary_layers.page import Drawn
 from ertel.apps.boundary_layers.plans import Moes, Plan, Wavelengths
 from ertel.apps.boundary_layers.reduction import case_cells, draw_curves
 from ertel.apps.boundary_layers.smooth import Results, new_figure
+from ertel.runs.tasks import Task
 
 STYLES = dict(zip(OILS, (("o", "black"), ("s", plots.BLUE), ("D", plots.GREEN), ("^", plots.ORANGE)), strict=True))
 Pair = tuple[Mark, Mark]  # with the usual oil and with another, at the same M, L and wavelength
@@ -38,7 +39,7 @@ def oiled(plan: Plan) -> Iterator[tuple[Moes, str, Wavelengths]]:
         yield (M, 0), SOFT, wavelengths
 
 
-def tasks(plan: Plan) -> list[sweep.Task]:
+def tasks(plan: Plan) -> list[Task]:
     """The runs of Fig. 8."""
     return [
         task

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from pandas import DataFrame
 
-from ertel import amplitude_reduction, plots, sweep, waves
+from ertel import amplitude_reduction, plots, waves
 from ertel.apps.boundary_layers import checks
 from ertel.apps.boundary_layers.dots import (
     DRY,
@@ -27,6 +27,7 @@ from ertel.apps.boundary_layers.page import Drawn
 from ertel.apps.boundary_layers.plans import Plan
 from ertel.apps.boundary_layers.smooth import FORMED, Results, new_figure
 from ertel.apps.boundary_layers.waves import check_tasks, impact_tasks, rolling_tasks, twin_tasks
+from ertel.runs.tasks import Task
 
 LINE_CONTACT = {
     "line contact (1997)": amplitude_reduction.LINE_1997,
@@ -34,7 +35,7 @@ LINE_CONTACT = {
 }
 
 
-def tasks(plan: Plan) -> list[sweep.Task]:
+def tasks(plan: Plan) -> list[Task]:
     """The runs of Fig. 6."""
     return [*impact_tasks(plan), *check_tasks(plan), *rolling_tasks(plan), *twin_tasks(plan)]
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 from pandas import DataFrame
 
-from ertel import Case, Parameters, amplitude_reduction, parse_case, plots, simulate, sweep
+from ertel import Case, Parameters, amplitude_reduction, parse_case, plots, simulate
 from ertel.apps.boundary_layers.beyond import (
     Grids,
     Mark,
@@ -27,6 +27,7 @@ from ertel.apps.boundary_layers.plans import Plan, rolling_seconds
 from ertel.apps.boundary_layers.reduction import draw_curves
 from ertel.apps.boundary_layers.smooth import Results, Values, new_figure
 from ertel.apps.boundary_layers.waves import HEIGHT, rolling_response
+from ertel.runs.tasks import Task
 
 STYLES = {"transverse": ("o", plots.BLUE), "rings": ("D", plots.GREEN), "longitudinal": ("^", plots.ORANGE)}
 CURVES: Mapping[str, Callable[[ArrayLike], Values]] = {
@@ -73,7 +74,7 @@ def ridges_name(M: float, L: float, wavelength: float, nodes: int) -> str:
     return f"ridges_M{M:g}_L{L:g}_{wavelength:g}_{nodes}"
 
 
-def tasks(plan: Plan) -> list[sweep.Task]:
+def tasks(plan: Plan) -> list[Task]:
     """The runs of Fig. 7."""
     found = []
     for case, wavelengths in plan.beyond.shaped.items():
@@ -84,8 +85,8 @@ def tasks(plan: Plan) -> list[sweep.Task]:
             M, L, wavelength = rolling
             seconds = rolling_seconds(1, nodes)
             transverse = M, L, (wavelength,), nodes, inf
-            found.append(sweep.Task(transverse_name(*rolling, nodes), rolling_response, transverse, seconds))
-            found.append(sweep.Task(ridges_name(*rolling, nodes), ridged_rolling, (*rolling, nodes), seconds))
+            found.append(Task(transverse_name(*rolling, nodes), rolling_response, transverse, seconds))
+            found.append(Task(ridges_name(*rolling, nodes), ridged_rolling, (*rolling, nodes), seconds))
     return found
 
 

@@ -9,8 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ertel import parse_case, simulate, sweep
+from ertel import parse_case, simulate
 from ertel.apps.boundary_layers.plans import LOADS, SHOWN_LOAD, L, Plan
+from ertel.runs.tasks import Task
 
 Values = NDArray[np.float64]
 Results = Mapping[str, Any]  # task name -> result
@@ -43,14 +44,14 @@ def radial_name(M: float, L: float, plan: Plan) -> str:
     return f"smooth_M{M:g}_L{L:g}_{plan.smooth.radial_nodes}"
 
 
-def radial_task(M: float, L: float, plan: Plan) -> sweep.Task:
+def radial_task(M: float, L: float, plan: Plan) -> Task:
     """A smooth impact by the radial method."""
     solver = {"method": "radial", "nodes": plan.smooth.radial_nodes, "half_width": 4.0}
     arguments = (float(M), float(L), solver, INTERVAL)
-    return sweep.Task(radial_name(M, L, plan), smooth_impact, arguments, plan.smooth.radial_seconds)
+    return Task(radial_name(M, L, plan), smooth_impact, arguments, plan.smooth.radial_seconds)
 
 
-def radial_tasks(plan: Plan) -> list[sweep.Task]:
+def radial_tasks(plan: Plan) -> list[Task]:
     """The smooth impacts by the radial method."""
     return [radial_task(M, L, plan) for M in LOADS]
 
@@ -60,13 +61,13 @@ def plane_name(plan: Plan) -> str:
     return f"smooth_2d_M{SHOWN_LOAD}_{plan.smooth.plane_nodes}"
 
 
-def plane_task(plan: Plan) -> sweep.Task:
+def plane_task(plan: Plan) -> Task:
     """One of the smooth impacts by the 2-D method."""
     solver = {"nodes": plan.smooth.plane_nodes, "half_width": plan.smooth.plane_half_width}
-    return sweep.Task(plane_name(plan), smooth_impact, (SHOWN_LOAD, L, solver, NO_MAPS), plan.smooth.plane_seconds)
+    return Task(plane_name(plan), smooth_impact, (SHOWN_LOAD, L, solver, NO_MAPS), plan.smooth.plane_seconds)
 
 
-def all_tasks(plan: Plan) -> list[sweep.Task]:
+def all_tasks(plan: Plan) -> list[Task]:
     """The smooth impacts by the radial method, and the one by the 2-D method."""
     return [*radial_tasks(plan), plane_task(plan)]
 

@@ -20,7 +20,6 @@ from ertel import (
     respond_in_rolling,
     respond_linearly,
     simulate,
-    sweep,
     waves,
 )
 from ertel.apps.boundary_layers.page import Drawn
@@ -33,6 +32,7 @@ from ertel.apps.boundary_layers.smooth import (
     radial_task,
     smooth_impact,
 )
+from ertel.runs.tasks import Task
 
 HEIGHT = 0.01  # A_i in units of the trapped film sqrt(L/M): small
 CHECKED = (0.005, 0.02, 0.05)  # other heights: A_d/A_i should not depend on the height
@@ -180,7 +180,7 @@ def twin_name(M: float, L: float, wavelength: float, X: float, nodes: int) -> st
     return f"twin_M{M:g}_L{L:g}_{wavelength:g}_at_{X:g}_{nodes}"
 
 
-def impact_tasks(plan: Plan) -> list[sweep.Task]:
+def impact_tasks(plan: Plan) -> list[Task]:
     """For each M, L: the smooth impact by the radial method, and the waves on both grids."""
     tasks = []
     for (M, L), wavelengths in plan.waves.impacts.items():
@@ -188,11 +188,11 @@ def impact_tasks(plan: Plan) -> list[sweep.Task]:
         for nodes in plan.waves.grids:
             arguments = M, L, tuple((HEIGHT, wavelength) for wavelength in wavelengths), nodes
             seconds = impact_seconds(len(wavelengths) + 1, nodes)
-            tasks.append(sweep.Task(impact_name(M, L, nodes), wavy_impact, arguments, seconds))
+            tasks.append(Task(impact_name(M, L, nodes), wavy_impact, arguments, seconds))
     return tasks
 
 
-def check_tasks(plan: Plan) -> list[sweep.Task]:
+def check_tasks(plan: Plan) -> list[Task]:
     """Checks on the coarse grid: other heights of the waves, the tangent-linear response, shorter time steps."""
     M, L, nodes = *plan.waves.shown, plan.waves.grids[0]
     wavelengths = plan.waves.impacts[M, L]
@@ -201,29 +201,29 @@ def check_tasks(plan: Plan) -> list[sweep.Task]:
     several, one = impact_seconds(len(usual) + 1, nodes), impact_seconds(2, nodes)
     heights, marching = impact_seconds(len(others) + 1, nodes), marching_seconds(plan.waves.marched[-1])
     return [
-        sweep.Task(check_name("heights", plan), wavy_impact, (M, L, others, nodes), heights),
-        sweep.Task(check_name("linear", plan), wavy_impact, (M, L, usual[:1], nodes, True), one),
-        sweep.Task(check_name("steps", plan), wavy_impact, (M, L, usual, nodes, False, SHORTER**3), several),
-        sweep.Task(check_name("marched", plan), marched_rolling, plan.waves.marched, marching),
+        Task(check_name("heights", plan), wavy_impact, (M, L, others, nodes), heights),
+        Task(check_name("linear", plan), wavy_impact, (M, L, usual[:1], nodes, True), one),
+        Task(check_name("steps", plan), wavy_impact, (M, L, usual, nodes, False, SHORTER**3), several),
+        Task(check_name("marched", plan), marched_rolling, plan.waves.marched, marching),
     ]
 
 
-def rolling_tasks(plan: Plan) -> list[sweep.Task]:
+def rolling_tasks(plan: Plan) -> list[Task]:
     """Each rolling contact on both grids, and the contact of the check on its grid."""
     waves = plan.waves
     M, L, wavelength, nodes = waves.marched
     runs = {(*case, nodes): lengths for nodes in waves.rolling_grids for case, lengths in waves.rolling.items()}
     runs.setdefault((M, L, nodes), (wavelength,))
     return [
-        sweep.Task(rolling_name(M, L, nodes), rolling_response, (M, L, own, nodes), rolling_seconds(len(own), nodes))
+        Task(rolling_name(M, L, nodes), rolling_response, (M, L, own, nodes), rolling_seconds(len(own), nodes))
         for (M, L, nodes), own in runs.items()
     ]
 
 
-def twin_tasks(plan: Plan) -> list[sweep.Task]:
+def twin_tasks(plan: Plan) -> list[Task]:
     """Each rolling twin on both grids."""
     return [
-        sweep.Task(twin_name(*twin, nodes), rolling_twin, (*twin, nodes), 10.0 + rolling_seconds(1, nodes))
+        Task(twin_name(*twin, nodes), rolling_twin, (*twin, nodes), 10.0 + rolling_seconds(1, nodes))
         for twin in plan.waves.twins
         for nodes in plan.waves.twin_grids
     ]

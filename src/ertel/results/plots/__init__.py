@@ -4,10 +4,10 @@
 
 `interferogram` shows any run in SI as an experimenter sees it, `animation` a run in time.
 
-A run in time has overview, film, pressure, maps, profiles, history and friction; a steady contact overview, film,
-pressure, maps, midlines, convergence and friction.  `at` chooses the moment of a run in time: a time in t0 (the map
-next to it is drawn) or an event, "max-approach" or "end"; by default maximum approach, or the last map where there is
-none.
+A run in time has overview, film, pressure, maps, profiles, history and friction, and an impact front; a steady contact
+overview, film, pressure, maps, midlines, convergence and friction.  `at` chooses the moment of a run in time: a time in
+t0 (the map next to it is drawn) or an event, "max-approach" or "end"; by default maximum approach, or the last map
+where there is none.
 
 Every function raises `NoFigure`, a ValueError, where there is nothing to draw yet, and for a figure or a moment that
 the run has not.
@@ -35,6 +35,7 @@ __all__ = [
     "figures_of",
     "film",
     "friction",
+    "front",
     "history",
     "interferogram",
     "maps",
@@ -97,6 +98,11 @@ def profiles(dataset: xr.Dataset, at: At = None) -> Figure:
 def history(dataset: xr.Dataset, at: At = None) -> Figure:
     """Motion, film thickness, pressure and the place of the minimum film thickness of a run in time."""
     return _draw("history", dataset, at)
+
+
+def front(dataset: xr.Dataset, at: At = None) -> Figure:
+    """The front of an impact, where the film is thinnest, through time: its place and its speed."""
+    return _draw("front", dataset, at)
 
 
 def midlines(dataset: xr.Dataset, at: At = None) -> Figure:

@@ -8,8 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from ertel.physics import hertz
+from ertel.results import fronts
 from ertel.results.plots import stored
-from ertel.results.plots.drawing import BLUE, GREEN, GREY, LOADED, ORANGE, Values, lateral, named, scale
+from ertel.results.plots.drawing import BLUE, GREEN, GREY, LOADED, ORANGE, NoFigure, Values, lateral, named, scale
 from ertel.results.plots.moments import LAST, Profiles
 
 Lines = Mapping[str, tuple[str, str, str]]  # variable: label, colour, style
@@ -78,15 +79,39 @@ def draw_front(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
     loaded = dataset["P_max"].values > LOADED * float(dataset["P_max"].max())
     X_min = np.hypot(dataset["X_min"].values, dataset["Y_min"].values)
     front = np.where(loaded & (X_min > 0), X_min, np.nan)
-    touch = -stored.start_approach(dataset)
-    dry = hertz.contact_radius((T - touch) / stored.geometry(dataset).dry_approach(1.0))
-    dry = np.where(dry > 0, dry, np.nan)
+    dry = _dry_edge(dataset, T)
     time = scale(dataset, "time", 1.0)
     axes.plot(T * time.factor, dry * across.factor, color=GREY, linestyle="--", label="edge of the dry contact")
     lines = {"X_min": ("front: place of the minimum film thickness", GREEN, "-")}
     draw_series(axes, dataset, p, lines, across.factor, front)
     axes.set(ylabel=f"distance from the centre ({across.unit})", ylim=(0.0, 1.25 * across.factor))
     axes.legend(loc="upper left", edgecolor="none", fontsize="small")
+
+
+def _dry_edge(dataset: xr.Dataset, T: Values) -> Values:
+    """The edge of the dry contact in a*, nan without contact."""
+    since_touch = T + stored.start_approach(dataset)
+    dry = hertz.contact_radius(since_touch / stored.geometry(dataset).dry_approach(1.0))
+    return np.where(dry > 0, dry, np.nan)
+
+
+def draw_front_speed(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
+    """The speed at which the front of an impact goes outwards up to maximum approach, and that of the dry contact."""
+    try:
+        front = fronts.front(dataset)
+    except ValueError as error:
+        raise NoFigure(f"the front has no speed: {error}") from error
+    z, time = scale(dataset, "U", float(np.median(front.speed))), scale(dataset, "time", 1.0)
+    T = np.linspace(front.T[0], front.T[-1], 400)
+    dry = np.gradient(_dry_edge(dataset, T), T)
+    axes.plot(T * time.factor, dry * z.factor, color=GREY, linestyle="--", label="edge of the dry contact")
+    axes.plot(front.T * time.factor, front.speed * z.factor, color=GREEN, label="front: place of the minimum film")
+    if p.moment != LAST:
+        axes.axvline(p.time * time.factor, color="black", linewidth=0.8, linestyle=":")
+    top = 3.0 * float(np.median(front.speed)) * z.factor  # the first touch is faster without end
+    end = float(dataset["time"][-1]) * time.factor
+    axes.set(xlabel=time.label, ylabel=f"speed ({z.unit})", xlim=(0.0, end), ylim=(0.0, top))
+    axes.legend(loc="upper right", edgecolor="none", fontsize="small")
 
 
 def draw_minimum_film(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:

@@ -8,21 +8,24 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ertel.model.case import Case
+from ertel.model.discretise import CELLS_KEPT
 from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as of_ratio
+from ertel.physics.height_map import HeightMap
+from ertel.results.height_maps import maps_of
 
 
 def _case_of(dataset: xr.Dataset) -> Case:
     """The case of a run.  Raises ValueError where it could not be written down."""
     if "case" not in dataset.attrs:
         raise ValueError(f"dataset: does not hold its case; {dataset.attrs.get('case_not_written', 'no reason given')}")
-    return _case(dataset.attrs["case"])
+    return _case(dataset.attrs["case"], tuple(maps_of(dataset).items()))
 
 
 @lru_cache(maxsize=4)
-def _case(written: str) -> Case:
-    return Case.from_data(json.loads(written))
+def _case(written: str, maps: tuple[tuple[str, HeightMap], ...]) -> Case:
+    return Case.from_data(json.loads(written), dict(maps))
 
 
 def geometry(dataset: xr.Dataset) -> Geometry:
@@ -63,8 +66,10 @@ def roughness_height(dataset: xr.Dataset, T: float, X: ArrayLike, Y: ArrayLike) 
     Returns
     -------
     array of the broadcast shape
-        Height in a*^2/R, positive where metal stands towards the film; zero where all surfaces are smooth.
+        Height in a*^2/R, positive where metal stands towards the film; zero where all surfaces are smooth.  As on the
+        grid of the run, without the waves that are too short for it.
     """
     case = _case_of(dataset)
-    heights = surfaces.height(case.features, case.motion, T, np.asarray(X), np.asarray(Y))
+    shortest = CELLS_KEPT * float(dataset["X"][1] - dataset["X"][0]) if "X" in dataset.coords else 0.0
+    heights = surfaces.height(case.features, case.motion, T, np.asarray(X), np.asarray(Y), shortest)
     return np.asarray(heights, dtype=np.float64)

@@ -65,7 +65,7 @@ def _draw(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str])
         axes.plot(x, values * z.factor, "o-", color=colour, markersize=3.5, label=z.long_name)
     if title != "Temperature":
         axes.axhline(0.0, color="black", linewidth=0.5)
-    if _has_equal_ratios(x):
+    if has_equal_ratios(x):
         axes.set_xscale("log")
     else:
         axes.xaxis.set_major_locator(MaxNLocator(6))
@@ -86,7 +86,7 @@ def _scale(dataset: xr.Dataset, values: xr.DataArray, largest: float) -> Scale:
     return Scale(10.0**-power, symbol, PREFIXES[power] + about["units"], about["long_name"])
 
 
-def _has_equal_ratios(x: np.ndarray) -> bool:
+def has_equal_ratios(x: np.ndarray) -> bool:
     """Whether the values were spaced by equal ratios."""
     if len(x) < 3 or not (x > 0).all():
         return False

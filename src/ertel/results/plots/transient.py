@@ -18,6 +18,7 @@ from ertel.results.plots.drawing import (
     ORDERED_COLOURS,
     At,
     Figures,
+    NoFigure,
     Panel,
     Values,
     axis_label,
@@ -39,6 +40,7 @@ from ertel.results.plots.histories import (
     draw_drive,
     draw_film_history,
     draw_front,
+    draw_front_speed,
     draw_minimum_film,
     draw_motion,
     draw_pressure_history,
@@ -156,6 +158,13 @@ def history(dataset: xr.Dataset, at: At = None) -> Figure:
     return _of_run(dataset, [[MOTION[kind], draw_film_history], [PLACE[kind], draw_pressure_history]], at)
 
 
+def front(dataset: xr.Dataset, at: At = None) -> Figure:
+    """The front of an impact through time: its place and its speed."""
+    if dataset.attrs["kind"] != "impact":
+        raise NoFigure("front: a rolling contact has none; it belongs to an impact")
+    return _of_run(dataset, [[draw_front, draw_front_speed]], at)
+
+
 def overview(dataset: xr.Dataset, at: At = None) -> Figure:
     """The run on one page: maps, profiles and histories."""
     motion = MOTION[KINDS[dataset.attrs["kind"]]]
@@ -178,4 +187,4 @@ def _of_run(dataset: xr.Dataset, rows: list[list[MomentPanel]], at: At) -> Figur
 
 
 FIGURES: Figures = {"overview": overview, "maps": maps, "profiles": profiles, "history": history, "friction": friction}
-MORE_FIGURES: Figures = {"film": film, "pressure": pressure}  # parts of those, for a notebook
+MORE_FIGURES: Figures = {"film": film, "pressure": pressure, "front": front}  # the first two: parts, for a notebook

@@ -1,0 +1,13 @@
+"""`ertel app`: cases and runs of one folder in a browser on this machine.
+
+====================  =================================================================================================
+command, guard        the command; who may ask: this machine, and pages of the app only
+folder, processes     the folder and its runs; runs as processes of their own: started, watched, stopped, resumed
+form, checking        what a user fills in, and what ertel says of it
+pictures, drawing     pictures, drawn by a process of their own; wishes: what it is asked and answers
+site, pages           what all pages share; one file for each page
+====================  =================================================================================================
+
+The web process imports neither JAX nor matplotlib: it writes a case file, starts `ertel run`, and reads what that
+writes.  Closing the app leaves its runs running.
+"""

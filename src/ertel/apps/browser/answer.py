@@ -1,0 +1,103 @@
+"""What ertel says of a case, beside the form: a fault, or what follows from it."""
+
+from typing import Any
+
+from nicegui import ui
+
+from ertel.model.case import Case
+from ertel.results.parameters import parameter_summary
+from ertel.results.variables import with_prefix
+
+SCALES = {  # of `parameter_summary`: key, label, unit
+    "a_m": ("Hertz' radius a", "m"),
+    "p_h_Pa": ("Hertz' pressure", "Pa"),
+    "delta_m": ("Hertz' approach", "m"),
+    "F_N": ("load", "N"),
+    "contact_time_s": ("dry contact time", "s"),
+    "trapped_film_m": ("scale of the trapped film", "m"),
+}
+
+
+def show_fault(place: ui.element, message: str) -> None:
+    """Say what is wrong."""
+    place.clear()
+    with place:
+        with ui.row().classes("verdict wrong"):
+            ui.icon("error_outline")
+            ui.label("Not a case yet")
+        ui.label(f"{message}.").classes("fault").mark("fault")
+
+
+def show_waiting(place: ui.element, case: Case) -> None:
+    """Say that a case is one, with what follows at once, while the rest is computed."""
+    place.clear()
+    with place:
+        _verdict(case)
+        _parameters(case)
+        with ui.row().classes("line waiting"):
+            ui.spinner(size="sm")
+            ui.label("grid, memory, time and warnings …")
+
+
+def show_answer(place: ui.element, case: Case, found: dict[str, Any]) -> None:
+    """Say all that `ertel check` says."""
+    place.clear()
+    with place:
+        _verdict(case)
+        _parameters(case)
+        ui.separator()
+        grid, memory, time = found["grid"], found["memory"], found["time"]
+        nodes = f"{grid['nodes']} x {grid['nodes_across']}" if grid["nodes_across"] > 1 else f"{grid['nodes']}, radial"
+        _line("nodes", nodes)
+        _line("cells in the pressure sweep", f"{grid['cells_in_sweep']:.1f}, 10 needed")
+        _line("memory", f"about {memory['needed'] / 1e9:.2g} GB")
+        steps = f", {time['steps']} steps" if time["steps"] else ""
+        _line("time", f"roughly {_said(time['seconds'])}{steps}")
+        _films(case, found)
+        for sentence in found["warnings"]:
+            with ui.row().classes("note"):
+                ui.icon("info")
+                ui.label(f"{sentence[:1].upper()}{sentence[1:]}.")
+
+
+def _verdict(case: Case) -> None:
+    with ui.row().classes("verdict right-one"):
+        ui.icon("check_circle")
+        ui.label("Ready to run").mark("ready")
+    p = case.parameters
+    with ui.row().classes("moes"):
+        for symbol, value in (("M", p.M), ("L", p.L)):
+            with ui.element("div"):
+                ui.label(symbol).classes("symbol")
+                ui.label(f"{value:.4g}").classes("value").mark(f"value-{symbol}")
+
+
+def _parameters(case: Case) -> None:
+    scales = parameter_summary(case).get("si", {})
+    for key, (label, unit) in SCALES.items():
+        if key in scales:
+            _line(label, with_prefix(scales[key], unit))
+
+
+def _films(case: Case, found: dict[str, Any]) -> None:
+    """The films by the formulas that hold here."""
+    films = [film for film in found["films"] if film["central"] is not None and film["inside"]]
+    if not films:
+        return
+    ui.label("Central film by the formulas").classes("eyebrow")
+    for film in films:
+        value = with_prefix(film["central"] * case.scales.film, "m") if case.scales else f"{film['central']:.4g} a²/R"
+        _line(film["name"], value)
+
+
+def _line(label: str, value: str) -> None:
+    with ui.row().classes("line"):
+        ui.label(label)
+        ui.space()
+        ui.label(value).classes("value")
+
+
+def _said(seconds: float) -> str:
+    if seconds < 60:
+        return f"{max(seconds, 5):.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

@@ -1,0 +1,233 @@
+"""The page of a new case: a form, or the text of a case file; beside it what ertel says of it, while it is written."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+
+import tomli_w
+from nicegui import run, ui
+
+from ertel.apps.browser import checking
+from ertel.apps.browser.answer import show_answer, show_fault, show_waiting
+from ertel.apps.browser.form import ENDS, GRIDS, MATERIALS, METHODS, OILS, OWN, Form, field_of, read_text
+from ertel.apps.browser.site import Site, address_of
+from ertel.model.rules import plain_name
+
+PAUSE = 0.5  # seconds after the last change before ertel is asked
+LABELS = {
+    "M": "Load parameter M",
+    "L": "Lubricant parameter L",
+    "radius": "Ball radius",
+    "ball_density": "Ball density",
+    "speed": "Impact speed",
+    "load": "Load",
+    "mean_speed": "Mean speed",
+    "slide_to_roll": "Slide-to-roll ratio",
+    "material_1": "Ball",
+    "material_2": "Plane",
+    "oil": "Oil",
+    "temperature": "Temperature",
+    "eta0": "Viscosity",
+    "alpha": "Pressure-viscosity coefficient",
+    "nodes": "Nodes",
+    "method": "Method",
+    "until": "End",
+    "name": "Name of the run",
+}
+HINTS = {"slide_to_roll": "0", "name": "impact"}
+
+
+def new_page(site: Site, case: str = "") -> None:
+    """The page of a new case; case: a case file in the folder to begin from."""
+    NewCase(site, case)
+
+
+class NewCase:
+    """The form and the text of a new case.  The tab that is open tells which of them counts."""
+
+    def __init__(self, site: Site, begin_from: str):
+        self.site, self.form = site, Form()
+        self._inputs: dict[str, Any] = {}
+        self._asked: asyncio.Task[None] | None = None
+        self._data: dict[str, Any] = {}
+        with ui.row().classes("head"):
+            ui.label("New case").classes("title")
+        with ui.element("div").classes("new"):
+            with ui.element("div").classes("left"):
+                self._tabs = ui.tabs().props("no-caps dense align=left")
+                with self._tabs:
+                    ui.tab("form", "Form")
+                    ui.tab("text", "Case file").mark("tab-text")
+                self._fields = ui.element("div").classes("fields")
+                self._text = ui.textarea(on_change=self._changed).props("outlined autogrow spellcheck=false")
+                self._text.classes("code").mark("text")
+            with ui.element("div").classes("right"):
+                self._answer = ui.element("div").classes("card answer")
+                with ui.element("div").classes("card launch"):
+                    self._name = ui.input(LABELS["name"], placeholder=HINTS["name"]).props("outlined dense stack-label")
+                    self._name.mark("name")
+                    self._run = ui.button("Run", icon="play_arrow", on_click=self._start).props("unelevated no-caps")
+                    self._run.mark("run")
+        self._build()
+        self._tabs.on_value_change(self._turned)
+        self._tabs.set_value("form")
+        if begin_from:
+            self._begin_from(begin_from)
+
+    def _begin_from(self, name: str) -> None:
+        try:
+            text = self.site.folder.inside(name).read_text(encoding="utf-8")
+        except (OSError, ValueError) as error:
+            ui.notify(str(error))
+            return
+        self._text.set_value(text)
+        self._tabs.set_value("text")
+
+    # -- the form -----------------------------------------------------------------------------------------------------
+
+    def _build(self) -> None:
+        """The fields that belong to what is chosen."""
+        form = self.form
+        self._inputs = {}
+        self._fields.clear()
+        with self._fields:
+            with ui.element("div").classes("card choices"):
+                self._choice("kind", {"impact": "Impact", "rolling": "Rolling"}, self._choose_kind)
+                self._choice("given", {"si": "Quantities", "moes": "M and L"}, self._rebuilt("given"))
+            shown = form.shown
+            self._group("Contact", [name for name in ("M", "L", "radius", *_driven(form)) if name in shown])
+            if form.given == "si":
+                self._group("Materials", ["material_1", "material_2"])
+                self._group("Oil", ["oil", *(("eta0", "alpha") if form.oil == OWN else ("temperature",))])
+            self._group("Computation", ["method", "nodes", *(("until",) if form.kind == "impact" else ())])
+
+    def _group(self, title: str, names: list[str]) -> None:
+        options: dict[str, Any] = {
+            "material_1": MATERIALS,
+            "material_2": MATERIALS,
+            "oil": OILS,
+            "method": METHODS[self.form.kind],
+            "nodes": {str(n): str(n) for n in GRIDS[self.form.method]},
+            "until": ENDS,
+        }
+        with ui.element("div").classes("card group"):
+            ui.label(title).classes("eyebrow")
+            with ui.element("div").classes("grid"):
+                for name in names:
+                    if name in options:
+                        self._select(name, options[name])
+                    else:
+                        self._input(name)
+
+    def _input(self, name: str) -> None:
+        field = ui.input(LABELS[name], value=getattr(self.form, name), placeholder=HINTS.get(name, ""))
+        field.props("outlined dense hide-bottom-space").mark(name)
+        field.on_value_change(lambda event: self._set(name, event.value))
+        self._inputs[name] = field
+
+    def _select(self, name: str, options: dict[str, str]) -> None:
+        field = ui.select(options, label=LABELS[name], value=getattr(self.form, name))
+        field.props("outlined dense options-dense hide-bottom-space").mark(name)
+        rebuilds = {"method": self.form.choose_method, "oil": lambda value: setattr(self.form, "oil", value)}
+        field.on_value_change(lambda event: self._set(name, event.value, rebuilds.get(name)))
+        self._inputs[name] = field
+
+    def _choice(self, name: str, options: dict[str, str], chosen: Callable[[Any], None]) -> None:
+        toggle = ui.toggle(options, value=getattr(self.form, name)).props("no-caps unelevated spread").mark(name)
+        toggle.on_value_change(lambda event: chosen(event.value))
+
+    def _choose_kind(self, kind: Any) -> None:
+        self.form.choose_kind(kind)
+        self._build()
+        self._changed()
+
+    def _rebuilt(self, name: str) -> Callable[[Any], None]:
+        def choose(value: Any) -> None:
+            setattr(self.form, name, value)
+            self._build()
+            self._changed()
+
+        return choose
+
+    def _set(self, name: str, value: Any, rebuild: Callable[[Any], None] | None = None) -> None:
+        if rebuild:
+            rebuild(value)
+            self._build()
+        else:
+            setattr(self.form, name, value or "")
+        self._changed()
+
+    # -- the answer ---------------------------------------------------------------------------------------------------
+
+    def _turned(self) -> None:
+        """Show the form or the text; the text begins as the case file that the form makes."""
+        is_text = self._tabs.value == "text"
+        if is_text and not self._text.value:
+            self._text.set_value(self.form.text())
+        self._text.set_visibility(is_text)
+        self._fields.set_visibility(not is_text)
+        self._changed()
+
+    def _changed(self) -> None:
+        """Ask ertel again, a moment after the last change."""
+        if self._asked:
+            self._asked.cancel()
+        self._run.disable()
+        self._asked = asyncio.create_task(self._ask())
+
+    async def _ask(self) -> None:
+        await asyncio.sleep(PAUSE)
+        try:
+            data = read_text(self._text.value) if self._tabs.value == "text" else self.form.data()
+            case = await run.io_bound(checking.case_in, data, self.site.folder)
+        except ValueError as error:
+            self._refuse(str(error))
+            return
+        if case is None or self._answer.is_deleted:  # the app is closing, or the page was left
+            return
+        self._mark(None)
+        self._data = data
+        self._run.enable()
+        self._name.props(f'placeholder="{_name_of(data, case.kind)}"')
+        show_waiting(self._answer, case)
+        try:
+            found = await checking.outlook(tomli_w.dumps(data))
+        except ValueError as error:
+            self._refuse(str(error))
+            return
+        if not self._answer.is_deleted:
+            show_answer(self._answer, case, found)
+
+    def _refuse(self, message: str) -> None:
+        """Say what is wrong, also at the field where the form has it."""
+        if self._answer.is_deleted:
+            return
+        self._run.disable()
+        self._mark(message)
+        show_fault(self._answer, message)
+
+    def _mark(self, message: str | None) -> None:
+        wrong = field_of(message) if message else None
+        for name, field in self._inputs.items():
+            field.props(add="error" if name == wrong else "", remove="" if name == wrong else "error")
+
+    def _start(self) -> None:
+        """Write the case file, run it, and go to its page."""
+        if self._asked:
+            self._asked.cancel()
+        name = plain_name((self._name.value or "").strip()) or _name_of(self._data, "case")
+        try:
+            path = self.site.processes.start(name, tomli_w.dumps({**self._data, "name": name}))
+        except OSError as error:
+            ui.notify(f"cannot write to {self.site.folder.root}: {(error.strerror or str(error)).lower()}")
+            return
+        ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
+
+
+def _driven(form: Form) -> tuple[str, ...]:
+    return ("ball_density", "speed") if form.kind == "impact" else ("load", "mean_speed", "slide_to_roll")
+
+
+def _name_of(data: dict[str, Any], otherwise: str) -> str:
+    """The name of a case, or the kind of its contact."""
+    return str(data.get("name") or data.get("contact", {}).get("kind") or otherwise)

@@ -1,0 +1,108 @@
+"""Pictures for pages: drawn by a process of its own, so that pages answer meanwhile; the last ones are kept.
+
+Neither process imports JAX, and this one imports no matplotlib.
+"""
+
+import asyncio
+import gc
+import signal
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ertel.apps.browser.wishes import Told, Wish, stamp_of
+
+T = TypeVar("T")
+
+KEPT = 60  # pictures, of some 0.2 MB each
+
+
+# -- in the other process ---------------------------------------------------------------------------------------------
+
+
+def _tell(run: Path, stamp: int) -> Told:
+    from ertel.apps.browser import drawing
+
+    with _plain_errors():
+        return drawing.tell(run, stamp)
+
+
+def _draw(wish: Wish) -> bytes:
+    from ertel.apps.browser import drawing
+
+    with _plain_errors():
+        content = drawing.draw(wish)
+    gc.collect()  # the figure, whose arrays are large, refers to itself
+    return content
+
+
+@contextmanager
+def _plain_errors() -> Iterator[None]:
+    """Errors of matplotlib's company as plain ones: who receives them would import it."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(str(error)) from None
+
+
+def _begin() -> None:
+    """Leave Ctrl-C to the app, and import what takes long before it is asked for."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    from ertel.apps.browser import drawing as drawing
+
+
+# -- in this one ------------------------------------------------------------------------------------------------------
+
+
+def _process() -> Executor:
+    return ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=_begin)
+
+
+class Artist:
+    """Draws pictures and keeps the last ones.  make: of the executor that draws."""
+
+    def __init__(self, make: Callable[[], Executor] = _process):
+        self._make, self._executor = make, make()
+        self._kept: OrderedDict[Wish, bytes] = OrderedDict()
+
+    def begin(self) -> None:
+        """Start the process that draws, before it is needed."""
+        self._executor.submit(int)
+
+    async def tell(self, run: Path) -> Told:
+        """What is known of a run.  Raises ValueError where its data cannot be read, or are not there yet."""
+        return await self._asked(_tell, run, stamp_of(run))
+
+    async def draw(self, wish: Wish) -> bytes:
+        """A picture as a file.  Raises ValueError where there is nothing to draw."""
+        if wish not in self._kept:
+            self._kept[wish] = await self._asked(_draw, wish)
+            while len(self._kept) > KEPT:
+                self._kept.popitem(last=False)
+        self._kept.move_to_end(wish)
+        return self._kept[wish]
+
+    async def _asked(self, work: Callable[..., T], *arguments: Any) -> T:
+        """The answer of the other process; one that ended, for want of memory perhaps, is started again."""
+        with self._renewed_if_broken():
+            return await asyncio.get_running_loop().run_in_executor(self._executor, work, *arguments)
+        raise AssertionError("a broken process is an error")
+
+    @contextmanager
+    def _renewed_if_broken(self) -> Iterator[None]:
+        try:
+            yield
+        except BrokenProcessPool as error:
+            self._executor = self._make()
+            raise ValueError(
+                "the process that draws has ended, for want of memory perhaps; it was started again"
+            ) from error
+
+    def close(self) -> None:
+        """End the process that draws."""
+        self._executor.shutdown(wait=False, cancel_futures=True)

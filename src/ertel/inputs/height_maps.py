@@ -1,0 +1,220 @@
+"""Files of measured surfaces in a case: read, freed of trend and gaps, and replaced by their heights.
+
+    [[roughness]]
+    shape = "measured"
+    file = "disc.al3d"
+    detrend = "curvature"
+
+The package SurfaceTopography (the extra "surfaces") knows the formats of the instruments, fits the trend and fills the
+gaps.  It is not needed for a NumPy array without both (.npy, rows along y, `detrend = "none"`), nor for the file that
+ertel itself writes into a run directory: that is named by its content, is checked against its name, and is taken as it
+is.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ertel.inputs.messages import ConfigError
+from ertel.inputs.quantities import parse_quantity
+from ertel.inputs.schema import FILES
+from ertel.model.records import shortened, show
+from ertel.physics.height_map import HeightMap
+from ertel.physics.units import LENGTH, Quantity
+
+OWN_NAME = re.compile(r"heights-[0-9a-f]{16}\.npy")
+DETRENDS = {"plane": "height", "curvature": "curvature", "mean": "center"}  # as SurfaceTopography calls them
+LARGEST_FILE = 2_000_000_000  # bytes
+MOST_GAPS = 0.5  # of the points
+READING = {"channel", "unit", "detrend"}
+
+
+class _Raw(NamedTuple):
+    """What a file says.
+
+    heights: (ny, nx), masked where there are gaps.  sizes: lengths along x and y, None if the file has none.  metre:
+    one unit of both in metres, None if not known.
+    """
+
+    heights: NDArray[np.float64]
+    sizes: tuple[float, float] | None
+    metre: float | None
+
+
+def with_maps(read: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, HeightMap]]:
+    """The data of a case with the files of its measured surfaces read.
+
+    Returns also their heights by the names under which the data now have them, as `Case.maps`.  Raises
+    ConfigError, naming the field, for a file that cannot be read or does not say what is needed.
+    """
+    maps: dict[str, HeightMap] = {}
+    tables = []
+    for number, table in enumerate(read.get("roughness", ()), 1):
+        if table["shape"] in FILES:
+            try:
+                table, found = _with_map(table, folder)
+            except ValueError as error:
+                raise ConfigError(f"roughness[{number}].{error}") from error
+            maps[found.name] = found
+        tables.append(table)
+    return {**read, "roughness": tables} if tables else dict(read), maps
+
+
+def _with_map(table: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], HeightMap]:
+    """A table with lengths and heights as its file says, and the heights."""
+    path = folder / table["file"]
+    content = _content(path, table["file"])
+    placed = {key: value for key, value in table.items() if key not in READING}
+    if OWN_NAME.fullmatch(path.name):
+        for key in READING & table.keys():
+            raise ValueError(f"{key} = {show(table[key])}: has been seen to where ertel wrote this file; leave it out")
+        found = _named(table["file"], HeightMap.from_bytes, content)
+        if found.name != path.name:
+            raise ValueError(f"file = {show(table['file'])}: was changed since ertel wrote it; put the run's own back")
+        return placed, found
+    raw = (_array if path.suffix == ".npy" else _of_instrument)(table, content)
+    found = _named(table["file"], HeightMap, _smoothed(table, raw))
+    return {**placed, **_sizes(table, raw, found), "file": found.name}, found
+
+
+def _content(path: Path, written: str) -> bytes:
+    try:
+        if path.exists() and not path.is_file():
+            raise ValueError(f"file = {show(written)}: is no regular file")
+        if path.stat().st_size > LARGEST_FILE:
+            raise ValueError(f"file = {show(written)}: is too large; must have at most {LARGEST_FILE / 1e9:g} GB")
+        return path.read_bytes()
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        where = "" if path.is_absolute() else f" in {shortened(str(path.parent.absolute()))}"
+        raise ValueError(f"file = {show(written)}: cannot be read{where}, {reason}") from error
+
+
+def _named(written: str, make: Any, content: Any) -> HeightMap:
+    try:
+        found: HeightMap = make(content)
+        return found
+    except (ValueError, EOFError) as error:
+        raise ValueError(f"file = {show(written)}: {shortened(str(error))}") from error
+
+
+# -- reading ----------------------------------------------------------------------------------------------------------
+
+
+def _array(table: Mapping[str, Any], content: bytes) -> _Raw:
+    """A NumPy array, which has no sizes and no unit."""
+    if "channel" in table:
+        raise ValueError(f"channel = {show(table['channel'])}: a NumPy array has none; leave it out")
+    try:
+        heights = np.load(BytesIO(content), allow_pickle=False).astype(np.float64)
+    except (ValueError, EOFError, TypeError) as error:
+        raise ValueError(f"file = {show(table['file'])}: is no array of numbers, {shortened(str(error))}") from error
+    return _Raw(np.ma.masked_invalid(heights), None, _metre(table))
+
+
+def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
+    """A file that SurfaceTopography reads."""
+    written = show(table["file"])
+    module = _surface_topography(f"file = {written}")
+    with _reading(written):
+        channels = module.open_topography(BytesIO(content)).channels
+    channel = _channel(table, channels)
+    if channel.unit is not None and "unit" in table:
+        raise ValueError(f"unit = {show(table['unit'])}: the file says {channel.unit}; leave it out")
+    sizes = {} if channel.physical_sizes else {"physical_sizes": tuple(map(float, channel.nb_grid_pts))}
+    with _reading(written):
+        found = channel.topography(**sizes)
+    if not found.is_uniform:
+        raise ValueError(f"file = {written}: its points are no regular map; resample them first")
+    with _reading(written):
+        found = found if channel.unit is None else found.to_unit("m")
+        heights = np.ma.array(found.heights(), dtype=np.float64, copy=True).T
+    along_x, along_y = map(float, found.physical_sizes)
+    lengths = None if sizes else (along_x, along_y)
+    return _Raw(np.ma.masked_invalid(heights), lengths, _metre(table) if channel.unit is None else 1.0)
+
+
+@contextmanager
+def _reading(written: str) -> Iterator[None]:
+    """Any failure of SurfaceTopography, whose readers have their own, as a ValueError that names the file."""
+    try:
+        yield
+    except Exception as error:
+        said = shortened(" ".join(str(error).split()) or type(error).__name__)
+        raise ValueError(f"file = {written}: SurfaceTopography cannot read it, {said}") from error
+
+
+def _channel(table: Mapping[str, Any], channels: Any) -> Any:
+    maps = {channel.channel_id: channel for channel in channels if channel.is_height_channel and channel.dim == 2}
+    if not maps:
+        raise ValueError(f"file = {show(table['file'])}: has no map of heights")
+    if "channel" not in table:
+        return next(iter(maps.values()))
+    if table["channel"] not in maps:
+        raise ValueError(f"channel = {show(table['channel'])}: the file has {', '.join(map(show, maps))}")
+    return maps[table["channel"]]
+
+
+def _surface_topography(needed_for: str) -> Any:
+    try:
+        import SurfaceTopography
+    except ImportError as error:
+        raise ValueError(
+            f"{needed_for}: needs the package SurfaceTopography, which reads measured surfaces, takes off their form "
+            "and fills their gaps; install it with pip install 'ertel[surfaces]'"
+        ) from error
+    return SurfaceTopography
+
+
+def _metre(table: Mapping[str, Any]) -> float | None:
+    """The unit that the table gives, in metres."""
+    if "unit" not in table:
+        return None
+    try:
+        return parse_quantity(f"1 {table['unit']}", LENGTH)
+    except ValueError as error:
+        raise ValueError(f"unit = {show(table['unit'])}: must be a unit of length such as um") from error
+
+
+# -- trend, gaps, sizes -----------------------------------------------------------------------------------------------
+
+
+def _smoothed(table: Mapping[str, Any], raw: _Raw) -> NDArray[np.float64]:
+    """The heights without trend and gaps."""
+    heights, detrend = raw.heights, table.get("detrend", "plane")
+    gaps = float(np.ma.getmaskarray(heights).mean()) if heights.size else 0.0
+    if gaps > MOST_GAPS:
+        raise ValueError(f"file = {show(table['file'])}: {gaps:.0%} of its points are gaps; at most {MOST_GAPS:.0%}")
+    if heights.ndim == 2 and (gaps or detrend != "none"):
+        wanted = f'detrend = "{detrend}"' if detrend != "none" else f"file = {show(table['file'])}"
+        sizes = raw.sizes or tuple(map(float, heights.shape[::-1]))
+        found = _surface_topography(wanted).Topography(heights.T, sizes)
+        found = found if detrend == "none" else found.detrend(DETRENDS[detrend])
+        if gaps:
+            found = found.interpolate_undefined_data_with_harmonic_function()
+        heights = np.asarray(found.heights()).T
+    return np.asarray(heights, dtype=np.float64)
+
+
+def _sizes(table: Mapping[str, Any], raw: _Raw, heights: HeightMap) -> dict[str, Any]:
+    """Lengths and rms as the table gives them, or else as the file does."""
+    rows, columns = heights.heights.shape
+    along_x, along_y = raw.sizes or (float(columns), float(rows))
+    found = {key: table[key] for key in ("length_x", "length_y", "rms") if key in table}
+    for key, other, share in (("length_x", "length_y", along_x / along_y), ("length_y", "length_x", along_y / along_x)):
+        if key not in found and other in table:  # of the same share of the map
+            given = table[other]
+            found[key] = Quantity(given.value * share, given.unit) if isinstance(given, Quantity) else given * share
+    missing = [key for key in ("length_x", "length_y", "rms") if key not in found]
+    if "length_x" in missing and raw.sizes is None:
+        raise ValueError('length_x: missing; the file does not say how long its map is, give for example "500 um"')
+    if missing and raw.metre is None:
+        raise ValueError('unit: missing; the file does not say in which unit it is, give for example "um"')
+    values = {"length_x": along_x, "length_y": along_y, "rms": heights.rms}
+    return found | {key: Quantity(values[key] * (raw.metre or 1.0), "m") for key in missing}

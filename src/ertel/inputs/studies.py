@@ -1,0 +1,233 @@
+"""Studies: a case in which several values stand for one, and the cases that follow from it.
+
+    [contact]
+    M = [100, 300, 1000]
+    L = { from = 5, to = 20, number = 4 }
+
+    [sweep]
+    mode = "product"
+
+A list, or a table with `from`, `to` and `number`, in the place of any value makes this value vary; `spacing = "log"`
+gives equal ratios.  A quantity has its unit at both ends, or at one of them for both.  With mode "product" every value
+is combined with every other, with "zip" the first values of all belong together, then the second ones, ...
+
+Two keys have a list as their plain value: motion.load and motion.entrainment, whose points [T, value] are one signal.
+A list of signals makes these vary.  Tables (of an oscillation, of a law, of a data sheet, of a shape) do not vary as a
+whole unless they stand in a list; each value in them may.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from itertools import product
+from math import prod
+from pathlib import Path
+from typing import Any
+
+from ertel.inputs.case_files import apply_overrides, parse_case, read_toml
+from ertel.inputs.messages import ConfigError, field_name
+from ertel.inputs.ranges import LOG, MOST_VALUES, spaced, unit_in
+from ertel.inputs.schema import SECTIONS
+from ertel.model.case import Case
+from ertel.model.records import show
+from ertel.model.rules import plain_name
+
+SWEEP, MODE, MODES = "sweep", "mode", ("product", "zip")
+RANGE = ("from", "to", "number", "spacing")
+SPACINGS = ("linear", LOG)
+SIGNALS = (("motion", "load"), ("motion", "entrainment"))
+MOST_RUNS = 10_000
+
+Place = tuple[str | int, ...]  # of a value in a case: section, key, ... ; ("roughness", 0, "amplitude")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One value that varies.  values: as they are written."""
+
+    place: Place
+    values: tuple[Any, ...]
+
+    @property
+    def field(self) -> str:
+        """The value as messages and --set call it: contact.M."""
+        return field_name(self.place)
+
+
+@dataclass(frozen=True)
+class Study:
+    """The cases of a study, in the order of its axes: of a product the last axis varies fastest.
+
+    data: the case with its first values, as plain data.
+    """
+
+    name: str
+    mode: str
+    axes: tuple[Axis, ...]
+    cases: tuple[Case, ...]
+    data: Mapping[str, Any]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The numbers of values along the axes; of a zip the number of runs."""
+        return tuple(len(axis.values) for axis in self.axes) if self.mode == "product" else (len(self.cases),)
+
+
+def load_study(path: str | Path, overrides: Sequence[str] = ()) -> Study:
+    """The study in a TOML file, with overrides such as "contact.M=[100, 200]" applied.
+
+    Raises ConfigError if the file cannot be read, or a case of it is not valid.
+    """
+    data = apply_overrides(read_toml(Path(path)), overrides)
+    data.setdefault("name", plain_name(Path(path).stem))
+    return parse_study(data)
+
+
+def parse_study(data: Mapping[str, Any]) -> Study:
+    """The study in plain data.  Raises ConfigError, naming the field, its value and what is allowed.
+
+    Examples
+    --------
+    >>> study = parse_study({"contact": {"M": [100, 300], "L": 10}, "solver": {"method": "radial"}})
+    >>> [case.contact.M for case in study.cases]
+    [100.0, 300.0]
+    """
+    mode = _mode(data.get(SWEEP, {}))
+    plain = deepcopy({key: value for key, value in data.items() if key != SWEEP})
+    axes = tuple(_axes(plain))
+    if not axes:
+        raise ConfigError(
+            "the study has one case only: give a list, or { from = ..., to = ..., number = ... }, for the value that "
+            "varies"
+        )
+    cases = tuple(_case(plain, axes, values) for values in _combinations(axes, mode))
+    return Study(cases[0].name or cases[0].kind, mode, axes, cases, _with_values(plain, axes, _first(axes)))
+
+
+def _mode(section: Any) -> str:
+    if not isinstance(section, Mapping):
+        raise ConfigError(f"{SWEEP} = {show(section)}: must be a section, [{SWEEP}]")
+    for key in section:
+        if key != MODE:
+            raise ConfigError(f"{SWEEP}.{key} = {show(section[key])}: unknown key; allowed: {MODE}")
+    mode = section.get(MODE, MODES[0])
+    if mode not in MODES:
+        raise ConfigError(f"{SWEEP}.{MODE} = {show(mode)}: allowed: {', '.join(MODES)}")
+    return str(mode)
+
+
+# -- what varies ------------------------------------------------------------------------------------------------------
+
+
+def _axes(data: Mapping[str, Any]) -> Iterator[Axis]:
+    """The values of a case that vary, in the order of the file."""
+    for name, section in data.items():
+        if name == "roughness" and isinstance(section, list):
+            for number, table in enumerate(section):
+                yield from _axes_in(table, (name, number))
+        elif name in SECTIONS:
+            yield from _axes_in(section, (name,))
+
+
+def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
+    for key, value in table.items() if isinstance(table, Mapping) else ():
+        here = (*place, key)
+        if isinstance(value, list) and not _is_signal(here, value):
+            yield _axis(here, value, value)
+        elif isinstance(value, Mapping) and any(end in value for end in RANGE[:2]):
+            yield _axis(here, value, _values(field_name(here), value))
+        else:
+            yield from _axes_in(value, here)
+
+
+def _is_signal(place: Place, value: Sequence[Any]) -> bool:
+    """Whether a list is one signal: points [T, value]."""
+    return place in SIGNALS and all(
+        isinstance(point, list) and not any(isinstance(part, list) for part in point) for point in value
+    )
+
+
+def _axis(place: Place, written: Any, values: Sequence[Any]) -> Axis:
+    said = f"{field_name(place)} = {show(written)}"
+    if not values:
+        raise ConfigError(f"{said}: must have one value or more")
+    if any(value in values[:number] for number, value in enumerate(values)):
+        raise ConfigError(f"{said}: the values must differ from each other")
+    return Axis(place, tuple(values))
+
+
+def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
+    """The values of a range, written like its ends."""
+    said = f"{field} = {show(table)}"
+    for key in table:
+        if key not in RANGE:
+            raise ConfigError(f"{field}.{key} = {show(table[key])}: unknown key; a range has {', '.join(RANGE)}")
+    for key in RANGE[:3]:
+        if key not in table:
+            raise ConfigError(f"{field}.{key}: missing; a range has {', '.join(RANGE)}")
+    number, spacing = table["number"], table.get("spacing", SPACINGS[0])
+    if type(number) is not int or not 2 <= number <= MOST_VALUES:
+        raise ConfigError(f"{field}.number = {show(number)}: must be a whole number from 2 to {MOST_VALUES}")
+    if spacing not in SPACINGS:
+        raise ConfigError(f"{field}.spacing = {show(spacing)}: allowed: {', '.join(SPACINGS)}")
+    try:
+        (start, of_start), (end, of_end) = (_amount(table[key]) for key in RANGE[:2])
+        if of_start and of_end and of_start != of_end:
+            raise ValueError("both ends must have the same unit")
+        found = spaced(start, end, number, spacing == LOG)
+    except ValueError as error:
+        raise ConfigError(f"{said}: {error}") from error
+    if unit := of_start or of_end:
+        return [f"{value!r} {unit}" for value in found]
+    whole = all(isinstance(table[key], int) for key in RANGE[:2]) and all(value.is_integer() for value in found)
+    return [int(value) for value in found] if whole else list(found)
+
+
+def _amount(written: Any) -> tuple[float, str]:
+    """The number and the unit of one end of a range."""
+    if isinstance(written, bool) or not isinstance(written, int | float | str):
+        raise ValueError('its ends must be numbers, or quantities such as "0.1 m/s"')
+    unit = unit_in(written.strip()) if isinstance(written, str) else ""
+    try:
+        return float(written.strip().removesuffix(unit) if isinstance(written, str) else written), unit
+    except ValueError as error:
+        raise ValueError(f"{show(written)} must be a number, with or without a unit") from error
+
+
+# -- the cases --------------------------------------------------------------------------------------------------------
+
+
+def _combinations(axes: Sequence[Axis], mode: str) -> Iterator[tuple[Any, ...]]:
+    """The values of each case, one of each axis."""
+    numbers = {axis.field: len(axis.values) for axis in axes}
+    if mode == "zip" and len(set(numbers.values())) > 1:
+        said = ", ".join(f"{field} {number}" for field, number in numbers.items())
+        raise ConfigError(f'{SWEEP}.{MODE} = "zip": all must have equally many values; there are of {said}')
+    runs = prod(numbers.values()) if mode == "product" else len(axes[0].values)
+    if runs > MOST_RUNS:
+        raise ConfigError(f"the study has {runs} cases; must be at most {MOST_RUNS}")
+    lists = [axis.values for axis in axes]
+    return product(*lists) if mode == "product" else zip(*lists, strict=True)
+
+
+def _case(data: Mapping[str, Any], axes: Sequence[Axis], values: Sequence[Any]) -> Case:
+    try:
+        return parse_case(_with_values(data, axes, values))
+    except ConfigError as error:
+        where = ", ".join(f"{axis.field} = {show(value)}" for axis, value in zip(axes, values, strict=True))
+        raise ConfigError(f"{error} (in the case with {where})") from error
+
+
+def _with_values(data: Mapping[str, Any], axes: Sequence[Axis], values: Sequence[Any]) -> dict[str, Any]:
+    """A copy of the data with one value at each place."""
+    found: dict[str, Any] = deepcopy(dict(data))
+    for axis, value in zip(axes, values, strict=True):
+        table: Any = found
+        for part in axis.place[:-1]:
+            table = table[part]
+        table[axis.place[-1]] = value
+    return found
+
+
+def _first(axes: Sequence[Axis]) -> list[Any]:
+    return [axis.values[0] for axis in axes]

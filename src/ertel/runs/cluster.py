@@ -1,0 +1,177 @@
+"""Jobs on the processes of dask.distributed: of this machine, or of a cluster that is there already.
+
+    with local(2) as workers:
+        for key, outcome in workers.outcomes(jobs):
+            ...
+
+This module and `on_workers` are the only ones that know dask.
+
+Each worker process has one thread.  NPROC=1 keeps the pool of XLA's threads to one too, so that as many runs as there
+are cores do not fight for them.  XLA_FLAGS are those of this process, because JAX's cache of compiled programs keeps
+programs of other flags apart.  A worker that dies is replaced, and its job begins again on another one.
+"""
+
+import logging
+from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from typing import Any
+from uuid import uuid4
+
+import dask
+from distributed import Client, Event, Future, KilledWorker, LocalCluster
+
+from ertel.runs.on_workers import SETTINGS, Start, performed
+from ertel.runs.workers import READY, Asked, Failure, Hear, Job, cores, deaf, never
+from ertel.version import own_sources
+
+Inbox = SimpleQueue[tuple[str, Any]]  # of keys with news, or with None when the job is done
+RETRIES = 2  # of a job that raised an error of the system, on this worker or another one
+LOOK = 0.2  # s between looks for a wish to stop, here
+ANSWER = 20  # s in which a scheduler must answer
+
+
+class NoScheduler(ValueError):
+    """No scheduler answers at an address."""
+
+
+# -- clusters ---------------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def local(jobs: int | None = None) -> Iterator["Cluster"]:
+    """Worker processes on this machine, which end with this block and with this process.
+
+    jobs: their number, by default one for each core.
+    """
+    settings = {"distributed.scheduler.worker-ttl": None, "distributed.worker.multiprocessing-method": "spawn"}
+    with ExitStack() as stack:  # JAX fears forks, and compiled code may keep a worker from a sign of life for long
+        stack.enter_context(dask.config.set(settings))
+        cluster = stack.enter_context(
+            LocalCluster(
+                n_workers=jobs or cores(),
+                threads_per_worker=1,
+                processes=True,
+                memory_limit=0,
+                dashboard_address=None,
+                silence_logs=logging.CRITICAL,
+                env=SETTINGS,
+            )
+        )
+        yield stack.enter_context(_connected(cluster.scheduler_address, Start(deaf=True)))
+
+
+@contextmanager
+def existing(address: str | None = None, file: Path | None = None) -> Iterator["Cluster"]:
+    """The workers of a scheduler that runs, by its address or the file that it wrote; they stay.
+
+    They need this version of ertel, and the directories of the jobs under the same names.  Raises NoScheduler.
+    """
+    where = f"scheduler = {address}" if address else f"scheduler_file = {file}"
+    if file is not None and not file.exists():
+        raise NoScheduler(f"{where}: no such file; give the one that the scheduler wrote")
+    with ExitStack() as stack:
+        try:
+            cluster = stack.enter_context(_connected(address, Start(), file))
+        except (OSError, ValueError) as error:
+            raise NoScheduler(
+                f"{where}: no scheduler answers there within {ANSWER} s; see to it that it runs"
+            ) from error
+        yield cluster
+
+
+@contextmanager
+def _connected(address: str | None, start: Start, file: Path | None = None) -> Iterator["Cluster"]:
+    where = {"address": address} if address else {"scheduler_file": str(file)}
+    with Client(**where, timeout=ANSWER, set_as_default=False) as client:
+        name = f"ertel-{uuid4().hex[:8]}"
+        client.register_plugin(start, name=name)
+        try:
+            yield Cluster(client)
+        finally:
+            client.unregister_worker_plugin(name)
+
+
+# -- this side --------------------------------------------------------------------------------------------------------
+
+
+class Cluster:
+    """The workers of a scheduler, see `workers.Workers`."""
+
+    def __init__(self, client: Client):
+        self._client = client
+
+    def outcomes(self, jobs: Sequence[Job], hear: Hear = deaf, asked: Asked = never) -> Iterator[tuple[str, Any]]:
+        """See `Workers`.  Of jobs that need the same programs one goes ahead, so that not all compile the same."""
+        topic, inbox = f"ertel-{uuid4().hex}", Inbox()
+        stop = Event(topic, client=self._client)
+        line, left = _Line(jobs), {job.key for job in jobs}
+        futures: dict[str, Future[Any]] = {}
+        self._client.subscribe_topic(topic, lambda event: inbox.put((*event[1],)))
+        try:
+            while left:
+                futures |= {job.key: self._submit(job, topic, inbox) for job in line.ready()}
+                if asked():
+                    stop.set()
+                try:
+                    key, news = inbox.get(timeout=LOOK)
+                except Empty:
+                    continue
+                if news is None:
+                    left.remove(key)
+                    line.release(key)
+                    yield key, _outcome(futures.pop(key))
+                elif key in left:
+                    hear(key, news)
+                    if news.get(READY):
+                        line.release(key)
+        finally:
+            self._client.unsubscribe_topic(topic)
+            self._client.cancel(list(futures.values()))
+
+    def _submit(self, job: Job, topic: str, inbox: Inbox) -> Future[Any]:
+        content = job.function, job.arguments, job.key, topic, own_sources()
+        key = f"{topic}-{job.key}"  # of this call only: another study on the same scheduler may hold the same case
+        future = self._client.submit(performed, *content, key=key, retries=RETRIES, pure=False)
+        future.add_done_callback(lambda _: inbox.put((job.key, None)))
+        return future
+
+
+class _Line:
+    """Jobs in their order, of which those that need the same programs wait for the first of them."""
+
+    def __init__(self, jobs: Sequence[Job]):
+        self._program = {job.key: job.program for job in jobs}
+        self._behind: dict[str, list[Job]] = {}
+        self._ready: list[Job] = []
+        for job in jobs:
+            if job.program in self._behind:
+                self._behind[job.program].append(job)
+            else:
+                self._ready.append(job)
+                if job.program:
+                    self._behind[job.program] = []
+
+    def ready(self) -> list[Job]:
+        """The jobs that may begin now, each once."""
+        found, self._ready = self._ready, []
+        return found
+
+    def release(self, key: str) -> None:
+        """Let all go on that wait for a job."""
+        self._ready += self._behind.get(self._program[key], [])
+        self._behind[self._program[key]] = []
+
+
+def _outcome(future: Future[Any]) -> Any:
+    """The outcome of a job that is done."""
+    try:
+        return future.result()
+    except KilledWorker:
+        return Failure("its process was killed again and again, perhaps for want of memory")
+    except CancelledError:
+        return Failure("the scheduler was lost")
+    except Exception as error:
+        return Failure.of(error)

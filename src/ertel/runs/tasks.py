@@ -1,0 +1,136 @@
+"""Functions that are run side by side, with results in order that are kept on disk.
+
+    tasks = [Task(f"M{M}", run, (M,)) for M in (200, 500, 1000)]
+    with cluster.local(2) as workers:
+        results = run_tasks(tasks, workers, Path("runs"))
+
+Results that are kept are plain data, see `ertel.runs.plain`.  A failure is a value.
+"""
+
+import logging
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Any
+
+from ertel.runs import plain
+from ertel.runs.workers import Failure as Failure
+from ertel.runs.workers import Job, Wire, Workers, deaf, never
+from ertel.version import installed_version, own_sources
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run: function(*arguments).
+
+    name: names the file that keeps the result, unique among the tasks.  seconds: expected duration.
+    """
+
+    name: str
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...] = ()
+    seconds: float = 0.0
+
+
+def run_tasks(
+    tasks: Sequence[Task],
+    workers: Workers,
+    directory: Path | None = None,
+    on_done: Callable[[Task, Any], object] = lambda task, result: None,
+) -> list[Any]:
+    """Run all tasks that have no kept result.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+        Their names must differ.
+    workers : Workers
+        Who runs the tasks: `cluster.local`, `cluster.existing`, or `workers.Here` for this process.
+    directory : Path, optional
+        Where results are kept.  A kept result is used again, so that what was interrupted goes on where it was.  It
+        must come from the same function, arguments, version and source code of ertel.  The source code of functions
+        outside ertel is not compared.  Arguments and results must be plain data, see `ertel.runs.plain`; a tuple comes
+        back as a list.
+    on_done : callable
+        Is called with each task and its result as soon as it is there.
+
+    Returns
+    -------
+    list
+        The results in the order of the tasks, a `Failure` for each run that raised an exception.
+
+    Raises
+    ------
+    ValueError
+        Two tasks have the same name.
+    TypeError
+        Arguments or a result that must be kept are not plain data.
+    OSError
+        A result cannot be written; those before it are kept.
+    """
+    by_name = {task.name: task for task in tasks}
+    if len(by_name) < len(tasks):
+        raise ValueError(f"tasks = {[task.name for task in tasks]}: their names must differ")
+    if directory:
+        _require_writable(directory)
+    found = kept(tasks, directory)
+    for name, result in found.items():
+        on_done(by_name[name], result)
+    jobs = [Job(task.name, _run, (task.function, task.arguments)) for task in tasks if task.name not in found]
+    for name, result in workers.outcomes(jobs, deaf, never):
+        found[name] = result
+        if directory and not isinstance(result, Failure):
+            _keep(directory, by_name[name], result)
+        on_done(by_name[name], result)
+    return [found[task.name] for task in tasks]
+
+
+def _run(wire: Wire, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """The job that a task is; it tells no news."""
+    return function(*arguments)
+
+
+def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
+    """Task name -> kept result, for the tasks that have a valid one."""
+    found = {}
+    for task in tasks if directory else ():
+        wanted = _stamp(task)
+        try:
+            stamp, result = plain.read(_file(directory, task))
+        except FileNotFoundError:
+            continue
+        except (ValueError, LookupError, OSError) as error:  # damaged, or written by another version
+            _log.warning("the kept result of %s cannot be read and is computed again: %s", task.name, error)
+            continue
+        if stamp == wanted:
+            found[task.name] = result
+    return found
+
+
+def _require_writable(directory: Path) -> None:
+    """Raise OSError before anything is computed where results cannot be kept."""
+    directory.mkdir(parents=True, exist_ok=True)
+    TemporaryFile(dir=directory).close()
+
+
+def _keep(directory: Path, task: Task, result: object) -> None:
+    try:
+        plain.write(_file(directory, task), [_stamp(task), result])
+    except TypeError as error:
+        raise TypeError(f"result of task {task.name}: {error}") from error
+
+
+def _file(directory: Path | None, task: Task) -> Path:
+    return (directory or Path()) / f"{task.name}.result"
+
+
+def _stamp(task: Task) -> str:
+    """A digest of what a kept result depends on.  Raises TypeError where the arguments are not plain data."""
+    function = task.function.__module__, task.function.__qualname__
+    try:
+        return plain.digest([installed_version(), own_sources(), *function, task.arguments])
+    except TypeError as error:
+        raise TypeError(f"arguments of task {task.name}: {error}") from error

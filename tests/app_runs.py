@@ -1,0 +1,80 @@
+"""What the tests of the app share: a made-up run in a directory, and a process that stands for `ertel run`."""
+
+import atexit
+import json
+import shutil
+import sys
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+
+from made_up import BALL_FALLS, dry_impact
+from zarr.storage import LocalStore
+
+from ertel.inputs.case_files import parse_case, to_toml
+from ertel.runs import checked_zarr
+from ertel.runs.files import sealed
+
+CASE = {**BALL_FALLS, "solver": {"method": "radial", "nodes": 41}}
+VALUES = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.0, "P_max": 1.0, "H_c": 0.05, "H_min": 0.025}
+SUMMARY = {
+    "kind": "impact", "method": "radial", "M": 1000.0, "L": 10.0, "max_approach": VALUES, "restitution": 0.93,
+    "status": "converged", "warnings": ["the grid is coarse"],
+}  # fmt: skip
+STANDS_FOR_ERTEL = """
+import json, os, pathlib, shutil, signal, sys, time
+command, first, *rest = sys.argv[1:]
+run = pathlib.Path(rest[rest.index("--out") + 1] if command == "run" else first)
+if command == "run":
+    shutil.copytree(pathlib.Path(__file__).with_name("prepared"), run)
+stopped = []
+signal.signal(signal.SIGINT, lambda *_: stopped.append(1))
+
+def tell(status, done):
+    (run / "progress.json").write_text(json.dumps({"status": status, "T": 1.0, "step": 20, "done": done,
+        "seconds": 1.0, "seconds_left": 2.0, "written": "2026-11-22T10:15:03+00:00", "process": os.getpid()}))
+
+tell("running", 0.4)
+if command == "resume":
+    shutil.move(run / "later.json", run / "summary.json")
+    tell("converged", 1.0)
+    sys.exit()
+deadline = time.monotonic() + 20
+while not stopped and time.monotonic() < deadline:
+    time.sleep(0.02)
+tell("interrupted", 0.4)
+print("ertel: interrupted", file=sys.stderr)
+sys.exit(130)
+"""
+
+
+@cache
+def _made() -> Path:
+    """A case file and data, written once."""
+    place = Path(mkdtemp(prefix="ertel-"))
+    atexit.register(shutil.rmtree, place, ignore_errors=True)
+    (place / "case.toml").write_text(to_toml(parse_case(CASE)))
+    checked_zarr.write(LocalStore(place / "run.zarr"), dry_impact(CASE, radial=True))
+    return place
+
+
+def make_run(directory: Path, finished: bool = True) -> Path:
+    """A run along the radius, of which everything is known."""
+    shutil.copytree(_made(), directory)
+    (directory / ("summary.json" if finished else "later.json")).write_bytes(sealed(SUMMARY))
+    return directory
+
+
+def stand_in(place: Path) -> list[str]:
+    """The command of a process that stands for ertel: it copies a prepared run and waits until it is stopped."""
+    make_run(place / "prepared", finished=False)
+    script = place / "stand_in.py"
+    script.write_text(STANDS_FOR_ERTEL)
+    return [sys.executable, str(script)]
+
+
+def write_progress(run: Path, **content: object) -> None:
+    """progress.json as a run has written it."""
+    known = {"status": "running", "T": 1.0, "step": 9, "done": 0.5, "seconds": 1.0, "seconds_left": 1.0}
+    told = {**known, "written": "2026-11-22T10:15:03+00:00", "process": 1, **content}
+    (run / "progress.json").write_text(json.dumps(told))

@@ -1,0 +1,285 @@
+"""The app without its pages: its folder, its processes, its form, who may ask, and what it does not import."""
+
+import asyncio
+import fcntl
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from app_runs import CASE, make_run, stand_in, write_progress
+from cases import ertel_
+
+import ertel
+from ertel.apps import browser
+from ertel.apps.browser import checking, pictures
+from ertel.apps.browser.folder import Folder, Outside
+from ertel.apps.browser.form import Form, field_of
+from ertel.apps.browser.guard import Guard
+from ertel.apps.browser.pictures import Artist
+from ertel.apps.browser.processes import Phase, Processes
+from ertel.apps.browser.wishes import Wish, stamp_of
+from ertel.inputs.case_files import ConfigError, parse_case
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="the app stops runs by SIGINT")
+
+
+def until(there, seconds=10.0):
+    """Wait for something to become true."""
+    deadline = time.monotonic() + seconds
+    while not there():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+# -- the folder -------------------------------------------------------------------------------------------------------
+
+
+def test_nothing_outside_the_folder(tmp_path):
+    inside = tmp_path / "mine"
+    inside.mkdir()
+    other = make_run(tmp_path / "other")
+    (inside / "link").symlink_to(other)
+    folder = Folder.at(inside)
+    for name in ("../other", str(other), "link", "a/../../other", "\0"):
+        with pytest.raises(Outside):
+            folder.inside(name)
+    assert folder.runs() == []
+    for name in (".", "nothing", "x" * 5000):
+        with pytest.raises(ValueError, match="is no run"):
+            folder.run(name)
+    with pytest.raises(ValueError, match="is no folder"):
+        Folder.at(tmp_path / "nothing")
+
+
+def test_files_of_a_case_outside_the_folder(tmp_path):
+    data = {**CASE, "roughness": [{"shape": "measured", "file": "/etc/passwd"}]}
+    with pytest.raises(Outside, match="/etc/passwd"):
+        checking.case_in(data, Folder.at(tmp_path))
+
+
+def test_runs_are_found_at_any_depth_and_the_latest_first(tmp_path):
+    old, new = make_run(tmp_path / "study" / "runs" / "old"), make_run(tmp_path / "runs" / "new")
+    for path in (old / "case.toml", old / "summary.json"):
+        os.utime(path, (0, 0))
+    assert Folder.at(tmp_path).runs() == [new.resolve(), old.resolve()]
+
+
+def test_a_new_case_takes_no_name_twice(tmp_path):
+    folder = Folder.at(tmp_path)
+    (tmp_path / "runs" / "ball-2").mkdir(parents=True)
+    names = [folder.write_case("ball", "text")[0].name for _ in range(2)]
+    assert names == ["ball.toml", "ball-3.toml"]
+
+
+# -- processes --------------------------------------------------------------------------------------------------------
+
+
+def test_a_run_is_started_stopped_and_resumed(tmp_path):
+    processes = Processes(Folder.at(tmp_path), stand_in(tmp_path))
+    run = processes.start("ball", "text")
+    assert processes.standing(run).phase is Phase.COMPILING
+    assert processes.ours() == [run]
+    until(lambda: processes.standing(run).phase is Phase.RUNNING)
+    assert processes.standing(run).done == 0.4
+    with pytest.raises(ValueError, match="nothing to resume"):
+        processes.resume(run)
+    processes.stop(run)
+    until(lambda: processes.standing(run).phase is Phase.INTERRUPTED)
+    with pytest.raises(ValueError, match="nothing to stop"):
+        processes.stop(run)
+    processes.resume(run)
+    until(lambda: processes.standing(run).phase is Phase.FINISHED)
+    assert processes.ours() == []
+
+
+def test_a_run_has_a_session_of_its_own(tmp_path):
+    """Ctrl-C in the terminal of the app, or its end, is none of the run's business."""
+    processes = Processes(Folder.at(tmp_path), stand_in(tmp_path))
+    run = processes.start("ball", "text")
+    until(lambda: processes.standing(run).phase is Phase.RUNNING)
+    process = processes.standing(run).progress["process"]
+    assert os.getsid(process) == process != os.getsid(0)
+    processes.stop(run)
+    until(lambda: not processes.ours())
+
+
+def test_a_run_that_fails_says_why(tmp_path):
+    code = "import sys; print('ertel: contact: missing', file=sys.stderr); sys.exit(2)"
+    processes = Processes(Folder.at(tmp_path), [sys.executable, "-c", code])
+    run = processes.start("ball", "text")
+    until(lambda: not processes.ours())
+    assert processes.standing(run).phase is Phase.FAILED
+    assert processes.standing(run).message == "contact: missing"
+
+
+def test_runs_of_other_programs_are_told_by_their_lock(tmp_path):
+    """A killed run leaves "running" behind; only the lock tells whether a process computes it."""
+    run, processes = make_run(tmp_path / "run", finished=False), Processes(Folder.at(tmp_path))
+    with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(30)"]) as other:
+        write_progress(run, process=other.pid)
+        assert processes.standing(run).phase is Phase.INTERRUPTED
+        handle = os.open(run, os.O_RDONLY)
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        assert processes.standing(run).phase is Phase.RUNNING
+        processes.stop(run)
+        assert other.wait(10) == -signal.SIGINT
+    os.close(handle)
+    assert processes.standing(run).phase is Phase.INTERRUPTED
+
+
+# -- the form ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["impact", "rolling"])
+@pytest.mark.parametrize("given", ["si", "moes"])
+def test_the_form_begins_with_a_case(kind, given):
+    form = Form(given=given)
+    form.choose_kind(kind)
+    assert parse_case(form.data()).kind == kind
+
+
+def test_a_named_oil_takes_a_temperature():
+    form = Form(oil="squalane", temperature="60 degC", eta0="nonsense that is not asked for")
+    assert form.data()["lubricant"] == {"oil": "squalane", "temperature": "60 degC"}
+    assert parse_case(form.data()).oil.eta0 < 0.012
+
+
+def test_messages_name_their_field():
+    form = Form(radius="10 furlong")
+    with pytest.raises(ConfigError) as error:
+        parse_case(form.data())
+    assert field_of(str(error.value)) == "radius"
+    assert field_of("lubricant.temperature: missing") == "temperature"
+    assert field_of("solver.radius = 1: unknown key") is None
+
+
+def test_the_outlook_is_that_of_ertel_check():
+    async def asked(text):
+        return await checking.outlook(text)
+
+    found = asyncio.run(asked(Form(M="500", given="moes").text()))
+    assert found["parameters"]["M"] == pytest.approx(500.0)
+    assert found["grid"]["nodes"] == 257
+
+
+# -- who may ask ------------------------------------------------------------------------------------------------------
+
+
+def answer(headers, kind="http"):
+    """What the guard does with a request: the status, "closed", or "passed"."""
+    told = []
+
+    async def passed(scope, receive, send):
+        told.append("passed")
+
+    async def send(message):
+        told.append(message.get("status") or {"websocket.close": "closed"}.get(message["type"]))
+
+    scope = {"type": kind, "headers": [(name.encode(), value.encode()) for name, value in headers.items()]}
+    asyncio.run(Guard(passed, 8642)(scope, None, send))
+    return told[0]
+
+
+def test_only_pages_of_the_app_are_answered():
+    ours, theirs = {"host": "127.0.0.1:8642"}, {"host": "evil.example:8642"}
+    assert answer(ours) == answer({"host": "localhost:8642"}) == "passed"
+    assert answer({**ours, "origin": "http://127.0.0.1:8642"}, "websocket") == "passed"
+    assert answer(theirs) == answer({"host": "127.0.0.1:1"}) == answer({}) == 403
+    assert answer({**ours, "origin": "http://evil.example"}) == answer({**ours, "origin": "null"}) == 403
+    assert answer(theirs, "websocket") == answer({**ours, "origin": "https://evil.example"}, "websocket") == "closed"
+
+
+def test_the_command_without_the_package(monkeypatch):
+    monkeypatch.setitem(sys.modules, "nicegui", None)
+    monkeypatch.delitem(sys.modules, "ertel.apps.browser.launch", raising=False)
+    monkeypatch.delattr(browser, "launch", raising=False)
+    assert "pip install 'ertel[app]'" in ertel_("app", code=2).stderr
+
+
+def test_a_port_that_is_taken(tmp_path, monkeypatch):
+    from ertel.apps.browser import launch
+
+    monkeypatch.setattr(launch, "is_free", lambda port: False)
+    assert "--port 8642: is taken" in ertel_("app", str(tmp_path), code=2).stderr
+
+
+# -- pictures ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def artist():
+    """Draws in this process."""
+    found = Artist(lambda: ThreadPoolExecutor(1))
+    yield found
+    found.close()
+
+
+def test_what_is_known_of_a_run(tmp_path, artist):
+    told = asyncio.run(artist.tell(make_run(tmp_path / "run")))
+    assert told.figures == ("maps", "profiles", "history", "front", "friction", "interferogram", "overview")
+    assert len(told.T) == len(told.times) == 78
+    assert told.T[told.events["max-approach"]] == pytest.approx(2.45)
+    assert {symbol for _, symbol, _ in told.news} == {"H_c", "H_min", "P_max", "F"}
+
+
+def test_pictures_are_drawn_once(tmp_path, artist, monkeypatch):
+    run = make_run(tmp_path / "run")
+    wish = Wish(run, "front", "max-approach", kind="svg", stamp=stamp_of(run))
+    first = asyncio.run(artist.draw(wish))
+    assert first.startswith(b"<?xml")
+    monkeypatch.setattr(pictures, "_draw", None)
+    assert asyncio.run(artist.draw(wish)) is first
+
+
+def test_errors_are_plain(tmp_path, artist):
+    """An error that matplotlib's company knows would bring matplotlib into the web process."""
+    run = make_run(tmp_path / "run")
+    with pytest.raises(ValueError, match="has no such figure") as error:
+        asyncio.run(artist.draw(Wish(run, "midlines", stamp=stamp_of(run))))
+    assert type(error.value) is ValueError
+
+
+def test_a_run_without_data_has_no_pictures(tmp_path, artist):
+    with pytest.raises(ValueError, match="nothing is written yet"):
+        asyncio.run(artist.tell(tmp_path))
+
+
+LIGHT = """
+import asyncio, json, sys
+from pathlib import Path
+from ertel.apps.browser import launch
+from ertel.apps.browser.checking import case_in
+from ertel.apps.browser.folder import Folder
+from ertel.apps.browser.form import Form
+from ertel.apps.browser.processes import Processes, summary_of
+from ertel.results.key_numbers import key_numbers
+from ertel.results.parameters import parameter_summary
+
+folder = Folder.at(Path(sys.argv[1]))
+parameter_summary(case_in(Form().data(), folder))
+(run,) = folder.runs()
+key_numbers(summary_of(run))
+Processes(folder).standing(run)
+heavy = [[name for name in ("jax", "matplotlib", "xarray") if name in sys.modules]]
+from ertel.apps.browser import drawing
+from ertel.apps.browser.wishes import Wish, stamp_of
+drawing.tell(run, stamp_of(run))
+for figure in ("front", "interferogram"):
+    drawing.draw(Wish(run, figure, "max-approach", dots=20, stamp=stamp_of(run)))
+print(json.dumps([*heavy, [name for name in ("jax",) if name in sys.modules]]))
+"""
+
+
+def test_neither_process_of_the_app_imports_jax(tmp_path):
+    """The web process imports no matplotlib and no xarray either."""
+    make_run(tmp_path / "run")
+    environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
+    command = [sys.executable, "-c", LIGHT, str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+    assert json.loads(done.stdout.splitlines()[-1]) == [[], []]

@@ -1,0 +1,227 @@
+"""The app in a real browser: a case is described, run, watched, stopped and resumed.
+
+It needs Debian's `chromium` and `chromium-driver` and is skipped without them.  With ERTEL_SCREENSHOTS=DIR the pages
+are kept as pictures for someone to look at.
+"""
+
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from app_runs import make_run
+
+import ertel
+from ertel.apps.browser.folder import Folder
+from ertel.apps.browser.processes import Phase, Processes
+
+pytest.importorskip("nicegui", reason="the app needs nicegui")
+webdriver = pytest.importorskip("selenium.webdriver", reason="the browser is driven by selenium")
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs Debian's chromium and chromium-driver"),
+    pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the memory is read from /proc"),
+]
+FLAGS = (
+    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+)  # fmt: skip
+LAPTOP, TABLET = (1280, 800), (820, 1180)
+LARGEST = 250  # MB
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder with one finished run."""
+    make_run(tmp_path / "folder" / "runs" / "before")
+    return tmp_path / "folder"
+
+
+@pytest.fixture
+def server(folder):
+    """The app as a process: the process and its address."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    inherited = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}  # NiceGUI asks
+    environment = {**inherited, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
+    command = [sys.executable, "-m", "ertel", "app", str(folder), "--no-browser", "--port", str(port)]
+    with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr.readline() == f"The app is at http://127.0.0.1:{port}, Ctrl-C closes it\n"
+        yield process, f"http://127.0.0.1:{port}"
+        process.terminate()
+        process.communicate(timeout=30)
+
+
+@pytest.fixture
+def driver(tmp_path):
+    """Chromium without a window."""
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for flag in (*FLAGS, f"--user-data-dir={tmp_path / 'chromium'}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    found = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    yield Page(found)
+    found.quit()
+
+
+class Page:
+    """What a user does on a page and sees there."""
+
+    def __init__(self, driver):
+        self.driver = driver
+        self.resize(LAPTOP)
+
+    def resize(self, size):
+        width, height = size
+        screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+
+    def open(self, address):
+        self.driver.get(address)
+
+    def all(self, selector):
+        return [element for element in self.driver.find_elements("css selector", selector) if element.is_displayed()]
+
+    def text(self, selector):
+        return " ".join(element.text for element in self.all(selector))
+
+    def click(self, word):
+        (button,) = [button for button in self.all("button, [role=tab]") if word in button.text]
+        button.click()
+
+    def fill(self, label, text):
+        (field,) = self.all(f"input[aria-label='{label}']")
+        field.click()
+        field.send_keys("\b" * len(field.get_attribute("value")) + text)
+
+    def until(self, there, seconds=120):
+        """Wait for something to become true."""
+        deadline = time.monotonic() + seconds
+        while not (found := there()):
+            assert time.monotonic() < deadline, self.driver.find_element("tag name", "body").text
+            time.sleep(0.1)
+        return found
+
+    def picture(self):
+        """The address of the picture, when the browser has it whole."""
+        shown = self.all(".canvas img")
+        whole = shown and self.driver.execute_script("return arguments[0].complete", shown[0])
+        return shown[0].get_attribute("src") if whole else ""
+
+    def keep(self, name):
+        """Keep a picture of the page, where that is asked for."""
+        if place := os.environ.get("ERTEL_SCREENSHOTS"):
+            time.sleep(0.6)  # Quasar moves things into place
+            Path(place).mkdir(parents=True, exist_ok=True)
+            self.driver.save_screenshot(str(Path(place) / f"{name}.png"))
+
+    def asked_hosts(self):
+        """The hosts that the pages asked for anything."""
+        events = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
+        requests = [event["params"].get("request", event["params"]) for event in events if event["method"] in ASKED]
+        parts = [urlsplit(request["url"]) for request in requests]
+        return {part.netloc for part in parts if part.scheme in ("http", "https", "ws", "wss")}
+
+
+ASKED = ("Network.requestWillBeSent", "Network.webSocketCreated")
+
+
+def memory(process, what="VmHWM"):
+    """The largest memory that a process has had, MB."""
+    lines = Path(f"/proc/{process}/status").read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith(what)) / 1024
+
+
+def test_a_session(server, driver, folder):
+    process, address = server
+    page, runs = driver, Processes(Folder.at(folder))
+    page.open(address)
+    page.until(lambda: "Impact and rolling" in page.text(".welcome"))
+    page.keep("first-page")
+
+    page.click("New case")
+    page.until(lambda: page.all("input[aria-label='Ball radius']"))
+    page.fill("Ball radius", "10 furlong")
+    page.until(lambda: 'contact.radius = "10 furlong"' in page.text(".answer"))
+    page.keep("bad-input")
+    page.fill("Ball radius", "10 mm")
+    page.until(lambda: "roughly" in page.text(".answer"))
+    page.keep("new-case")
+
+    page.fill("Name of the run", "mine")
+    page.click("Run")
+    run = folder / "runs" / "mine"
+    page.until(lambda: "compiling" in page.text(".chip"))
+    page.keep("compiling")
+    page.until(lambda: "running" in page.text(".chip"))
+    page.click("Stop")
+    page.until(lambda: "interrupted" in page.text(".chip"))
+    assert runs.standing(run).phase is Phase.INTERRUPTED
+    done = runs.standing(run).done
+    assert 0.0 < done < 1.0
+    page.keep("interrupted")
+    page.click("Resume")
+    page.until(lambda: "finished" in page.text(".chip"))
+    assert runs.standing(run).phase is Phase.FINISHED
+
+    first = page.until(page.picture)
+    page.keep("finished")
+    slider = page.all(".q-slider__focus-ring, .q-slider__thumb")[0]
+    (track,) = page.all(".q-slider__track-container")
+    webdriver.ActionChains(page.driver).move_to_element_with_offset(track, -200, 0).click().perform()
+    assert slider is not None
+    page.until(lambda: page.picture() not in ("", first))
+    for word in ("Mid-line", "Motion", "Front", "Friction", "Interferogram", "Overview"):
+        before = page.until(page.picture)
+        page.click(word)
+        page.until(lambda before=before: page.picture() not in ("", before))
+        page.keep(f"run-{word.lower()}")
+
+    page.open(f"{address}/compare?a=runs/mine&b=runs/before")
+    page.until(lambda: len(page.all(".canvas img")) == 2)
+    page.keep("compare")
+    page.resize(TABLET)
+    page.keep("compare-tablet")
+    for name, path in (("new-case", "/new"), ("run", "/run?name=runs/mine")):
+        page.open(address + path)
+        page.until(lambda: page.picture() or "roughly" in page.text(".answer"))
+        page.keep(f"{name}-tablet")
+        width = page.driver.execute_script("return document.documentElement.scrollWidth")
+        assert width <= TABLET[0]
+
+    assert page.asked_hosts() == {urlsplit(address).netloc}
+    entries = page.driver.get_log("browser")
+    assert [entry for entry in entries if entry["level"] == "SEVERE"] == []
+    assert memory(process.pid) < LARGEST
+    loaded = Path(f"/proc/{process.pid}/maps").read_text()
+    assert [name for name in ("jaxlib", "matplotlib", "pandas") if f"/{name}/" in loaded] == []
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    sizes = {child: round(memory(child)) for child in children}
+    print(f"memory of the web process {memory(process.pid):.0f} MB, of the processes that it started {sizes} MB")
+
+
+def test_closing_the_app_leaves_the_run_going(server, driver, folder):
+    process, address = server
+    page, runs = driver, Processes(Folder.at(folder))
+    page.open(f"{address}/new")
+    page.until(lambda: "Ready" in page.text(".answer"))
+    page.fill("Name of the run", "long")
+    page.click("Case file")
+    (text,) = page.until(lambda: page.all("textarea"))
+    text.send_keys("\n[output]\ninterval = 0.02\n")
+    page.until(lambda: "roughly" in page.text(".answer"))
+    page.click("Run")
+    page.until(lambda: "running" in page.text(".chip"))
+    process.terminate()
+    assert f"{folder / 'runs' / 'long'} goes on without the app" in process.communicate(timeout=30)[1]
+    run = folder / "runs" / "long"
+    page.until(lambda: runs.standing(run).phase is Phase.FINISHED)

@@ -1,0 +1,183 @@
+"""The pages of the app without a browser: NiceGUI's simulated user, on a made-up run and a process that stands in."""
+
+import asyncio
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+pytest.importorskip("nicegui")
+import pytest_asyncio
+from app_runs import make_run, stand_in
+from nicegui import ElementFilter, ui
+from nicegui.testing import user_simulation
+
+from ertel.apps.browser import checking, launch, pictures
+from ertel.apps.browser.folder import Folder
+from ertel.apps.browser.pictures import Artist
+from ertel.apps.browser.processes import Phase, Processes
+from ertel.apps.browser.site import Site
+
+pytestmark = [
+    pytest.mark.asyncio,
+    pytest.mark.skipif(os.name == "nt", reason="the app stops runs by SIGINT"),
+]
+FOUND = {
+    "grid": {"nodes": 257, "nodes_across": 1, "cells_in_sweep": 77.4},
+    "memory": {"needed": 0.6e9},
+    "time": {"seconds": 7.0, "steps": 185},
+    "films": [],
+    "warnings": ["the film is thin"],
+}
+
+
+@pytest.fixture
+def site(tmp_path, monkeypatch):
+    """The app in a folder with one run; ertel check, ertel run and the pictures are stand-ins."""
+
+    async def outlook(text):
+        return FOUND
+
+    monkeypatch.setattr(checking, "outlook", outlook)
+    monkeypatch.setattr(pictures, "_draw", lambda wish: f"{wish.kind} {wish.figure} at {wish.at}".encode())
+    folder = tmp_path / "folder"
+    make_run(folder / "runs" / "ball")
+    (tmp_path / "aside").mkdir()
+    return Site(
+        Folder.at(folder),
+        Processes(Folder.at(folder), stand_in(tmp_path / "aside")),
+        Artist(lambda: ThreadPoolExecutor(1)),
+    )
+
+
+@pytest_asyncio.fixture
+async def user(site):
+    """Someone who looks at the app."""
+    async with user_simulation(root=launch.root_of(site)) as found:
+        site.serve()
+        yield found
+
+
+def all_of(user, marker):
+    """The elements with a marker, also those that are hidden."""
+    with user:
+        return list(ElementFilter(marker=marker))
+
+
+def one(user, marker):
+    """The element with a marker."""
+    (element,) = all_of(user, marker)
+    return element
+
+
+async def until(there):
+    """Wait for something to become true."""
+    for _ in range(300):
+        if there():
+            return
+        await asyncio.sleep(0.05)
+    raise AssertionError
+
+
+async def test_the_first_page_lists_the_runs(user):
+    await user.open("/")
+    await user.should_see("Impact and rolling of lubricated point contacts")
+    await user.should_see("finished · impact, M 1000, L 10")
+
+
+async def test_a_page_of_no_run_says_so(user):
+    await user.open("/run?name=../../etc")
+    await user.should_see("lies outside")
+    await user.open("/run?name=runs/nothing")
+    await user.should_see("is no run")
+
+
+async def test_bad_input_is_answered_in_the_words_of_ertel(user):
+    await user.open("/new")
+    await until(lambda: one(user, "run").enabled)
+    await user.should_see("The film is thin.")
+    one(user, "radius").set_value("10 furlong")
+    await user.should_see('contact.radius = "10 furlong": must be between', retries=50)
+    assert one(user, "radius").props["error"]
+    assert not one(user, "run").enabled
+    one(user, "radius").set_value("12 mm")
+    await user.should_see(marker="ready", retries=50)
+    assert "error" not in one(user, "radius").props
+
+
+async def test_the_form_follows_its_choices_and_makes_a_case_file(user):
+    await user.open("/new")
+    one(user, "kind").set_value("rolling")
+    one(user, "oil").set_value("squalane")
+    one(user, "slide_to_roll").set_value("0.1")
+    user.find(marker="tab-text").click()
+    await until(lambda: one(user, "run").enabled)
+    text = one(user, "text").value
+    assert 'oil = "squalane"' in text and "slide_to_roll = 0.1" in text and "ball_density" not in text
+    one(user, "text").set_value(text.replace("slide_to_roll", "slip"))
+    await user.should_see("contact.slip = 0.1: unknown key", retries=50)
+    one(user, "text").set_value("[contact")
+    await user.should_see("the text is not valid TOML", retries=50)
+
+
+async def test_a_case_is_run_stopped_and_resumed(user, site):
+    await user.open("/new")
+    await until(lambda: one(user, "run").enabled)
+    one(user, "name").set_value("mine")
+    user.find(marker="run").click()
+    run = site.folder.root / "runs" / "mine"
+    await until(run.exists)
+    await user.should_see("mine")
+    assert 'radius = "10 mm"' in (site.folder.root / "mine.toml").read_text()
+    await until(lambda: one(user, "phase").text == "running")
+    user.find(marker="stop").click()
+    await until(lambda: one(user, "phase").text == "interrupted")
+    await user.should_see("it can be resumed")
+    user.find(marker="resume").click()
+    await until(lambda: site.processes.standing(run).phase is Phase.FINISHED)
+    await until(lambda: one(user, "phase").text == "finished")
+    await user.should_see("coefficient of restitution")
+
+
+async def test_the_slider_chooses_the_map(user, site):
+    await user.open("/run?name=runs/ball")
+    await until(lambda: "src" in one(user, "picture").props)
+    slider, first = one(user, "slider"), one(user, "picture").props["src"]
+    assert (slider.value, slider.props["max"]) == (48, 77)  # begins at maximum approach
+    slider.set_value(30)
+    await user.should_see("T = 1.550")
+    await until(lambda: one(user, "picture").props["src"] != first)
+    picture = await user.http_client.get(one(user, "picture").props["src"])
+    assert picture.text == "png maps at 1.55"
+    assert (await user.http_client.get("/pictures/unknown")).status_code == 404
+
+
+async def test_interferograms_have_a_light(user):
+    await user.open("/run?name=runs/ball")
+    await until(lambda: "src" in one(user, "picture").props)
+    await user.should_not_see(marker="light")
+    first = one(user, "picture").props["src"]
+    user.find(ui.tabs).elements.pop().set_value("interferogram")
+    await user.should_see(marker="light")
+    await until(lambda: one(user, "picture").props["src"] != first)
+
+
+async def test_downloads(user, site):
+    await user.open("/run?name=runs/ball")
+    await until(lambda: "src" in one(user, "picture").props)
+    user.find(marker="download-case").click()
+    case = await user.download.next()
+    assert case.text == (site.folder.root / "runs" / "ball" / "case.toml").read_text()
+    user.find(marker="download-pdf").click()
+    assert (await user.download.next()).content == b"pdf maps at max-approach"
+
+
+async def test_two_runs_are_compared_at_one_time(user, site):
+    make_run(site.folder.root / "runs" / "other")
+    await user.open("/compare?a=runs/ball&b=runs/other")
+    pictures = all_of(user, "picture")
+    await until(lambda: all("src" in picture.props for picture in pictures))
+    assert one(user, "slider").value == 126  # at maximum approach
+    before = {picture.props["src"] for picture in pictures}
+    one(user, "slider").set_value(60)
+    await until(lambda: not before & {picture.props["src"] for picture in pictures})

@@ -1,0 +1,255 @@
+"""Files of measured surfaces in a case: formats, units, trend, gaps, and what is said where something is missing."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ertel.inputs.case_files import ConfigError, load_case, parse_case
+from ertel.inputs.python import impact
+from ertel.model.case import Case
+from ertel.physics.height_map import HeightMap
+from ertel.physics.surfaces import Measured
+from ertel.physics.units import Quantity
+
+topography = pytest.importorskip("SurfaceTopography").Topography
+
+BALL = {"radius": "10 mm", "ball_density": "7850 kg/m^3", "speed": "0.1 m/s", "E_prime": "231 GPa"}
+CONTACT = {"contact": {"kind": "impact", **BALL}, "lubricant": {"eta0": "20 mPa*s", "alpha": "20 / GPa"}}
+LENGTHS = 600e-6, 400e-6  # m, of the map along x and y
+WAVE = (
+    1e-8
+    * np.cos(2 * np.pi * (np.arange(30) + 0.5) / 30 * 4)
+    * np.cos(  # m, rows along y: four and three waves
+        2 * np.pi * (np.arange(20)[:, None] + 0.5) / 20 * 3
+    )
+)
+TILT = 1e-6 * np.linspace(-1, 1, 30) + 5e-7 * np.linspace(-1, 1, 20)[:, None] + 3e-6
+BOW = 1e-6 * np.linspace(-1, 1, 30) ** 2
+
+
+def written(path: Path, heights: np.ndarray, unit: str = "um") -> Path:
+    """A file of SurfaceTopography with heights in metres, gaps where they are nan; its arrays have x first."""
+    factor = {"um": 1e6, "nm": 1e9}[unit]
+    found = topography(
+        np.ma.masked_invalid(heights.T * factor), tuple(length * factor for length in LENGTHS), unit=unit
+    )
+    writers = {".nc": found.to_netcdf, ".x3p": found.to_x3p, ".gwy": found.to_gwy}
+    writers.get(path.suffix, found.to_matrix)(str(path))
+    return path
+
+
+def read(folder: Path, **table: Any) -> Measured:
+    """The shape of a table [[roughness]] in a case file in this folder."""
+    (feature,) = parse_case({**CONTACT, "roughness": [{"shape": "measured", **table}]}, folder).roughness
+    assert isinstance(feature.shape, Measured)
+    return feature.shape
+
+
+def heights(shape: Measured) -> np.ndarray:
+    """In metres."""
+    assert isinstance(shape.rms, Quantity)
+    return shape.file.heights / shape.file.rms * shape.rms.value
+
+
+def lengths(shape: Measured) -> list[float]:
+    return [side.value for side in (shape.length_x, shape.length_y) if isinstance(side, Quantity)]
+
+
+# -- formats and units ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("a.nc", "um"), ("a.nc", "nm"), ("a.txt", "um"), ("a.asc", "nm"), ("a.x3p", "um"), ("a.gwy", "um")],
+)
+def test_heights_lengths_and_units_are_those_of_the_file(tmp_path, name, unit) -> None:
+    """NetCDF, a matrix as text, X3P (ISO 5436-2) and Gwyddion's, as SurfaceTopography writes them."""
+    written(tmp_path / name, WAVE, unit)
+    found = read(tmp_path, file=name)
+    assert lengths(found) == pytest.approx(LENGTHS)
+    np.testing.assert_allclose(heights(found), WAVE, atol=1e-15)
+
+
+def test_points_with_their_coordinates_are_read(tmp_path) -> None:
+    """XYZ: three columns."""
+    x, y = np.arange(30) * 20.0, np.arange(20) * 20.0
+    columns = [np.tile(x, 20), np.repeat(y, 30), 1e6 * WAVE.ravel()]
+    np.savetxt(tmp_path / "disc.xyz", np.column_stack(columns))
+    found = read(tmp_path, file="disc.xyz", unit="um")
+    assert lengths(found) == pytest.approx(LENGTHS)
+    np.testing.assert_allclose(heights(found), WAVE, atol=1e-15)
+
+
+def test_a_file_without_units_is_told_them(tmp_path) -> None:
+    np.savetxt(tmp_path / "plain.txt", 1e9 * WAVE)
+    found = read(tmp_path, file="plain.txt", unit="nm", length_x="600 um")
+    assert lengths(found) == pytest.approx(LENGTHS)  # its points are square
+    np.testing.assert_allclose(heights(found), WAVE, atol=1e-15)
+
+
+def test_an_array_of_numpy_has_rows_along_y(tmp_path) -> None:
+    np.save(tmp_path / "disc.npy", WAVE)
+    found = read(tmp_path, file="disc.npy", unit="m", length_y="400 um")
+    assert lengths(found) == pytest.approx(LENGTHS)
+    np.testing.assert_allclose(heights(found), WAVE, atol=1e-15)
+
+
+def test_what_is_given_wins_over_the_file(tmp_path) -> None:
+    written(tmp_path / "disc.nc", WAVE)
+    found = read(tmp_path, file="disc.nc", rms="50 nm", length_x="300 um")
+    assert found.rms == Quantity(5e-8, "m")
+    assert lengths(found) == pytest.approx([300e-6, 200e-6])
+
+
+def test_a_case_without_dimensions_takes_a_map_in_its_own_units(tmp_path) -> None:
+    written(tmp_path / "disc.nc", WAVE)
+    case = {"contact": {"M": 1000, "L": 10}}
+    table = {"shape": "measured", "file": "disc.nc", "rms": 0.01, "length_x": 3.0}
+    (feature,) = parse_case({**case, "roughness": [table]}, tmp_path).features
+    assert (feature.shape.rms, feature.shape.length_x, feature.shape.length_y) == (0.01, 3.0, pytest.approx(2.0))
+    with pytest.raises(ConfigError, match=r"^roughness\[1\].length_x = .*: a dimensionless case has no m"):
+        parse_case({**case, "roughness": [{"shape": "measured", "file": "disc.nc"}]}, tmp_path)
+
+
+# -- trend and gaps ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("detrend", "form"),
+    [({}, TILT), ({"detrend": "plane"}, TILT), ({"detrend": "curvature"}, TILT + BOW), ({"detrend": "mean"}, 5e-6)],
+)
+def test_the_form_of_the_body_is_taken_off(tmp_path, detrend, form) -> None:
+    written(tmp_path / "disc.nc", WAVE + form)
+    found = heights(read(tmp_path, file="disc.nc", **detrend))
+    np.testing.assert_allclose(found, WAVE, atol=0.03 * WAVE.max())  # the plane also fits a little of the waves
+
+
+def test_nothing_is_taken_off_where_nothing_is_wanted(tmp_path) -> None:
+    written(tmp_path / "disc.nc", WAVE + TILT)
+    np.testing.assert_allclose(heights(read(tmp_path, file="disc.nc", detrend="none")), WAVE + TILT, atol=1e-15)
+
+
+def test_gaps_are_filled_from_their_rims(tmp_path) -> None:
+    gaps = np.zeros((20, 30), dtype=bool)
+    gaps[7:9, 11:14] = True
+    smooth = 1e-7 * np.linspace(-1, 1, 30) * np.linspace(0, 1, 20)[:, None]  # harmonic, so that filling is exact
+    written(tmp_path / "disc.nc", np.where(gaps, np.nan, smooth))
+    found = heights(read(tmp_path, file="disc.nc", detrend="none"))
+    np.testing.assert_allclose(found, smooth, atol=1e-14)
+
+
+def test_gaps_of_an_array_are_its_nan(tmp_path) -> None:
+    holed = WAVE.copy()
+    holed[3, 4] = np.nan
+    np.save(tmp_path / "disc.npy", holed)
+    found = heights(read(tmp_path, file="disc.npy", unit="m", length_x="600 um", detrend="none"))
+    assert found[3, 4] == pytest.approx((WAVE[2, 4] + WAVE[4, 4] + WAVE[3, 3] + WAVE[3, 5]) / 4)
+
+
+# -- what is wrong ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({}, "roughness[1].file: missing"),
+        ({"file": "nothing.al3d"}, 'roughness[1].file = "nothing.al3d": cannot be read'),
+        ({"file": "."}, 'roughness[1].file = ".": is no regular file'),
+        ({"file": "broken.al3d"}, 'roughness[1].file = "broken.al3d": SurfaceTopography cannot read it'),
+        ({"file": "broken.npy"}, 'roughness[1].file = "broken.npy": is no array of numbers'),
+        ({"file": "line.npy", "unit": "m", "length_x": 1}, 'roughness[1].file = "line.npy": heights: is 30; must be'),
+        ({"file": "disc.nc", "channel": "Phase"}, 'roughness[1].channel = "Phase": the file has "Default"'),
+        ({"file": "disc.nc", "unit": "nm"}, 'roughness[1].unit = "nm": the file says µm; leave it out'),
+        ({"file": "disc.nc", "detrend": "sphere"}, 'roughness[1].detrend = "sphere": allowed: '),
+        ({"file": "disc.nc", "taper": "300 um"}, "roughness[1].taper = "),
+        ({"file": "disc.npy"}, "roughness[1].length_x: missing; the file does not say how long"),
+        ({"file": "disc.npy", "length_x": "1 mm"}, "roughness[1].unit: missing; the file does not say in which"),
+        ({"file": "disc.npy", "length_x": 1, "unit": "kg"}, 'roughness[1].unit = "kg": must be a unit of length'),
+        ({"file": "disc.npy", "length_x": 1, "unit": "m", "channel": "a"}, 'roughness[1].channel = "a": a NumPy array'),
+        ({"file": "holes.nc"}, 'roughness[1].file = "holes.nc": 60% of its points are gaps; at most 50%'),
+        ({"file": "disc.nc", "files": 3}, "roughness[1].files = 3: unknown key; did you mean file?"),
+    ],
+)
+def test_what_is_wrong_is_said(tmp_path, table, message) -> None:
+    written(tmp_path / "disc.nc", WAVE)
+    holed = WAVE.copy()
+    holed[:12] = np.nan
+    written(tmp_path / "holes.nc", holed)
+    np.save(tmp_path / "disc.npy", WAVE)
+    np.save(tmp_path / "line.npy", WAVE[0])
+    for name in ("broken.al3d", "broken.npy"):
+        (tmp_path / name).write_bytes(b"no surface")
+    with pytest.raises(ConfigError) as caught:
+        read(tmp_path, **table)
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)
+
+
+def test_without_the_package_it_is_said_what_to_install(tmp_path, monkeypatch) -> None:
+    """What needs no trend and no gaps to be seen to is read all the same."""
+    written(tmp_path / "disc.nc", WAVE)
+    np.save(tmp_path / "disc.npy", WAVE)
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    for table in ({"file": "disc.nc"}, {"file": "disc.npy", "unit": "m", "length_x": 1.0}):
+        with pytest.raises(ConfigError, match=r"^roughness\[1\]\..* install it with pip install 'ertel\[surfaces\]'$"):
+            read(tmp_path, **table)
+    plain = read(tmp_path, file="disc.npy", unit="m", length_x="600 um", detrend="none")
+    np.testing.assert_allclose(heights(plain), WAVE, atol=1e-20)
+
+
+# -- in a case --------------------------------------------------------------------------------------------------------
+
+TOML = """
+[contact]
+M = 1000
+L = 10
+[[roughness]]
+shape = "measured"
+file = "{file}"
+length_x = 3.0
+rms = 0.01
+"""
+
+
+def test_a_case_depends_on_the_heights_and_not_on_the_path(tmp_path) -> None:
+    """The file is looked for beside the case file, wherever the program runs."""
+    cases = {}
+    for folder, factor in (("here", 1.0), ("there", 1.0), ("other", 1.01)):
+        (tmp_path / folder).mkdir()
+        written(tmp_path / folder / f"{folder}.nc", WAVE + (factor - 1) * TILT**2 / 1e-6)
+        (tmp_path / folder / "case.toml").write_text(TOML.format(file=f"{folder}.nc"), encoding="utf-8")
+        cases[folder] = load_case(tmp_path / folder / "case.toml", ['name="same"'])
+    assert cases["here"] == cases["there"] != cases["other"]
+    assert cases["here"].digest == cases["there"].digest != cases["other"].digest
+
+
+def test_a_case_reads_back_with_its_maps(tmp_path) -> None:
+    written(tmp_path / "disc.nc", WAVE)
+    table = {"shape": "measured", "file": "disc.nc", "cutoff": "20 um", "angle": "30 deg", "x": "-1 mm", "surface": 2}
+    case = parse_case({**CONTACT, "roughness": [table]}, tmp_path)
+    assert Case.from_data(case.to_data(), case.maps) == case
+    with pytest.raises(ValueError, match=r"^roughness\[1\].file = .*: its heights are not given with the case$"):
+        Case.from_data(case.to_data())
+
+
+def test_the_file_that_ertel_wrote_is_taken_as_it_is(tmp_path) -> None:
+    """Its trend is off already: a second time would change it."""
+    table = {"length_x": 1.0, "rms": 0.1}
+    own = HeightMap(WAVE + TILT)
+    (tmp_path / own.name).write_bytes(own.to_bytes())
+    assert read(tmp_path, file=own.name, length_y=1.0, **table).file == own
+    with pytest.raises(ConfigError, match=r'^roughness\[1\].detrend = "mean": has been seen to where ertel wrote'):
+        read(tmp_path, file=own.name, detrend="mean", length_y=1.0, **table)
+    with pytest.raises(ConfigError, match=r"^roughness\[1\].length_y: missing"):
+        read(tmp_path, file=own.name, **table)
+
+
+def test_arrays_are_given_from_python() -> None:
+    case = impact(**BALL, oil="squalane", temperature="40 degC", roughness=[Measured.of(WAVE, 20e-6)])
+    (feature,) = case.features
+    assert feature.shape.length_x == pytest.approx(LENGTHS[0] / case.scales.a)
+    assert feature.shape.rms == pytest.approx(HeightMap(WAVE).rms / case.scales.film)
+    assert case.maps == {feature.shape.file.name: HeightMap(WAVE)}

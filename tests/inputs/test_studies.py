@@ -1,0 +1,142 @@
+"""Studies: which values vary, in which order, and what is refused."""
+
+import pytest
+
+from ertel.inputs.coordinates import coordinates
+from ertel.inputs.messages import ConfigError
+from ertel.inputs.studies import load_study, parse_study
+
+BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
+OIL = {"eta0": "10 mPa*s", "alpha": "22 / GPa"}
+
+
+def moes(**contact):
+    return {"contact": {"M": 200, "L": 10, **contact}, "solver": {"method": "radial"}}
+
+
+def ball(**speed):
+    return {"contact": {**BALL, "speed": speed}, "lubricant": OIL, "solver": {"method": "radial"}}
+
+
+def test_a_product_combines_all_values():
+    study = parse_study(moes(M=[100, 300], L=[5, 10, 20]))
+    assert study.shape == (2, 3) and [axis.field for axis in study.axes] == ["contact.M", "contact.L"]
+    found = [(case.contact.M, case.contact.L) for case in study.cases]
+    assert found == [(100, 5), (100, 10), (100, 20), (300, 5), (300, 10), (300, 20)]
+
+
+def test_a_zip_takes_the_values_side_by_side():
+    study = parse_study({**moes(M=[100, 300], L=[5, 20]), "sweep": {"mode": "zip"}})
+    assert study.shape == (2,)
+    assert [(case.contact.M, case.contact.L) for case in study.cases] == [(100, 5), (300, 20)]
+
+
+@pytest.mark.parametrize(
+    ("ends", "values"),
+    [
+        ({"from": 100, "to": 300, "number": 3}, [100, 200, 300]),
+        ({"from": 100, "to": 1000.0, "number": 3, "spacing": "log"}, [100, pytest.approx(316.2278), 1000]),
+    ],
+)
+def test_ranges(ends, values):
+    assert [case.contact.M for case in parse_study(moes(M=ends)).cases] == values
+
+
+def test_whole_numbers_stay_whole():
+    study = parse_study({**moes(), "solver": {"method": "radial", "nodes": {"from": 101, "to": 301, "number": 3}}})
+    assert [case.solver.nodes for case in study.cases] == [101, 201, 301]
+
+
+@pytest.mark.parametrize("start", ["100 mm/s", "100", 100])
+def test_a_unit_at_one_end_holds_for_both(start):
+    study = parse_study(ball(**{"from": start, "to": "200 mm/s", "number": 2}))
+    assert [case.contact.speed for case in study.cases] == [0.1, 0.2]
+    values, about = coordinates(study)["speed"]
+    assert values == [0.1, 0.2] and about["units"] == "m/s" and about["field"] == "contact.speed"
+
+
+def test_values_in_tables_vary_too():
+    """Of a shape, of an oscillation and of an oil law."""
+    wave = {"shape": "waviness", "amplitude": [0.01, 0.02], "wavelength_x": 0.5}
+    law = {"law": "carreau", "G": ["5 MPa", "10 MPa"], "n": 0.5}
+    data = {
+        "contact": {"kind": "rolling", "M": 200, "L": 10},
+        "motion": {"load": {"mean": 1, "amplitude": [0.1, 0.2], "period": 1.0}},
+        "solver": {"method": "transient"},
+        "roughness": [wave],
+    }
+    study = parse_study(data)
+    assert [axis.field for axis in study.axes] == ["motion.load.amplitude", "roughness[1].amplitude"]
+    assert list(coordinates(study)) == ["motion_load_amplitude", "roughness_0_amplitude"]
+    physical = ball()
+    physical["contact"] = {**BALL}
+    with pytest.raises(ConfigError, match="rheology"):  # the radial impact has none, but the place was found
+        parse_study({**physical, "lubricant": {**OIL, "rheology": law}})
+
+
+def test_the_points_of_a_signal_are_one_value():
+    """A list of signals varies."""
+    rolling = {"contact": {"kind": "rolling", "M": [100, 200], "L": 10}, "solver": {"method": "transient"}}
+    rises, falls = [[0, 1], [1, 2]], [[0, 1], [1, 0.5]]
+    assert parse_study({**rolling, "motion": {"load": rises}}).shape == (2,)
+    study = parse_study({**rolling, "motion": {"load": [rises, falls, 1.5]}})
+    assert study.shape == (2, 3) and study.cases[1].motion.load(1.0) == 0.5
+    assert coordinates(study)["load"][0] == ["[[0, 1], [1, 2]]", "[[0, 1], [1, 0.5]]", "1.5"]
+
+
+def test_names_and_events_are_texts():
+    data = {**moes(), "lubricant": {"viscosity": ["roelands", "barus"]}, "time": {"until": [0.5, "max-approach"]}}
+    found = coordinates(parse_study(data))
+    assert found["viscosity"][0] == ["roelands", "barus"] and found["until"][0] == ["0.5", "max-approach"]
+
+
+def test_a_file_with_overrides(tmp_path):
+    file = tmp_path / "two balls.toml"
+    file.write_text('[contact]\nM = [100, 200]\nL = 10\n[solver]\nmethod = "radial"\n[sweep]\nmode = "product"\n')
+    assert load_study(file).name == "two balls"
+    assert load_study(file, ["contact.L=[5, 10, 20]"]).shape == (2, 3)
+
+
+@pytest.mark.parametrize(
+    ("contact", "message"),
+    [
+        ({}, "the study has one case only: give a list"),
+        ({"M": []}, r"^contact.M = \[\]: must have one value or more"),
+        ({"M": [100, 100.0]}, r"^contact.M = \[100, 100.0\]: the values must differ from each other"),
+        ({"M": [100, -1]}, r"^contact.M = -1: must be .* \(in the case with contact.M = -1\)"),
+        ({"M": {"from": 1}}, "^contact.M.to: missing; a range has from, to, number, spacing"),
+        ({"M": {"from": 1, "to": 2, "num": 3}}, "^contact.M.num = 3: unknown key; a range has from"),
+        ({"M": {"from": 1, "to": 2, "number": 1}}, "^contact.M.number = 1: must be a whole number from 2 to 1000"),
+        ({"M": {"from": 1, "to": 2, "number": 2.5}}, "^contact.M.number = 2.5: must be a whole number"),
+        ({"M": {"from": 0, "to": 2, "number": 3, "spacing": "log"}}, "must both be above zero, or both below"),
+        ({"M": {"from": 1, "to": 2, "number": 3, "spacing": "cubic"}}, '^contact.M.spacing = "cubic": allowed: linear'),
+        ({"M": {"from": "a", "to": 2, "number": 3}}, '"a" must be a number, with or without a unit'),
+        ({"M": {"from": True, "to": 2, "number": 3}}, "its ends must be numbers, or quantities"),
+        ({"M": {"from": 1, "to": 2, "number": 1000}, "L": {"from": 1, "to": 2, "number": 11}}, "has 11000 cases"),
+    ],
+)
+def test_wrong_values_are_named(contact, message):
+    with pytest.raises(ConfigError, match=message):
+        parse_study(moes(**contact))
+
+
+def test_other_units_at_the_ends_are_refused():
+    with pytest.raises(ConfigError, match=r"^contact.speed = .* both ends must have the same unit"):
+        parse_study(ball(**{"from": "1 mm/s", "to": "1 m/s", "number": 2}))
+
+
+@pytest.mark.parametrize(
+    ("sweep", "message"),
+    [
+        ({"mode": "grid"}, '^sweep.mode = "grid": allowed: product, zip'),
+        ({"modes": "zip"}, '^sweep.modes = "zip": unknown key; allowed: mode'),
+        ("zip", r'^sweep = "zip": must be a section, \[sweep\]'),
+        (
+            {"mode": "zip"},
+            r'^sweep.mode = "zip": all must have equally many values; there are of contact.M 2, contact.L 3',
+        ),
+    ],
+)
+def test_a_wrong_section_is_named(sweep, message):
+    with pytest.raises(ConfigError, match=message):
+        parse_study({**moes(M=[100, 200], L=[5, 10, 20]), "sweep": sweep})

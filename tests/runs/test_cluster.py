@@ -1,0 +1,248 @@
+"""A scheduler and two worker processes on this machine: what they get, and what becomes of jobs whose worker dies."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from ertel.inputs.studies import parse_study
+from ertel.runs import cluster, progress_file
+from ertel.runs.cluster import Cluster, NoScheduler
+from ertel.runs.drive import simulate
+from ertel.runs.studies import gather, run_study
+from ertel.runs.tasks import Task, kept, run_tasks
+from ertel.runs.workers import READY, Failure, Here, Job, Wire, Workers
+
+HANG = 120  # s: what lives longer is taken for something that never ends
+
+
+@pytest.fixture(scope="module")
+def two() -> Iterator[Cluster]:
+    with cluster.local(2) as workers:
+        yield workers
+
+
+@pytest.fixture(params=["here", "two"])
+def workers(request: pytest.FixtureRequest) -> Workers:
+    return Here() if request.param == "here" else request.getfixturevalue("two")
+
+
+# -- jobs, which workers import from this file -------------------------------------------------------------------------
+
+
+def square(wire: Wire, x: float) -> float:
+    return x**2
+
+
+def fails(wire: Wire) -> None:
+    raise RuntimeError("no film")
+
+
+def about(wire: Wire) -> tuple[int, dict[str, str | None]]:
+    names = ("NPROC", "OPENBLAS_NUM_THREADS", "XLA_FLAGS")
+    return os.getpid(), {name: os.environ.get(name) for name in names}
+
+
+def slow(wire: Wire, log: Path, name: str) -> str:
+    """Writes when it begins and when it ends."""
+    with log.open("a") as file:
+        file.write(f"begins {name}\n")
+    wire.tell({"pid": os.getpid()})
+    time.sleep(0.2)
+    with log.open("a") as file:
+        file.write(f"ends {name}\n")
+    return name
+
+
+def stumbles(wire: Wire, log: Path) -> str:
+    """Meets an error of the system, twice."""
+    with log.open("a") as file:
+        file.write("!")
+    if len(log.read_text()) < 3:
+        raise OSError(28, "No space left on device")
+    return "done"
+
+
+def until_stopped(wire: Wire) -> str:
+    deadline = time.monotonic() + HANG
+    wire.tell({READY: True})
+    while not wire.stopped():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    return "stopped"
+
+
+def double(x: float) -> float:
+    return 2 * x
+
+
+# -- what they do ------------------------------------------------------------------------------------------------------
+
+
+def test_every_job_has_its_outcome_and_a_failure_is_a_value(workers):
+    jobs = [*(Job(str(x), square, (x,)) for x in (1.0, 2.0, 3.0)), Job("bad", fails)]
+    found = dict(workers.outcomes(jobs, lambda key, news: None, lambda: False))
+    assert found == {"1.0": 1.0, "2.0": 4.0, "3.0": 9.0, "bad": Failure("RuntimeError: no film")}
+
+
+def test_a_wish_to_stop_reaches_every_job(workers):
+    """Also those that have not begun."""
+    heard: list[str] = []
+    jobs = [Job(str(n), until_stopped) for n in range(4)]
+    found = dict(workers.outcomes(jobs, lambda key, news: heard.append(key), lambda: bool(heard)))
+    assert found == {str(n): "stopped" for n in range(4)}
+
+
+def test_each_worker_keeps_to_one_thread_and_has_the_same_flags(two):
+    """XLA_FLAGS are part of the key of JAX's cache."""
+    process, settings = dict(two.outcomes([Job("a", about)]))["a"]
+    assert process != os.getpid()
+    assert settings == {"NPROC": "1", "OPENBLAS_NUM_THREADS": "1", "XLA_FLAGS": os.environ.get("XLA_FLAGS")}
+    assert "NPROC" not in os.environ
+
+
+def test_a_worker_that_is_killed_loses_nothing(two, tmp_path):
+    """Signal 9 in the middle of a job: its job begins again elsewhere, the others go on."""
+    killed: list[str] = []
+
+    def kill_the_first(key, news):
+        if not killed:
+            killed.append(key)
+            os.kill(news["pid"], signal.SIGKILL)
+
+    log = tmp_path / "log"
+    jobs = [Job(f"job {n}", slow, (log, f"job {n}")) for n in range(6)]
+    found = dict(two.outcomes(jobs, kill_the_first))
+    assert found == {job.key: job.key for job in jobs}
+    begun = log.read_text().splitlines()
+    assert len(killed) == 1 and begun.count(f"begins {killed[0]}") == 2
+    assert dict(two.outcomes([Job("after", square, (3.0,))])) == {"after": 9.0}
+
+
+def test_an_error_of_the_system_is_tried_again(two, tmp_path):
+    assert dict(two.outcomes([Job("a", stumbles, (tmp_path / "log",))])) == {"a": "done"}
+
+
+def test_one_of_those_that_need_the_same_programs_goes_ahead(two, tmp_path):
+    log = tmp_path / "log"
+    dict(two.outcomes([Job(name, slow, (log, name), "33 nodes") for name in "abc"]))
+    assert log.read_text().splitlines()[:2] == ["begins a", "ends a"]
+
+
+def test_the_others_need_not_wait_for_its_end(two):
+    """Only for its programs; here both must run at the same time."""
+    begun: set[str] = set()
+    jobs = [Job(name, until_stopped, (), "33 nodes") for name in "ab"]
+    found = dict(two.outcomes(jobs, lambda key, news: begun.add(key), lambda: len(begun) == 2))
+    assert found == {"a": "stopped", "b": "stopped"} and begun == {"a", "b"}
+
+
+def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
+    """Signal 9 while a run is computed: another worker continues it, and the numbers are those without the signal."""
+    impacts = {"contact": {"M": [20, 40, 60, 80], "L": 5}, "solver": {"method": "radial", "nodes": 17}}
+    study = parse_study({**impacts, "time": {"until": 1.0, "tolerance": 0.01}})
+    killed: list[str] = []
+
+    def kill_once(key, news):
+        if not killed and news["done"] < 1:
+            killed.append(key)
+            os.kill(progress_file.read(tmp_path / "runs" / key)["process"], signal.SIGKILL)
+
+    said = run_study(study, tmp_path, two, hear=kill_once)
+    assert len(killed) == 1 and said == {case.digest: "converged" for case in study.cases}
+    found = gather(study, tmp_path).dataset["H_min_extreme"]
+    assert found.values[0] == pytest.approx(simulate(study.cases[0]).summary["extremes"]["H_min"]["value"], rel=1e-6)
+
+
+def test_a_scheduler_that_is_there_already(two, tmp_path):
+    address = two._client.scheduler.address
+    with cluster.existing(address) as workers:
+        assert dict(workers.outcomes([Job("a", square, (2.0,))])) == {"a": 4.0}
+    (tmp_path / "scheduler.json").write_text(json.dumps({"address": address}))
+    with cluster.existing(file=tmp_path / "scheduler.json") as workers:
+        assert run_tasks([Task("a", double, (2.0,))], workers) == [4.0]
+
+
+def test_no_scheduler_is_said_in_one_sentence(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "ANSWER", 1)
+    said = "^scheduler = tcp://127.0.0.1:9: no scheduler answers"
+    with pytest.raises(NoScheduler, match=said), cluster.existing("tcp://127.0.0.1:9"):
+        pass
+    with pytest.raises(NoScheduler, match="no such file"), cluster.existing(file=tmp_path / "scheduler.json"):
+        pass
+
+
+# -- how workers end: each in a process of its own, so that a worker that stays can be seen ----------------------------
+
+# A worker holds the other end of the standard output, which is therefore at its end only when the worker is.
+
+INTERRUPTED = """
+import sys
+from pathlib import Path
+from ertel.runs.cluster import local
+from ertel.runs.drive import simulate
+from ertel.runs.studies import gather, run_study
+from ertel.runs.tasks import Task, run_tasks
+from test_cluster import double, never_ends
+def interrupt(task, result):
+    raise KeyboardInterrupt
+if __name__ == "__main__":
+    try:
+        with local(2) as workers:
+            run_tasks([Task("short", double, (1,)), Task("long", never_ends)], workers, Path(sys.argv[1]), interrupt)
+    except KeyboardInterrupt:
+        print("\\ninterrupted")  # a worker may have been ended within its own line
+"""
+KILLED = """
+from ertel.runs.cluster import local
+from ertel.runs.drive import simulate
+from ertel.runs.studies import gather, run_study
+from ertel.runs.tasks import Task, run_tasks
+from test_cluster import never_ends
+if __name__ == "__main__":
+    with local(1) as workers:
+        run_tasks([Task("long", never_ends)], workers)
+"""
+
+
+def never_ends() -> None:
+    print("running", flush=True)
+    while True:
+        time.sleep(1)
+
+
+def started(script: Path, text: str, *arguments: str) -> subprocess.Popen[str]:
+    script.write_text(text)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
+    command = [sys.executable, str(script), *arguments]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment, start_new_session=True)
+
+
+def rest_of_output(parent: subprocess.Popen[str]) -> str:
+    """What is printed until parent and workers have ended; where they do not, they are killed and the test fails."""
+    try:
+        return parent.communicate(timeout=HANG)[0]
+    except subprocess.TimeoutExpired:
+        os.killpg(parent.pid, signal.SIGKILL)
+        raise
+
+
+def test_an_interrupt_ends_the_workers_and_keeps_what_is_done(tmp_path):
+    parent = started(tmp_path / "interrupted.py", INTERRUPTED, str(tmp_path / "kept"))
+    assert rest_of_output(parent).splitlines()[-1] == "interrupted"
+    assert parent.returncode == 0
+    assert kept([Task("short", double, (1,)), Task("long", never_ends)], tmp_path / "kept") == {"short": 2}
+
+
+def test_workers_end_with_a_parent_that_is_killed(tmp_path):
+    parent = started(tmp_path / "killed.py", KILLED)
+    assert parent.stdout and parent.stdout.readline() == "running\n"
+    parent.send_signal(signal.SIGKILL)
+    assert rest_of_output(parent) == ""
+    assert parent.returncode == -signal.SIGKILL

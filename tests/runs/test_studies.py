@@ -1,0 +1,177 @@
+"""Studies on the disk: what is run, what is gathered, and how they go on after all that may come between."""
+
+import itertools
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from cases import names
+
+import ertel
+from ertel.inputs.messages import ConfigError
+from ertel.inputs.studies import parse_study
+from ertel.results.scalars import scalars
+from ertel.runs.studies import gather as gathered
+from ertel.runs.studies import left_of, run_directory, run_study, write
+from ertel.runs.study_jobs import program_of
+from ertel.runs.workers import READY, Here
+
+BALL = {"radius": "10 mm", "mass": "32.6726 g", "E_prime": "226.37 GPa"}
+OIL = {"eta0": "10 mPa*s", "alpha": "22 / GPa"}
+
+
+def study_of(until: float = 0.02, mode: str = "product", **varying: Any) -> dict[str, Any]:
+    """Impacts that are over at once."""
+    speeds = varying.get("speed", ["0.1 m/s", "0.2 m/s"])
+    viscosities = varying.get("eta0", ["10 mPa*s", "20 mPa*s"])
+    return {
+        "name": "balls",
+        "contact": {**BALL, "speed": speeds},
+        "lubricant": {**OIL, "eta0": viscosities},
+        "solver": {"method": "radial", "nodes": 17},
+        "time": {"until": until, "tolerance": 0.1},
+        "sweep": {"mode": mode},
+    }
+
+
+class Nobody:
+    """Workers that have nothing to do."""
+
+    def outcomes(self, jobs, hear, asked):
+        assert not jobs
+        return iter(())
+
+
+@pytest.fixture(scope="module")
+def four(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A study of two speeds and two viscosities that is done."""
+    directory = tmp_path_factory.mktemp("study")
+    assert ertel.sweep(study_of(), directory).complete
+    return directory
+
+
+def test_the_numbers_of_all_runs_stand_over_what_varies(four):
+    found = gathered(parse_study(study_of()), four).dataset
+    assert dict(found.sizes) == {"speed": 2, "eta0": 2}
+    assert found["speed"].values.tolist() == [0.1, 0.2] and found["speed"].attrs["units"] == "m/s"
+    assert found["eta0"].values.tolist() == [0.01, 0.02] and found["eta0"].attrs["units"] == "Pa*s"
+    assert set(found["status"].values.flat) == {"converged"}
+    one = found.sel(speed=0.2, eta0=0.01)
+    run = ertel.open(four / str(one["directory"].values))
+    assert (run.case.contact.speed, run.case.oil.eta0) == (0.2, 0.01)
+    extreme = run.summary["si"]["extremes"]["H_min"]["h_min_m"]
+    assert float(one["h_min_extreme"]) == pytest.approx(extreme) and found["h_min_extreme"].attrs["units"] == "m"
+
+
+def test_what_is_written_opens_without_ertel(four, recwarn):
+    study = parse_study(study_of())
+    write(gathered(study, four), four)
+    assert [str(w.message) for w in recwarn if "Zarr" in str(w.message)] == []
+    stored = xr.open_zarr(four / "sweep.zarr", consolidated=False)
+    assert stored.drop_attrs().equals(gathered(study, four).dataset.drop_attrs())
+    table = (four / "sweep.csv").read_text().splitlines()
+    assert table[0].startswith("speed_m_per_s,eta0_Pa_s,M,L,") and len(table) == 5
+    assert table[2].startswith("0.1,0.02,")
+
+
+def test_what_is_done_is_not_done_again(four):
+    study = parse_study(study_of())
+    assert left_of(study, four) == {}
+    assert run_study(study, four, Nobody()) == {}
+
+
+def test_an_edited_study_runs_only_what_is_new(four):
+    study = parse_study(study_of(eta0=["20 mPa*s", "30 mPa*s"]))
+    left = left_of(study, four)
+    assert sorted((case.contact.speed, case.oil.eta0) for case in left.values()) == [(0.1, 0.03), (0.2, 0.03)]
+    status = gathered(study, four).dataset["status"]
+    assert status.values.tolist() == [["converged", "missing"], ["converged", "missing"]]
+
+
+def test_a_zip_has_one_dimension(four):
+    result = gathered(parse_study(study_of(mode="zip")), four)
+    assert dict(result.dataset.sizes) == {"run": 2} and result.complete
+    assert result.dataset["eta0"].dims == ("run",)
+    assert [row["speed_m_per_s"] for row in result.rows()] == [0.1, 0.2]
+
+
+def test_parts_are_everything_and_no_run_twice(tmp_path):
+    study = parse_study(study_of())
+    parts = [set(left_of(study, tmp_path, (number, 3))) for number in (1, 2, 3)]
+    assert set.union(*parts) == set(left_of(study, tmp_path)) and sum(map(len, parts)) == 4
+
+
+def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
+    """Stopped after three steps of the first run: it is an ordinary run that is continued."""
+    study = parse_study(study_of(until=0.1, speed=["0.1 m/s"], eta0=["10 mPa*s", "20 mPa*s"]))
+    steps = itertools.count()
+    said = run_study(study, tmp_path / "a", Here(), asked=lambda: next(steps) > 3)
+    assert list(said.values()) == ["interrupted", "interrupted"]
+    result = gathered(study, tmp_path / "a", said)
+    assert not result.complete and result.failed == []
+    first = run_directory(tmp_path / "a", study.cases[0])
+    assert 0 < ertel.open(first).summary["steps"] <= 4
+    again = run_study(study, tmp_path / "a", Here())
+    whole = run_study(study, tmp_path / "b", Here())
+    assert again == whole and set(whole.values()) == {"converged"}
+    found, wanted = (gathered(study, tmp_path / name).dataset["h_min_extreme"].values for name in "ab")
+    assert np.array_equal(found, wanted)
+
+
+def test_a_run_that_cannot_be_done_is_a_value(tmp_path):
+    study = parse_study(study_of())
+    broken = run_directory(tmp_path, study.cases[1])
+    broken.mkdir(parents=True)
+    (broken / "case.toml").write_text("[contact]\nM = 1\nL = 1\n")
+    result = ertel.sweep(study_of(), tmp_path)
+    assert result.complete and result.failed == [f"runs/{broken.name}"]
+    statuses = result.dataset["status"].values.ravel().tolist()
+    assert statuses[1].startswith("failed: StoreError: ") and statuses.count("converged") == 3
+    assert result.remarks == ["4 runs: 3 converged, 1 failed"]
+
+
+def test_a_table_a_figure_and_a_page(four):
+    result = gathered(parse_study(study_of()), four)
+    head, *rows = result.table_lines()
+    assert head.split()[:4] == ["speed", "(m/s)", "eta0", "(Pa*s)"] and len(rows) == 4
+    assert "4 runs: 4 converged" in repr(result) and "<table>" in result._repr_html_()
+
+
+def test_news_are_told_while_runs_are_done(tmp_path):
+    heard: list[Mapping[str, Any]] = []
+    study = parse_study(study_of(until=0.2, speed="0.1 m/s"))
+    run_study(study, tmp_path, Here(), hear=lambda key, news: heard.append(news))
+    assert all(0 <= news["done"] <= 1 and "T " in news["text"] for news in heard)
+    assert sum(news[READY] for news in heard) == 2
+
+
+def test_arguments_are_checked(tmp_path):
+    with pytest.raises(ConfigError, match=r"^jobs = 0: must be one or more"):
+        ertel.sweep(study_of(), tmp_path, jobs=0)
+    with pytest.raises(ConfigError, match=r'^scheduler = "tcp://a:1": give it, or scheduler_file, not both'):
+        ertel.sweep(study_of(), tmp_path, scheduler="tcp://a:1", scheduler_file="b")
+    assert names(tmp_path) == set()
+
+
+def test_runs_of_one_program_differ_in_numbers_only():
+    one, other = (program_of(case) for case in parse_study(study_of(eta0="10 mPa*s")).cases)
+    assert one == other
+    finer = parse_study({**study_of(eta0="10 mPa*s"), "solver": {"method": "radial", "nodes": 33}})
+    assert program_of(finer.cases[0]) != one
+
+
+ROLLING = {
+    **{"kind": "rolling", "M": 200.0, "L": 10.0, "H_c": 0.5, "H_min": 0.3, "P_max": 1.0, "nodes": 65, "wall_s": 1.0},
+    **{"H_c_error": 0.01, "H_c_extrapolated": 0.51, "H_min_error": None, "H_min_extrapolated": None},
+}
+
+
+def test_errors_stand_beside_their_numbers():
+    found = scalars(ROLLING, None)
+    assert found["H_c_error"].value == 0.01 and "H_min_error" not in found
+    assert found["H_c_error"].attributes == {
+        "long_name": "estimated error of the central film thickness", "units": "1", "in_units_of": "a^2/R"
+    }  # fmt: skip
