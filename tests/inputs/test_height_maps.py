@@ -160,6 +160,7 @@ def test_gaps_of_an_array_are_its_nan(tmp_path) -> None:
         ({"file": "."}, 'roughness[1].file = ".": is no regular file'),
         ({"file": "broken.al3d"}, 'roughness[1].file = "broken.al3d": SurfaceTopography cannot read it'),
         ({"file": "broken.npy"}, 'roughness[1].file = "broken.npy": is no array of numbers'),
+        ({"file": "complex.npy"}, 'roughness[1].file = "complex.npy": is no array of numbers'),
         ({"file": "line.npy", "unit": "m", "length_x": 1}, 'roughness[1].file = "line.npy": heights: is 30; must be'),
         ({"file": "disc.nc", "channel": "Phase"}, 'roughness[1].channel = "Phase": the file has "Default"'),
         ({"file": "disc.nc", "unit": "nm"}, 'roughness[1].unit = "nm": the file says µm; leave it out'),
@@ -180,6 +181,7 @@ def test_what_is_wrong_is_said(tmp_path, table, message) -> None:
     written(tmp_path / "holes.nc", holed)
     np.save(tmp_path / "disc.npy", WAVE)
     np.save(tmp_path / "line.npy", WAVE[0])
+    np.save(tmp_path / "complex.npy", 1j * WAVE)
     for name in ("broken.al3d", "broken.npy"):
         (tmp_path / name).write_bytes(b"no surface")
     with pytest.raises(ConfigError) as caught:

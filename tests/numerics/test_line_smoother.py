@@ -69,3 +69,12 @@ def test_a_uniform_change_has_no_slope() -> None:
     ]  # rows were scaled to a diagonal of one
     assert float(row_sums) == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(np.asarray(smoother.balance(one)), 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.2, 0.4])
+def test_a_v_cycle_contracts_where_sliding_thins_the_oil_in_the_contact(share: float) -> None:
+    """Mobilities of a gear: along X as large as the deformation there, along Y a twelfth of it."""
+    c = rolling_like(65)
+    inside = share * (6.0 / 64) ** 2
+    pair = Pair(jnp.maximum(c.eps.x, inside), jnp.maximum(c.eps.x, inside / 12))
+    assert contraction(65, c._replace(eps=pair)) < 0.8

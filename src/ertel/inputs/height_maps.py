@@ -112,7 +112,7 @@ def _array(table: Mapping[str, Any], content: bytes) -> _Raw:
     if "channel" in table:
         raise ValueError(f"channel = {show(table['channel'])}: a NumPy array has none; leave it out")
     try:
-        heights = np.load(BytesIO(content), allow_pickle=False).astype(np.float64)
+        heights = np.load(BytesIO(content), allow_pickle=False).astype(np.float64, casting="same_kind")
     except (ValueError, EOFError, TypeError) as error:
         raise ValueError(f"file = {show(table['file'])}: is no array of numbers, {shortened(str(error))}") from error
     return _Raw(np.ma.masked_invalid(heights), None, _metre(table))

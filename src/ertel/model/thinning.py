@@ -6,8 +6,9 @@ The flux by the pressure gradient is exact (`shear`).  With stresses in units of
 
 with the slide-to-roll ratio S.  Without thinning G = grad P.  The flux through the face between two nodes takes the
 mean of their mobilities eps, as for a Newtonian oil (`stencils.diffusion`), so both have the same discretisation.  G is
-that of the mean P and H of the two nodes.  The slope of P across the face is their difference, the slope along the face
-is the mean of the central differences at the two nodes.
+that of the mean P and H of the two nodes, and of their mean fluidity with the weights that it has in eps: where sliding
+thins the oil by powers of ten, the flux is almost the same for any viscosity, and the two must cancel.  The slope of P
+across the face is their difference, the slope along the face is the mean of the central differences at the two nodes.
 """
 
 from dataclasses import dataclass, replace
@@ -46,7 +47,7 @@ class ThinningFlow:
     def gain(self, contact: Contact, P: Array, H: Array) -> Array:
         """- div(Poiseuille flux), shape (n, n)."""
         faces = _faces(contact, P, H)
-        found, _ = self._shear(contact, faces.P, faces.film, faces.slope)
+        found, _ = self._shear(contact, faces.P, faces.film, faces.viscosity, faces.slope)
         return _gain(*faces.fluxes(self._force(found, faces.film)), contact.spacing)
 
     def details(self, contact: Contact, P: Array, H: Array, sliding: Number, plane: Plane) -> Details:
@@ -54,9 +55,9 @@ class ThinningFlow:
         faces = _faces(contact, P, H)
         n, slope = faces.P.size, _slope(contact, P).reshape(2, -1)
         film = jnp.concatenate([faces.film, H.ravel()])
-        whole, gradient = replace(self, sliding=sliding)._shear(
-            contact, jnp.concatenate([faces.P, P.ravel()]), film, jnp.concatenate([faces.slope, slope], axis=1)
-        )
+        viscosity = jnp.concatenate([faces.viscosity, contact.lubricant.viscosity(P).ravel()])
+        all_P, slope = jnp.concatenate([faces.P, P.ravel()]), jnp.concatenate([faces.slope, slope], axis=1)
+        whole, gradient = replace(self, sliding=sliding)._shear(contact, all_P, film, viscosity, slope)
         in_X, in_Y = faces.fluxes(self._force(whole, film)[:, :n])
         nodes = [field[:, n:].reshape(2, *P.shape) for field in (whole.stress, whole.flux, gradient)]
         found, gradient = Shear(nodes[0], nodes[1], whole.iterations), nodes[2]
@@ -70,7 +71,7 @@ class ThinningFlow:
     def mobilities(self, contact: Contact, P: Array, H: Array) -> Mobilities:
         """The mobilities at the nodes for the preconditioner: what couples X and Y is left out."""
         slope = jax.lax.stop_gradient(_slope(contact, P))
-        found, gradient = self._shear(contact, P, H, slope)
+        found, gradient = self._shear(contact, P, H, contact.lubricant.viscosity(P), slope)
         eps = NEWTONIAN_FLOW.mobility(contact, P, H).x
         tangent = tangent_mobility(self.law, self.p_h * P, found, gradient)
         return Mobilities(self._secant(contact, P, H, found, gradient), _thinned(eps, tangent))
@@ -84,23 +85,26 @@ class ThinningFlow:
         """G, shape (2, ...), from the flow across a film of the thickness given."""
         return 12.0 * found.flux / (opened(film) * self.unit)
 
-    def _shear(self, contact: Contact, P: Array, film: Array, slope: Array) -> tuple[Shear, Array]:
+    def _shear(
+        self, contact: Contact, P: Array, film: Array, viscosity: Array, slope: Array
+    ) -> tuple[Shear, Array]:
         """The flow across the film, and H grad P in Pa."""
         H = opened(film)
         gradient = H * slope * self.unit
-        along_x = contact.lambda_bar * contact.lubricant.viscosity(P) * self.sliding / (12.0 * H) * self.unit
+        along_x = contact.lambda_bar * viscosity * self.sliding / (12.0 * H) * self.unit
         return shear(self.law, self.p_h * P, jnp.stack([along_x, jnp.zeros_like(along_x)]), gradient), gradient
 
 
 class _Faces(NamedTuple):
     """The faces around the nodes, those across X before those across Y, in one line of length m.
 
-    One program for both kinds takes half as long to compile.  P, film: shape (m,); slope: grad P, shape (2, m).  eps:
-    the mean mobility without thinning, shapes (n, n + 1) and (n + 1, n).
+    One program for both kinds takes half as long to compile.  P, film, viscosity: shape (m,); slope: grad P, shape
+    (2, m).  eps: the mean mobility without thinning, shapes (n, n + 1) and (n + 1, n).
     """
 
     P: Array
     film: Array
+    viscosity: Array
     slope: Array
     eps: tuple[Array, Array]
 
@@ -118,8 +122,13 @@ def _faces(contact: Contact, P: Array, H: Array) -> _Faces:
     across_x = (p[1:-1, 1:] - p[1:-1, :-1]) / contact.spacing
     across_y = (p[1:, 1:-1] - p[:-1, 1:-1]) / contact.spacing
     slope = jnp.stack([_line(across_x, to_y_faces(slope_x)), _line(to_x_faces(slope_y), across_y)])
-    mean_P, mean_film = (_line(to_x_faces(f), to_y_faces(f)) for f in (p, film))
-    return _Faces(mean_P, mean_film, slope, (to_x_faces(eps), to_y_faces(eps)))
+    conductance = contact.lubricant.density(p) * film**3  # the mobility is that over viscosity
+    mean_P, mean_film, mean_conductance, mean_eps = (
+        _line(to_x_faces(f), to_y_faces(f)) for f in (p, film, conductance, eps)
+    )
+    flows = mean_eps > 0.0
+    viscosity = jnp.where(flows, mean_conductance, 1.0) / jnp.where(flows, contact.lambda_bar * mean_eps, 1.0)
+    return _Faces(mean_P, mean_film, viscosity, slope, (to_x_faces(eps), to_y_faces(eps)))
 
 
 def _gain(in_X: Array, in_Y: Array, spacing: Number) -> Array:

@@ -30,7 +30,7 @@ from ertel.numerics.tridiagonal import Factors
 
 JACOBI_DAMPING = 0.5  # both are smaller than in the point smoother, for the second-order wedge and pressure spikes
 DISTRIBUTIVE_DAMPING = 0.35
-SHORT_WAVES, LONG_WAVES = 0.9, 0.03  # as in `multigrid`; short waves grow more readily with the derivative
+SHORT_WAVES, LONG_WAVES = 2.0, 0.03  # as in `multigrid`; short waves grow more readily with the derivative
 
 
 @register_dataclass
@@ -106,11 +106,16 @@ def _bands(elastic: Elasticity, c: Coefficients, by_spread: Array, flow: _Flow) 
     pattern = _Pattern(*(-0.25 * by_spread * near for near in (p[1:-1, :-2], p[1:-1, 2:], p[:-2, 1:-1] + p[2:, 1:-1])))
     own, upstream = _diffusion(elastic, c)
 
+    def diffused(k: int) -> Array:
+        """By a change k nodes upstream."""
+        change, before, after = (_shifted(pattern.at(j) * c.free, k) for j in (k, k - 1, k + 1))
+        return own * change - upstream * before - _downstream(upstream) * after
+
     def coupling(k: int) -> Array:
         """The entry in row i, column i - k: the change is k nodes upstream."""
-        change, before, after = (_shifted(pattern.at(j) * c.free, k) for j in (k, k - 1, k + 1))
-        diffused = own * change - upstream * before - _downstream(upstream) * after
-        return diffused + _carried(elastic, c, pattern, k, flow)
+        # without those outside the three bands, a change that is uniform along the line would have a negative sum
+        beyond = diffused(2 * k) if k else 0.0
+        return diffused(k) + beyond + _carried(elastic, c, pattern, k, flow)
 
     across = 0.5 * (own - upstream - _downstream(upstream)) * pattern.beside  # from the neighbours on other lines
     diagonal = jnp.where(c.free > 0.0, coupling(0) - across, 1.0)
