@@ -53,14 +53,26 @@ def test_nothing_outside_the_folder(tmp_path):
     for name in (".", "nothing", "x" * 5000):
         with pytest.raises(ValueError, match="is no run"):
             folder.run(name)
-    with pytest.raises(ValueError, match="is no folder"):
-        Folder.at(tmp_path / "nothing")
+    for place, message in ((tmp_path / "nothing", "is no folder"), (other, "is a run; open the app in its folder")):
+        with pytest.raises(ValueError, match=message):
+            Folder.at(place)
 
 
 def test_files_of_a_case_outside_the_folder(tmp_path):
+    folder = Folder.at(tmp_path)
     data = {**CASE, "roughness": [{"shape": "measured", "file": "/etc/passwd"}]}
     with pytest.raises(Outside, match="/etc/passwd"):
-        checking.case_in(data, Folder.at(tmp_path))
+        checking.at_once(data, folder)
+    data["roughness"][0]["file"] = "disc.npz"
+    assert checking.at_once(data, folder) is None  # it is not read here
+
+
+def test_files_of_a_case_keep_their_place(tmp_path):
+    data = {"roughness": [{"shape": "spot"}, {"shape": "measured", "file": "disc.npz"}]}
+    moved = checking.moved(data, tmp_path / "runs" / "a", tmp_path)
+    assert moved["roughness"] == [{"shape": "spot"}, {"shape": "measured", "file": "runs/a/disc.npz"}]
+    assert checking.moved(moved, tmp_path)["roughness"][1]["file"] == str(tmp_path / "runs" / "a" / "disc.npz")
+    assert data["roughness"][1]["file"] == "disc.npz"
 
 
 def test_runs_are_found_at_any_depth_and_the_latest_first(tmp_path):
@@ -140,7 +152,7 @@ def test_runs_of_other_programs_are_told_by_their_lock(tmp_path):
 @pytest.mark.parametrize("given", ["si", "moes"])
 def test_the_form_begins_with_a_case(kind, given):
     form = Form(given=given)
-    form.choose_kind(kind)
+    form.choose("kind", kind)
     assert parse_case(form.data()).kind == kind
 
 
@@ -148,6 +160,17 @@ def test_a_named_oil_takes_a_temperature():
     form = Form(oil="squalane", temperature="60 degC", eta0="nonsense that is not asked for")
     assert form.data()["lubricant"] == {"oil": "squalane", "temperature": "60 degC"}
     assert parse_case(form.data()).oil.eta0 < 0.012
+
+
+def test_a_sliding_contact_may_thin_its_oil():
+    form = Form(slide_to_roll="0.1", rheology="ree-eyring", tau0="-3 MPa")
+    assert "rheology" not in form.data()["lubricant"]  # an impact does not slide
+    form.choose("kind", "rolling")
+    with pytest.raises(ConfigError) as error:
+        parse_case(form.data())
+    assert field_of(str(error.value)) == "tau0"
+    form.tau0 = "3 MPa"
+    assert not parse_case(form.data()).oil.is_newtonian
 
 
 def test_messages_name_their_field():
@@ -159,11 +182,8 @@ def test_messages_name_their_field():
     assert field_of("solver.radius = 1: unknown key") is None
 
 
-def test_the_outlook_is_that_of_ertel_check():
-    async def asked(text):
-        return await checking.outlook(text)
-
-    found = asyncio.run(asked(Form(M="500", given="moes").text()))
+def test_the_outlook_is_that_of_ertel_check(tmp_path):
+    found = asyncio.run(checking.outlook(Form(M="500", given="moes").data(), Folder.at(tmp_path)))
     assert found["parameters"]["M"] == pytest.approx(500.0)
     assert found["grid"]["nodes"] == 257
 
@@ -243,6 +263,7 @@ def test_errors_are_plain(tmp_path, artist):
     with pytest.raises(ValueError, match="has no such figure") as error:
         asyncio.run(artist.draw(Wish(run, "midlines", stamp=stamp_of(run))))
     assert type(error.value) is ValueError
+    assert error.value.__context__ is None
 
 
 def test_a_run_without_data_has_no_pictures(tmp_path, artist):
@@ -254,15 +275,14 @@ LIGHT = """
 import asyncio, json, sys
 from pathlib import Path
 from ertel.apps.browser import launch
-from ertel.apps.browser.checking import case_in
+from ertel.apps.browser.checking import at_once
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.form import Form
 from ertel.apps.browser.processes import Processes, summary_of
 from ertel.results.key_numbers import key_numbers
-from ertel.results.parameters import parameter_summary
 
 folder = Folder.at(Path(sys.argv[1]))
-parameter_summary(case_in(Form().data(), folder))
+at_once(Form().data(), folder)
 (run,) = folder.runs()
 key_numbers(summary_of(run))
 Processes(folder).standing(run)

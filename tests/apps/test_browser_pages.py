@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("nicegui")
 import pytest_asyncio
 from app_runs import make_run, stand_in
-from nicegui import ElementFilter, ui
+from nicegui import ElementFilter, app, ui
 from nicegui.testing import user_simulation
 
 from ertel.apps.browser import checking, launch, pictures
@@ -35,8 +35,8 @@ FOUND = {
 def site(tmp_path, monkeypatch):
     """The app in a folder with one run; ertel check, ertel run and the pictures are stand-ins."""
 
-    async def outlook(text):
-        return FOUND
+    async def outlook(data, folder):
+        return {**FOUND, "parameters": checking.at_once(data, folder)}
 
     monkeypatch.setattr(checking, "outlook", outlook)
     monkeypatch.setattr(pictures, "_draw", lambda wish: f"{wish.kind} {wish.figure} at {wish.at}".encode())
@@ -181,3 +181,17 @@ async def test_two_runs_are_compared_at_one_time(user, site):
     before = {picture.props["src"] for picture in pictures}
     one(user, "slider").set_value(60)
     await until(lambda: not before & {picture.props["src"] for picture in pictures})
+
+
+async def test_closing_the_app_can_stop_its_runs(user, site, monkeypatch):
+    """It says which runs go on, and leaves them alone unless it is told to stop them."""
+    closed = []
+    monkeypatch.setattr(app, "shutdown", lambda: closed.append(True))
+    run = site.processes.start("mine", "text")
+    await until(lambda: site.processes.standing(run).phase is Phase.RUNNING)
+    await user.open("/")
+    user.find(marker="close").click()
+    await user.should_see("Still running: runs/mine.")
+    user.find("Stop the runs and close").click()
+    await until(lambda: closed)
+    await until(lambda: site.processes.standing(run).phase is Phase.INTERRUPTED)

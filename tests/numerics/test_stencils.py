@@ -52,3 +52,11 @@ def test_diffusion_is_that_of_plain_loops(even: Even, directions: str) -> None:
     np.testing.assert_allclose(found, folded(diffusion_in_loops((eps_x, eps_y), f), even), atol=1e-14)
     faces = stencils.inside(stencils.face_sum(pair, even), even)
     np.testing.assert_allclose(faces, folded(face_sum_in_loops((eps_x, eps_y)), even), atol=1e-14)
+
+
+@every_symmetry
+def test_the_largest_value_around_a_node(even: Even) -> None:
+    f, _, _ = some_fields(even)
+    around = [f[max(j - 1, 0) : j + 2, max(i - 1, 0) : i + 2].max() for j in range(NODES) for i in range(NODES)]
+    found = stencils.largest_around(folded(jnp.asarray(f), even), even)
+    np.testing.assert_array_equal(found, folded(jnp.asarray(around).reshape(NODES, NODES), even))

@@ -14,10 +14,9 @@ from ertel.model.pytrees import traceable_law
 from ertel.model.thinning import ThinningFlow
 from ertel.numerics.grid import WHOLE, Even, Grid, nodes_across
 from ertel.physics import surfaces
-from ertel.physics.surfaces import Feature
+from ertel.physics.surfaces import CELLS_KEPT, Feature
 
 INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
-CELLS_KEPT = 4.0  # in the shortest wave of a rough surface of which a grid loses nothing; of two cells nothing is left
 
 
 def grid_of(case: Case) -> Grid:

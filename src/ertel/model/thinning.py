@@ -85,9 +85,7 @@ class ThinningFlow:
         """G, shape (2, ...), from the flow across a film of the thickness given."""
         return 12.0 * found.flux / (opened(film) * self.unit)
 
-    def _shear(
-        self, contact: Contact, P: Array, film: Array, viscosity: Array, slope: Array
-    ) -> tuple[Shear, Array]:
+    def _shear(self, contact: Contact, P: Array, film: Array, viscosity: Array, slope: Array) -> tuple[Shear, Array]:
         """The flow across the film, and H grad P in Pa."""
         H = opened(film)
         gradient = H * slope * self.unit

@@ -24,13 +24,16 @@ from jax.tree_util import register_dataclass
 from ertel.numerics import multigrid, tridiagonal
 from ertel.numerics.grid import WHOLE, Even
 from ertel.numerics.multigrid import Coefficients, Elasticity
-from ertel.numerics.stencils import face_sum
+from ertel.numerics.stencils import face_sum, largest_around
 from ertel.numerics.symmetry import extended
 from ertel.numerics.tridiagonal import Factors
 
 JACOBI_DAMPING = 0.5  # both are smaller than in the point smoother, for the second-order wedge and pressure spikes
 DISTRIBUTIVE_DAMPING = 0.35
-SHORT_WAVES, LONG_WAVES = 2.0, 0.03  # as in `multigrid`; short waves grow more readily with the derivative
+SHORT_WAVES, LONG_WAVES = 0.9, 0.03  # as in `multigrid`; short waves grow more readily with the derivative
+# in units of the long waves' stiffness: up to here, diffusion is moderate.  Where it is so at all neighbours too, as
+# where sliding thins the oil in the whole contact, long waves have room, and Jacobi would amplify them
+MODERATE = 3.0
 
 
 @register_dataclass
@@ -69,7 +72,9 @@ def line_smoother(
     # the derivative multiplies short waves by 1/spacing, long ones by one
     short, long = (size + flow.drift_over_spacing) * elastic.near[0, 0], size + drift
     stiffness = (SHORT_WAVES * short + LONG_WAVES * long) * c.stretch
-    jacobi = face_sum(c.eps, elastic.even) / elastic.spacing**2 > stiffness
+    diffusion = face_sum(c.eps, elastic.even) / elastic.spacing**2
+    strong = largest_around(diffusion / c.stretch, elastic.even) > MODERATE * long
+    jacobi = (diffusion > stiffness) & strong
     by_jacobi, by_spread = jacobi * c.free, ~jacobi * c.free
     factors = tridiagonal.factorise(*_bands(elastic, c, by_spread, flow))
     return LineSmoother(factors, by_jacobi, by_spread, *flow, elastic.even)

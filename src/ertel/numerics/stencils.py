@@ -76,6 +76,13 @@ def curvature(c: Pair, f: Array, even: Even = WHOLE) -> Array:
     return total
 
 
+def largest_around(f: Array, even: Even = WHOLE) -> Array:
+    """The largest of a node's value and those of the eight nodes around it."""
+    p = extended(f, even, "edge")
+    rows = jnp.maximum(jnp.maximum(p[:, :-2], p[:, 1:-1]), p[:, 2:])
+    return jnp.maximum(jnp.maximum(rows[:-2], rows[1:-1]), rows[2:])
+
+
 def _beyond(eps: Pair, even: Even) -> Pair:
     """The coefficient with one more node on every side."""
     found: Pair = tree.map(partial(extended, even=even, beyond="edge"), eps)

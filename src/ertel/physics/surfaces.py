@@ -20,6 +20,8 @@ from ertel.physics.registry import SHAPES
 from ertel.physics.self_affine import SelfAffine as SelfAffine
 from ertel.physics.units import FINITE, HEIGHT, POSITION, WIDTH, Amount, Meaning, plain
 
+CELLS_KEPT = 4.0  # in the shortest wave of a rough surface of which a grid loses nothing; of two cells nothing is left
+
 Array = Any  # NumPy arrays that broadcast
 
 

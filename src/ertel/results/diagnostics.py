@@ -7,12 +7,11 @@ import numpy as np
 import xarray as xr
 
 from ertel.model.case import Case
-from ertel.model.discretise import CELLS_KEPT
 from ertel.model.state import GridSolution, Rolling
 from ertel.numerics.grid import allowed_nodes
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
-from ertel.physics.surfaces import Measured, has_waves
+from ertel.physics.surfaces import CELLS_KEPT, Measured, has_waves
 from ertel.results import domain, variables
 from ertel.results.budgets import Budgets
 

@@ -5,7 +5,8 @@ command, guard        the command; who may ask: this machine, and pages of the a
 folder, processes     the folder and its runs; runs as processes of their own: started, watched, stopped, resumed
 form, checking        what a user fills in, and what ertel says of it
 pictures, drawing     pictures, drawn by a process of their own; wishes: what it is asked and answers
-site, pages           what all pages share; one file for each page
+site, canvas, words   what all pages share
+... _page             one file for each page; answer: the right side of that of a new case
 ====================  =================================================================================================
 
 The web process imports neither JAX nor matplotlib: it writes a case file, starts `ertel run`, and reads what that

@@ -4,8 +4,6 @@ from typing import Any
 
 from nicegui import ui
 
-from ertel.model.case import Case
-from ertel.results.parameters import parameter_summary
 from ertel.results.variables import with_prefix
 
 SCALES = {  # of `parameter_summary`: key, label, unit
@@ -28,23 +26,22 @@ def show_fault(place: ui.element, message: str) -> None:
         ui.label(f"{message}.").classes("fault").mark("fault")
 
 
-def show_waiting(place: ui.element, case: Case) -> None:
-    """Say that a case is one, with what follows at once, while the rest is computed."""
+def show_waiting(place: ui.element, parameters: dict[str, Any] | None) -> None:
+    """Say that a case is one, with what follows at once, while the rest is computed; None: its files are read first."""
     place.clear()
     with place:
-        _verdict(case)
-        _parameters(case)
+        if parameters:
+            _parameters(parameters)
         with ui.row().classes("line waiting"):
             ui.spinner(size="sm")
-            ui.label("grid, memory, time and warnings …")
+            ui.label("grid, memory, time and warnings …" if parameters else "reading the files of the case …")
 
 
-def show_answer(place: ui.element, case: Case, found: dict[str, Any]) -> None:
+def show_answer(place: ui.element, found: dict[str, Any]) -> None:
     """Say all that `ertel check` says."""
     place.clear()
     with place:
-        _verdict(case)
-        _parameters(case)
+        _parameters(found["parameters"])
         ui.separator()
         grid, memory, time = found["grid"], found["memory"], found["time"]
         nodes = f"{grid['nodes']} x {grid['nodes_across']}" if grid["nodes_across"] > 1 else f"{grid['nodes']}, radial"
@@ -53,41 +50,38 @@ def show_answer(place: ui.element, case: Case, found: dict[str, Any]) -> None:
         _line("memory", f"about {memory['needed'] / 1e9:.2g} GB")
         steps = f", {time['steps']} steps" if time["steps"] else ""
         _line("time", f"roughly {_said(time['seconds'])}{steps}")
-        _films(case, found)
+        _films(found)
         for sentence in found["warnings"]:
             with ui.row().classes("note"):
                 ui.icon("info")
                 ui.label(f"{sentence[:1].upper()}{sentence[1:]}.")
 
 
-def _verdict(case: Case) -> None:
+def _parameters(found: dict[str, Any]) -> None:
     with ui.row().classes("verdict right-one"):
         ui.icon("check_circle")
         ui.label("Ready to run").mark("ready")
-    p = case.parameters
     with ui.row().classes("moes"):
-        for symbol, value in (("M", p.M), ("L", p.L)):
+        for symbol in ("M", "L"):
             with ui.element("div"):
                 ui.label(symbol).classes("symbol")
-                ui.label(f"{value:.4g}").classes("value").mark(f"value-{symbol}")
-
-
-def _parameters(case: Case) -> None:
-    scales = parameter_summary(case).get("si", {})
+                ui.label(f"{found[symbol]:.4g}").classes("value").mark(f"value-{symbol}")
+    scales = found.get("si", {})
     for key, (label, unit) in SCALES.items():
         if key in scales:
             _line(label, with_prefix(scales[key], unit))
 
 
-def _films(case: Case, found: dict[str, Any]) -> None:
+def _films(found: dict[str, Any]) -> None:
     """The films by the formulas that hold here."""
     films = [film for film in found["films"] if film["central"] is not None and film["inside"]]
     if not films:
         return
     ui.label("Central film by the formulas").classes("eyebrow")
+    scales = found["parameters"].get("si")
     for film in films:
-        value = with_prefix(film["central"] * case.scales.film, "m") if case.scales else f"{film['central']:.4g} a²/R"
-        _line(film["name"], value)
+        in_si = scales and with_prefix(film["central"] * scales["a_m"] ** 2 / scales["R_m"], "m")
+        _line(film["name"], in_si or f"{film['central']:.4g} a²/R")
 
 
 def _line(label: str, value: str) -> None:

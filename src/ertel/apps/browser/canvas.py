@@ -8,6 +8,8 @@ from nicegui import background_tasks, ui
 from ertel.apps.browser.site import Site
 from ertel.apps.browser.wishes import Told, Wish
 
+TALL = ("history", "overview")  # figures of two rows
+
 
 class Canvas:
     """A picture.  While one is drawn, only the last wish waits; those in between are left out."""
@@ -57,6 +59,7 @@ class Canvas:
             return
         if address:
             self._image.props(f'src="{address}"')
+            self._image.classes(replace="tall" if wish.figure in TALL else "")
         self._said.set_text(said)
         self._image.set_visibility(bool(address))
 
@@ -108,7 +111,7 @@ class Slider:
         with self._events:
             for event, place in told.events.items():
                 ui.button(event.replace("-", " "), on_click=lambda place=place: self._slider.set_value(place)).props(
-                    "flat dense no-caps size=sm"
+                    "flat dense no-caps"
                 )
         if self._slider.value == index:
             self._tell()

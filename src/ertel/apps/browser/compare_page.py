@@ -9,6 +9,7 @@ from ertel.apps.browser.processes import summary_of
 from ertel.apps.browser.run_page import TABS
 from ertel.apps.browser.site import Site
 from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish, stamp_of
+from ertel.apps.browser.words import pretty
 from ertel.results.key_numbers import key_numbers
 
 STEPS = 200  # of the slider
@@ -33,7 +34,7 @@ class Comparison:
     def __init__(self, site: Site, names: list[str], chosen: list[str]):
         self.site = site
         self._told: list[Told | None] = [None, None]
-        self._moved = False
+        self._begun = False
         with ui.row().classes("head"):
             ui.label("Two runs side by side").classes("title")
             ui.space()
@@ -59,15 +60,15 @@ class Comparison:
 
     async def _choose(self, number: int) -> None:
         """Take over a run that was chosen."""
-        path = self.site.folder.run(self._names[number].value)
         try:
+            path = self.site.folder.run(self._names[number].value)
             self._told[number] = await self.site.artist.tell(path)
         except ValueError as error:
             ui.notify(str(error))
             return
         if self._label.is_deleted:  # the page was left
             return
-        self._begin(self._told[number] or Told("", (), (), ()))
+        self._begin()
         summary = summary_of(path)
         self._numbers[number].clear()
         with self._numbers[number]:
@@ -75,20 +76,25 @@ class Comparison:
                 with ui.row().classes("line"):
                     ui.label(found.label)
                     ui.space()
-                    ui.label(f"{found.si or found.value}")
+                    ui.label(found.si or pretty(found.value)).classes("value")
         self._show()
 
-    def _begin(self, told: Told) -> None:
-        """Begin at maximum approach, where the first run has one."""
-        place = told.events.get("max-approach")
-        if not self._moved and place is not None:
-            self._moved = True
-            self._slider.set_value(round(STEPS * told.T[place] / told.T[-1]))
+    def _begin(self) -> None:
+        """Begin at maximum approach, where one of the runs has it."""
+        known = [told for told in self._told if told is not None]
+        maxima = [told.T[told.events["max-approach"]] for told in known if "max-approach" in told.events]
+        if len(known) == len(self._told) and maxima and not self._begun:
+            self._begun = True
+            self._slider.set_value(round(STEPS * maxima[0] / self._end))
+
+    @property
+    def _end(self) -> float:
+        """The T at which the slider ends; 0 for two steady contacts."""
+        return max((told.T[-1] for told in self._told if told and told.T), default=0.0)
 
     def _show(self) -> None:
-        ends = [told.T[-1] for told in self._told if told and told.T]
-        T = max(ends) * self._slider.value / STEPS if ends else None
-        self._when.set_visibility(bool(ends))
+        T = self._end * self._slider.value / STEPS if self._end else None
+        self._when.set_visibility(T is not None)
         self._label.set_text("" if T is None else f"T = {T:.3f}")
         self._pair.classes(replace="pair wide" if self._figure.value in WIDE else "pair")
         for told, name, canvas in zip(self._told, self._names, self._canvases, strict=True):

@@ -1,6 +1,7 @@
 """The folder that the app was opened in: its runs and case files.  Nothing outside is read, written or started."""
 
 import os
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import count
@@ -11,6 +12,7 @@ from ertel.runs.directories import CASE
 DATA = "run.zarr"
 RUNS = "runs"  # where `ertel run` puts a run, too
 DEEPEST = 4  # levels of folders in which runs are looked for: a study has runs of its own
+MOST_FOLDERS = 1000  # that are looked into
 MOST = 300  # runs that are listed
 
 
@@ -26,9 +28,11 @@ class Folder:
 
     @classmethod
     def at(cls, path: Path) -> "Folder":
-        """The folder at a path.  Raises ValueError where there is none."""
+        """The folder at a path.  Raises ValueError where there is none, and for that of a run."""
         if not path.is_dir():
             raise ValueError(f"{path}: is no folder; give one with case files or runs, or an empty one")
+        if _is_run(path):
+            raise ValueError(f"{path}: is a run; open the app in its folder, {path.resolve().parent}")
         return cls(path.resolve())
 
     def inside(self, name: str) -> Path:
@@ -54,7 +58,7 @@ class Folder:
 
     def runs(self) -> list[Path]:
         """The runs in the folder, the latest first."""
-        found = sorted(_runs_below(self.root, DEEPEST), key=_changed, reverse=True)
+        found = sorted(_runs_below(self.root), key=_changed, reverse=True)
         return [path for path in found[:MOST] if path.resolve().is_relative_to(self.root)]
 
     def case_files(self) -> list[Path]:
@@ -80,16 +84,25 @@ class Folder:
         raise AssertionError("there is always a next number")
 
 
-def _runs_below(folder: Path, depth: int) -> Iterator[Path]:
+def _runs_below(folder: Path) -> Iterator[Path]:
+    """The runs below a folder, those near it first; in a large tree not all of them."""
+    left, looked = deque([(folder, DEEPEST)]), 0
+    while left and looked < MOST_FOLDERS:
+        place, depth = left.popleft()
+        looked += 1
+        for path in _folders_in(place):
+            if _is_run(path):
+                yield path
+            elif depth > 1:
+                left.append((path, depth - 1))
+
+
+def _folders_in(folder: Path) -> list[Path]:
     try:
-        entries = [Path(entry.path) for entry in os.scandir(folder) if entry.is_dir() and entry.name[0] != "."]
+        with os.scandir(folder) as entries:
+            return [Path(entry.path) for entry in entries if entry.name[0] != "." and entry.is_dir()]
     except OSError:
-        return
-    for path in entries:
-        if _is_run(path):
-            yield path
-        elif depth > 1:
-            yield from _runs_below(path, depth - 1)
+        return []
 
 
 def _is_run(path: Path) -> bool:

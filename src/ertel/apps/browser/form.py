@@ -6,7 +6,6 @@ The values go to ertel as they are written, so that its own messages answer them
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from pathlib import Path
 from typing import Any, Literal
 
 import tomli_w
@@ -30,6 +29,10 @@ GRIDS: Mapping[str, tuple[int, ...]] = {
     "transient": (65, 129, 193, 257),
 }
 USUAL = {"radial": 257, "2d": 129, "steady": 129, "transient": 129}  # nodes: an answer within a minute
+NEWTONIAN = "newtonian"
+RHEOLOGIES = {NEWTONIAN: "Newtonian", "ree-eyring": "Ree-Eyring"}
+DECIDE = ("kind", "given", "oil", "rheology", "method")  # fields on which others depend
+TITLES = ("Contact", "Materials", "Oil", "Computation")
 ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
 
 
@@ -37,7 +40,6 @@ ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
 class Form:
     """The fields of the form, all as text.  Each is named as its key in case files, with its section in `SECTION`."""
 
-    name: str = ""
     kind: Kind = "impact"
     given: Literal["si", "moes"] = "si"
     M: str = "1000"
@@ -54,40 +56,49 @@ class Form:
     temperature: str = "40 degC"
     eta0: str = str(GIVEN["impact"]["[lubricant]"]["eta0"])
     alpha: str = str(GIVEN["impact"]["[lubricant]"]["alpha"])
+    rheology: str = NEWTONIAN
+    tau0: str = "5 MPa"
     method: str = "radial"
     nodes: str = str(USUAL["radial"])
     until: str = "max-approach"
 
-    def choose_kind(self, kind: Kind) -> None:
-        """Change the kind of contact; the method and the grid become the usual ones for it."""
-        self.kind = kind
-        self.choose_method(next(iter(METHODS[kind])))
+    def choose(self, name: str, value: Any) -> None:
+        """Change a field.  With the kind of contact the method changes, with the method the grid."""
+        setattr(self, name, value)
+        if name == "kind":
+            self.choose("method", next(iter(METHODS[self.kind])))
+        elif name == "method":
+            self.nodes = str(USUAL[self.method])
 
-    def choose_method(self, method: str) -> None:
-        """Change the method; the grid becomes the usual one for it."""
-        self.method, self.nodes = method, str(USUAL[method])
-
-    @property
-    def shown(self) -> tuple[str, ...]:
-        """The fields that go into the case file."""
-        contact = ("M", "L") if self.given == "moes" else self._quantities()
+    def groups(self) -> dict[str, tuple[str, ...]]:
+        """The fields that the choices so far leave to be filled in, by the title of their group."""
         ends = ("until",) if self.kind == "impact" else ()
-        return ("kind", *contact, *self._oil(), "method", "nodes", *ends)
+        groups: dict[str, tuple[str, ...]] = {"Contact": self._contact(), "Computation": ("method", "nodes", *ends)}
+        if self.given == "si":
+            groups |= {"Materials": ("material_1", "material_2"), "Oil": self._oil()}
+        return {title: groups[title] for title in TITLES if title in groups}
 
-    def _quantities(self) -> tuple[str, ...]:
+    def _contact(self) -> tuple[str, ...]:
+        if self.given == "moes":
+            return ("M", "L")
         driven = ("ball_density", "speed") if self.kind == "impact" else ("load", "mean_speed", "slide_to_roll")
-        return ("radius", *driven, "material_1", "material_2")
+        return ("radius", *driven)
 
     def _oil(self) -> tuple[str, ...]:
-        if self.given == "moes":
-            return ()
-        return ("eta0", "alpha") if self.oil == OWN else ("oil", "temperature")
+        data = ("oil", "eta0", "alpha") if self.oil == OWN else ("oil", "temperature")
+        if self.kind == "impact":  # the surfaces do not slide
+            return data
+        return (*data, "rheology") if self.rheology == NEWTONIAN else (*data, "rheology", "tau0")
 
     def data(self) -> dict[str, Any]:
         """The case as plain data, as a case file has it; what is left empty is left out."""
-        given = {name: str(getattr(self, name)).strip() for name in self.shown}
-        items = [f"{SECTION[name]}.{name}={text}" for name, text in given.items() if text]
-        return apply_overrides({"name": self.name.strip()} if self.name.strip() else {}, items)
+        names = ["kind", *(name for group in self.groups().values() for name in group)]
+        given = {name: str(getattr(self, name)).strip() for name in names if name not in ("rheology", "tau0")}
+        given = {name: text for name, text in given.items() if text not in ("", OWN)}
+        data = apply_overrides({}, [f"{SECTION[name]}.{name}={text}" for name, text in given.items()])
+        if "tau0" in names:
+            data.setdefault("lubricant", {})["rheology"] = {"law": self.rheology, "tau0": self.tau0.strip()}
+        return data
 
     def text(self) -> str:
         """The case file."""
@@ -96,7 +107,7 @@ class Form:
 
 SECTION = {
     **dict.fromkeys((item.name for item in fields(Form)), "contact"),
-    **dict.fromkeys(("oil", "temperature", "eta0", "alpha"), "lubricant"),
+    **dict.fromkeys(("oil", "temperature", "eta0", "alpha", "rheology", "tau0"), "lubricant"),
     **dict.fromkeys(("method", "nodes"), "solver"),
     "until": "time",
 }
@@ -105,7 +116,7 @@ SECTION = {
 def field_of(message: str) -> str | None:
     """The field of the form that a message of ertel names first, contact.radius = ...; None where there is none."""
     section, _, rest = message.partition(".")
-    name = rest.split(" ")[0].rstrip(":")
+    name = rest.split(" ")[0].rstrip(":").rpartition(".")[2]
     return name if SECTION.get(name) == section else None
 
 
@@ -115,10 +126,3 @@ def read_text(text: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise ValueError(f"the text is not valid TOML: {str(error)[:200]}") from error
-
-
-def files_of(data: Mapping[str, Any]) -> list[Path]:
-    """The files that a case reads: those of measured surfaces."""
-    tables = data.get("roughness", [])
-    found = [table.get("file") for table in tables if isinstance(table, dict)] if isinstance(tables, list) else []
-    return [Path(name) for name in found if isinstance(name, str)]

@@ -1,7 +1,6 @@
 """The page of a new case: a form, or the text of a case file; beside it what ertel says of it, while it is written."""
 
 import asyncio
-from collections.abc import Callable
 from typing import Any
 
 import tomli_w
@@ -9,9 +8,10 @@ from nicegui import run, ui
 
 from ertel.apps.browser import checking
 from ertel.apps.browser.answer import show_answer, show_fault, show_waiting
-from ertel.apps.browser.form import ENDS, GRIDS, MATERIALS, METHODS, OILS, OWN, Form, field_of, read_text
+from ertel.apps.browser.form import DECIDE, ENDS, GRIDS, MATERIALS, METHODS, OILS, RHEOLOGIES, Form, field_of, read_text
 from ertel.apps.browser.site import Site, address_of
 from ertel.model.rules import plain_name
+from ertel.runs.directories import CASE
 
 PAUSE = 0.5  # seconds after the last change before ertel is asked
 LABELS = {
@@ -29,6 +29,8 @@ LABELS = {
     "temperature": "Temperature",
     "eta0": "Viscosity",
     "alpha": "Pressure-viscosity coefficient",
+    "rheology": "Rheology",
+    "tau0": "Eyring stress",
     "nodes": "Nodes",
     "method": "Method",
     "until": "End",
@@ -76,12 +78,17 @@ class NewCase:
 
     def _begin_from(self, name: str) -> None:
         try:
-            text = self.site.folder.inside(name).read_text(encoding="utf-8")
+            path = self.site.folder.inside(name)
+            text = path.read_text(encoding="utf-8")
+            data, root = read_text(text), self.site.folder.root
+            if checking.moved(data, path.parent, root) != data:
+                text = tomli_w.dumps(checking.moved(data, path.parent, root))
         except (OSError, ValueError) as error:
             ui.notify(str(error))
             return
         self._text.set_value(text)
         self._tabs.set_value("text")
+        self._name.set_value(path.parent.name if path.name == CASE else path.stem)
 
     # -- the form -----------------------------------------------------------------------------------------------------
 
@@ -92,20 +99,17 @@ class NewCase:
         self._fields.clear()
         with self._fields:
             with ui.element("div").classes("card choices"):
-                self._choice("kind", {"impact": "Impact", "rolling": "Rolling"}, self._choose_kind)
-                self._choice("given", {"si": "Quantities", "moes": "M and L"}, self._rebuilt("given"))
-            shown = form.shown
-            self._group("Contact", [name for name in ("M", "L", "radius", *_driven(form)) if name in shown])
-            if form.given == "si":
-                self._group("Materials", ["material_1", "material_2"])
-                self._group("Oil", ["oil", *(("eta0", "alpha") if form.oil == OWN else ("temperature",))])
-            self._group("Computation", ["method", "nodes", *(("until",) if form.kind == "impact" else ())])
+                self._choice("kind", {"impact": "Impact", "rolling": "Rolling"})
+                self._choice("given", {"si": "Quantities", "moes": "M and L"})
+            for title, names in form.groups().items():
+                self._group(title, names)
 
-    def _group(self, title: str, names: list[str]) -> None:
+    def _group(self, title: str, names: tuple[str, ...]) -> None:
         options: dict[str, Any] = {
             "material_1": MATERIALS,
             "material_2": MATERIALS,
             "oil": OILS,
+            "rheology": RHEOLOGIES,
             "method": METHODS[self.form.kind],
             "nodes": {str(n): str(n) for n in GRIDS[self.form.method]},
             "until": ENDS,
@@ -128,33 +132,18 @@ class NewCase:
     def _select(self, name: str, options: dict[str, str]) -> None:
         field = ui.select(options, label=LABELS[name], value=getattr(self.form, name))
         field.props("outlined dense options-dense hide-bottom-space").mark(name)
-        rebuilds = {"method": self.form.choose_method, "oil": lambda value: setattr(self.form, "oil", value)}
-        field.on_value_change(lambda event: self._set(name, event.value, rebuilds.get(name)))
+        field.on_value_change(lambda event: self._set(name, event.value))
         self._inputs[name] = field
 
-    def _choice(self, name: str, options: dict[str, str], chosen: Callable[[Any], None]) -> None:
+    def _choice(self, name: str, options: dict[str, str]) -> None:
         toggle = ui.toggle(options, value=getattr(self.form, name)).props("no-caps unelevated spread").mark(name)
-        toggle.on_value_change(lambda event: chosen(event.value))
+        toggle.on_value_change(lambda event: self._set(name, event.value))
 
-    def _choose_kind(self, kind: Any) -> None:
-        self.form.choose_kind(kind)
-        self._build()
-        self._changed()
-
-    def _rebuilt(self, name: str) -> Callable[[Any], None]:
-        def choose(value: Any) -> None:
-            setattr(self.form, name, value)
+    def _set(self, name: str, value: Any) -> None:
+        """Take over a value; the form is built again where other fields depend on it."""
+        self.form.choose(name, value or "")
+        if name in DECIDE:
             self._build()
-            self._changed()
-
-        return choose
-
-    def _set(self, name: str, value: Any, rebuild: Callable[[Any], None] | None = None) -> None:
-        if rebuild:
-            rebuild(value)
-            self._build()
-        else:
-            setattr(self.form, name, value or "")
         self._changed()
 
     # -- the answer ---------------------------------------------------------------------------------------------------
@@ -179,24 +168,25 @@ class NewCase:
         await asyncio.sleep(PAUSE)
         try:
             data = read_text(self._text.value) if self._tabs.value == "text" else self.form.data()
-            case = await run.io_bound(checking.case_in, data, self.site.folder)
-        except ValueError as error:
-            self._refuse(str(error))
-            return
-        if case is None or self._answer.is_deleted:  # the app is closing, or the page was left
-            return
-        self._mark(None)
-        self._data = data
-        self._run.enable()
-        self._name.props(f'placeholder="{_name_of(data, case.kind)}"')
-        show_waiting(self._answer, case)
-        try:
-            found = await checking.outlook(tomli_w.dumps(data))
+            parameters = await run.io_bound(checking.at_once, data, self.site.folder)
+            self._accept(data, parameters)
+            found = await checking.outlook(data, self.site.folder)
         except ValueError as error:
             self._refuse(str(error))
             return
         if not self._answer.is_deleted:
-            show_answer(self._answer, case, found)
+            show_answer(self._answer, found)
+            self._run.enable()
+
+    def _accept(self, data: dict[str, Any], parameters: dict[str, Any] | None) -> None:
+        """Say that it is a case, or without parameters that it may be one."""
+        if self._answer.is_deleted:  # the page was left
+            return
+        self._mark(None)
+        self._data = data
+        self._run.set_enabled(parameters is not None)
+        self._name.props(f'placeholder="{_name_of(data)}"')
+        show_waiting(self._answer, parameters)
 
     def _refuse(self, message: str) -> None:
         """Say what is wrong, also at the field where the form has it."""
@@ -215,7 +205,7 @@ class NewCase:
         """Write the case file, run it, and go to its page."""
         if self._asked:
             self._asked.cancel()
-        name = plain_name((self._name.value or "").strip()) or _name_of(self._data, "case")
+        name = plain_name((self._name.value or "").strip()) or _name_of(self._data)
         try:
             path = self.site.processes.start(name, tomli_w.dumps({**self._data, "name": name}))
         except OSError as error:
@@ -224,10 +214,6 @@ class NewCase:
         ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
 
 
-def _driven(form: Form) -> tuple[str, ...]:
-    return ("ball_density", "speed") if form.kind == "impact" else ("load", "mean_speed", "slide_to_roll")
-
-
-def _name_of(data: dict[str, Any], otherwise: str) -> str:
+def _name_of(data: dict[str, Any]) -> str:
     """The name of a case, or the kind of its contact."""
-    return str(data.get("name") or data.get("contact", {}).get("kind") or otherwise)
+    return str(data.get("name") or data.get("contact", {}).get("kind") or "impact")

@@ -28,26 +28,27 @@ KEPT = 60  # pictures, of some 0.2 MB each
 def _tell(run: Path, stamp: int) -> Told:
     from ertel.apps.browser import drawing
 
-    with _plain_errors():
-        return drawing.tell(run, stamp)
+    return _plainly(drawing.tell, run, stamp)
 
 
 def _draw(wish: Wish) -> bytes:
     from ertel.apps.browser import drawing
 
-    with _plain_errors():
-        content = drawing.draw(wish)
+    content = _plainly(drawing.draw, wish)
     gc.collect()  # the figure, whose arrays are large, refers to itself
     return content
 
 
-@contextmanager
-def _plain_errors() -> Iterator[None]:
-    """Errors of matplotlib's company as plain ones: who receives them would import it."""
+def _plainly(work: Callable[..., T], *arguments: Any) -> T:
+    """What a function returns; its ValueErrors as plain ones, without a history.
+
+    Who receives an error of `plots`, also in the history of another, would import matplotlib.
+    """
     try:
-        yield
+        return work(*arguments)
     except ValueError as error:
-        raise ValueError(str(error)) from None
+        said = str(error)
+    raise ValueError(said)
 
 
 def _begin() -> None:

@@ -1,7 +1,6 @@
 """The page of a run: how it stands, its numbers, its pictures with a slider, and what can be downloaded."""
 
 import json
-from html import escape
 from pathlib import Path
 from time import monotonic
 
@@ -11,6 +10,7 @@ from ertel.apps.browser.canvas import Canvas, Slider
 from ertel.apps.browser.processes import Phase, Standing, summary_of
 from ertel.apps.browser.site import SAID, Site, address_of
 from ertel.apps.browser.wishes import INTERFEROGRAM, LIGHTS, Told, Wish, stamp_of
+from ertel.apps.browser.words import news, show_number
 from ertel.results.key_numbers import Number, key_numbers
 from ertel.runs.directories import CASE
 
@@ -26,10 +26,6 @@ TABS = {
     "overview": ("Overview", "dashboard"),
 }
 LIVE = 3.0  # seconds between two live pictures, at least
-COMPILING = (
-    "Starting, then compiling: once per machine and grid size, usually 10 to 60 s. "
-    "Later runs on this grid begin after a few seconds."
-)
 
 
 def run_page(site: Site, name: str = "") -> None:
@@ -219,64 +215,15 @@ class RunPage:
         """The key numbers of the summary, or the last values of a run that goes on."""
         summary = summary_of(self.path)
         numbers = key_numbers(summary) if summary else []
-        if not numbers and self._told:
+        if not numbers and self._told and self._told.T:  # those of the first grids of a steady contact mean nothing
             numbers = [Number(label, symbol, value) for label, symbol, value in self._told.news]
         self._numbers.clear()
         with self._numbers:
             for number in numbers:
-                _number(number)
+                show_number(number)
         self._notes.clear()
         with self._notes:
             for sentence in (summary or {}).get("warnings", []):
                 with ui.row().classes("note"):
                     ui.icon("info")
                     ui.label(f"{sentence[:1].upper()}{sentence[1:]}.")
-
-
-def _number(number: Number) -> None:
-    more = [_pretty(number.value)] if number.si else []
-    more += [f"± {number.error}"] if number.error else []
-    with ui.element("div").classes("number"):
-        ui.label(number.label).classes("what")
-        with ui.row().classes("known"):
-            ui.label(number.si or _pretty(number.value)).classes("value")
-            ui.html(_symbol(number.symbol), sanitize=False).classes("symbol")
-        ui.label("  ".join(more)).classes("also")
-
-
-def _symbol(name: str) -> str:
-    """A symbol in HTML, H_c with its index below; nothing where a variable is named by a word."""
-    base, _, index = name.partition("_")
-    if len(base) > 2 and base != "Delta":
-        return ""
-    base = {"mu": "µ", "Delta": "Δ"}.get(base, base)
-    return f"{escape(base)}<sub>{escape(index)}</sub>"
-
-
-def _pretty(text: str) -> str:
-    """Units with their powers raised."""
-    return text.replace("^2", "²").replace("t0", "t₀")
-
-
-def news(standing: Standing) -> str:
-    """How a run stands, in a sentence."""
-    p = standing.progress or {}
-    match standing.phase:
-        case Phase.COMPILING:
-            waited = f" It began {standing.seconds:.0f} s ago." if standing.seconds else ""
-            return COMPILING + waited
-        case Phase.STOPPING:
-            return "Stopping: the current step or grid is finished first, then it can be resumed."
-        case Phase.FAILED:
-            return f"{standing.message[:1].upper()}{standing.message[1:]}"
-    where = f"T = {p['T']:.3f}, step {p['step']}" if p.get("T") is not None else f"grid {p.get('step', 0)}"
-    if standing.phase is Phase.INTERRUPTED:
-        return f"Interrupted at {where}; it can be resumed." if p else "Interrupted before its first step."
-    left = p.get("seconds_left")
-    return f"{standing.done:.0%} · {where} · {_duration(p.get('seconds', 0.0))}" + (
-        f", about {_duration(left)} left" if left is not None else ""
-    )
-
-
-def _duration(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"

@@ -123,7 +123,7 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
         ui.button("Compare", icon="vertical_split", on_click=lambda: ui.navigate.to("/compare")).props("flat no-caps")
         ui.button(icon="power_settings_new", on_click=lambda: _closing(site)).props(
             "flat round dense aria-label='Close the app'"
-        ).tooltip("Close the app")
+        ).mark("close").tooltip("Close the app")
     ui.sub_pages(pages, data={"site": site}).classes("page")
 
 

@@ -8,7 +8,6 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ertel.model.case import Case
-from ertel.model.discretise import CELLS_KEPT
 from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as of_ratio
@@ -70,6 +69,6 @@ def roughness_height(dataset: xr.Dataset, T: float, X: ArrayLike, Y: ArrayLike) 
         grid of the run, without the waves that are too short for it.
     """
     case = _case_of(dataset)
-    shortest = CELLS_KEPT * float(dataset["X"][1] - dataset["X"][0]) if "X" in dataset.coords else 0.0
+    shortest = surfaces.CELLS_KEPT * float(dataset["X"][1] - dataset["X"][0]) if "X" in dataset.coords else 0.0
     heights = surfaces.height(case.features, case.motion, T, np.asarray(X), np.asarray(Y), shortest)
     return np.asarray(heights, dtype=np.float64)
