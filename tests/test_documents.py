@@ -9,6 +9,8 @@ from pathlib import Path
 import matplotlib
 import pytest
 
+import ertel
+
 ROOT = Path(__file__).parents[1]
 PAGES = sorted({ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "examples").glob("*.md")})
 BLOCK = re.compile(r"(?P<skip><!-- not run -->[ \t]*\n+)?```python\n(?P<code>.*?)\n```", re.DOTALL)
@@ -42,6 +44,12 @@ def test_python_of_the_documents_runs(page, tmp_path, monkeypatch):
 def test_links_of_the_documents_lead_somewhere(page):
     missing = [link for link in LINK.findall(page.read_text(encoding="utf-8")) if not (page.parent / link).exists()]
     assert missing == []
+
+
+def test_every_public_name_is_on_the_pages_of_the_api():
+    text = "\n".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs/api").glob("*.rst"))
+    listed = {line.strip() for line in text.splitlines()} | set(re.findall(r"``ertel\.(\w+)``", text))
+    assert set(ertel.__all__) - {"__version__"} - listed == set()
 
 
 def test_blocks_are_found(tmp_path):

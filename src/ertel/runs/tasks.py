@@ -1,4 +1,4 @@
-"""Functions that are run side by side, with results in order that are kept on disk.
+"""Functions that are run side by side, with results in order that are kept on disk::
 
     tasks = [Task(f"M{M}", run, (M,)) for M in (200, 500, 1000)]
     with cluster.local(2) as workers:
@@ -24,7 +24,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Task:
-    """One run: function(*arguments).
+    """One run of a function with its arguments.
 
     name: names the file that keeps the result, unique among the tasks.  seconds: expected duration.
     """
