@@ -14,7 +14,7 @@ import ertel
 from ertel.runs import warm_up
 from ertel.runs.progress import watch
 
-ROLLING = '[contact]\nkind = "rolling"\nM = 100\nL = 5\n[solver]\nnodes = 33\n'
+ROLLING = '[contact]\nkind = "rolling"\nM = 100\nL = 5\n[solver]\nnodes = 17\n'
 IMPACT = (
     '[contact]\nM = 200\nL = 10\n[solver]\nmethod = "2d"\nnodes = 33\n[time]\ntolerance = 0.01\nuntil = "rebound"\n'
 )
