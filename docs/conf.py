@@ -5,6 +5,7 @@ they lie, and their links hold.  The command reference is written from the progr
 """
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -135,9 +136,15 @@ def write_commands(app: Sphinx) -> None:
         "Commands",
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
-    page, text = HERE / "commands.md", done.stdout
+    page, text = HERE / "commands.md", with_whole_sentences(done.stdout)
     if not page.exists() or page.read_text(encoding="utf-8") != text:
         page.write_text(text, encoding="utf-8")
+
+
+def with_whole_sentences(text: str) -> str:
+    """The list of commands with the first paragraphs of their sections, which Typer cuts off in the list."""
+    first = dict(re.findall(r"^## `ertel (\S+)`\n\n(.+?)\n\n", text, re.MULTILINE | re.DOTALL))
+    return re.sub(r"^\* `(\S+)`: .*\.\.\.$", lambda cut: f"* `{cut[1]}`: {first[cut[1]]}", text, flags=re.MULTILINE)
 
 
 def keep_bars(app: Sphinx, what: str, name: str, found: object, options: object, lines: list[str]) -> None:

@@ -44,7 +44,7 @@ axes[1].set(xlabel="x (µm)", ylabel="y (µm)", aspect="equal", xlim=(-180, 180)
 figure.colorbar(picture, label="film thickness (nm)")
 
 # %%
-# In pure rolling the dimple moves with the surfaces.  At T = 1.65 its middle is at X = -1.7 + 1.65, to half a cell.
+# In pure rolling the dimple moves with the surfaces.  At T = 1.65 its middle is at X = -1.7 + 1.65, to within a cell.
 deepening = (run.dataset["H"] - run.dataset["H"].isel(frame=0)).sel(frame=1.65, Y=0, method="nearest")
 inside = deepening.sel(X=slice(-0.6, 0.6)).clip(min=0)
 middle = float((inside * inside["X"]).sum() / inside.sum())

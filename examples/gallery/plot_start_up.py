@@ -3,8 +3,8 @@ Bearing ball at start-up
 ========================
 
 The ball of a bearing starts to roll: its speed trebles while the load stays.  The thick film of the higher speed is
-made in the inlet.  It moves through the contact with the mean speed of the surfaces, so that the centre learns of the
-new speed only later.
+made in the inlet.  It moves through the contact with the mean speed of the surfaces, so that the film in the
+centre grows only later.
 """
 
 from matplotlib import pyplot as plt

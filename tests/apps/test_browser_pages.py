@@ -89,7 +89,7 @@ async def test_a_page_of_no_run_says_so(user):
     await user.open("/run?name=../../etc")
     await user.should_see("lies outside")
     await user.open("/run?name=runs/nothing")
-    await user.should_see("is no run")
+    await user.should_see("runs/nothing: is no run")
 
 
 async def test_bad_input_is_answered_in_the_words_of_ertel(user):
@@ -137,6 +137,8 @@ async def test_a_case_is_run_stopped_and_resumed(user, site):
     await until(lambda: site.processes.standing(run).phase is Phase.FINISHED)
     await until(lambda: one(user, "phase").text == "finished")
     await user.should_see("coefficient of restitution")
+    os.utime(run / "run.zarr" / "zarr.json")  # the last maps are written
+    await until(lambda: one(user, "slider").value == 48)  # the page has followed the run: to maximum approach
 
 
 async def test_the_slider_chooses_the_map(user, site):

@@ -132,7 +132,7 @@ def test_a_run_that_cannot_be_done_is_a_value(tmp_path):
     assert result.complete and result.failed == [f"runs/{broken.name}"]
     statuses = result.dataset["status"].values.ravel().tolist()
     assert statuses[1].startswith("failed: StoreError: ") and statuses.count("converged") == 3
-    assert result.remarks == ["4 runs: 3 converged, 1 failed"]
+    assert result.remarks == ["4 runs: 3 converged, 1 failed; 3 with warnings"]
 
 
 def test_a_table_a_figure_and_a_page(four):

@@ -110,5 +110,5 @@ def _find_writer(kind: str) -> None:
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
     except ImportError:
-        leave(BAD_INPUT, f"--format {kind}: needs a package more, pip install 'ertel[movie]'; gif and webp need none")
+        leave(BAD_INPUT, f"--format {kind}: needs imageio-ffmpeg, pip install 'ertel[movie]'; gif and webp do not")
     rcParams["animation.ffmpeg_path"] = get_ffmpeg_exe()

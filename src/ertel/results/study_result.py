@@ -70,14 +70,17 @@ class StudyResult:
         found = [column(str(name), flat[name]) for name in self.dataset.coords]
         numbers = dict.fromkeys(each for name in SHOWN for each in (name, in_si(name)) if each in flat)
         found += [column(name, flat[name]) for name in numbers if largest_of(flat[name]) > 0]
+        found += [column("warnings", flat["warnings"])] if flat["warnings"].any() else []
         return [*found, column("status", flat["status"]), column("directory", flat["directory"])]
 
     @property
     def remarks(self) -> list[str]:
-        """What is to be said of the study: how many runs there are, and how they ended."""
+        """What is to be said of the study: how many runs there are, how they ended, and how many have warnings."""
         counts = Counter(str(status).partition(":")[0] for status in self.dataset["status"].values.flat)
         runs = sum(counts.values())
         said = f"{runs} runs: " + ", ".join(f"{number} {status}" for status, number in counts.most_common())
+        warn = int((self.dataset["warnings"] > 0).sum())
+        said += f"; {warn} with warnings" if warn else ""
         return [said, *([f"the first {MOST_ROWS} are shown"] if runs > MOST_ROWS else [])]
 
     def table_lines(self) -> Iterator[str]:

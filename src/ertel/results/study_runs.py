@@ -52,8 +52,8 @@ def assemble(
     Returns
     -------
     xarray.Dataset
-        The `scalars` of the runs, nan where a run has none; status and directory of each run.  A number with the name
-        of a coordinate is left out.
+        The `scalars` of the runs, nan where a run has none; the number of warnings, status and directory of each run.
+        A number with the name of a coordinate is left out.
     """
     dims = tuple(coordinates) if mode == "product" else ("run",)
     along = {key: ((key,) if mode == "product" else dims, _values(v), dict(a)) for key, (v, a) in coordinates.items()}
@@ -64,6 +64,8 @@ def assemble(
                 if key not in found:
                     found[key] = dims, np.full(shape, np.nan), dict(scalar.attributes)
                 found[key][1].flat[number] = scalar.value
+    warnings = [len((run.summary or {}).get("warnings", ())) for run in runs]
+    found["warnings"] = dims, np.reshape(warnings, shape), {"long_name": "number of warnings of the run"}
     for key, texts, about in (
         ("status", [run.status for run in runs], "how the run ended"),
         ("directory", [run.directory for run in runs], "run directory"),

@@ -128,6 +128,14 @@ def test_rebound_is_dashed(moes):
     assert line(axes, "rebound").get_linestyle() == "--"
 
 
+def test_one_map_after_the_maximum_is_no_rebound(moes):
+    """A run until maximum approach may end with a map just after it."""
+    maximum = int(np.flatnonzero(moes["event"].values)[0])
+    kept = [*range(maximum - 20, maximum + 1, 5), maximum + 1]  # so few that each has its line
+    axes = panels(plots.profiles(moes.isel(frame=kept)))[0]
+    assert "rebound" not in [candidate.get_label() for candidate in axes.get_lines()]
+
+
 def test_without_maximum_the_last_map_is_shown():
     data = made_up(MOES).isel(frame=slice(0, 30))
     axes = panels(plots.profiles(data))[1]

@@ -82,6 +82,7 @@ class Slider:
             self._slider.props("aria-label='Time'")
             self._label = ui.label().classes("time")
             self._events = ui.row().classes("events")
+        self._row.set_visibility(False)
         self._timer = ui.timer(0.8, self._next, active=False)
 
     @property

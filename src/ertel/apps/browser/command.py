@@ -11,7 +11,7 @@ from ertel.apps.output import say
 from ertel.apps.paths import in_shell, local_path
 
 PORT = 8642
-MISSING = "the app needs a package more: pip install 'ertel[app]'"
+MISSING = "the app needs NiceGUI: pip install 'ertel[app]'"
 
 
 def browse(

@@ -33,7 +33,7 @@ def run_page(site: Site, name: str = "") -> None:
     try:
         path = site.find(name)
     except ValueError as error:
-        ui.label(f"{str(error)[:1].upper()}{str(error)[1:]}.").classes("alert")
+        ui.label(f"{error}.").classes("alert")  # begins with a name
         return
     RunPage(site, path)
 
@@ -57,6 +57,7 @@ class RunPage:
                 ui.space()
                 self._light = ui.select(LIGHTS, value="mono", on_change=self._show).props("dense borderless")
                 self._light.props("options-dense").mark("light")
+                self._light.set_visibility(False)
             self._canvas = Canvas(site)
             self._slider = Slider(self._show)
         self._notes = ui.element("div").classes("notes")
@@ -152,16 +153,19 @@ class RunPage:
         self._take_over(told)
 
     def _take_over(self, told: Told) -> None:
-        """Show what is new, at the moment that was chosen; the last one where that was the last before."""
+        """Show what is new, at the moment that was chosen.
+
+        Where that was the last one before, the page follows the run: to its new last moment, and at its end to maximum
+        approach.
+        """
         follows = self._told is None or self._slider.at_end
         if self._told is None or self._told.figures != told.figures:
             self._fill_tabs(told)
         active = self._standing.phase.is_active
         last = max(len(told.T) - 1, 0)
         best = last if active else told.events.get("max-approach", last)
-        first = self._told is None
         self._told = told
-        self._slider.fill(told, best if first else last if follows and active else self._slider.index)
+        self._slider.fill(told, best if follows else self._slider.index)
         self._under.set_text(told.title if told.title != self.path.name else self.name)
         self._fill_numbers()
         self._show()

@@ -114,7 +114,8 @@ def _draw_profiles(axes: Axes, dataset: xr.Dataset, p: Profiles, values: Values,
     loaded = np.flatnonzero(p.P.max(axis=1) > LOADED * p.P.max())
     shown = loaded[:: max(1, round(len(loaded) / 14))]
     colours = ScalarMappable(Normalize(p.T[loaded[0]] * time.factor, p.T[loaded[-1]] * time.factor), ORDERED_COLOURS)
-    x, last = p.x * across.factor, len(p.T) if p.turning is None else p.turning
+    x = p.x * across.factor
+    last = len(p.T) if p.turning is None else p.turning + 1  # a run until maximum approach may have a map after it
     for frame in shown[shown != p.chosen]:
         style, width = ("--", 0.8) if frame > last else ("-", 1.2)
         colour = colours.to_rgba(p.T[frame] * time.factor)
