@@ -67,7 +67,7 @@ def test_values_in_tables_vary_too():
     }
     study = parse_study(data)
     assert [axis.field for axis in study.axes] == ["motion.load.amplitude", "roughness[1].amplitude"]
-    assert list(coordinates(study)) == ["motion_load_amplitude", "roughness_0_amplitude"]
+    assert list(coordinates(study)) == ["motion_load_amplitude", "roughness_1_amplitude"]
     physical = ball()
     physical["contact"] = {**BALL}
     with pytest.raises(ConfigError, match="rheology"):  # the radial impact has none, but the place was found
@@ -82,6 +82,11 @@ def test_the_points_of_a_signal_are_one_value():
     study = parse_study({**rolling, "motion": {"load": [rises, falls, 1.5]}})
     assert study.shape == (2, 3) and study.cases[1].motion.load(1.0) == 0.5
     assert coordinates(study)["load"][0] == ["[[0, 1], [1, 2]]", "[[0, 1], [1, 0.5]]", "1.5"]
+
+
+def test_the_points_of_a_zip_may_share_values():
+    study = parse_study({**moes(M=[100, 100, 300], L=[5, 20, 5]), "sweep": {"mode": "zip"}})
+    assert [(case.contact.M, case.contact.L) for case in study.cases] == [(100, 5), (100, 20), (300, 5)]
 
 
 def test_names_and_events_are_texts():
@@ -101,6 +106,7 @@ def test_a_file_with_overrides(tmp_path):
     ("contact", "message"),
     [
         ({}, "the study has one case only: give a list"),
+        ({"M": {"start": 1, "stop": 2, "number": 3}}, "^contact.M = .*: must be a number"),
         ({"M": []}, r"^contact.M = \[\]: must have one value or more"),
         ({"M": [100, 100.0]}, r"^contact.M = \[100, 100.0\]: the values must differ from each other"),
         ({"M": [100, -1]}, r"^contact.M = -1: must be .* \(in the case with contact.M = -1\)"),

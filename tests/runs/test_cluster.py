@@ -203,6 +203,22 @@ def test_jobs_of_a_scheduler_that_is_lost_have_failed(scheduler, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_workers_that_never_come_are_missed(scheduler, monkeypatch):
+    """It is said, and a wish to stop ends the waiting: nobody else would hear it."""
+    monkeypatch.setattr(cluster, "PATIENCE", 0)
+    said: list[str] = []
+    monkeypatch.setattr(cluster.warnings, "warn", lambda text, *_, **__: said.append(text))
+    with cluster.existing(file=scheduler[1]) as workers:
+        assert dict(workers.outcomes([Job("a", max, (1,)), Job("b", max, (2,))], asked=lambda: bool(said))) == {}
+    assert said == ["the scheduler has no workers: the runs wait until some come"]
+
+
+def test_two_clusters_at_the_same_time_say_nothing(two, recwarn):
+    """Each would take the same port for its pages."""
+    with cluster.local(1):
+        assert [str(warning.message) for warning in recwarn] == []
+
+
 # -- how workers end: in a process of its own, so that a worker that stays can be seen ---------------------------------
 
 # A worker holds the other end of the standard output, which is therefore at its end only when the worker is.

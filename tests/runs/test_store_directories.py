@@ -129,6 +129,18 @@ def test_replacing_the_case_file_does_not_open_the_lock(tmp_path):
             compute(RunStore.open(tmp_path / "run"))
 
 
+def test_those_who_ask_for_the_lock_are_in_nobodys_way(tmp_path):
+    """Neither of others who ask, nor of a run that begins just then."""
+    fcntl = pytest.importorskip("fcntl")
+    assert not files.is_locked(tmp_path) and not files.is_locked(tmp_path / "none")
+    asking = os.open(tmp_path, os.O_RDONLY)
+    fcntl.flock(asking, fcntl.LOCK_SH)  # what `is_locked` does
+    assert not files.is_locked(tmp_path)
+    threading.Timer(0.05, os.close, [asking]).start()
+    with files.locked(tmp_path):
+        assert files.is_locked(tmp_path)
+
+
 @pytest.mark.skipif(files.fcntl is None, reason="no locks on this system")
 @pytest.mark.parametrize("number", [errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EBADF])
 def test_a_file_system_without_locks(tmp_path, monkeypatch, number):

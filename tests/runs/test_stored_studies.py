@@ -16,6 +16,8 @@ from ertel.inputs.messages import ConfigError
 from ertel.inputs.studies import load_study, parse_study
 from ertel.model.case import Case
 from ertel.results.scalars import scalars
+from ertel.results.study_result import StudyResult
+from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import left_of, run_directory, run_study, write
 from ertel.runs.study_jobs import job_of, program_of
@@ -200,3 +202,25 @@ def test_errors_stand_beside_their_numbers():
     assert found["H_c_error"].attributes == {
         "long_name": "estimated error of the central film thickness", "units": "1", "in_units_of": "a^2/R"
     }  # fmt: skip
+
+
+def test_a_run_that_was_killed_is_not_said_to_run(tmp_path):
+    """Unless a process is at it: it holds the lock."""
+    study = parse_study(study_of(eta0="10 mPa*s"))
+    store = RunStore.create(run_directory(tmp_path, study.cases[0]), study.cases[0])
+    assert list(gathered(study, tmp_path).dataset["status"].values) == ["unfinished", "missing"]
+    with store.alone():
+        found = gathered(study, tmp_path)
+        assert list(found.dataset["status"].values) == ["running", "missing"]
+    assert not found.failed and not found.complete
+
+
+def test_the_picture_has_plain_ticks_and_no_lines_without_runs():
+    viscosities = "eta0", np.geomspace(0.05, 0.5, 3), {"units": "Pa*s"}
+    h_c = ("eta0", "oil"), np.array([[1.0, np.nan], [2.0, np.nan], [3.0, np.nan]]), {"units": "m", "long_name": "film"}
+    data = xr.Dataset({"h_c": h_c}, {"eta0": viscosities, "oil": ["roelands", "barus"]}, {"title": "oils"})
+    axes = StudyResult(data).plot().axes[0]
+    assert axes.get_xlabel() == "eta0 (mPa s)" and len(axes.get_legend().texts) == 1
+    axes.figure.canvas.draw()
+    assert {"50", "100", "200", "500"} <= {text.get_text() for text in axes.get_xticklabels()}
+    assert not any(text.get_text() for text in axes.get_xticklabels(minor=True))

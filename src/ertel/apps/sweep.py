@@ -1,6 +1,6 @@
 """`ertel sweep`: a parameter study from its file to the printed table."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from ertel.apps.paths import in_shell, shown
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs.progress import bars
-from ertel.runs.studies import DATA, EVERY, PICTURE, TABLE, Part, alone, gather, left_of, run_study, write
+from ertel.runs.studies import EVERY, Part, alone, gather, left_of, run_study, write
 from ertel.runs.sweep import Engine as Engine
 from ertel.runs.sweep import Watched
 
@@ -45,12 +45,11 @@ def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bo
                 watched = Watched(progress, len(left))
                 said = run_study(study, directory, workers, part, watched.hear, stop.asked, watched.done)
             result = gather(study, directory, said)
-            if part == EVERY:
-                write(result, directory)
+            files = write(result, directory) if part == EVERY else []
         except OSError as error:
             leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {GOES_ON}")
-    if part == EVERY:
-        _report(result, directory, as_json, quiet)
+    if files:
+        _report(result, directory, files, as_json, quiet)
     if stop.code:
         leave(stop.code, f"interrupted; {GOES_ON}")
     _leave_if_failed(said, result, directory, part)
@@ -71,7 +70,7 @@ def _leave_if_failed(said: Mapping[str, str], result: StudyResult, directory: Pa
         leave(FAILED, f"{len(failed)} of {result.dataset['status'].size} runs failed: {named}; {advice}")
 
 
-def _report(result: StudyResult, directory: Path, as_json: bool, quiet: bool) -> None:
+def _report(result: StudyResult, directory: Path, files: Sequence[str], as_json: bool, quiet: bool) -> None:
     """Print the study in the form that the user asked for."""
     if as_json:
         output.print_json({"title": result.dataset.attrs["title"], "runs": result.rows()})
@@ -80,4 +79,4 @@ def _report(result: StudyResult, directory: Path, as_json: bool, quiet: bool) ->
         out.print(result.dataset.attrs["title"], style="bold")
         for line in (*result.table_lines(), *result.remarks):
             out.print(line)
-        out.print(f"Stored in {shown(directory)}, with {DATA}, {TABLE} and {PICTURE}")
+        out.print(f"Stored in {shown(directory)}, with {', '.join(files[:-1])} and {files[-1]}")

@@ -23,9 +23,14 @@ def coordinates(study: Study) -> dict[str, Coordinate]:
     short = [str(axis.place[-1]) for axis in study.axes]
     found = {}
     for axis, name in zip(study.axes, short, strict=True):
-        unique = name if short.count(name) == 1 else "_".join(str(part) for part in axis.place)
+        unique = name if short.count(name) == 1 else "_".join(_spoken(part) for part in axis.place)
         found[unique] = _coordinate(axis, _records(axis.place, study.data))
     return found
+
+
+def _spoken(part: str | int) -> str:
+    """A part of a place; tables are counted from one, as in messages."""
+    return str(part + 1) if isinstance(part, int) else part
 
 
 def _coordinate(axis: Axis, records: Sequence[Any]) -> Coordinate:

@@ -12,6 +12,7 @@ is.
 """
 
 import re
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
@@ -19,6 +20,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
 from ertel.inputs.messages import ConfigError
@@ -78,7 +80,10 @@ def _with_map(table: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], H
         if found.name != path.name:
             raise ValueError(f"file = {show(table['file'])}: was changed since ertel wrote it; put the run's own back")
         return placed, found
-    raw = (_array if path.suffix == ".npy" else _of_instrument)(table, content)
+    if path.suffix == ".npz":
+        raise ValueError(f"file = {show(table['file'])}: may hold many arrays; write one with numpy.save")
+    is_array = path.suffix == ".npy" or content.startswith(MAGIC_PREFIX)
+    raw = (_array if is_array else _of_instrument)(table, content)
     found = _named(table["file"], HeightMap, _smoothed(table, raw))
     return {**placed, **_sizes(table, raw, found), "file": found.name}, found
 
@@ -163,7 +168,9 @@ def _channel(table: Mapping[str, Any], channels: Any) -> Any:
 
 def _surface_topography(needed_for: str) -> Any:
     try:
-        import SurfaceTopography
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # it says that it goes without mpi4py
+            import SurfaceTopography
     except ImportError as error:
         raise ValueError(
             f"{needed_for}: needs the package SurfaceTopography, which reads measured surfaces, takes off their form "

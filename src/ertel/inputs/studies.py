@@ -98,7 +98,10 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
     mode = _mode(data.get(SWEEP, {}))
     plain = deepcopy({key: value for key, value in data.items() if key != SWEEP})
     axes = tuple(_axes(plain))
+    for axis in axes if mode == "product" else ():
+        _check_differing(axis.field, axis.values)
     if not axes:
+        parse_case(plain, folder)  # a misspelled section or range is named first
         raise ConfigError(
             "the study has one case only: give a list, or { from = ..., to = ..., number = ... }, for the value that "
             "varies"
@@ -136,9 +139,11 @@ def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
     for key, value in table.items() if isinstance(table, Mapping) else ():
         here = (*place, key)
         if isinstance(value, list) and not _is_signal(here, value):
-            yield _axis(here, value, value)
+            if not value:
+                raise ConfigError(f"{field_name(here)} = []: must have one value or more")
+            yield Axis(here, tuple(value))
         elif isinstance(value, Mapping) and any(end in value for end in RANGE[:2]):
-            yield _axis(here, value, _values(field_name(here), value))
+            yield Axis(here, tuple(_values(field_name(here), value)))
         else:
             yield from _axes_in(value, here)
 
@@ -150,13 +155,9 @@ def _is_signal(place: Place, value: Sequence[Any]) -> bool:
     )
 
 
-def _axis(place: Place, written: Any, values: Sequence[Any]) -> Axis:
-    said = f"{field_name(place)} = {show(written)}"
-    if not values:
-        raise ConfigError(f"{said}: must have one value or more")
+def _check_differing(what: str, values: Sequence[Any]) -> None:
     if any(value in values[:number] for number, value in enumerate(values)):
-        raise ConfigError(f"{said}: the values must differ from each other")
-    return Axis(place, tuple(values))
+        raise ConfigError(f"{what} = {show(list(values))}: the values must differ from each other")
 
 
 def _values(field: str, table: Mapping[str, Any]) -> list[Any]:

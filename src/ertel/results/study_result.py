@@ -13,13 +13,13 @@ from ertel.results import html, text
 from ertel.results.columns import column, with_units
 from ertel.results.curve_points import largest_of
 from ertel.results.scalars import SHOWN, in_si
-from ertel.results.study_runs import MISSING
+from ertel.results.study_runs import MISSING, RUNNING, UNFINISHED
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
 MOST_ROWS = 100  # of a table to read
-DONE, UNFINISHED = "converged", ("interrupted", "running", MISSING)
+DONE, TO_DO = "converged", ("interrupted", RUNNING, UNFINISHED, MISSING)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -35,12 +35,12 @@ class StudyResult:
     @property
     def failed(self) -> list[str]:
         """The run directories, relative to that of the study, of runs that failed."""
-        return [run["directory"] for run in self.rows() if run["status"] not in (DONE, *UNFINISHED)]
+        return [run["directory"] for run in self.rows() if run["status"] not in (DONE, *TO_DO)]
 
     @property
     def complete(self) -> bool:
         """Whether every run was done, or failed."""
-        return not any(run["status"] in UNFINISHED for run in self.rows())
+        return not any(run["status"] in TO_DO for run in self.rows())
 
     def rows(self) -> list[dict[str, Any]]:
         """The runs as plain data for JSON; names in SI end with the unit, and what is missing is None."""

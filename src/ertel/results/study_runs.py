@@ -12,13 +12,14 @@ from ertel.results.scalars import scalars
 from ertel.version import installed_version
 
 MISSING = "missing"  # the status of a run that has not begun
+RUNNING, UNFINISHED = "running", "unfinished"  # that a process is at, and that was killed
 
 
 class Ran(NamedTuple):
     """One run of a study.
 
-    summary: None where there is none yet.  status: as in the summary, "running" where it was not finished, `MISSING`,
-    or why it failed.  directory: relative to that of the study.
+    summary: None where there is none yet.  status: as in the summary, or `MISSING`, `RUNNING`, `UNFINISHED`, or why it
+    failed.  directory: relative to that of the study.
     """
 
     case: Case

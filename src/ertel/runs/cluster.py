@@ -13,8 +13,10 @@ programs of other flags apart.  A worker that dies is replaced, and its job begi
 
 import logging
 import time
-from collections.abc import Iterator, Sequence
+import warnings
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from math import inf
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
@@ -33,6 +35,7 @@ Inbox = SimpleQueue[tuple[str, Any]]  # of keys with news, or with None when the
 RETRIES = 2  # of a job that raised an error of the system, on this worker or another one
 LOOK = 0.2  # s between looks for a wish to stop, here
 ANSWER = 20  # s in which a scheduler must answer
+PATIENCE = 10  # s without any worker, after which this is said
 RUNNING = "running"  # the status of a client that has its scheduler
 LOST = Failure("the scheduler was lost")
 
@@ -59,7 +62,7 @@ def local(jobs: int | None = None) -> Iterator["Cluster"]:
                 threads_per_worker=1,
                 processes=True,
                 memory_limit=0,
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",  # any free port: None would take 8787, and complain of a second study
                 silence_logs=logging.CRITICAL,
                 env=SETTINGS,
             )
@@ -118,10 +121,13 @@ class Cluster:
         self._client = client
 
     def outcomes(self, jobs: Sequence[Job], hear: Hear = deaf, asked: Asked = never) -> Iterator[tuple[str, Any]]:
-        """See `Workers`.  Of jobs that need the same programs one goes ahead, so that not all compile the same."""
+        """See `Workers`.  Of jobs that need the same programs one goes ahead, so that not all compile the same.
+
+        Warns where no worker comes; jobs that none has when all are told to stop have no outcome.
+        """
         topic, inbox = f"ertel-{uuid4().hex}", Inbox()
         stop = Event(topic, client=self._client)
-        line, left = _Line(jobs), {job.key for job in jobs}
+        line, left, patience = _Line(jobs), {job.key for job in jobs}, _Patience(self._has_workers)
         futures: dict[str, Future[Any]] = {}
         self._client.subscribe_topic(topic, lambda event: inbox.put((*event[1],)))
         try:
@@ -131,9 +137,12 @@ class Cluster:
                 if asked():
                     with suppress(OSError):  # the scheduler is lost, see above
                         stop.set()
+                        if not self._has_workers():
+                            return
                 try:
                     key, news = inbox.get(timeout=LOOK)
                 except Empty:
+                    patience.look()
                     continue
                 if news is None:
                     left.remove(key)
@@ -161,12 +170,33 @@ class Cluster:
     def _is_lost(self) -> bool:
         return self._client.status != RUNNING
 
+    def _has_workers(self) -> bool:
+        with suppress(OSError):  # the scheduler is lost, see above
+            return bool(self._client.nthreads())
+        return True
+
     def _submit(self, job: Job, topic: str, inbox: Inbox) -> Future[Any]:
         content = job.function, job.arguments, job.key, topic, own_sources()
         key = f"{topic}-{job.key}"  # of this call only: another study on the same scheduler may hold the same case
         future = self._client.submit(performed, *content, key=key, retries=RETRIES, pure=False)
         future.add_done_callback(lambda _: inbox.put((job.key, None)))
         return future
+
+
+class _Patience:
+    """Warns once when there was no worker for some seconds."""
+
+    def __init__(self, has_workers: Callable[[], bool]):
+        self._has_workers, self._next = has_workers, time.monotonic() + PATIENCE
+
+    def look(self) -> None:
+        """Look whether there are workers, at intervals, until this was said."""
+        if time.monotonic() < self._next:
+            return
+        alone = not self._has_workers()
+        self._next = inf if alone else time.monotonic() + PATIENCE
+        if alone:
+            warnings.warn("the scheduler has no workers: the runs wait until some come", RuntimeWarning, stacklevel=2)
 
 
 class _Line:

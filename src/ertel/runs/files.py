@@ -7,6 +7,7 @@ flipped bit, and a file that was cut short, from content.
 import errno
 import json
 import os
+import time
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -22,6 +23,7 @@ except ImportError:  # not on Windows
 
 CHECKSUM = "checksum"  # the key of it in a JSON file
 LENGTH = 2 * sha256().digest_size  # of a checksum, in hexadecimal digits
+ASKING = 0.2  # s: `is_locked` holds a directory for much less
 UNABLE = (errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS)  # of a file system that cannot sync
 
 
@@ -152,15 +154,51 @@ def locked(directory: Path) -> Iterator[None]:
         os.close(handle)
 
 
+def is_locked(directory: Path) -> bool:
+    """Whether a process is in a `locked` block on this directory; False where that cannot be seen.
+
+    For the moment of asking the directory is held itself, together with others that ask.  A process that begins waits
+    for them.
+    """
+    if fcntl is None:
+        return False
+    try:
+        handle = os.open(directory, os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    finally:
+        os.close(handle)
+    return False
+
+
 def _lock(handle: int, directory: Path) -> None:
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        _hold(handle)
     except BlockingIOError as error:
         raise StoreError(f"{directory}: another process is computing this run") from error
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         said = f"{directory}: cannot be locked ({reason}); see to it that no other process computes this run"
         _warn_once(said)
+
+
+def _hold(handle: int) -> None:
+    """Take the lock.  Raises BlockingIOError where another process keeps it for longer than `is_locked` does."""
+    deadline = time.monotonic() + ASKING
+    while True:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return
+        except BlockingIOError:
+            if time.monotonic() > deadline:
+                raise
+        time.sleep(ASKING / 10)
 
 
 @cache

@@ -10,7 +10,7 @@ from ertel.model.status import Status
 from ertel.results.scalars import Scalar, scalars
 from ertel.runs import progress_file
 from ertel.runs.directories import CASE, read_case
-from ertel.runs.files import StoreError, locked, unsealed
+from ertel.runs.files import StoreError, is_locked, unsealed
 
 DATA, SUMMARY = "run.zarr", "summary.json"  # see `store`, which imports JAX
 DEEPEST = 4  # levels of folders that are looked into
@@ -56,7 +56,7 @@ def _listed(directory: Path) -> Listed:
     if summary and Status(summary["status"]).ok:
         return Listed(directory, case, summary["status"], 1.0, written, numbers)
     done = float((progress_file.read(directory) or {}).get("done", 0.0))
-    status = "running" if _is_taken(directory) else summary["status"] if summary else "unfinished"
+    status = "running" if is_locked(directory) else summary["status"] if summary else "unfinished"
     return Listed(directory, case, status, done, written, numbers)
 
 
@@ -70,14 +70,3 @@ def _summary(directory: Path) -> dict[str, Any] | None:
         return unsealed((directory / SUMMARY).read_bytes())
     except (OSError, ValueError):
         return None
-
-
-def _is_taken(directory: Path) -> bool:
-    """Whether a process computes this run."""
-    try:
-        with locked(directory):
-            return False
-    except StoreError:
-        return True
-    except OSError:  # of a directory that may only be read
-        return False

@@ -21,8 +21,8 @@ from ertel.inputs.coordinates import coordinates
 from ertel.inputs.studies import Study
 from ertel.model.case import Case
 from ertel.results.study_result import StudyResult
-from ertel.results.study_runs import MISSING, Ran, assemble
-from ertel.runs.files import StoreError, locked
+from ertel.results.study_runs import MISSING, RUNNING, UNFINISHED, Ran, assemble
+from ertel.runs.files import StoreError, is_locked, locked
 from ertel.runs.store import CASE, RunStore
 from ertel.runs.study_jobs import job_of
 from ertel.runs.workers import Asked, Failure, Hear, Workers, deaf, never
@@ -95,14 +95,24 @@ def _ran(case: Case, directory: Path, said: Mapping[str, str]) -> Ran:
     try:
         if not status.startswith(FAILED):
             summary = RunStore.open(place).summary() if (place / CASE).exists() else None
-            status = summary["status"] if summary else "running" if place.exists() else MISSING
+            status = summary["status"] if summary else _standing(place)
     except StoreError as error:
         status = f"{FAILED}{error}"
     return Ran(case, summary, status, str(place.relative_to(directory)))
 
 
-def write(result: StudyResult, directory: Path) -> None:
-    """Write what all runs say into the directory of the study."""
+def _standing(place: Path) -> str:
+    """The status of a run without a summary."""
+    if not place.exists():
+        return MISSING
+    return RUNNING if is_locked(place) else UNFINISHED
+
+
+def write(result: StudyResult, directory: Path) -> list[str]:
+    """Write what all runs say into the directory of the study; the names of what is there now.
+
+    There is no figure before a run has numbers to draw.
+    """
     from ertel.results.plots.drawing import NoFigure  # here, so that workers need no matplotlib
 
     draft = directory / f".{DATA}-{uuid4().hex[:8]}"
@@ -113,8 +123,10 @@ def write(result: StudyResult, directory: Path) -> None:
     finally:
         shutil.rmtree(draft, ignore_errors=True)
     result.to_csv(directory / TABLE)
+    (directory / PICTURE).unlink(missing_ok=True)
     with suppress(NoFigure):
         result.plot().savefig(directory / PICTURE)
+    return [name for name in (DATA, TABLE, PICTURE) if (directory / name).exists()]
 
 
 @contextmanager

@@ -148,7 +148,7 @@ class Processes:
             return Standing(_phase_of(ours, progress), progress, seconds=monotonic() - ours.since)
         if ours and ours.process.returncode not in STOPPED and not _outcome(run):
             return Standing(Phase.FAILED, progress, ours.last_message())
-        if not _outcome(run) and _is_locked(run):
+        if not _outcome(run) and files.is_locked(run):
             return Standing(Phase.RUNNING if progress and _lives(progress["process"]) else Phase.COMPILING, progress)
         return _ended(run, progress)
 
@@ -191,17 +191,6 @@ def _outcome(run: Path) -> str | None:
     return str(summary["status"]) if summary else None
 
 
-def _is_locked(run: Path) -> bool:
-    """Whether a process computes a run.  For the moment of asking, none can begin to."""
-    try:
-        with files.locked(run):
-            return False
-    except files.StoreError:
-        return True
-    except OSError:
-        return False
-
-
 def _lives(process: int) -> bool:
     try:
         os.kill(process, 0)
@@ -213,6 +202,6 @@ def _lives(process: int) -> bool:
 def _computing(run: Path) -> int | None:
     """The process that computes a run: it holds the lock, and wrote the progress."""
     progress = progress_file.read(run)
-    if progress and progress["status"] == Status.RUNNING.value and _is_locked(run) and _lives(progress["process"]):
+    if progress and progress["status"] == Status.RUNNING.value and files.is_locked(run) and _lives(progress["process"]):
         return int(progress["process"])
     return None

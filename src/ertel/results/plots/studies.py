@@ -6,8 +6,9 @@ from itertools import product
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
 from ertel.results.curve_points import largest_of
 from ertel.results.plots.drawing import BLUE, ORDERED_COLOURS, UNITS, NoFigure, Picture, mathtext
@@ -21,6 +22,7 @@ PANELS = (  # numbers that are drawn together, in SI or not
     ("restitution",),
 )
 STYLES = ("o-", "s--", "o-", "s--")
+DECADES = 300.0  # ratio of the ends of a logarithmic axis from which its ticks are powers of ten
 MOST_LINES = 12  # with a name in the legend
 
 Place = Mapping[str, int]  # of a line in the Dataset
@@ -57,6 +59,8 @@ def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
         for place, colour in zip(places, shades, strict=True):
             y = dataset[name].isel(place).values * factor
             there = np.isfinite(y)
+            if not there.any():
+                continue
             bar = dataset[f"{name}_error"].isel(place).values[there] * factor if f"{name}_error" in dataset else None
             said = [mathtext(name)] if len(names) > 1 else []
             said += [_said(dataset[dim][index]) for dim, index in place.items()]
@@ -65,6 +69,7 @@ def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
             )
     if axes.get_xscale() == "log" and len(names) > 1:
         axes.set_yscale("log")  # films are powers of speed, load and viscosity, nearly
+        _name_ticks(axes.yaxis, np.array(axes.get_ylim()))
     title = "film thickness" if len(names) > 1 else dataset[names[0]].attrs["long_name"]
     axes.set(xlabel=label, ylabel=f"{title} ({unit})" if unit else title)
     if 1 < len(places) * len(names) <= MOST_LINES:
@@ -93,9 +98,19 @@ def _x(axes: Axes, along: xr.DataArray) -> tuple[np.ndarray, str]:
     power = 0 if unit == "1" or "/" in unit or unit == "K" else exponent(largest_of(along))
     if has_equal_ratios(along.values):
         axes.set_xscale("log")
+        _name_ticks(axes.xaxis, along.values)
     else:
         axes.xaxis.set_major_locator(MaxNLocator(6))
-    return along.values / 10**power, _spoken(along) + (f" ({PREFIXES[power]}{unit})" if unit != "1" else "")
+    shown = f" ({PREFIXES[power]}{unit.replace('*', ' ')})" if unit != "1" else ""
+    return along.values / 10**power, _spoken(along) + shown
+
+
+def _name_ticks(axis: Axis, values: np.ndarray) -> None:
+    """Plain numbers 1, 2, 5, 10, ... at a logarithmic axis, over many decades powers of ten."""
+    if np.max(np.abs(values)) < DECADES * np.min(np.abs(values)):
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _spoken(values: xr.DataArray) -> str:
