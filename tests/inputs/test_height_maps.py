@@ -1,6 +1,5 @@
 """Files of measured surfaces in a case: formats, units, trend, gaps, and what is said where something is missing."""
 
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -247,13 +246,6 @@ def test_a_numpy_array_has_its_rows_along_y_whatever_its_file_is_called(tmp_path
     np.savez(tmp_path / "disc.npz", WAVE)
     with pytest.raises(ConfigError, match=r"may hold many arrays; write one with numpy\.save"):
         read(tmp_path, file="disc.npz", **placed)
-
-
-def test_nothing_is_said_of_other_packages(tmp_path) -> None:
-    """In a process of its own: a package is imported once."""
-    command = "from ertel.inputs.height_maps import _surface_topography; _surface_topography('a test')"
-    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True)
-    assert done.stdout + done.stderr == ""
 
 
 def test_the_file_that_ertel_wrote_is_taken_as_it_is(tmp_path) -> None:

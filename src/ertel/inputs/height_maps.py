@@ -12,7 +12,6 @@ is.
 """
 
 import re
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
@@ -168,9 +167,7 @@ def _channel(table: Mapping[str, Any], channels: Any) -> Any:
 
 def _surface_topography(needed_for: str) -> Any:
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # it says that it goes without mpi4py
-            import SurfaceTopography
+        import SurfaceTopography
     except ImportError as error:
         raise ValueError(
             f"{needed_for}: needs the package SurfaceTopography, which reads measured surfaces, takes off their form "
