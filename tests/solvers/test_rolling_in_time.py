@@ -188,6 +188,7 @@ def test_second_order_in_time() -> None:
     assert np.log2(coarse / fine) > 1.7
 
 
+@pytest.mark.slow
 def test_second_order_in_time_with_a_rough_surface_that_moves() -> None:
     """The error of the film falls with the square of the step, as the heights have two continuous derivatives."""
     rough = SelfAffine(rms=0.02, hurst=0.8, shortest=0.8, longest=2.0, seed=2, front=-0.5, ramp=1.0)

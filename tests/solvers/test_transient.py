@@ -156,6 +156,7 @@ def test_the_tolerance_rules_the_time_error() -> None:
     assert errors[1] < 1.5e-3  # the default
 
 
+@pytest.mark.slow
 def test_the_tolerance_rules_the_time_error_on_two_decades() -> None:
     """The error of the finest run counts, so that the ratio is (4.6^2 - 1)/(4.6 - 1) and not 4.6."""
     first, default, second = errors_of(1e-6, 1e-4, Time().tolerance, 1e-5)
