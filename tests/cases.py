@@ -24,6 +24,20 @@ from ertel.runs.stepping import Step
 
 ISOVISCOUS = Oil("isoviscous", "incompressible")
 BARUS = Oil("barus", "incompressible")
+SMALL_IMPACT = """
+[contact]
+radius = "10 mm"
+mass = "32.6726 g"
+speed = "0.1 m/s"
+E_prime = "226.37 GPa"
+[lubricant]
+eta0 = "10 mPa*s"
+alpha = "22 / GPa"
+[solver]
+nodes = 33
+[time]
+tolerance = 0.01
+"""  # a case file, whose last section goes on
 BARUS_LIMIT = 1e-12  # an L at which Barus' oil is isoviscous to round-off, and needs no compilation of its own
 
 

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from cases import ertel_, names
+from cases import SMALL_IMPACT, ertel_, names
 from matplotlib.figure import Figure
 
 import ertel
@@ -27,21 +27,7 @@ nodes = 33
 [time]
 tolerance = 0.01
 """
-BALL = """
-[contact]
-radius = "10 mm"
-mass = "32.6726 g"
-speed = "0.1 m/s"
-E_prime = "226.37 GPa"
-[lubricant]
-eta0 = "10 mPa*s"
-alpha = "22 / GPa"
-[solver]
-nodes = 33
-[time]
-tolerance = 0.01
-until = 1.2
-"""
+BALL = SMALL_IMPACT + "until = 1.2\n"
 SOURCE = str(Path(ertel.__path__[0]).parent)
 SUMMARY_KEYS = [
     *("kind", "lambda_bar", "alpha_bar", "M", "L", "max_approach", "restitution", "steps", "newton_iterations"),

@@ -10,27 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from cases import ertel_, names
+from cases import SMALL_IMPACT, ertel_, names
 
 import ertel
 
-BALL = """
-[contact]
-radius = "10 mm"
-mass = "32.6726 g"
-speed = "0.1 m/s"
-E_prime = "226.37 GPa"
-[lubricant]
-eta0 = "10 mPa*s"
-alpha = "22 / GPa"
-[solver]
-nodes = 33
-[time]
-tolerance = 0.01
-until = 0.1
-[output]
-interval = 0.05
-"""
+BALL = SMALL_IMPACT + "until = 0.1\n[output]\ninterval = 0.05\n"
 RADIAL = {"--set": ["solver.method=radial", "solver.nodes=17", "time.tolerance=0.1", "output.interval=10"]}
 
 

@@ -8,27 +8,13 @@ import time
 from pathlib import Path
 
 import pytest
-from cases import ertel_, names
+from cases import SMALL_IMPACT, ertel_, names
 
 import ertel
 from ertel.runs.store import RunStore
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no signals and no /dev/full")
-BALL = """
-[contact]
-radius = "10 mm"
-mass = "32.6726 g"
-speed = "0.1 m/s"
-E_prime = "226.37 GPa"
-[lubricant]
-eta0 = "10 mPa*s"
-alpha = "22 / GPa"
-[solver]
-nodes = 33
-[time]
-tolerance = 0.01
-until = 0.1
-"""
+BALL = SMALL_IMPACT + "until = 0.1\n"
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
 ERTEL = [sys.executable, "-m", "ertel"]
 PARAMS = [*ERTEL, "params", "--M", "1000", "--L", "10"]
