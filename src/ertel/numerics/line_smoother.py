@@ -31,8 +31,8 @@ from ertel.numerics.tridiagonal import Factors
 JACOBI_DAMPING = 0.5  # both are smaller than in the point smoother, for the second-order wedge and pressure spikes
 DISTRIBUTIVE_DAMPING = 0.35
 SHORT_WAVES, LONG_WAVES = 0.9, 0.03  # as in `multigrid`; short waves grow more readily with the derivative
-# in units of the long waves' stiffness: up to here, diffusion is moderate.  Where it is so at all neighbours too, as
-# where sliding thins the oil in the whole contact, long waves have room, and Jacobi would amplify them
+# in units of the long waves' stiffness.  Where the diffusion at a node and at all nodes around it is less, Jacobi would
+# amplify long waves: so it is where sliding thins the oil in the whole contact
 MODERATE = 3.0
 
 
@@ -118,7 +118,7 @@ def _bands(elastic: Elasticity, c: Coefficients, by_spread: Array, flow: _Flow) 
 
     def coupling(k: int) -> Array:
         """The entry in row i, column i - k: the change is k nodes upstream."""
-        # without those outside the three bands, a change that is uniform along the line would have a negative sum
+        # couplings outside the three bands count too: without them the sum over a line can be negative
         beyond = diffused(2 * k) if k else 0.0
         return diffused(k) + beyond + _carried(elastic, c, pattern, k, flow)
 
