@@ -61,6 +61,8 @@ class Format(StrEnum):
 def main() -> None:
     """The entry point `ertel`."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the small dense solves lose more than they gain by threads
+    os.environ["JAX_ENABLE_X64"] = "1"  # for all that a command computes, also in the processes that it starts
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # or XLA calls code that it compiled itself an error
     with output.never_failing():
         app()
 

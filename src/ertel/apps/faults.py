@@ -44,8 +44,15 @@ class Commands(TyperGroup):
 def _warnings_said() -> Iterator[None]:
     """Python's warnings in this block as sentences on stderr."""
     with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_: say(f"ertel: warning: {message}")
+        warnings.showwarning = lambda message, *_: _say_warning(str(message))
         yield
+
+
+def _say_warning(message: str) -> None:
+    from ertel.runs import compiling
+
+    if not compiling.is_of_cache(message):
+        say(f"ertel: warning: {message}")
 
 
 @contextmanager

@@ -52,16 +52,15 @@ def paper(
 
 def _make_page(names: list[str], quick: bool, out: Path, engine: "Engine", quiet: bool) -> tuple[Path, dict[str, str]]:
     """Run what is missing and write the page: its path, and why figures are missing."""
+    from ertel.apps import running
     from ertel.apps.boundary_layers import figures
-    from ertel.runs import compiling
     from ertel.runs.progress import bars
 
-    compiling.check_jax()
+    running.prepare()  # or no run can begin
     runs, done, seconds = figures.expected(names, quick, out, engine.processes)
     if not quiet:
         output.say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
     with bars(not quiet) as progress, ExitStack() as stack:
-        compiling.devices()  # or no run can begin
         with interrupts.deferred():
             workers = stack.enter_context(engine.workers(runs - done))
         bar = progress.add_task("runs", total=runs, news="")

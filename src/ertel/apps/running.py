@@ -75,10 +75,11 @@ def show(directory: Path, as_json: bool) -> None:
 
 def warm_up_all(cases: Sequence[Case]) -> None:
     """Compile ahead for all cases, with a line for each on stderr."""
-    directory = compiling.cache_directory()
-    if directory is None:
+    if compiling.cache_directory() is None:
         leave(BAD_INPUT, "compiled programs cannot be kept without a home directory; set XDG_CACHE_HOME to a directory")
-    prepare()
+    directory = prepare()
+    if directory is None:
+        leave(BAD_INPUT, f"compiled programs cannot be kept in {compiling.cache_directory()}")
     for number, case in enumerate(cases, start=1):
         say(f"{number}/{len(cases)}  {case.name or case.kind}: compiling")
         with within_memory(case):
@@ -86,11 +87,11 @@ def warm_up_all(cases: Sequence[Case]) -> None:
     say(f"Compiled programs are in {directory}")
 
 
-def prepare() -> None:
-    """Check that JAX computes here, and let it load what is compiled.  Raises NoDevice."""
+def prepare() -> Path | None:
+    """Check that JAX computes here, and let it load what is compiled, from the directory named.  Raises NoDevice."""
     compiling.check_jax()
     compiling.devices()
-    compiling.start_at_once()
+    return compiling.start_at_once()
 
 
 # -- directories ------------------------------------------------------------------------------------------------------

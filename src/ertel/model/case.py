@@ -28,6 +28,7 @@ from ertel.model.records import (
     scaled_all,
     show,
     signal_of,
+    with_own_numbers,
 )
 from ertel.model.sections import (
     CENTRED_HALF_WIDTH,
@@ -90,6 +91,8 @@ class Case:
     thermal: Thermal | None = None
 
     def __post_init__(self) -> None:
+        for item in fields(self):
+            object.__setattr__(self, item.name, with_own_numbers(getattr(self, item.name)))
         rules.check_name(self.name)
         checked(self.solver, "solver")
         checked(self.oil, "lubricant")

@@ -8,6 +8,7 @@ import numpy as np
 from jax import Array
 
 from ertel.numerics.grid import Even, Grid
+from ertel.numerics.precision import require_double
 from ertel.numerics.symmetry import extended, total
 
 TIE = 1e-6  # relative difference of two extremes that mirror each other
@@ -20,6 +21,7 @@ def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
     much lower the mean of the four next nodes is, as a share of it.  load: integral of P.  Of two extremes that mirror
     each other about an axis, the one on its positive side is named.
     """
+    require_double()
     row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
     found = _measure(P, H, grid.kept_y, grid.kept_x, row, column, grid.even)
     H_c, H_min, thin, P_c, P_max, high, fall, load = np.asarray(found).tolist()

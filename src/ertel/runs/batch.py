@@ -11,10 +11,11 @@ A batched iteration goes on until the slowest case has converged, so a batch pay
 idle: small grids, and graphics processors.  Runs that fill the cores are better spread over processes (`ertel.sweep`).
 """
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from operator import itemgetter
+from os import PathLike
 from typing import Any
 
 import jax
@@ -22,10 +23,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, tree
 
+from ertel.inputs.case_files import CaseLike, ConfigError, as_case, written
 from ertel.model import discretise
 from ertel.model.case import Case
 from ertel.model.pytrees import traceable, traceable_law
 from ertel.model.status import Status
+from ertel.numerics.precision import double_precision, require_double
 from ertel.results.result import Result
 from ertel.runs.courses import METHODS, course_of
 from ertel.runs.drive import Gathering
@@ -39,16 +42,20 @@ ON_THE_PLANE = tuple(name for name, method in METHODS.items() if method is Trans
 SHRINKAGE = 4  # a batch becomes smaller, which costs a compilation, when this factor fewer cases still run
 
 
+@double_precision()
 def simulate_batch(
-    cases: Sequence[Case], on_step: Callable[[int, Step], object] = lambda number, step: None
+    cases: Sequence[CaseLike], on_step: Callable[[int, Step], object] = lambda number, step: None
 ) -> list[Result | Failure]:
-    """The results of all cases in their order, as `simulate` gives them; a `Failure` where a run raised.
+    """The results of all cases in their order, as `simulate` takes and gives them; a `Failure` where a run raised.
 
     on_step sees every accepted step with the number of its case.  Raises ValueError, naming the field, where the cases
     cannot share a step.
     """
-    check_alike(cases)
-    runs = [_run(case, partial(on_step, number)) for number, case in enumerate(cases)]
+    if isinstance(cases, Case | str | PathLike | Mapping) or not isinstance(cases, Iterable):
+        raise ConfigError(f"cases = {written(cases)}: must be a sequence of cases")
+    found = [as_case(case, f"cases[{number}]") for number, case in enumerate(cases)]
+    check_alike(found)
+    runs = [_run(case, partial(on_step, number)) for number, case in enumerate(found)]
     return run_together(runs, solve_together)
 
 
@@ -150,6 +157,7 @@ def _structure(law: object) -> tuple[str, object, tuple[tuple[int, ...], ...]]:
 
 def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolution]:
     """The results of `transient.solve_step` for problems of one shape, by one call with this number of lanes."""
+    require_double()
     filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
     own = tree.map(_stacked, *(_own(problem) for problem in filled))
     fields, rest = _solve_lanes(problems[0], own)

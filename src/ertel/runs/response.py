@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 from jax import Array
 
+from ertel.inputs.case_files import CaseLike, as_case
 from ertel.model import discretise
 from ertel.model.case import Case
 from ertel.model.records import scaled_all
@@ -24,6 +25,7 @@ from ertel.model.state import State, combined, interpolated
 from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
+from ertel.numerics.precision import double_precision
 from ertel.physics import surfaces
 from ertel.physics.motion import Motion
 from ertel.physics.surfaces import Feature, Waviness
@@ -102,12 +104,13 @@ class Lockstep:
         return not self.status.ok
 
 
-def respond(case: Case, roughnesses: Sequence[Sequence[Feature]], observers: Sequence[Observer] = ()) -> xr.Dataset:
+@double_precision()
+def respond(case: CaseLike, roughnesses: Sequence[Sequence[Feature]], observers: Sequence[Observer] = ()) -> xr.Dataset:
     """The smooth impact up to maximum approach, and the change due to each roughness of finite height.
 
     Parameters
     ----------
-    case : Case
+    case : Case, str, Path or mapping
         An impact by the method "2d"; its own roughness is left out of the smooth run.
     roughnesses : sequence of sequences of Feature
         One for each response.  Heights in a^2/R, positive = metal towards the film.
@@ -122,16 +125,17 @@ def respond(case: Case, roughnesses: Sequence[Sequence[Feature]], observers: Seq
 
     Raises ValueError for another method.
     """
-    smooth = _smooth(case, roughnesses)
+    smooth = _smooth(as_case(case), roughnesses)
     companions = [RoughRun(replace(smooth, roughness=tuple(features))) for features in roughnesses]
     return _in_lockstep(smooth, Transient2D(smooth), companions, roughnesses, observers)
 
 
+@double_precision()
 def respond_linearly(
-    case: Case, roughnesses: Sequence[Sequence[Feature]], observers: Sequence[Observer] = ()
+    case: CaseLike, roughnesses: Sequence[Sequence[Feature]], observers: Sequence[Observer] = ()
 ) -> xr.Dataset:
     """The tangent-linear response: the limit of `respond` as the height of the roughness goes to zero."""
-    smooth = _smooth(case, roughnesses)
+    smooth = _smooth(as_case(case), roughnesses)
     method = Transient2D(smooth)
     companions = [TangentRun(method, features) for features in roughnesses]
     return _in_lockstep(smooth, method, companions, roughnesses, observers)
@@ -184,14 +188,15 @@ def _assemble(
 # -- rolling ----------------------------------------------------------------------------------------------------------
 
 
-def respond_in_rolling(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> xr.Dataset:
+@double_precision()
+def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]]) -> xr.Dataset:
     """The periodic response of a steady rolling contact to waviness that passes through it, linear in its height.
 
     It is the film that a run in time reaches when waves of small height have passed, with time steps of one cell.
 
     Parameters
     ----------
-    case : Case
+    case : Case, str, Path or mapping
         Rolling by the method "steady".  Roughness of its own, which is at rest, belongs to the steady film.
     roughnesses : sequence of sequences of Feature
         One for each response: waviness without a front.  All features of a response must pass with one frequency.
@@ -207,6 +212,7 @@ def respond_in_rolling(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> 
 
     Raises ValueError for another method, other shapes, or several frequencies in one response.
     """
+    case = as_case(case)
     if not case.is_steady:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "steady" for the response to passing waves')
     features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]

@@ -27,8 +27,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.model.case import Case
 from ertel.model.status import Status
+from ertel.numerics.precision import double_precision
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.runs import checked_zarr, compiling, directories
@@ -268,6 +270,7 @@ class RunStore:
 # -- running ----------------------------------------------------------------------------------------------------------
 
 
+@double_precision()
 def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, Any]:
     """Continue a stored case to its end, write all results, and return the summary.
 
@@ -290,13 +293,14 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
     return summary
 
 
-def run(case: Case, directory: str | Path, progress: bool = False, observers: Sequence[Observer] = ()) -> Result:
+@double_precision()
+def run(case: CaseLike, directory: str | Path, progress: bool = False, observers: Sequence[Observer] = ()) -> Result:
     """Run a case and store it; an interrupted run is continued, and a complete run is read.
 
     Parameters
     ----------
-    case : Case
-        What to run.
+    case : Case, str, Path or mapping
+        What to run, as for `simulate`.
     directory : str or Path
         The run directory: made if it is not there.
     progress, observers
@@ -305,8 +309,7 @@ def run(case: Case, directory: str | Path, progress: bool = False, observers: Se
     Raises StoreError where the directory holds another case, or cannot be written.
     """
     compiling.check_jax()
-    compiling.keep_on_disk()
-    directory = Path(directory)
+    case, directory = as_case(case), path_of("directory", directory, "a run directory")
     store = RunStore.open(directory) if (directory / CASE).exists() else RunStore.create(directory, case)
     if store.case != case:
         raise StoreError(
@@ -320,6 +323,7 @@ def run(case: Case, directory: str | Path, progress: bool = False, observers: Se
     return result
 
 
+@double_precision()
 def open_run(directory: str | Path) -> Result:
     """The run in a directory, as far as it is written.  Raises StoreError where there is none."""
-    return RunStore.open(Path(directory)).result()
+    return RunStore.open(path_of("directory", directory, "a run directory")).result()

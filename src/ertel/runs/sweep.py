@@ -6,6 +6,7 @@ ertel.sweep("speeds.toml", "sweeps/speeds", jobs=2)
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -34,8 +35,8 @@ class Engine:
     def __post_init__(self) -> None:
         if self.scheduler and self.scheduler_file:
             raise ConfigError(f"scheduler = {show(self.scheduler)}: give it, or scheduler_file, not both")
-        if self.jobs is not None and self.jobs < 1:
-            raise ConfigError(f"jobs = {self.jobs}: must be one or more")
+        if self.jobs is not None and not (isinstance(self.jobs, Integral) and self.jobs >= 1):
+            raise ConfigError(f"jobs = {show(self.jobs)}: must be a whole number, one or more")
 
     @property
     def processes(self) -> int:
@@ -97,7 +98,6 @@ def sweep(
     Raises ConfigError, naming the field, its value and what is allowed; StoreError where another process is at it.
     """
     compiling.check_jax()
-    compiling.keep_on_disk()
     engine = Engine(jobs, scheduler, None if scheduler_file is None else Path(scheduler_file))
     found = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
     place = Path(directory).absolute()

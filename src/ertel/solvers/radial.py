@@ -29,14 +29,13 @@ from ertel.model.state import Method, State, Stepping, Work
 from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc, disc_weights
+from ertel.numerics.precision import require_double
 from ertel.numerics.programs import Program
 from ertel.numerics.stencils import Pair
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.rheology import NEWTONIAN, Rheology
-
-jax.config.update("jax_enable_x64", True)
 
 Floats = NDArray[np.float64]
 
@@ -117,6 +116,7 @@ def extent(half_width: float) -> float:
 
 def mesh(r: Floats) -> Mesh:
     """The grid with nodes r, from 0 outwards, and its elastic kernel."""
+    require_double()
     face = (r[1:] + r[:-1]) / 2
     ends = np.concatenate([r[:1], face, r[-1:]])
     fields = r, face, np.diff(ends**2) / 2, elastic_kernel(r), disc_weights(r)
@@ -263,6 +263,7 @@ class RadialImpact(Method):
 
     def solve(self, problem: Problem) -> Solution:
         """P and H at the new level."""
+        require_double()
         return solve(*problem)
 
     def equations(

@@ -25,6 +25,7 @@ from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics import multigrid, newton, richardson, stencils
 from ertel.numerics.grid import Even, Grid, check_grid
+from ertel.numerics.precision import double_precision
 from ertel.numerics.programs import Program
 from ertel.numerics.symmetry import folded, total, unfolded
 from ertel.physics.far_field import Motion
@@ -171,6 +172,7 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: fl
 def _compile_ahead(case: Case, grids: Sequence[Grid], tolerance: float, precision: str) -> None:
     """Compile the programs of some grids in the background, one after the other."""
 
+    @double_precision()  # it holds for one thread
     def compile_all() -> None:
         for grid in grids:
             with suppress(Exception):  # the run itself meets the error, and says so
