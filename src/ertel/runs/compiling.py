@@ -156,7 +156,7 @@ def start_at_once() -> Path | None:
     from ertel.numerics import programs
 
     directory, _chosen = cache(), start_at_once
-    if directory and "://" not in str(_jax_directory()) and _is_safe(directory) and _is_safe(directory / "ertel"):
+    if directory and "://" not in str(_jax_directory()) and _is_safe(directory / "ertel"):
         parts = own_sources(), version("jax"), version("jaxlib"), _processor(), os.environ.get("XLA_FLAGS", "")
         programs.keep(directory / "ertel", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     return directory
@@ -206,8 +206,8 @@ def _is_safe(directory: Path) -> bool:
         return False
     if wrong:
         warnings.warn(
-            f"compiled programs are not kept: {wrong[0]} belongs to another user, or others may write to it; delete "
-            f"{directory}, or set JAX_COMPILATION_CACHE_DIR to a directory that only you can write",
+            f"compiled programs are not kept: {wrong[0]} belongs to another user, or others may write to it; "
+            "see to it that only you can, or set JAX_COMPILATION_CACHE_DIR to another directory",
             RuntimeWarning,
             stacklevel=3,
         )
@@ -215,13 +215,11 @@ def _is_safe(directory: Path) -> bool:
 
 
 def _open_to_others(directory: Path) -> Iterator[Path]:
-    """The directory and what lies in it, as far as another user owns it or may write to it."""
+    """The directory, the one that it is in, and its files, as far as another user owns them or may write to them."""
     from ertel.numerics.programs import is_own
 
-    here = directory.stat()
-    if not is_own(here):
-        yield directory
-    closed = not here.st_mode & 0o077
+    yield from (folder for folder in (directory, directory.parent) if not is_own(folder.stat()))
+    closed = not directory.stat().st_mode & 0o077
     for path in directory.iterdir():
         with suppress(FileNotFoundError):  # the draft of another process
             if not is_own(path.stat(), closed):
