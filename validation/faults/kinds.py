@@ -27,6 +27,8 @@ from ertel.runs.drive import drive
 from ertel.runs.store import RunStore, compute, open_run
 from ertel.solvers import radial
 
+jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
+
 WAVES = '[[roughness]]\nshape = "waviness"\namplitude = 0.01\nwavelength_x = 1.0\nwavelength_y = 1.0\n'
 MAPS = "[output]\ninterval = 0.02\n"
 CASES = {

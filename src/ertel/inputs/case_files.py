@@ -91,8 +91,8 @@ def path_of(name: str, given: Any, what: str) -> Path:
 
 
 def written(value: object) -> str:
-    """A value as it is written in Python, for messages."""
-    return shortened(repr(value))
+    """A value as it is written in Python, for messages, in one line."""
+    return shortened(" ".join(repr(value).split()))
 
 
 def _as_written(text: str, written: Any, read: Mapping[str, Any]) -> str:
@@ -159,11 +159,11 @@ def to_toml(case: Case) -> str:
     """A case as a case file, complete and in SI; it reads back as the same case, to the last bit.
 
     A case with measured surfaces needs the files of `Case.maps` beside it, as in a run directory.  Raises ValueError
-    for a law or a shape that has no registered name.
+    for a law or a shape that has no registered name, and for anything else than a case.
     """
     import tomli_w
 
-    return tomli_w.dumps(case.to_data())
+    return tomli_w.dumps(as_case(case).to_data())
 
 
 def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[str, Any]:
