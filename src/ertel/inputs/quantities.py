@@ -26,13 +26,13 @@ _NUMBER = re.compile(r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3
 
 
 def plain_data(value: Any) -> Any:
-    """NumPy's scalars and arrays as numbers and lists, a pint quantity as a text; also inside of lists and tables."""
+    """NumPy's scalars as numbers, and a pint quantity as a text; also inside of lists and tables."""
     if isinstance(value, Mapping):
         return {key: plain_data(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [plain_data(item) for item in value]
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
     if hasattr(value, "magnitude") and hasattr(value, "units"):
         return f"{plain_data(value.magnitude)!r} {value.units}"
     return value
