@@ -70,7 +70,7 @@ def test_a_case_in_the_wrong_place_is_named_in_one_line():
 
 @pytest.mark.parametrize("jobs", [1.5, "2", 0])
 def test_jobs(jobs):
-    with pytest.raises(ertel.ConfigError, match=r"^jobs = .*: must be a whole number, one or more$"):
+    with pytest.raises(ertel.ConfigError, match=r"^jobs = .*: must be one or more, a whole number$"):
         ertel.sweep({**DATA, "contact": {"M": [20, 30], "L": 5}}, "nowhere", jobs=jobs)
 
 

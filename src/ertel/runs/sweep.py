@@ -36,7 +36,7 @@ class Engine:
         if self.scheduler and self.scheduler_file:
             raise ConfigError(f"scheduler = {show(self.scheduler)}: give it, or scheduler_file, not both")
         if self.jobs is not None and not (isinstance(self.jobs, Integral) and self.jobs >= 1):
-            raise ConfigError(f"jobs = {show(self.jobs)}: must be a whole number, one or more")
+            raise ConfigError(f"jobs = {show(self.jobs)}: must be one or more, a whole number")
 
     @property
     def processes(self) -> int:
