@@ -206,9 +206,9 @@ def test_no_scheduler_is_said_in_one_sentence(tmp_path, monkeypatch):
         pass
     for text in ("no JSON", "[1]"):
         (tmp_path / "scheduler.json").write_text(text)
-        with pytest.raises(NoScheduler, match="is not JSON with an address"):
-            with cluster.existing(file=tmp_path / "scheduler.json"):
-                pass
+        said = "is not JSON with an address"
+        with pytest.raises(NoScheduler, match=said), cluster.existing(file=tmp_path / "scheduler.json"):
+            pass
 
 
 @pytest.fixture

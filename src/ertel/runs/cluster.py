@@ -44,7 +44,7 @@ ANSWER = 20  # s in which a scheduler must answer
 PATIENCE = 10  # s without any worker, after which this is said
 RUNNING = "running"  # the status of a client that has its scheduler
 LOST = Failure("the scheduler was lost")
-LOCAL = {
+LOCAL: dict[str, Any] = {
     "distributed.scheduler.worker-ttl": None,  # compiled code may keep a worker from a sign of life for long
     "distributed.worker.multiprocessing-method": "spawn",  # JAX fears forks
     "distributed.scheduler.http.routes": [],  # its pages take no key, and show jobs and logs to everybody
@@ -138,7 +138,8 @@ def _check_encryption(where: str, address: str, given: Security | None) -> None:
     """Raise NoScheduler unless there are keys for an address that needs them, and the other way round."""
     security = given or Security()  # of dask's configuration
     if address.startswith("tls://"):
-        if not security.tls_client_cert and not dask.config.get("distributed.client.security-loader"):
+        keys = security.get_tls_config_for_role("client")
+        if not keys["cert"] and not dask.config.get("distributed.client.security-loader"):
             raise NoScheduler(f"{where}: {address} needs certificates; give tls, a PEM file")
     elif security.require_encryption:
         raise NoScheduler(f"{where}: {address} is not encrypted; with tls it must be tls://HOST:PORT")
