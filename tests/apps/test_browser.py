@@ -1,10 +1,8 @@
 """The app without its pages: its folder, its processes, its form, who may ask, and what it does not import."""
 
 import asyncio
-import fcntl
 import json
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -25,8 +23,10 @@ from ertel.apps.browser.pictures import Artist
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.wishes import Wish, stamp_of
 from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.runs import stop_file
+from ertel.runs.files import locked
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="the app stops runs by SIGINT")
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="no locks")
 
 
 def until(there, seconds=10.0):
@@ -130,18 +130,54 @@ def test_a_run_that_fails_says_why(tmp_path):
     assert processes.standing(run).message == "contact: missing"
 
 
-def test_runs_of_other_programs_are_told_by_their_lock(tmp_path):
-    """A killed run leaves "running" behind; only the lock tells whether a process computes it."""
+@pytest.mark.parametrize("number", ["another", "own", 0, -1, 1])
+def test_runs_of_other_programs_are_told_by_their_lock(tmp_path, monkeypatch, number):
+    """A killed run leaves "running" behind; only the lock tells whether a process computes it.
+
+    It is asked to stop by a file.  No process is signalled: the number may be that of another one by now, or one on
+    another machine.
+    """
     run, processes = make_run(tmp_path / "run", finished=False), Processes(Folder.at(tmp_path))
+    signalled = []
+    monkeypatch.setattr(os, "kill", lambda *arguments: signalled.append(arguments))
     with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(30)"]) as other:
-        write_progress(run, process=other.pid)
+        write_progress(run, process={"another": other.pid, "own": os.getpid()}.get(number, number))
         assert processes.standing(run).phase is Phase.INTERRUPTED
-        handle = os.open(run, os.O_RDONLY)
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        assert processes.standing(run).phase is Phase.RUNNING
+        with locked(run):
+            assert processes.standing(run).phase is Phase.RUNNING
+            processes.stop(run)
+            assert processes.standing(run).phase is Phase.STOPPING
+            assert stop_file.is_asked(run)
+            with pytest.raises(ValueError, match="run: is asked to stop already"):
+                processes.stop(run)
+            write_progress(run, status="interrupted", process=other.pid)
+            (run / "stop").unlink()
+            assert processes.standing(run).phase is Phase.COMPILING
+        assert other.poll() is None and signalled == []
+        monkeypatch.undo()
+        other.kill()
+    assert processes.standing(run).phase is Phase.INTERRUPTED
+    with pytest.raises(ValueError, match="nothing to stop"):
         processes.stop(run)
-        assert other.wait(10) == -signal.SIGINT
-    os.close(handle)
+
+
+def test_a_run_that_does_not_hear_is_ended(tmp_path):
+    """It was started here, so that its process is known: before it computes, and where it is asked again."""
+    quiet = [sys.executable, "-c", "import time; time.sleep(30)"]
+    processes = Processes(Folder.at(tmp_path), quiet)
+    run = processes.start("ball", "text")
+    processes.stop(run)
+    until(lambda: not processes.ours(), 5)
+    assert processes.standing(run).phase is Phase.INTERRUPTED
+    deaf = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(1, flush=True); time.sleep(30)"
+    processes = Processes(Folder.at(tmp_path), [sys.executable, "-c", deaf])
+    run = make_run(tmp_path / "deaf", finished=False)
+    processes.resume(run)
+    with locked(run):
+        for _ in range(2):
+            processes.stop(run)
+            assert stop_file.is_asked(run)
+        until(lambda: not processes.ours(), 5)
     assert processes.standing(run).phase is Phase.INTERRUPTED
 
 

@@ -20,7 +20,7 @@ from ertel.apps.browser.site import Site
 
 pytestmark = [
     pytest.mark.asyncio,
-    pytest.mark.skipif(os.name == "nt", reason="the app stops runs by SIGINT"),
+    pytest.mark.skipif(os.name == "nt", reason="no locks"),
 ]
 FOUND = {
     "grid": {"nodes": 257, "nodes_across": 1, "cells_in_sweep": 77.4},

@@ -28,6 +28,7 @@ from ertel.apps.arguments import (
     SchedulerFile,
     Set,
     StudyFile,
+    Tls,
     directory_option,
     values_option,
 )
@@ -157,6 +158,7 @@ def sweep(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     scheduler_file: SchedulerFile = None,
+    tls: Tls = None,
     part: Annotated[
         str | None,
         typer.Option(
@@ -181,7 +183,7 @@ def sweep(
     from ertel.inputs.studies import load_study
 
     with bad_input():
-        engine, chosen = sweep.Engine(jobs, scheduler, scheduler_file), sweep.part_of(part)
+        engine, chosen = sweep.Engine(jobs, scheduler, scheduler_file, tls), sweep.part_of(part)
         study = load_study(study_file, set_ or [])
     sweep.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ertel.apps import interrupts, output
-from ertel.apps.arguments import Jobs, Quiet, Scheduler, SchedulerFile
+from ertel.apps.arguments import Jobs, Quiet, Scheduler, SchedulerFile, Tls
 from ertel.apps.exits import FAILED, bad_input, leave, reason_of
 from ertel.apps.paths import local_path, shown
 
@@ -27,6 +27,7 @@ def paper(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     scheduler_file: SchedulerFile = None,
+    tls: Tls = None,
     quiet: Quiet = False,
 ) -> None:
     """Reproduce the figures of the paper, with their data, on one page.
@@ -40,7 +41,7 @@ def paper(
         names = figures.names_of(figure)
         out.mkdir(parents=True, exist_ok=True)
     try:
-        page, missing = _make_page(names, quick, out, Engine(jobs, scheduler, scheduler_file), quiet)
+        page, missing = _make_page(names, quick, out, Engine(jobs, scheduler, scheduler_file, tls), quiet)
     except interrupts.Interrupted as error:
         leave(error.code, "interrupted; the same command continues")
     except OSError as error:

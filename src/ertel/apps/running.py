@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ertel.apps import tables
-from ertel.apps.exits import BAD_INPUT, FAILED, bad_input, leave, reason_of
+from ertel.apps.exits import ASKED, BAD_INPUT, FAILED, bad_input, leave, reason_of
 from ertel.apps.interrupts import Stop, interruptible
 from ertel.apps.output import print_json, say
 from ertel.apps.paths import in_shell, shown
@@ -157,11 +157,11 @@ def _finish(run: RunStore, others: Mapping[str, Course], wishes: Wishes) -> None
         except OSError as error:
             leave(FAILED, f"cannot write to {shown(run.directory)}: {reason_of(error)}; {to_continue}")
         if summary is None:
-            leave(stop.code, f"interrupted; {to_continue}")
+            leave(stop.code or ASKED, f"interrupted; {to_continue}")
         report(run, summary, wishes)
     status = Status(summary["status"])
     if status is Status.INTERRUPTED:
-        leave(stop.code, f"interrupted; {to_continue}")
+        leave(stop.code or ASKED, f"interrupted; {to_continue}")
     if not status.ok:
         advice = f"{status.value}; {status.advice}. Results so far are in {shown(run.directory)}"
         leave(FAILED, f"failed: {advice}")
@@ -173,8 +173,8 @@ def _computed(run: RunStore, others: Mapping[str, Course], quiet: bool, stop: St
         compared = {}
         for part, course in others.items():
             bar = watch(shown_bars, course, f"for the error of the {part}")
-            compared[part] = _summary_of(course, [bar, stop])
-            if stop.code:
+            compared[part] = _summary_of(course, [bar, stop, run.asked_to_stop])
+            if stop.code or run.asked_to_stop():
                 return None
         summary = run.outcome() or store.compute(run, [watch(shown_bars, run.course), stop])
         if summary["status"] == "converged" and compared:

@@ -9,7 +9,8 @@ from the pace so far, null before there is one, among others while programs are 
 
 The file is renewed at most once a second, under another name and then renamed, so that readers find the old content or
 the new one.  It is not part of the data of the run: without checksum, not waited for until it is on the disk, and
-nothing is computed from it.  A run that was killed leaves "running" behind; `written` and `process` tell.
+nothing is computed from it.  A run that was killed leaves "running" behind, until another process takes it over; the
+lock of the directory tells.  `process` is a number on the machine of the run: signal it only where you know that.
 
 This module does not import JAX, so that programs that only watch a run stay small.
 """
@@ -17,6 +18,7 @@ This module does not import JAX, so that programs that only watch a run stay sma
 import json
 import os
 import time
+from collections.abc import Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -62,13 +64,7 @@ class ProgressFile:
             "written": datetime.now(UTC).isoformat(timespec="seconds"),
             "process": os.getpid(),
         }
-        draft = self._path.with_name(f"{self._path.name}.partial")
-        try:
-            draft.write_text(json.dumps(content) + "\n", encoding="ascii")
-            draft.replace(self._path)
-        except OSError:
-            with suppress(OSError):
-                draft.unlink()  # a full disk needs its space
+        _replace(self._path, content)
 
     def _left(self, status: Status, done: float) -> float | None:
         """Seconds to the end at the pace since the first item; compiling came before it."""
@@ -78,6 +74,23 @@ class ProgressFile:
             return None
         then, share = self._first
         return round((time.monotonic() - then) * (1.0 - done) / (done - share), 1)
+
+
+def _replace(path: Path, content: Mapping[str, Any]) -> None:
+    draft = path.with_name(f"{path.name}.partial")
+    try:
+        draft.write_text(json.dumps(content) + "\n", encoding="ascii")
+        draft.replace(path)
+    except OSError:
+        with suppress(OSError):
+            draft.unlink()  # a full disk needs its space
+
+
+def settle(directory: Path) -> None:
+    """Call a run interrupted whose process was killed: the next process is at it, but has not come to an item yet."""
+    found = read(directory)
+    if found and found["status"] == Status.RUNNING.value:
+        _replace(directory / PROGRESS, {**found, "status": Status.INTERRUPTED.value})
 
 
 def read(directory: Path) -> dict[str, Any] | None:

@@ -7,6 +7,7 @@ run.zarr                scalars of every step, maps at chosen times, provenance;
 checkpoint.npz          the state to go on from, and how much of run.zarr belongs to it
 summary.json            the outcome
 progress.json           how far the run is, for programs that watch it; not part of the data, see `progress_file`
+stop                    made by whoever wants the run to stop, see `stop_file`
 ======================  =========================================================================================
 
 A flush writes to run.zarr, then renews its metadata: now readers see the new rows; then replaces the checkpoint: now a
@@ -33,7 +34,7 @@ from ertel.model.status import Status
 from ertel.numerics.precision import double_precision
 from ertel.results.result import Result
 from ertel.results.summary import attributes
-from ertel.runs import checked_zarr, compiling, directories
+from ertel.runs import checked_zarr, compiling, directories, progress_file, stop_file
 from ertel.runs.arrays import Data, advice_of, data_of
 from ertel.runs.courses import Course, Item, course_of
 from ertel.runs.directories import CASE as CASE
@@ -136,7 +137,7 @@ class RunStore:
         if self._alone:
             yield
             return
-        with locked(self.directory):
+        with locked(self.directory), stop_file.fresh(self.directory):
             now = directories.read_case(self.directory)
             directories.require_same(self.directory, self.case.digest, self.case.to_data(), now)
             self._check_data()
@@ -145,6 +146,10 @@ class RunStore:
                 yield
             finally:
                 self._alone = False
+
+    def asked_to_stop(self, item: object = None) -> bool:
+        """Whether there is a file that asks the run to stop; this is an observer."""
+        return stop_file.is_asked(self.directory)
 
     def __call__(self, item: Item) -> None:
         """Add one item; the items are written at intervals."""
@@ -283,8 +288,9 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
         finished = store.outcome()
         if finished is not None:
             return finished
+        progress_file.settle(store.directory)
         progress = ProgressFile(store.directory, store.course)
-        last = drive(store.course, [store, progress, *observers], store.resume())
+        last = drive(store.course, [store, progress, *observers, store.asked_to_stop], store.resume())
         progress.write(last)
         store.flush()
         work = {"compilations": compiling.count() - compiled, "wall_s": store.seconds}
