@@ -19,7 +19,7 @@ CASE = {**BALL_FALLS, "solver": {"method": "radial", "nodes": 41}}
 VALUES = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.0, "P_max": 1.0, "H_c": 0.05, "H_min": 0.025}
 SUMMARY = {
     "kind": "impact", "method": "radial", "M": 1000.0, "L": 10.0, "max_approach": VALUES, "restitution": 0.93,
-    "status": "converged", "warnings": ["the grid is coarse"],
+    "status": "converged", "warnings": ["the grid is coarse"], "wall_s": 5.0,
 }  # fmt: skip
 STANDS_FOR_ERTEL = """
 import json, os, pathlib, shutil, sys, time

@@ -1,4 +1,4 @@
-"""The app without its pages: its folder, its processes, its form, who may ask, and what it does not import."""
+"""The app without its pages: its folder, its processes, its form, its pictures, and what it does not import."""
 
 import asyncio
 import json
@@ -18,7 +18,6 @@ from ertel.apps import browser
 from ertel.apps.browser import checking, pictures
 from ertel.apps.browser.folder import Folder, Outside
 from ertel.apps.browser.form import Form, field_of
-from ertel.apps.browser.guard import Guard
 from ertel.apps.browser.pictures import Artist
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.wishes import Wish, stamp_of
@@ -224,31 +223,7 @@ def test_the_outlook_is_that_of_ertel_check(tmp_path):
     assert found["grid"]["nodes"] == 257
 
 
-# -- who may ask ------------------------------------------------------------------------------------------------------
-
-
-def answer(headers, kind="http"):
-    """What the guard does with a request: the status, "closed", or "passed"."""
-    told = []
-
-    async def passed(scope, receive, send):
-        told.append("passed")
-
-    async def send(message):
-        told.append(message.get("status") or {"websocket.close": "closed"}.get(message["type"]))
-
-    scope = {"type": kind, "headers": [(name.encode(), value.encode()) for name, value in headers.items()]}
-    asyncio.run(Guard(passed, 8642)(scope, None, send))
-    return told[0]
-
-
-def test_only_pages_of_the_app_are_answered():
-    ours, theirs = {"host": "127.0.0.1:8642"}, {"host": "evil.example:8642"}
-    assert answer(ours) == answer({"host": "localhost:8642"}) == "passed"
-    assert answer({**ours, "origin": "http://127.0.0.1:8642"}, "websocket") == "passed"
-    assert answer(theirs) == answer({"host": "127.0.0.1:1"}) == answer({}) == 403
-    assert answer({**ours, "origin": "http://evil.example"}) == answer({**ours, "origin": "null"}) == 403
-    assert answer(theirs, "websocket") == answer({**ours, "origin": "https://evil.example"}, "websocket") == "closed"
+# -- the command ------------------------------------------------------------------------------------------------------
 
 
 def test_the_command_without_the_package(monkeypatch):
@@ -314,7 +289,8 @@ from ertel.apps.browser import launch
 from ertel.apps.browser.checking import at_once
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.form import Form
-from ertel.apps.browser.processes import Processes, summary_of
+from ertel.apps.browser.processes import Processes
+from ertel.apps.browser.records import summary_of
 from ertel.results.key_numbers import key_numbers
 
 folder = Folder.at(Path(sys.argv[1]))

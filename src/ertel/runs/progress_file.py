@@ -24,14 +24,30 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pydantic import BaseModel, Field
+
 from ertel.model.status import Status
+from ertel.runs.files import content_of
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
     from ertel.runs.courses import Course, Item
 
 PROGRESS = "progress.json"
 INTERVAL = 1.0  # s
-_KEYS = {"status", "T", "step", "done", "seconds", "seconds_left", "written", "process"}
+LARGEST_PROCESS = 2**31  # numbers of processes are below it
+
+
+class _Content(BaseModel, strict=True, extra="allow", allow_inf_nan=False):
+    """The values that readers count on."""
+
+    status: str
+    T: float | None
+    step: int = Field(ge=0)
+    done: float = Field(ge=0.0, le=1.0)
+    seconds: float
+    seconds_left: float | None
+    written: str
+    process: int = Field(gt=0, lt=LARGEST_PROCESS)
 
 
 class ProgressFile:
@@ -96,6 +112,5 @@ def settle(directory: Path) -> None:
 def read(directory: Path) -> dict[str, Any] | None:
     """The progress of a run; None where there is none or it cannot be read."""
     with suppress(OSError, ValueError):
-        found: dict[str, Any] = json.loads((directory / PROGRESS).read_text(encoding="ascii"))
-        return found if isinstance(found, dict) and _KEYS <= found.keys() else None
+        return _Content.model_validate_json(content_of(directory / PROGRESS)).model_dump()
     return None

@@ -10,15 +10,14 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import Enum
-from functools import lru_cache
 from pathlib import Path
 from time import monotonic
 from typing import IO, Any
 
 from ertel.apps.browser.folder import Folder
+from ertel.apps.browser.records import fault_of, summary_of
 from ertel.model.status import Status
 from ertel.runs import files, progress_file, stop_file
 
@@ -37,6 +36,7 @@ class Phase(Enum):
     FINISHED = "finished"
     INTERRUPTED = "interrupted"
     FAILED = "failed"
+    DAMAGED = "damaged"
 
     @property
     def is_active(self) -> bool:
@@ -163,7 +163,8 @@ class Processes:
             return Standing(Phase.FAILED, progress, ours.last_message())
         if not _outcome(run) and files.is_locked(run):
             return Standing(_phase_elsewhere(run, progress), progress)
-        return _ended(run, progress)
+        fault = fault_of(run)
+        return Standing(Phase.DAMAGED, progress, fault) if fault else _ended(run, progress)
 
 
 def _phase_of(ours: _Started, progress: Mapping[str, Any] | None) -> Phase:
@@ -189,20 +190,6 @@ def _ended(run: Path, progress: Mapping[str, Any] | None) -> Standing:
         return Standing(Phase.INTERRUPTED, progress)
     known = [each for each in Status if each.value == status]
     return Standing(Phase.FAILED, progress, f"{status}; {known[0].advice}" if known else str(status))
-
-
-def summary_of(run: Path) -> dict[str, Any] | None:
-    """The summary of a run, None where there is none that can be read."""
-    path = run / "summary.json"
-    with suppress(OSError, ValueError):
-        return _summary(path, path.stat().st_mtime_ns)
-    return None
-
-
-@lru_cache(maxsize=64)
-def _summary(path: Path, changed: int) -> dict[str, Any]:
-    """The content of a file that was changed then."""
-    return files.unsealed(path.read_bytes())
 
 
 def _outcome(run: Path) -> str | None:
