@@ -284,7 +284,7 @@ def test_a_film_below_zero_is_no_result():
         numbers_are_withheld(result.summary)
         first, *others = result.warnings
         assert "the grid does not resolve the film" in first
-        assert "use solver.nodes >= 1281" in first
+        assert "use solver.nodes >= 1409" in first
         assert not any("%" in sentence for sentence in (first, *others))
         assert "no result" in repr(result)
         assert "H_c" not in repr(result)
