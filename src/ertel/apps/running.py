@@ -163,8 +163,9 @@ def _finish(run: RunStore, others: Mapping[str, Course], wishes: Wishes) -> None
     if status is Status.INTERRUPTED:
         leave(stop.code or ASKED, f"interrupted; {to_continue}")
     if not status.ok:
-        advice = f"{status.value}; {status.advice}. Results so far are in {shown(run.directory)}"
-        leave(FAILED, f"failed: {advice}")
+        gone = status is Status.FILM_VANISHED
+        reason = summary["warnings"][0] if gone else f"{status.value}; {status.advice}"
+        leave(FAILED, f"failed: {reason}. Results so far are in {shown(run.directory)}")
 
 
 def _computed(run: RunStore, others: Mapping[str, Course], quiet: bool, stop: Stop) -> Mapping[str, Any] | None:

@@ -67,7 +67,7 @@ class Gathering:
         data = self.course.dataset(self.records, self.frames, last)
         work = {"compilations": compiling.count() - self._compiled, "wall_s": clock.monotonic() - self._started}
         summary = self.course.summary(data, last, last.status, work)
-        return Result(self.course.case, data.assign_attrs(attributes(summary)), summary, last.status)
+        return Result(self.course.case, data.assign_attrs(attributes(summary)), summary, Status(summary["status"]))
 
 
 @double_precision()

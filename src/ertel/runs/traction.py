@@ -98,7 +98,8 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
         values |= _warm_values(case, values, warm)
         said += thermal_warnings(case, warm)
         status = film.status if warm.converged else Status.NEWTON_STALLED
-    said += diagnostics.friction_warnings(case, values["mu_sliding"])
+    if status.ok:
+        said += diagnostics.friction_warnings(case, values["mu_sliding"])
     return point(case, values, status, said)
 
 
