@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import floor, inf, log2
 
 import jax.numpy as jnp
 from jax import Array
@@ -16,6 +17,7 @@ from ertel.numerics.grid import WHOLE, Even, Grid, nodes_across
 from ertel.physics import surfaces
 from ertel.physics.surfaces import CELLS_KEPT, Feature
 
+CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
 INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
 
 
@@ -33,6 +35,13 @@ def _symmetry(case: Case, centre_x: float) -> Even:
     """The axes about which a case is symmetric; the flow is along X."""
     in_y, in_x = (a and b for a, b in zip(surfaces.even(case.features), case.geometry.even, strict=True))
     return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
+
+
+def coarsenings(case: Case, spacing: float, most: int) -> int:
+    """How often a grid can be coarsened, at most `most` times, and still show the contact and the roughness."""
+    finest = min((getattr(f.shape, "size", 0.0) for f in case.features), default=inf)
+    widest = min(case.geometry.smaller / CELLS_SHOWN, finest / CELLS_OF_DETAIL)
+    return min(most, max(0, floor(log2(widest / spacing) + 1e-9))) if widest > 0 else 0
 
 
 def outside_of(case: Case, grid: Grid) -> Outside:
