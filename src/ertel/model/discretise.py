@@ -88,16 +88,27 @@ def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Ar
     return jnp.asarray(surfaces.height(features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing))
 
 
+def gap_slope(case: Case, grid: Grid) -> Array:
+    """dG/dX of the smooth gap G, which is a parabola: the central difference is exact."""
+    X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
+    return jnp.asarray((case.geometry.gap(X + 1.0, Y) - case.geometry.gap(X - 1.0, Y)) / 2.0)
+
+
 def gap_change(case: Case, grid: Grid, T: float) -> Array:
-    """The rate of change of the undeformed gap, roughness included, following the flow, by a central difference."""
-    drift = case.motion.entrainment.integral
-    early, late = (_gap(case, grid, T + sign * INSTANT, drift(T + sign * INSTANT) - drift(T)) for sign in (-1.0, 1.0))
-    return jnp.asarray((late - early) / (2.0 * INSTANT))
+    """The rate of change of the undeformed gap, roughness included, following the flow."""
+    return case.motion.entrainment(T) * gap_slope(case, grid) - roughness_change(case, grid, T)
 
 
-def _gap(case: Case, grid: Grid, T: float, shift: float) -> Array:
-    """The gap at time T, at nodes that have moved along X."""
-    X, Y = grid.kept_x[None, :] + shift, grid.kept_y[:, None]
-    rough = surfaces.height(case.features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing)
-    gap: Array = case.geometry.gap(X, Y) - rough
-    return gap
+def roughness_change(case: Case, grid: Grid, T: float) -> Array | float:
+    """The rate of change of the roughness following the flow, by a central difference; 0.0 where nothing slides."""
+    motion = case.motion
+    if not (case.features and motion.flows and motion.slide_to_roll):
+        return 0.0
+    drift, Y = motion.entrainment.integral, grid.kept_y[:, None]
+
+    def at(T_near: float) -> Array:
+        X = grid.kept_x[None, :] + drift(T_near) - drift(T)
+        found: Array = surfaces.height(case.features, motion, T_near, X, Y, CELLS_KEPT * grid.spacing)
+        return found
+
+    return jnp.asarray((at(T + INSTANT) - at(T - INSTANT)) / (2.0 * INSTANT))
