@@ -14,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from ertel.apps import cases, completion, looking, output
+from ertel.apps import cases, completion, freed_memory, looking, output
 from ertel.apps.arguments import (
     CaseFile,
     Estimate,
@@ -61,6 +61,7 @@ class Format(StrEnum):
 def main() -> None:
     """The entry point `ertel`."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the small dense solves lose more than they gain by threads
+    freed_memory.keep()
     with output.never_failing():
         app()
 
