@@ -105,8 +105,8 @@ class Unwilling(Method):
 
     def __init__(self, method: Transient2D, longest: float):
         self.method, self.longest = method, longest
-        self.coordinates, self.controlled = method.coordinates, method.controlled
-        for name in ("start", "solve", "measure", "account", "friction", "error", "whole"):
+        self.coordinates = method.coordinates
+        for name in ("start", "solve", "measure", "friction", "whole"):
             setattr(self, name, getattr(method, name))
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:

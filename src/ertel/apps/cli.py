@@ -14,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from ertel.apps import cases, completion, looking, output
+from ertel.apps import cases, completion, freed_memory, looking, output
 from ertel.apps.arguments import (
     CaseFile,
     Estimate,
@@ -64,6 +64,7 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the small dense solves lose more than they gain by threads
     os.environ["JAX_ENABLE_X64"] = "1"  # for all that a command computes, also in the processes that it starts
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # or XLA calls code that it compiled itself an error
+    freed_memory.keep()
     with output.never_failing():
         app()
 

@@ -14,7 +14,6 @@ idle: small grids, and graphics processors.  Runs that fill the cores are better
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from operator import itemgetter
 from os import PathLike
 from typing import Any
 
@@ -160,17 +159,19 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
     require_double()
     filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
     own = tree.map(_stacked, *(_own(problem) for problem in filled))
-    fields, rest = _solve_lanes(problems[0], own)
-    numbers = jax.device_get(rest)  # the small ones together: each read waits for the device
+    fields, numbers = _solve_lanes(problems[0], own)
+    numbers = np.asarray(numbers)
     return [
-        tree.map(itemgetter(lane), numbers)._replace(fields={name: each[lane] for name, each in fields.items()})
+        StepSolution({name: each[lane] for name, each in fields.items()}, numbers[lane])
         for lane in range(len(problems))
     ]
 
 
 def _own(problem: StepProblem) -> Any:
     """The problem without the large parts that all cases share."""
-    return replace(problem, elastic=(), contact=replace(problem.contact, kernel=(), spacing=()))  # type: ignore[arg-type]
+    setting = replace(problem.setting, elastic=(), space=(), axes=(), gap_slope=())  # type: ignore[arg-type]
+    contact = replace(problem.contact, kernel=(), spacing=())  # type: ignore[arg-type]
+    return replace(problem, setting=setting, contact=contact)
 
 
 def _stacked(*values: Any) -> Any:
@@ -183,13 +184,14 @@ def _stack(fields: Sequence[Array]) -> Array:
 
 
 @jax.jit
-def _solve_lanes(one: StepProblem, own: Any) -> tuple[dict[str, list[Array]], StepSolution]:
-    """The fields of each lane separately; all other results with the lanes along their first axis."""
+def _solve_lanes(one: StepProblem, own: Any) -> tuple[dict[str, list[Array]], Array]:
+    """The fields of each lane separately; the numbers with the lanes along their first axis."""
 
     def solve(own: Any) -> StepSolution:
         contact = replace(own.contact, kernel=one.contact.kernel, spacing=one.contact.spacing)
-        solution: StepSolution = solve_step(replace(own, elastic=one.elastic, contact=contact))
+        shared = {name: getattr(one.setting, name) for name in ("elastic", "space", "axes", "gap_slope")}
+        solution: StepSolution = solve_step(replace(own, setting=replace(own.setting, **shared), contact=contact))
         return solution
 
     solution = jax.vmap(solve)(own)
-    return {name: list(lanes) for name, lanes in solution.fields.items()}, solution._replace(fields={})
+    return {name: list(lanes) for name, lanes in solution.fields.items()}, solution.numbers

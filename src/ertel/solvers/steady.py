@@ -158,7 +158,7 @@ def solve(
 ) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside."""
     around = discretise.outside_of(case, grid).at(motion_of(case, approach))
-    c, P = replace(c, gap=c.gap + around.uplift), stencils.edged(P, around.edge, c.even)
+    c, P = replace(c, gap=c.gap + around.uplift), stencils.edged(P, jnp.asarray(around.edge), c.even)
     s, Delta = _program(problem_of(case, grid, c, around.load, tolerance, precision), P, float(approach))
     status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)

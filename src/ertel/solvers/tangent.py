@@ -76,7 +76,7 @@ def advance(method: Transient2D, smooth: Sequence[State], changes: Sequence[Stat
     before = len(times) - 1
     problem = TangentProblem(
         method.contact_at(new.T),
-        method.elastic,
+        method.setting.elastic,
         new.fields,
         stacked(smooth[1 : before + 1]),
         stacked(changes[:before]),
