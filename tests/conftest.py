@@ -1,10 +1,15 @@
 """How the tests run: on the CPU, in double precision, compiled code kept between runs, the same examples every time."""
 
+import ctypes
+import gc
 import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import suppress
 
+import psutil
 import pytest
 from hypothesis import settings
 
@@ -22,6 +27,8 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 QUICK_TO_COMPILE = (
     "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false --xla_llvm_disable_expensive_passes=true"
 )
+
+MOST_MEMORY = 1e9  # bytes at the end of a test file from which on compiled programs are forgotten
 
 settings.register_profile("ertel", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ertel")
@@ -44,6 +51,24 @@ def _xla_knows(flags: str) -> bool:
     command = [sys.executable, "-c", "import jax; jax.devices()"]
     done = subprocess.run(command, env={**os.environ, "XLA_FLAGS": flags}, capture_output=True, check=False)
     return done.returncode == 0
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _memory_is_bounded() -> Iterator[None]:
+    """Forget compiled programs where there are many; a worker would reach 6 GB."""
+    yield
+    if psutil.Process().memory_info().rss < MOST_MEMORY or "ertel.numerics.programs" not in sys.modules:
+        return
+    import jax
+
+    from ertel.numerics.programs import Program  # not above: what it imports reads the environment
+
+    jax.clear_caches()
+    for program in [each for each in gc.get_objects() if isinstance(each, Program)]:
+        program._compiled.clear()
+    gc.collect()
+    with suppress(OSError, AttributeError):  # GNU's library keeps what is freed
+        ctypes.CDLL("libc.so.6").malloc_trim(0)
 
 
 @pytest.fixture

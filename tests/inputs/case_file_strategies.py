@@ -14,26 +14,34 @@ from datetime import date, datetime, time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import tomli_w
 from hypothesis import strategies as st
 
 from ertel.inputs.case_files import ConfigError, load_case, parse_case, to_toml
+from ertel.inputs.library import material_names, oil_names
+from ertel.inputs.named import DataSheet, Materials, MeasuredFile, NamedLubricant
 from ertel.inputs.schema import case_file, keys_of
 from ertel.model.conditions import BARS, KINDS, MOES, NEEDED, OPTIONAL, Conditions
+from ertel.model.records import law_fields
 from ertel.model.sections import METHODS, STOPS, Drive, Output, Solver, Time
+from ertel.model.thermal import Thermal
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation
-from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
+from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
+from ertel.physics.thermal import INLET_FACTORS, WARM_VISCOSITIES
 from ertel.physics.units import Bounds, Unit, marks
 
 LONGEST_MESSAGE = 600  # a key and its value at 100 each, and the list of the keys of [contact]
+HEIGHTS = "heights.npy"  # a measured surface beside each case file
 Data = dict[str, Any]
 
 # -- values -----------------------------------------------------------------------------------------------------------
 
 USUAL = {  # sizes of quantities, in SI; of other units 0.1 to 10
     **{"m": (1e-4, 0.1), "kg": (1e-3, 10.0), "kg/m^3": (1e3, 2e4), "m/s": (0.01, 10.0), "N": (1.0, 1e3)},
-    **{"Pa": (1e8, 1e12), "Pa*s": (1e-3, 1.0), "1/Pa": (1e-9, 1e-7), "s": (1e-5, 1e-2)},
+    **{"Pa": (1e8, 1e12), "Pa*s": (1e-3, 1.0), "1/Pa": (1e-9, 1e-7), "s": (1e-5, 1e-2), "deg": (-180.0, 180.0)},
+    **{"K": (280.0, 400.0), "1/K": (1e-4, 0.1), "J/(kg*K)": (400.0, 3e3), "m^2/s": (1e-5, 1e-3)},
 }
 EXTREME: tuple[Any, ...] = (
     *(0, -1, 1, 10**400, -(10**400), 2**63, 1e-30, 1e30, 1e-300, 1e300, 5e-324, -1e300),
@@ -109,7 +117,17 @@ CONTACT = values_of(Conditions)
 points = st.dictionaries(st.floats(0, 5), st.floats(0.1, 3), min_size=1, max_size=3)
 lines = points.map(lambda values: [[T, values[T]] for T in sorted(values)])
 signals = st.one_of(st.floats(0.1, 3), lines, tables(Oscillation))
-features = st.one_of([tables(record, shape=st.just(name)) for name, record in list(SHAPES.items())[:3]])
+measured = {
+    "file": st.sampled_from([HEIGHTS, HEIGHTS, "missing.npy"]),
+    "unit": st.sampled_from(["nm", "um"]),
+    "detrend": st.sampled_from(["none", "none", "plane", "curvature", "mean"]),
+}
+features = st.one_of(
+    [
+        tables(SHAPES[name], shape=st.just(name), **(measured if name == "measured" else {}))
+        for name in ("waviness", "rings", "spot", "self-affine", "measured")
+    ]
+)
 
 
 @st.composite
@@ -122,7 +140,15 @@ def contacts(draw: st.DrawFn, kind: str) -> Data:
         chosen = [draw(st.sampled_from(groups)) for groups in NEEDED[kind]]  # type: ignore[index]
         extra = draw(st.lists(st.sampled_from(OPTIONAL[kind]), max_size=1))  # type: ignore[index]
         keys = [*(key for group in chosen for key in group), *extra]
-    return {"kind": kind, **{key: draw(CONTACT[key]) for key in keys}}
+        if "ball_density" in keys and not {"radius", "radius_1"} & {*keys}:
+            keys[keys.index("ball_density")] = "mass"
+    if not draw(st.integers(0, 3)):
+        keys = [*keys, "radius_ratio" if way != "physical" else "entrainment_angle"]
+    data = {"kind": kind, **{key: draw(CONTACT[key]) for key in keys}}
+    if "E_prime" in data and draw(st.booleans()):
+        del data["E_prime"]
+        data |= {key: draw(st.sampled_from(material_names())) for key in ("material_1", "material_2")}
+    return data
 
 
 def laws(registry: Any) -> st.SearchStrategy[str]:
@@ -137,6 +163,25 @@ oils = st.fixed_dictionaries(
     },
 )
 
+degrees = st.floats(25, 60).map(lambda value: f"{value!r} degC")
+sheets = tables(
+    DataSheet,
+    nu40=st.floats(60, 70).map(lambda value: f"{value!r} mm^2/s"),
+    nu100=st.floats(8, 9).map(lambda value: f"{value!r} mm^2/s"),
+    density=st.just("880 kg/m^3"),
+)
+named_oils = st.fixed_dictionaries({"oil": st.one_of(st.sampled_from(oil_names()), sheets), "temperature": degrees})
+plain_laws = [name for name, law in FLUIDITY_LAWS.items() if not law_fields(law)]
+rheologies = st.one_of([tables(FLUIDITY_LAWS[name], law=st.just(name)) for name in plain_laws])
+rheologies = st.one_of(
+    st.sampled_from(["newtonian", "carreau"]),
+    rheologies,
+    tables(FLUIDITY_LAWS["limited"], law=st.just("limited"), base=rheologies),
+)
+thermal = tables(
+    Thermal, viscosity=st.sampled_from([*WARM_VISCOSITIES]), inlet_factor=st.sampled_from([*INLET_FACTORS])
+)
+
 
 @st.composite
 def case_data(draw: st.DrawFn) -> Data:
@@ -144,7 +189,15 @@ def case_data(draw: st.DrawFn) -> Data:
     kind = draw(st.sampled_from(KINDS))
     methods = st.fixed_dictionaries({"method": st.sampled_from(METHODS[kind])})
     solver = draw(methods) | draw(st.sampled_from([{}, {"nodes": 65}, draw(tables(Solver))]))
-    sections: Data = {"contact": draw(contacts(kind)), "lubricant": draw(oils), "solver": solver}
+    oil = draw(st.one_of(oils, oils, named_oils))
+    sections: Data = {"contact": draw(contacts(kind)), "lubricant": oil, "solver": solver}
+    in_si = not sections["contact"].keys() & {*MOES, *BARS}
+    if in_si and solver["method"] != "radial" and draw(st.booleans()):
+        oil["rheology"] = draw(rheologies)
+    if in_si and solver["method"] == "steady" and draw(st.booleans()):
+        sections["thermal"] = draw(thermal) if "oil" not in oil or draw(st.booleans()) else {}
+        if "temperature" in oil:
+            sections["thermal"].pop("temperature", None)
     if solver["method"] not in ("steady", "radial") and draw(st.booleans()):
         sections["motion"] = draw(st.one_of(tables(Drive, load=signals), tables(Drive, entrainment=signals)))
     if draw(st.booleans()):
@@ -169,7 +222,9 @@ def _places(data: Any) -> list[tuple[Any, Any]]:
     return found
 
 
-KNOWN = [key for record in (Conditions, Oil, Solver, Drive, Time, Output) for key in (f.name for f in fields(record))]
+RECORDS = (Conditions, Oil, Solver, Drive, Time, Output, Thermal, Materials, NamedLubricant, DataSheet, MeasuredFile)
+WITH_KEYS: tuple[Any, ...] = (*RECORDS, *FLUIDITY_LAWS.values(), *SHAPES.values())
+KNOWN = [item.name for record in WITH_KEYS for item in fields(record)]
 SECTIONS = keys_of(case_file())
 new_keys = st.one_of(*map(st.sampled_from, (KEYS, KNOWN, SECTIONS)), st.text(max_size=5))  # type: ignore[arg-type]
 
@@ -228,14 +283,19 @@ def outcome(path: Path) -> str:
     """How a case file is read: "a case", or "refused: " and the section or "the file".
 
     Raises AssertionError if a case does not read back as the same or its name is no plain file name, or if a message is
-    not one short printable line that names a place.  Any exception but ConfigError passes through.
+    not one short printable line that names a place.  Any exception but ConfigError passes through.  The measured
+    surface and the heights of a case are written beside the file.
     """
+    if not (path.parent / HEIGHTS).exists():
+        np.save(path.parent / HEIGHTS, np.sin(np.arange(256.0)).reshape(16, 16))
     try:
         case = load_case(path)
     except ConfigError as error:
         return f"refused: {_place(str(error), path)}"
     assert case.name.isprintable() and len(Path("runs", case.name).parts) <= 2, "its name is no plain file name"
-    again = parse_case(tomllib.loads(to_toml(case)))
+    for name, heights in case.maps.items():
+        (path.parent / name).write_bytes(heights.to_bytes())
+    again = parse_case(tomllib.loads(to_toml(case)), path.parent)
     assert again == case and again.digest == case.digest and again.name == case.name, "does not read back as the same"
     return "a case"
 

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -61,6 +62,15 @@ def test_the_resolved_section_is_written_and_reads_back():
     again = parse_case(tomllib.loads(written))
     assert again == case
     assert again.digest == case.digest != case_of({}).digest
+
+
+def test_temperatures_of_any_number_of_digits_read_back():
+    case = case_of(
+        {"temperature_1": "60.123456789012345 degC"}, lubricant={**NAMED, "temperature": "33.3333333333 degC"}
+    )
+    assert case.thermal is not None
+    exact = replace(case, thermal=replace(case.thermal, temperature_1=1000 / 3))
+    assert parse_case(tomllib.loads(ertel.to_toml(exact))) == exact
 
 
 def test_off_when_absent():

@@ -9,12 +9,13 @@ import pytest
 
 import ertel
 
+ALL = ["radial", "2d", "rolling", "steady", "ellipse", "thinning", "thinning in time", "thermal", "measured", "study"]
 FAULTS = Path(__file__).parents[2] / "validation" / "faults" / "faults.py"
 
 
 @pytest.mark.parametrize(
     ("kinds", "count"),
-    [(["radial"], 4), pytest.param(["radial", "2d", "rolling", "steady"], 16, marks=pytest.mark.slow)],
+    [(["radial", "study"], 8), pytest.param(ALL, 4 * len(ALL), marks=pytest.mark.slow)],
     ids=["radial", "all"],
 )
 def test_nothing_is_silent_and_no_flushed_step_is_lost(tmp_path: Path, kinds: list[str], count: int):
@@ -24,7 +25,7 @@ def test_nothing_is_silent_and_no_flushed_step_is_lost(tmp_path: Path, kinds: li
     done = subprocess.run([*command, "--kinds", *kinds], capture_output=True, text=True, env=environment, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     ends = [line for line in done.stdout.splitlines() if " trials, " in line]
-    assert [line.partition(",")[0] for line in ends] == [
-        f"{what}: {count} trials" for what in ("kills", "disk", "bits")
+    assert [line.partition(" trials")[0] for line in ends] == [
+        f"{what}, seed 14: {count}" for what in ("kills", "disk", "bits")
     ]
     assert "refused damage" in done.stdout

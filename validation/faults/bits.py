@@ -3,13 +3,19 @@
 import json
 import random
 import shutil
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from children import Ended, Fault, called, fingerprint, in_child, plain, run_watched, terminate
+from children import OWN, Ended, Fault, called, fingerprint, in_child, plain, run_watched, terminate
 from kills import Known, Outcome, Trial, judged
+from kinds import Kind
+
+from ertel.apps.browser.folder import Folder
+from ertel.apps.browser.processes import Processes, summary_of
+from ertel.runs.listing import listed
 
 SUMMARY = "summary.json"
 WAYS = {"bit flipped": 0.9, "cut short": 0.05, "deleted": 0.05}
@@ -17,12 +23,16 @@ WAYS = {"bit flipped": 0.9, "cut short": 0.05, "deleted": 0.05}
 
 @dataclass(frozen=True)
 class Stored:
-    """A stored run.  shown: its summary as `ertel show` prints it; found: its fingerprint; ended: of its end."""
+    """A stored run, or a study.
+
+    shown: its summary as `ertel show` prints it; looked: what the app and `ertel ls` say; found: its fingerprint.
+    """
 
     name: str
     run: Path
     known: Known
     shown: Any
+    looked: dict[str, str]
     found: dict[str, str]
 
 
@@ -34,20 +44,38 @@ def prepared(known: Known, place: Path) -> list[Stored]:
 
 
 def _stored(name: str, run: Path, known: Known) -> Stored:
-    shown, opened = in_child(lambda tell: _read(tell, run))
-    if shown.code or opened.failure:
-        raise RuntimeError(f"{name}: {shown.said} {opened.failure}")
-    return Stored(name, run, known, _summary(shown), opened.found)
+    shown, looked, opened = in_child(lambda tell: _read(tell, run, known.kind))
+    if shown.code or looked.failure or opened.failure or opened.code:
+        raise RuntimeError(f"{name}: {shown.said} {looked.failure} {opened.failure} {opened.said}")
+    return Stored(name, run, known, _summary(shown), looked.found, opened.found)
 
 
-def _read(tell: Callable[..., None], run: Path) -> None:
-    """`ertel show`, then what Python reads."""
-    code, text, said = called(["show", str(run), "--json"])
+def _read(tell: Callable[..., None], run: Path, kind: Kind) -> None:
+    """`ertel show`, of a study `ertel ls`; what the app and `ertel ls` read of a folder; then what Python reads."""
+    code, text, said = called(["ls" if kind.is_study else "show", str(run), "--json"])
     tell(code=code, said=said, text=text)
+    try:
+        tell(found=looked(run.parent), text="")
+    except Exception:
+        tell(said=traceback.format_exc(), text="")
     try:
         tell(found=fingerprint(run), text="")
     except (ValueError, OSError) as error:  # what a user expects of a function that is given a directory
         tell(said=f"ertel: {error}", code=2, text="")
+
+
+def looked(place: Path) -> dict[str, str]:
+    """What programs that list runs say of each run in a folder: its numbers, "" where they know none."""
+    folder = Folder.at(place)
+    processes, found = Processes(folder), {}
+    for path in folder.runs():
+        processes.standing(path)
+        about, summary = f"app, {folder.name_of(path)}", summary_of(path)
+        found[about] = json.dumps(plain(summary)) if summary else ""
+    for run in listed(place):
+        numbers = {name: number.value for name, number in run.numbers.items() if name not in OWN}
+        found[f"ls, {folder.name_of(run.directory)}"] = json.dumps(numbers) if numbers else ""
+    return found
 
 
 def _summary(shown: Ended) -> Any:
@@ -75,7 +103,8 @@ def damage(run: Path, how: str, dice: random.Random) -> str:
     """Damage one file; what was done, in words."""
     files = sorted(path for path in run.rglob("*") if path.is_file() and path.stat().st_size)
     if how == "deleted":
-        files.remove(run / SUMMARY)  # without it the run is one that was killed before its end
+        # without its summary a run is one that was killed before its end
+        files = [file for file in files if file.name != SUMMARY]
     file = dice.choice(files)
     name, content = file.relative_to(run), bytearray(file.read_bytes())
     bit = dice.randrange(8 * len(content))
@@ -93,15 +122,17 @@ def damage(run: Path, how: str, dice: random.Random) -> str:
 
 
 def _judged(stored: Stored, copy: Path) -> list[Outcome]:
-    """What became of `ertel show`, of reading in Python, and of `ertel resume`."""
+    """What became of `ertel show`, of lists of runs, of reading in Python, and of `ertel resume`."""
+    kind = stored.known.kind
 
     def work(tell: Callable[..., None]) -> None:
-        _read(tell, copy)
-        run_watched(tell, ["resume", str(copy), *stored.known.kind.flags], copy.parent, Fault(), copy)
+        _read(tell, copy, kind)
+        run_watched(tell, kind.command(copy), copy.parent, Fault(), copy)
 
     told = in_child(work)
-    shown, opened, resumed = [*told, *[told[-1]] * 2][:3]  # a child that hangs or crashes tells less
-    outcomes = [_answer("show", shown, lambda: _summary(shown) == stored.shown)]
+    shown, seen, opened, resumed = [*told, *[told[-1]] * 3][:4]  # a child that hangs or crashes tells less
+    outcomes = [_answer("show", shown, lambda: kind.is_study or _summary(shown) == stored.shown)]
+    outcomes.append(_answer("lists", seen, lambda: all(seen.found[k] in ("", stored.looked[k]) for k in seen.found)))
     outcomes.append(_answer("open", opened, lambda: opened.found == stored.found))
     word, why = judged(resumed, stored.known)
     if word == "refused" and resumed.one_sentence:

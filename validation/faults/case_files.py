@@ -23,6 +23,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "inputs"))
+import SurfaceTopography  # noqa: E402, F401 - now, and not when the first file with a measured surface is read
 from case_file_strategies import case_files, outcome  # noqa: E402
 
 LONGEST = 10  # seconds; a file that takes longer hangs

@@ -1,5 +1,6 @@
 """Commands of ertel in children by fork: with a fault, watched from outside, and judged by what they leave."""
 
+import csv
 import errno
 import hashlib
 import io
@@ -18,14 +19,23 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
 from ertel.__main__ import main
 from ertel.runs.store import RunStore, open_run
+from ertel.runs.studies import DATA, PICTURE, RUNS, TABLE
 
 KILLED = 137
 PATIENCE = 120.0  # s: a child that takes longer is taken for one that never ends
 CHANGES = {"os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "os.link", "os.symlink"}
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
-OWN = {"wall_s", "compilations", "date_created"}  # what differs between two runs of the same case
+OWN = {
+    "wall_s",
+    "wall_time",
+    "wall_time_s",
+    "compilations",
+    "date_created",
+}  # what differs between two runs of the same case
 
 Act = Callable[[str, str, int], None]  # of event, path and flags
 
@@ -71,8 +81,8 @@ def disk_full(event: str, path: str, flags: int) -> None:
 class Ended:
     """How a command ended.  code: its exit code, negative for a signal; text: what it printed; said: on stderr.
 
-    operations: changes of files.  flushed: steps or grids in the last complete flush.  resumed: those from which a
-    resume went on.
+    operations: changes of files.  flushed: steps or grids in the last complete flush of each run directory.  resumed:
+    those from which a resume went on.
     found: the `fingerprint` of what it left, if asked for.
     """
 
@@ -80,8 +90,8 @@ class Ended:
     text: str = ""
     said: str = ""
     operations: int = 0
-    flushed: int = 0
-    resumed: int | None = None
+    flushed: dict[str, int] = field(default_factory=dict)
+    resumed: dict[str, int] = field(default_factory=dict)
     found: dict[str, str] = field(default_factory=dict)
     failure: str = ""
 
@@ -167,7 +177,8 @@ def _told(text: str) -> list[Ended]:
     for line in text.splitlines():
         what = json.loads(line)
         for key, value in what.items():
-            setattr(ended[-1], key, value)
+            known = getattr(ended[-1], key)
+            setattr(ended[-1], key, {**known, **value} if isinstance(value, dict) else value)
         if "text" in what:
             ended.append(Ended())
     return ended[:-1] if len(ended) > 1 else ended
@@ -185,7 +196,7 @@ def run_watched(
     if fault.limit:
         resource.setrlimit(resource.RLIMIT_FSIZE, (fault.limit, resource.RLIM_INFINITY))
     code, text, said = called(arguments)
-    found = fingerprint(judge) if judge and code == 0 else {}
+    found = {**fingerprint(judge), **gathered(judge)} if judge and code == 0 else {}
     tell(operations=changes[0], found=found)
     tell(code=code, said=said, text=text)
 
@@ -197,11 +208,11 @@ def _tell_of_flushes(tell: Callable[..., None]) -> None:
         item = self._item
         flush(self)
         if item is not None:
-            tell(flushed=_progress(item))
+            tell(flushed={self.directory.name: _progress(item)})
 
     def told_resume(self: RunStore) -> Any:
         item = resume(self)
-        tell(resumed=0 if item is None else _progress(item))
+        tell(resumed={self.directory.name: 0 if item is None else _progress(item)})
         return item
 
     RunStore.flush, RunStore.resume = told_flush, told_resume  # type: ignore[method-assign]
@@ -273,14 +284,40 @@ def _content(file: io.TextIOWrapper) -> str:
 
 
 def fingerprint(directory: Path) -> dict[str, str]:
-    """A digest of each variable, of all attributes and of the summary of a run, without what is never the same."""
+    """A digest of each variable, of all attributes and of the summary of a run, without what is never the same.
+
+    Of a study: those of all its runs.
+    """
+    if (directory / RUNS).exists():
+        every = {run.name: fingerprint(run) for run in sorted((directory / RUNS).iterdir()) if run.name[0] != "."}
+        return {f"{run}, {name}": digest for run, found in every.items() for name, digest in found.items()}
     result = open_run(directory)
-    data = result.dataset
-    parts = {str(name): variable.values.tobytes() for name, variable in data.variables.items()}
+    return {**_digests(result.dataset), "summary": _digest(_text(plain(result.summary)))}
+
+
+def gathered(directory: Path) -> dict[str, str]:
+    """A digest of what a study wrote of all its runs, which is written again when it goes on; nothing of a run."""
+    if not (directory / RUNS).exists():
+        return {}
+    with xr.open_zarr(directory / DATA, chunks=None, consolidated=False) as data:
+        numbers = data.drop_vars(OWN, errors="ignore").load()
+    rows = sorted(key for row in csv.DictReader((directory / TABLE).open()) for key in row.items() if key[0] not in OWN)
+    return {**_digests(numbers), "table": _digest(_text(rows)), "picture": str((directory / PICTURE).exists())}
+
+
+def _digests(data: xr.Dataset) -> dict[str, str]:
+    parts = {str(name): _bytes(variable.values) for name, variable in data.variables.items()}
     parts |= {f"{name} is": f"{v.dtype}{v.shape}{v.dims}{v.attrs}".encode() for name, v in data.variables.items()}
     parts["attributes"] = _text({k: v for k, v in data.attrs.items() if k not in OWN})
-    parts["summary"] = _text(plain(result.summary))
-    return {name: hashlib.sha256(part).hexdigest()[:16] for name, part in parts.items()}
+    return {name: _digest(part) for name, part in parts.items()}
+
+
+def _bytes(values: Any) -> bytes:
+    return _text(values.tolist()) if values.dtype.kind == "O" else bytes(values.tobytes())
+
+
+def _digest(part: bytes) -> str:
+    return hashlib.sha256(part).hexdigest()[:16]
 
 
 def _text(content: Any) -> bytes:

@@ -1,5 +1,6 @@
 """Disturb small runs in every way that a machine has, and count what became of them.
 
+    python validation/faults/faults.py campaign --seed 23
     python validation/faults/faults.py kills --count 440 --seed 14
     python validation/faults/faults.py disk processes --count 40
     python validation/faults/faults.py bits --count 2250
@@ -7,6 +8,7 @@
 kills: a process ends before its n-th change of a file, or at a random time; what is left is resumed.
 disk: no space is left from the n-th change on, or files may not be larger than so many bytes; later it is resumed.
 bits: a bit of a stored run is flipped, a file is cut short or deleted; all commands answer as before or refuse.
+campaign: 500 kills or more, 100 full disks, 2000 damaged files, 20 000 case files; prints the tables for README.md.
 processes: kills and resumes of `python -m ertel` itself, without the shortcuts of the others (slow).
 
 Exit code 0: nothing was silent, no flushed step was lost, no traceback.  A failure is printed with its number;
@@ -17,8 +19,8 @@ import argparse
 import os
 import random
 import signal
+import subprocess
 import sys
-import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -27,12 +29,15 @@ from tempfile import mkdtemp
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("JAX_PLATFORMS", "cpu")  # before JAX is imported
+os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0")  # each program runs some ten times
 
 import bits
 import kills
 import kinds
 from kills import Known, Outcome
 
+WHOLE = {"kills": 480, "disk": 100, "bits": 2000}  # trials of a campaign; 480 make some 530 kills
+CASE_FILES = Path(__file__).with_name("case_files.py")
 GOOD = ("equal", "unchanged", "refused damage")
 Campaign = Iterator[tuple[int, str, str, Outcome]]  # number of the trial, kind of run, what was done to it, its end
 
@@ -42,34 +47,45 @@ def main() -> int:
     asked = _arguments()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background, too
     place = Path(mkdtemp(prefix="faults-"))
-    print(f"{asked.count} trials each, seed {asked.seed}, kinds {' '.join(asked.kinds)}, in {place}", flush=True)
+    print(f"seed {asked.seed}, kinds {' '.join(asked.kinds)}, in {place}", flush=True)
     chosen = kinds.kinds(place, asked.kinds)
     kinds.record(chosen)
     known = [kills.undisturbed(kind, _made(place / kind.name)) for kind in chosen.values()]
-    return 1 if sum([_failed(asked, what, known, place) for what in asked.what]) else 0
+    counts = WHOLE if "campaign" in asked.what else dict.fromkeys(asked.what, asked.count)
+    failed = 0
+    for what, asked.count in counts.items():
+        failed += _failed(asked, what, known, place)
+    if "campaign" in asked.what:
+        failed += subprocess.run([sys.executable, CASE_FILES, "--seed", str(asked.seed)], check=False).returncode
+    return 1 if failed else 0
 
 
 def _failed(asked: argparse.Namespace, what: str, known: list[Known], place: Path) -> int:
     """The number of failures in a campaign."""
-    started, counts, failed = time.monotonic(), Counter[tuple[str, str, str]](), 0
+    started, counts, failed = _cpu_seconds(), Counter[tuple[str, str]](), 0
+    kills_made = 0
     with suppress(KeyboardInterrupt):
         for number, kind, way, outcome in CAMPAIGNS[what](asked, known, _made(place / what)):
-            counts[kind, way, outcome.word] += 1
-            counts["", "", "kills"] += outcome.kills
+            counts[kind, outcome.word] += 1
+            kills_made += outcome.kills
             if outcome.word not in GOOD:
                 failed += 1
                 print(f"{what}, trial {number}, {kind}, {way}: {outcome.word}: {outcome.why}", flush=True)
-    kills_made = counts.pop(("", "", "kills"), 0)
     _print_table(what, counts)
-    done, seconds = sum(counts.values()), time.monotonic() - started
-    print(f"{what}: {done} trials, {kills_made} kills, {failed} failed, {seconds:.0f} s", flush=True)
+    done, seconds = sum(counts.values()), _cpu_seconds() - started
+    print(f"{what}, seed {asked.seed}: {done} trials, {kills_made} kills, {failed} failed, {seconds:.0f} s", flush=True)
     return failed
+
+
+def _cpu_seconds() -> float:
+    """Of this process and of the children that ended."""
+    return sum(os.times()[:4])
 
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="+", choices=CAMPAIGNS)
-    parser.add_argument("--count", type=int, default=20, help="number of trials of each")
+    parser.add_argument("what", nargs="+", choices=[*CAMPAIGNS, "campaign"])
+    parser.add_argument("--count", type=int, default=20, help="number of trials of each; campaign: as it is")
     parser.add_argument("--seed", type=int, default=random.SystemRandom().randrange(10**6), help="default by chance")
     parser.add_argument("--kinds", nargs="+", choices=kinds.NAMES, default=kinds.NAMES, help="kinds of run")
     parser.add_argument("--only", type=int, help="number of the one trial to repeat")
@@ -114,12 +130,12 @@ def _made(directory: Path) -> Path:
     return directory
 
 
-def _print_table(what: str, counts: Counter[tuple[str, str, str]]) -> None:
-    """A row for each kind of run and fault, a column for each outcome."""
-    words = sorted({word for _, _, word in counts}, key=lambda word: (word not in GOOD, word))
-    print(f"{what:24}{'fault':20}" + "".join(f"{word:>16}" for word in words))
-    for kind, way in dict.fromkeys((kind, way) for kind, way, _ in counts):
-        print(f"{kind:24}{way:20}" + "".join(f"{counts[kind, way, word]:16}" for word in words))
+def _print_table(what: str, counts: Counter[tuple[str, str]]) -> None:
+    """A table for the README: a row for each kind of run, a column for each outcome."""
+    words = sorted({word for _, word in counts}, key=lambda word: (word not in GOOD, word))
+    rows = [[what, *words], ["---"] * (len(words) + 1)]
+    rows += [[kind, *(str(counts[kind, word]) for word in words)] for kind in dict.fromkeys(kind for kind, _ in counts)]
+    print("\n".join(f"| {' | '.join(row)} |" for row in rows))
 
 
 if __name__ == "__main__":

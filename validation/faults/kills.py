@@ -42,17 +42,17 @@ class Trial:
 
     def __init__(self, known: Known, place: Path):
         self.known, self.inside, self.run = known, place, place / "run"
-        self.flushed = self.kills = 0
-        self.steps: list[str] = []
+        self.flushed: dict[str, int] = {}
+        self.kills, self.steps = 0, list[str]()
 
     def go(self, fault: Fault | None = None, killed_after: float = 0.0, judge: bool = False) -> Ended:
         """Run the case, or resume it where there is something to resume."""
-        begun = self.run.exists()
-        start = ["resume", str(self.run)] if begun else ["run", str(self.known.kind.case), "--out", str(self.run)]
-        ended = command([*start, *self.known.kind.flags], self.inside, fault, self.run if judge else None, killed_after)
-        if ended.resumed is not None and ended.resumed < self.flushed:
-            ended.failure += f"lost: {self.flushed} flushed, resumed from {ended.resumed}"
-        self.flushed = max(self.flushed, ended.flushed)
+        start = self.known.kind.command(self.run)
+        ended = command(start, self.inside, fault, self.run if judge else None, killed_after)
+        for run, steps in ended.resumed.items():
+            if steps < self.flushed.get(run, 0):
+                ended.failure += f"lost: {self.flushed[run]} flushed, resumed from {steps}"
+        self.flushed |= ended.flushed
         self.kills += ended.code in (KILLED, -9)
         self.steps.append(f"{start[0]}: {ended.code}")
         return ended
@@ -82,7 +82,7 @@ def undisturbed(kind: Kind, place: Path) -> Known:
     """The run without a fault, with a flush after every step.  Raises RuntimeError where it fails."""
     flush_every(0.0)
     started, run = time.monotonic(), place / "run"
-    ended = command(["run", str(kind.case), "--out", str(run), *kind.flags], place, judge=run)
+    ended = command(kind.command(run), place, judge=run)
     if ended.code or ended.failure:
         raise RuntimeError(f"{kind.name}: {ended.said} {ended.failure}")
     return Known(kind, run, ended.operations, time.monotonic() - started, ended.found)
@@ -157,13 +157,11 @@ def _refusing(trial: Trial, fault: Fault) -> Outcome:
 
 def real_processes(trial: Trial, dice: random.Random) -> Outcome:
     """Kill `python -m ertel run` at a random time, and let another process resume it."""
-    case, run = str(trial.known.kind.case), str(trial.run)
-    patience = dice.uniform(1.0, 15.0)
-    first = _process("run", case, "--out", run, *trial.known.kind.flags, patience=patience)
+    kind, patience = trial.known.kind, dice.uniform(1.0, 15.0)
+    first = _process(*kind.command(trial.run), patience=patience)
     trial.kills += first.code == -9
     trial.steps.append(f"killed after {patience:.1f} s" if trial.kills else "not killed")
-    start = ["resume", run] if trial.run.exists() else ["run", case, "--out", run]
-    ended = _process(*start, *trial.known.kind.flags, patience=600.0)
+    ended = _process(*kind.command(trial.run), patience=600.0)
     if not ended.code:
         ended.found = in_child(lambda tell: tell(found=fingerprint(trial.run), text=""))[0].found
     word, why = judged(ended, trial.known)

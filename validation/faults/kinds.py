@@ -6,8 +6,9 @@ its children by fork answer from this memory.  A resumed run that asks for any o
 did is not the same run to the bit, and ends with `Different`.
 """
 
+import gc
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,6 +21,8 @@ from typer.testing import CliRunner
 
 from ertel.apps.cli import app
 from ertel.inputs.case_files import load_case
+from ertel.inputs.studies import load_study
+from ertel.model.case import Case
 from ertel.numerics.programs import Program
 from ertel.runs import arrays
 from ertel.runs.courses import course_of
@@ -29,24 +32,60 @@ from ertel.solvers import radial
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 
+ROLLING = '[contact]\nkind = "rolling"\nM = 20\nL = 5\n'
+STEEL = (
+    '[contact]\nkind = "rolling"\nradius = "10 mm"\nload = "0.5 N"\nmean_speed = "0.5 m/s"\nslide_to_roll = 0.1\n'
+    'material_1 = "steel"\nmaterial_2 = "steel"\n'
+)
+OIL = '[lubricant]\neta0 = "40 mPa*s"\nalpha = "20 / GPa"\n'
+EYRING = 'rheology = { law = "ree-eyring", tau0 = "5 MPa" }\n'
+SQUALANE = '[lubricant]\noil = "squalane"\ntemperature = "40 degC"\n'
+CARREAU = 'rheology = { law = "carreau", G = "6 MPa", n = 0.42 }\n'
+RADIAL = '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "radial"\nnodes = 33\n[time]\nuntil = 0.05\n'
+TWO_GRIDS = "[solver]\nnodes = 65\n"
+IN_TIME = '[solver]\nmethod = "transient"\nnodes = 33\n[time]\nuntil = 0.1\nstep = 0.025\n'
 WAVES = '[[roughness]]\nshape = "waviness"\namplitude = 0.01\nwavelength_x = 1.0\nwavelength_y = 1.0\n'
+HEIGHTS = '[[roughness]]\nshape = "measured"\nfile = "heights.npy"\nunit = "nm"\ndetrend = "none"\nlength_x = 2.0\n'
 MAPS = "[output]\ninterval = 0.02\n"
 CASES = {
-    "radial": '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "radial"\nnodes = 33\n[time]\nuntil = 0.05\n' + MAPS,
-    "2d": '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "2d"\nnodes = 33\n[time]\nuntil = 0.05\n' + MAPS,
-    "rolling": '[contact]\nkind = "rolling"\nM = 20\nL = 5\n[solver]\nmethod = "transient"\nnodes = 33\n'
-    "[time]\nuntil = 0.1\nstep = 0.025\n" + MAPS + WAVES,
-    "steady": '[contact]\nkind = "rolling"\nM = 20\nL = 5\n[solver]\nnodes = 65\n',
+    "radial": RADIAL + MAPS,
+    "error": RADIAL + MAPS,
+    "2d": RADIAL.replace("radial", "2d") + MAPS,
+    "rolling": ROLLING + IN_TIME + MAPS + WAVES,
+    "steady": ROLLING + TWO_GRIDS,
+    "ellipse": f'{ROLLING}radius_ratio = 2.0\nentrainment_angle = "30 deg"\n{TWO_GRIDS}',
+    "thinning": STEEL + OIL + EYRING + TWO_GRIDS,
+    "thinning in time": STEEL + OIL + EYRING + IN_TIME + MAPS,
+    "thermal": f"{STEEL}{SQUALANE}{CARREAU}[thermal]\n{TWO_GRIDS}",
+    "measured": STEEL + OIL + IN_TIME + MAPS + HEIGHTS,
+    "study": RADIAL.replace("M = 20", "M = [20, 25]") + MAPS,
 }
+FLAGS = {"error": ("--quiet", "--error"), "study": ("--quiet", "--jobs", "1")}
+NAMES = [*CASES]
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of run.  case: its case file; flags: of `ertel run` and `ertel resume`."""
+    """A kind of run.  case: its case file; flags: of `ertel run` and `ertel resume`, or of `ertel sweep`."""
 
     name: str
     case: Path
     flags: tuple[str, ...] = ("--quiet",)
+
+    @property
+    def is_study(self) -> bool:
+        """Whether it is a study of several runs, whose directory has them in `runs`."""
+        return self.name == "study"
+
+    def command(self, run: Path) -> list[str]:
+        """What begins the run in a directory, or goes on with it."""
+        if self.is_study:
+            return ["sweep", str(self.case), "--out", str(run), *self.flags]
+        return [*(["resume", str(run)] if run.exists() else ["run", str(self.case), "--out", str(run)]), *self.flags]
+
+    def cases(self) -> Sequence[Case]:
+        """The cases that it computes."""
+        return load_study(self.case).cases if self.is_study else [load_case(self.case)]
 
 
 class Different(Exception):
@@ -80,16 +119,14 @@ def _digest(arguments: Any) -> str:
 
 
 def kinds(directory: Path, names: list[str]) -> dict[str, Kind]:
-    """The chosen kinds of run; "error" is the radial impact with the estimate of its error."""
+    """The chosen kinds of run, their case files in a directory; "error" estimates the error of a radial impact."""
+    np.save(directory / "heights.npy", 50.0 * np.sin(np.arange(256.0).reshape(16, 16)))
     found = {}
     for name in names:
-        case = directory / f"{name}.toml"
-        case.write_text(CASES["radial" if name == "error" else name], encoding="utf-8")
-        found[name] = Kind(name, case, ("--quiet", "--error") if name == "error" else ("--quiet",))
+        case = directory / f"{name.replace(' ', '-')}.toml"
+        case.write_text(CASES[name], encoding="utf-8")
+        found[name] = Kind(name, case, FLAGS.get(name, ("--quiet",)))
     return found
-
-
-NAMES = [*CASES, "error"]
 
 
 def flush_every(seconds: float) -> None:
@@ -110,13 +147,20 @@ def record(chosen: dict[str, Kind]) -> None:
     Program.__call__ = remembered  # type: ignore[method-assign, assignment]
     with TemporaryDirectory() as scratch:
         for kind in chosen.values():
-            course = course_of(load_case(kind.case))
-            store = RunStore.create(Path(scratch) / kind.name, course.case, course)
-            compute(store, [lambda item: True])
-            compute(RunStore.open(store.directory))
-            open_run(store.directory)
-            CliRunner().invoke(app, ["show", str(store.directory)])  # imports what commands need
-            for other in course.comparisons.values() if "--error" in kind.flags else ():
-                drive(other)
+            for number, case in enumerate(kind.cases()):
+                _compute(case, Path(scratch) / f"{kind.name}-{number}", "--error" in kind.flags)
     Remembered.recording = False
     Program.ready = lambda program, *arguments: None  # type: ignore[method-assign, assignment]
+    gc.collect()
+    gc.freeze()  # or each child would look through all of it, and so copy it
+
+
+def _compute(case: Case, directory: Path, with_error: bool) -> None:
+    course = course_of(case)
+    store = RunStore.create(directory, course.case, course)
+    compute(store, [lambda item: True])
+    compute(RunStore.open(directory))
+    open_run(directory)
+    CliRunner().invoke(app, ["show", str(directory)])  # imports what commands need
+    for other in course.comparisons.values() if with_error else ():
+        drive(other)

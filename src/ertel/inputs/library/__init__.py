@@ -45,7 +45,7 @@ MATERIAL_TABLES: Mapping[str, tuple[str, Any]] = {
 }
 HOTTER_THAN_ANY = 1e4  # K
 UNITS = "degC|°C|degree_Celsius|K|kelvin"  # also as pint writes them
-_TEMPERATURE = re.compile(rf"\s*([+-]?[0-9]{{1,4}}(?:\.[0-9]{{1,6}})?)\s*({UNITS})\s*")
+_TEMPERATURE = re.compile(rf"\s*([+-]?[0-9]{{1,4}}(?:\.[0-9]{{1,20}})?)\s*({UNITS})\s*")
 
 
 def oil_names() -> tuple[str, ...]:
@@ -93,7 +93,12 @@ def parse_temperature(value: object) -> float:
     if isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < HOTTER_THAN_ANY:
         return float(value)
     match = _TEMPERATURE.fullmatch(value) if isinstance(value, str) else None
-    kelvin = round(float(match[1]) + (0.0 if match[2] in ("K", "kelvin") else ZERO_CELSIUS), 6) if match else 0.0
+    if match is None:
+        kelvin = 0.0
+    elif match[2] in ("K", "kelvin"):
+        kelvin = float(match[1])  # as it is: a stored case reads back as the same
+    else:
+        kelvin = round(float(match[1]) + ZERO_CELSIUS, 6)
     if not kelvin > 0:
         raise ValueError('must be a temperature with its unit, "40 degC" or "313.15 K"')
     return kelvin
