@@ -28,7 +28,7 @@ from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Even, check_grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import Elasticity
-from ertel.numerics.programs import Compiled, Program
+from ertel.numerics.programs import Program
 from ertel.numerics.symmetry import total, unfolded
 from ertel.physics.far_field import Motion
 from ertel.solvers import nonlinear, steady
@@ -122,7 +122,6 @@ class Transient2D(Method):
         self.closure = closure or NewtonsLaw.of(case.motion, self.geometry.hertz_load)
         elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
-        self._step: Compiled | None = None
         tolerance = case.solver.tolerance
         if not case.schedule.step:
             tolerance = min(tolerance, LARGEST_REST * case.schedule.tolerance)
@@ -225,9 +224,8 @@ class Transient2D(Method):
         return found if self.case.starts_apart else found._replace(velocity=0.0)
 
     def solve(self, problem: StepProblem) -> StepSolution:
-        """The step's solution, on this device; all steps of a run have one program."""
-        self._step = self._step or _step_program.ready(problem)
-        found: StepSolution = self._step(problem)
+        """The step's solution, on this device."""
+        found: StepSolution = _step_program(problem)
         return found
 
     def measure(self, level: State) -> dict[str, float]:
