@@ -200,7 +200,7 @@ class Transient2D(Method):
         )
         numbers = np.asarray(solution.numbers).tolist()
         found = dict(zip(NUMBERS, numbers, strict=False))
-        measured = self._named(numbers[len(NUMBERS) :], around.load)
+        measured = self._named(measure.named(self.grid, numbers[len(NUMBERS) :]), around.load)
         approach, n, k = found["approach"], int(found["newton"]), int(found["krylov"])
         velocity = self.closure.velocity(T, rates, approach, approaches)
         load = measured.pop("load")
@@ -230,13 +230,12 @@ class Transient2D(Method):
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
-        values = self._named(np.asarray(_measured(self.setting.axes, level.P, level.H)).tolist(), level.outside)
+        values = self._named(measure.measure(self.grid, level.P, level.H), level.outside)
         del values["load"]
         return values
 
-    def _named(self, numbers: Sequence[float], outside: float) -> dict[str, float]:
-        """The values of `Method.measure` and the load on the grid, from `measure.numbers`."""
-        values = measure.named(self.grid, numbers)
+    def _named(self, values: dict[str, float], outside: float) -> dict[str, float]:
+        """The values of `Method.measure`, and the load on the grid, from those of `measure.measure`."""
         values["F"] = (values["load"] + outside) / self.geometry.hertz_load
         if self.case.is_axisymmetric:
             for X, Y in (("X_min", "Y_min"), ("X_P_max", "Y_P_max")):
@@ -324,6 +323,3 @@ def _numbers(p: StepProblem, rate: Rate, s: newton.Solution, fields: Mapping[str
 
 def _weighted(weights: Weights, fields: Sequence[Array]) -> Array:
     return jnp.tensordot(jnp.asarray(weights), jnp.stack(fields), axes=1)
-
-
-_measured = jax.jit(measure.numbers)
