@@ -18,7 +18,8 @@ from ertel.model.status import Status
 from ertel.results import accessor as accessor  # datasets of runs have .ertel
 from ertel.results.result import Result
 from ertel.results.summary import attributes
-from ertel.runs import compiling
+from ertel.runs import beforehand, compiling
+from ertel.runs.beforehand import with_these
 from ertel.runs.courses import Course, Item, course_of
 from ertel.runs.progress import progress_bar
 from ertel.runs.stepping import Frame
@@ -65,7 +66,7 @@ class Gathering:
         """The result of the run, from its last item."""
         data = self.course.dataset(self.records, self.frames, last)
         work = {"compilations": compiling.count() - self._compiled, "wall_s": clock.monotonic() - self._started}
-        summary = self.course.summary(data, last, last.status, work)
+        summary = with_these(self.course.case, self.course.summary(data, last, last.status, work))
         return Result(self.course.case, data.assign_attrs(attributes(summary)), summary, last.status)
 
 
@@ -84,8 +85,11 @@ def simulate(case: Case, progress: bool = False, observers: Sequence[Observer] =
     Returns
     -------
     Result
-        Its `status` says how the run ended; what a careful colleague would warn of is also given as Python warnings.
+        Its `status` says how the run ended; what a careful colleague would warn of is also given as Python warnings,
+        before the run where the case alone tells it.
     """
+    before = beforehand.warnings_of(case)
+    warn(before)
     compiling.check_jax()
     compiling.keep_on_disk()
     course = course_of(case)
@@ -93,11 +97,11 @@ def simulate(case: Case, progress: bool = False, observers: Sequence[Observer] =
     with progress_bar(course, progress) as shown:
         last = drive(course, [gathering, *shown, *observers])
     result = gathering.result(last)
-    warn_of(result)
+    warn([sentence for sentence in result.warnings if sentence not in before])
     return result
 
 
-def warn_of(result: Result) -> None:
-    """Issue the warnings of a run as Python warnings."""
-    for sentence in result.warnings:
+def warn(sentences: Sequence[str]) -> None:
+    """Issue sentences about a run as Python warnings of the line that called the caller."""
+    for sentence in sentences:
         warnings.warn(sentence, stacklevel=3)

@@ -9,7 +9,7 @@ from ertel.model.case import Case
 from ertel.results import diagnostics
 from ertel.results.parameters import parameter_summary
 from ertel.results.summary import films
-from ertel.runs import duration, memory
+from ertel.runs import beforehand, duration, memory
 from ertel.solvers.radial import radii
 
 
@@ -44,7 +44,7 @@ def outlook(case: Case) -> dict[str, Any]:
 def _case_warnings(case: Case) -> list[str]:
     """Warnings that need no run; of friction as far as it is enough to know whether the surfaces slide."""
     some = 1e-9 if case.motion.slide_to_roll else 0.0
-    return [*diagnostics.case_warnings(case), *diagnostics.friction_warnings(case, some)]
+    return [*beforehand.warnings_of(case), *diagnostics.friction_warnings(case, some)]
 
 
 def _grid(case: Case) -> dict[str, float | int]:

@@ -31,12 +31,13 @@ from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.results.result import Result
 from ertel.results.summary import attributes
-from ertel.runs import checked_zarr, compiling, directories
+from ertel.runs import beforehand, checked_zarr, compiling, directories
 from ertel.runs.arrays import Data, advice_of, data_of
+from ertel.runs.beforehand import with_these
 from ertel.runs.courses import Course, Item, course_of
 from ertel.runs.directories import CASE as CASE
 from ertel.runs.directories import Taken as Taken
-from ertel.runs.drive import Observer, drive, warn_of
+from ertel.runs.drive import Observer, drive, warn
 from ertel.runs.files import Damaged as Damaged
 from ertel.runs.files import StoreError as StoreError
 from ertel.runs.files import checked, locked, reading, replace, sealed, unchecked, unsealed
@@ -250,7 +251,7 @@ class RunStore:
 
     def summarise(self, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         """The summary of what is written, of which there must be something; work: compilations, wall_s."""
-        return self.course.summary(self.dataset(), self.item(), status, work)
+        return with_these(self.case, self.course.summary(self.dataset(), self.item(), status, work))
 
     def summary_so_far(self) -> dict[str, Any]:
         """The summary of a run that has not ended.  Raises StoreError where there is nothing yet."""
@@ -312,11 +313,13 @@ def run(case: Case, directory: str | Path, progress: bool = False, observers: Se
         raise StoreError(
             f"{directory}: holds another case ({directories.changes(store.case.to_data(), case.to_data())})"
         )
+    before = beforehand.warnings_of(case)
+    warn(before)
     if store.outcome() is None:
         with progress_bar(store.course, progress) as shown:
             compute(store, [*shown, *observers])
     result = store.result()
-    warn_of(result)
+    warn([sentence for sentence in result.warnings if sentence not in before])
     return result
 
 

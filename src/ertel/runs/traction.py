@@ -21,6 +21,7 @@ from ertel.results.curve_points import WORK, Point, assemble, point
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import TractionCurve
 from ertel.runs import compiling
+from ertel.runs.beforehand import beyond
 from ertel.runs.courses import GridStep, SteadyCourse
 from ertel.runs.curves import Curve, Film, curve_of
 from ertel.runs.drive import Observer, drive
@@ -88,7 +89,7 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
         "tau_max": float(np.hypot(*np.asarray(found.stress)).max()),
         **dict(zip(WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
-    said, status = diagnostics.steady_warnings(case, film.solutions), film.status
+    said, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if case.thermal is not None and film.status.ok:
         warm = heat.of_solution(case, grids.finest)
         values |= _warm_values(case, values, warm)
