@@ -68,12 +68,12 @@ def budget_warnings(case: Case, found: Budgets) -> list[str]:
 def friction_warnings(case: Case, coefficient: float) -> list[str]:
     """Warnings where shear stress and traction mean nothing; an empty list if they do.  The film hardly feels it.
 
-    coefficient: the largest traction coefficient of the run, in a*/R.
+    coefficient: the largest traction coefficient of the run.
     """
     if case.scales is None:
         return []
     heaviest = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
-    p, mu = case.scales.p_h * cbrt(heaviest), abs(coefficient) * case.scales.a_over_R
+    p, mu = case.scales.p_h * cbrt(heaviest), abs(coefficient)
     if isinstance(case.oil.viscosity_law, Barus) and p > BARUS_PRESSURE and (mu or not case.oil.is_newtonian):
         return [
             f'lubricant.viscosity = "barus": gives far too large viscosities above {BARUS_PRESSURE / 1e9:g} GPa, and '

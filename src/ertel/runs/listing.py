@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from ertel.model.case import Case
 from ertel.model.status import Status
+from ertel.results.kinds import as_now
 from ertel.results.scalars import Scalar, scalars
 from ertel.runs import progress_file
 from ertel.runs.directories import CASE, read_case
@@ -67,6 +68,6 @@ def _written(directory: Path) -> datetime:
 
 def _summary(directory: Path) -> dict[str, Any] | None:
     try:
-        return unsealed((directory / SUMMARY).read_bytes())
+        return as_now(unsealed((directory / SUMMARY).read_bytes()))
     except (OSError, ValueError):
         return None

@@ -29,8 +29,10 @@ import xarray as xr
 
 from ertel.model.case import Case
 from ertel.model.status import Status
+from ertel.results.kinds import as_now
 from ertel.results.result import Result
 from ertel.results.summary import attributes
+from ertel.results.variables import one_number
 from ertel.runs import beforehand, checked_zarr, compiling, directories
 from ertel.runs.arrays import Data, advice_of, data_of
 from ertel.runs.beforehand import with_these
@@ -226,7 +228,7 @@ class RunStore:
 
     def dataset(self) -> xr.Dataset:
         """The run as far as it has been written.  Raises Damaged."""
-        return checked_zarr.read(self._data, self._advice)
+        return one_number(checked_zarr.read(self._data, self._advice))
 
     def summary(self) -> dict[str, Any] | None:
         """The summary as it is stored, None where there is none yet.  Raises Damaged."""
@@ -238,7 +240,7 @@ class RunStore:
         with reading(path, "it is written again when the run is continued"):
             content = unsealed(text)
         self._require_own(SUMMARY, content.pop("digest", None))
-        return content
+        return as_now(content)
 
     def outcome(self) -> dict[str, Any] | None:
         """The summary of a run that has converged and is whole; None where there is something left to do."""

@@ -20,6 +20,7 @@ from ertel.results import diagnostics
 from ertel.results.curve_points import WORK, Point, assemble, point
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import TractionCurve
+from ertel.results.variables import with_coefficients
 from ertel.runs import compiling
 from ertel.runs.beforehand import beyond
 from ertel.runs.courses import GridStep, SteadyCourse
@@ -78,7 +79,7 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
     """
     grids = Rolling(film.solutions)
     found = friction.steady(case, grids.finest)
-    numbers = friction.coefficients(found)
+    numbers = with_coefficients(friction.coefficients(found), case.scales)
     sliding, rolling = numbers["mu_sliding"], numbers["mu_rolling"]
     work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), grids.convolutions
     values = {
@@ -101,13 +102,14 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
 
 def _warm_values(case: Case, cold: Mapping[str, float], warm: Heated) -> dict[str, float]:
     """What heat changes: the film by its inlet factor, the traction, and of the power loss the part of sliding."""
-    sliding, factor = float(warm.sliding[0]), warm.inlet.factor
-    less = (cold["mu_sliding"] - sliding) * case.motion.load(0.0) * case.motion.sliding(0.0)
+    unit = case.scales.a_over_R if case.scales else 1.0
+    sliding, factor = float(warm.sliding[0]) * unit, warm.inlet.factor
+    less = (cold["mu_sliding"] - sliding) / unit * case.motion.load(0.0) * case.motion.sliding(0.0)
     temperatures = {f"{name}_max": float(np.max(getattr(warm, name))) for name in ("T_1", "T_2", "T_film")}
     return {
         "mu_isothermal": cold["mu_sliding"],
         "mu_sliding": sliding,
-        "mu_sliding_y": float(warm.sliding[1]),
+        "mu_sliding_y": float(warm.sliding[1]) * unit,
         "mu_1": cold["mu_rolling"] + sliding,
         "mu_2": cold["mu_rolling"] - sliding,
         "power_loss": cold["power_loss"] - less,

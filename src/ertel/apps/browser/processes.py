@@ -20,6 +20,7 @@ from typing import IO, Any
 
 from ertel.apps.browser.folder import Folder
 from ertel.model.status import Status
+from ertel.results.kinds import as_now
 from ertel.runs import files, progress_file
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
@@ -182,7 +183,7 @@ def summary_of(run: Path) -> dict[str, Any] | None:
 @lru_cache(maxsize=64)
 def _summary(path: Path, changed: int) -> dict[str, Any]:
     """The content of a file that was changed then."""
-    return files.unsealed(path.read_bytes())
+    return as_now(files.unsealed(path.read_bytes()))
 
 
 def _outcome(run: Path) -> str | None:
