@@ -36,7 +36,8 @@ class Wishes:
 
 def run(case: Case, directory: Path | None, wishes: Wishes) -> None:
     """Run a case in a new directory: that one, or runs/NAME."""
-    say_before([case])
+    if not wishes.quiet:
+        say_before([case])
     prepare()
     with within_memory(case):
         course = course_of(case)

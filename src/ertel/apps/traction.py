@@ -26,7 +26,8 @@ def traction(
     """Compute and store a traction curve, or go on with it, and print it.  directory: None: traction/NAME."""
     with bad_input():
         curve = curve_of(case, given, film)
-    running.say_before([max(curve.cases, key=newtonian_stress)])
+    if not quiet:
+        running.say_before([max(curve.cases, key=newtonian_stress)])
     running.prepare()
     with running.within_memory(case), interruptible() as stop:
         store = _store(curve, directory)
