@@ -125,8 +125,8 @@ def film_table(
     for column in ("central", "deviation", "minimum", "deviation") if computed else ("central", "minimum"):
         table.add_column(column, justify="right", no_wrap=True)
     if computed:
-        cells = (_with_error(case, name, value, errors) for name, value in computed.items())
-        table.add_row("computed", *(cell for pair in cells for cell in pair))
+        pairs = [_with_error(case, name, value, errors) for name, value in computed.items()]
+        table.add_row("computed", *(cell for pair in pairs for cell in pair))
     if errors:
         computed = {name: errors[name][1] if name in errors else value for name, value in computed.items()}
         table.add_row("computed, extrapolated", _film(case, computed["H_c"]), "", _film(case, computed["H_min"]))

@@ -13,8 +13,8 @@ in all directions, and so does the pressure gradient in pure rolling.
 
 The equations are exact for a film of uniform eta and rho.  The flux of their solution here has the error of the sums
 below: up to 1e-5 for Eyring's law.  It is largest in pure rolling where the gradient, h |grad p|, is more than ten
-times the stress of the law: 6e-4 for Carreau's and Carreau and Yasuda's with n = 0.3 to 0.5, and 3e-3 for a limited law where
-the stress at the walls just comes to the limit.  Nothing is claimed where it exceeds eight times the limit.
+times the stress of the law: 6e-4 for Carreau's and Carreau and Yasuda's with n = 0.3 to 0.5, and 3e-3 for a limited law
+where the stress at the walls just comes to the limit.  Nothing is claimed where it exceeds eight times the limit.
 
 * The integrals are sums over NODES nodes.  With the sums S_k of zeta^k phi they are S_0 tau_m + S_1 g and S_1 tau_m +
   S_2 g.  The nodes lie in pairs, so that a Newtonian oil gets exactly S_1 = 0.

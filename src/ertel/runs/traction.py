@@ -13,6 +13,7 @@ import numpy as np
 from ertel.inputs.ranges import Given
 from ertel.model import friction, heat
 from ertel.model.case import Case
+from ertel.model.estimates import newtonian_stress
 from ertel.model.heat import Heated
 from ertel.model.state import Rolling
 from ertel.model.status import Status
@@ -25,7 +26,7 @@ from ertel.runs import compiling
 from ertel.runs.beforehand import beyond
 from ertel.runs.courses import GridStep, SteadyCourse
 from ertel.runs.curves import Curve, Film, curve_of
-from ertel.runs.drive import Observer, drive
+from ertel.runs.drive import Observer, drive, warn
 from ertel.runs.progress import bars
 from ertel.runs.traction_store import CurveStore
 
@@ -170,6 +171,7 @@ def traction(
     TractionCurve
         It shows itself as a table; `dataset`, `plot()`, `to_csv(path)`.
 
+    What the case with the largest shear stress asks of the model beyond its range is a Python warning, before the run.
     Raises ConfigError, naming the argument, its value and what is allowed; StoreError where the directory holds
     something else.
 
@@ -183,6 +185,7 @@ def traction(
     compiling.keep_on_disk()
     curve = curve_of(case, {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
     store = CurveStore.of(Path(directory), curve) if directory else None
+    warn(beyond(max(curve.cases, key=newtonian_stress)))
     with bars(progress) as shown:
         return run(curve, store, watched(shown, curve))
 
