@@ -19,7 +19,7 @@ from ertel.runs.courses import course_of
 from ertel.runs.progress_file import PROGRESS, ProgressFile
 
 CASE = "[contact]\nM = 200\nL = 10\n[solver]\nnodes = 33\n[time]\nstep = 0.01\nuntil = 0.06\n"
-STEADY = '[contact]\nkind = "rolling"\nM = 200\nL = 10\n[solver]\nnodes = 33\ntolerance = 0.03\n'
+STEADY = '[contact]\nkind = "rolling"\nM = 20\nL = 10\n[solver]\nnodes = 33\ntolerance = 0.03\n'
 
 
 @pytest.fixture

@@ -43,7 +43,7 @@ def test_new_writes_a_case_that_loads(here, kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_new_case_runs(here, kind):
     ertel_("new", kind)
-    small = ("--set", "solver.nodes=33", "--set", "solver.tolerance=0.03")
+    small = ("--set", f"solver.nodes={33 if kind == 'impact' else 65}", "--set", "solver.tolerance=0.03")
     until = ("--set", "time.until=0.02") if kind == "impact" else ()
     ertel_("run", f"{kind}.toml", *small, *until, "--quiet")
     assert "summary.json" in names(here / "runs" / kind)
