@@ -1,6 +1,11 @@
 """Files of measured surfaces in a case: formats, units, trend, gaps, and what is said where something is missing."""
 
 import sys
+import tracemalloc
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +18,7 @@ from ertel.model.case import Case
 from ertel.physics.height_map import HeightMap
 from ertel.physics.surfaces import Measured
 from ertel.physics.units import Quantity
+from ertel.results.diagnostics import case_warnings
 
 topography = pytest.importorskip("SurfaceTopography").Topography
 
@@ -200,6 +206,158 @@ def test_without_the_package_it_is_said_what_to_install(tmp_path, monkeypatch) -
             read(tmp_path, **table)
     plain = read(tmp_path, file="disc.npy", unit="m", length_x="600 um", detrend="none")
     np.testing.assert_allclose(heights(plain), WAVE, atol=1e-20)
+
+
+# -- heights that are no heights --------------------------------------------------------------------------------------
+
+PLACED: dict[str, Any] = {"unit": "m", "length_x": "600 um"}
+
+
+@pytest.mark.parametrize("detrend", ["none", "plane"])
+@pytest.mark.parametrize(
+    ("found", "message"),
+    [
+        (WAVE / np.abs(WAVE).max() * 1e300, "heights: reach 1e+300; the largest must be between 1e-30 and 1e+30"),
+        (WAVE / np.abs(WAVE).max() * 1e-320, "heights: reach 1e-320; the largest must be between 1e-30 and 1e+30"),
+        (np.where(WAVE == WAVE.max(), np.inf, WAVE), "4 of its heights are infinite; a gap must be nan"),
+        (np.where(WAVE == WAVE.max(), -np.inf, WAVE), "4 of its heights are infinite; a gap must be nan"),
+        (0 * WAVE, "heights: are all zero; leave the map out"),
+    ],
+)
+def test_heights_that_nothing_can_have_are_refused(tmp_path, found, message, detrend) -> None:
+    np.save(tmp_path / "disc.npy", found)
+    with pytest.raises(ConfigError) as caught:
+        read(tmp_path, file="disc.npy", detrend=detrend, **PLACED)
+    assert str(caught.value) == f'roughness[1].file = "disc.npy": {message}'
+
+
+@pytest.mark.parametrize("detrend", ["mean", "plane", "curvature"])
+@pytest.mark.parametrize("form", [3e-6 + 0 * TILT, 0.1 + 0 * TILT])
+def test_round_off_is_no_roughness(tmp_path, form, detrend) -> None:
+    np.save(tmp_path / "disc.npy", form)
+    with pytest.raises(ConfigError, match=rf'^roughness\[1\].detrend = "{detrend}": leaves nothing but round-off'):
+        read(tmp_path, file="disc.npy", detrend=detrend, **PLACED)
+
+
+def test_how_many_points_were_filled_is_said_and_stays_with_the_case(tmp_path) -> None:
+    holed = WAVE.copy()
+    holed[3, 4:7] = np.nan
+    written(tmp_path / "disc.nc", holed)
+    table = {"shape": "measured", "file": "disc.nc"}
+    case = parse_case({**CONTACT, "roughness": [table]}, tmp_path)
+    said = [sentence for sentence in case_warnings(case) if "gaps" in sentence]
+    start = "roughness[1]: 3 of the 600 points of the map were gaps"
+    assert said == [f"{start}: their heights are interpolated from their rims"]
+    for name, heights in case.maps.items():  # as in a run directory
+        (tmp_path / name).write_bytes(heights.to_bytes())
+    again = parse_case(case.to_data(), tmp_path)
+    assert again == case
+    assert case_warnings(again) == case_warnings(case)
+    with pytest.raises(ConfigError, match=r"^roughness\[1\].filled = 3: is counted as the file is read; leave it out"):
+        read(tmp_path, file="disc.nc", filled=3)
+
+
+# -- files that declare too much --------------------------------------------------------------------------------------
+
+
+@contextmanager
+def memory_below(most: float) -> Iterator[None]:
+    """Bytes that Python and NumPy take at once."""
+    tracemalloc.start()
+    try:
+        yield
+        assert tracemalloc.get_traced_memory()[1] < most
+    finally:
+        tracemalloc.stop()
+
+
+def zipped(path: Path, members: dict[str, bytes], declared: int | None = None) -> None:
+    """A zip archive.  declared: the size of its first member as its directory says it."""
+    content = BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in members.items():
+            archive.writestr(name, data)
+    if declared is not None:
+        first = len(next(iter(members.values()))).to_bytes(4, "little")
+        packed = content.getvalue().replace(first, declared.to_bytes(4, "little"))
+        content = BytesIO(packed)
+    path.write_bytes(content.getvalue())
+
+
+def refused(folder: Path, name: str, message: str, most: float = 5e6, **table: Any) -> None:
+    """Whether a file is refused in one sentence, with little memory."""
+    import SurfaceTopography  # noqa: F401  (its own memory does not count)
+
+    with memory_below(most), pytest.raises(ConfigError) as caught:
+        read(folder, file=name, **table)
+    assert str(caught.value) == f'roughness[1].file = "{name}": {message}'
+
+
+@pytest.mark.parametrize("name", ["disc.npy", "heights-0123456789abcdef.npy"])
+@pytest.mark.parametrize(
+    ("shape", "message"),
+    [
+        ((100_000, 100_000), "heights: is 100000 x 100000; must be a map of 4 to 4096 points a side"),
+        ((4000, 4000), "is no array of numbers, 4000 x 4000 of float64 in 8 bytes"),
+    ],
+)
+def test_an_array_is_refused_by_its_header(tmp_path, name, shape, message) -> None:
+    with (tmp_path / name).open("wb") as file:
+        np.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": shape})
+        file.write(bytes(8))
+    placed = PLACED if name == "disc.npy" else {}
+    refused(tmp_path, name, message, **placed)
+
+
+@pytest.mark.parametrize("separator", [" ", ",", "\t", "; "])
+@pytest.mark.parametrize("encoding", ["ascii", "utf-16"])
+def test_a_line_of_many_numbers_is_refused_before_it_is_read(tmp_path, separator, encoding) -> None:
+    (tmp_path / "wide.txt").write_bytes(f"# Width: 1 mm\n{('1' + separator) * 300_000}\n".encode(encoding))
+    said = "has more than 4096 numbers in a line; a map has at most 4096 points a side"
+    refused(tmp_path, "wide.txt", said, most=40e6)
+
+
+def test_many_lines_of_numbers_are_refused_before_they_are_read(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("ertel.inputs.declared.MOST_NUMBERS", 5000)
+    np.savetxt(tmp_path / "long.txt", np.ones((51, 100)))
+    refused(tmp_path, "long.txt", "has more than 5000 numbers; a map has at most 4096 points a side")
+    np.savetxt(tmp_path / "fits.txt", np.random.default_rng(0).normal(size=(50, 100)), header="some words")
+    assert read(tmp_path, file="fits.txt", unit="um", length_x="1 mm").file.heights.shape == (50, 100)
+
+
+def test_a_zip_archive_is_refused_by_what_it_unpacks_to(tmp_path) -> None:
+    """The directory declares gigabytes here; the members have them in an attack."""
+    zipped(tmp_path / "bomb.x3p", {"main.xml": b"<a/>" * 999, "data.bin": b""}, declared=1_900_000_000)
+    refused(tmp_path, "bomb.x3p", "unpacks to 1.9 GB; must be at most 0.6 GB")
+    zipped(tmp_path / "tree.x3p", {"main.xml": b"<a>" + b"<b/>" * 3_000_000 + b"</a>"})
+    refused(tmp_path, "tree.x3p", "main.xml in it is 12 MB of XML; must be at most 10 MB")
+    zipped(tmp_path / "tree.plux", {"recipe.txt": b"\n <a>" + b"<b/>" * 3_000_000 + b"</a>"})
+    refused(tmp_path, "tree.plux", "recipe.txt in it is 12 MB of XML; must be at most 10 MB")
+    zipped(tmp_path / "wide.zip", {"scan.dat": b"1 " * 3_000_000})
+    refused(tmp_path, "wide.zip", "has more than 4096 numbers in a line; a map has at most 4096 points a side", 40e6)
+    zipped(tmp_path / "table.xlsx", {"[Content_Types].xml": b"<a/>"})
+    refused(tmp_path, "table.xlsx", "is an office document, which has no map of heights; export the map as text")
+
+
+def test_a_member_that_is_larger_than_it_declares_is_not_unpacked(tmp_path) -> None:
+    zipped(tmp_path / "liar.x3p", {"main.xml": b"<a>" + b"<b/>" * 10_000_000}, declared=1000)
+    with memory_below(20e6), pytest.raises(ConfigError, match="SurfaceTopography cannot read it"):
+        read(tmp_path, file="liar.x3p")
+
+
+def test_a_map_is_refused_by_the_shape_that_its_file_declares(tmp_path) -> None:
+    """Chunks that were never written take no place in a file of HDF5."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "wide.h5", "w") as file:
+        file.create_dataset("heights", shape=(5, 100_000_000), chunks=(5, 1000), dtype="f8")
+    said = "heights: is 100000000 x 5; must be a map of 4 to 4096 points a side"
+    refused(tmp_path, "wide.h5", said, **PLACED)
+
+
+def test_a_file_is_refused_by_its_size(tmp_path) -> None:
+    with (tmp_path / "large.al3d").open("wb") as file:
+        file.truncate(700_000_000)  # takes no place
+    refused(tmp_path, "large.al3d", "has 0.7 GB; must have at most 0.6 GB")
 
 
 # -- in a case --------------------------------------------------------------------------------------------------------

@@ -106,6 +106,8 @@ def test_the_surface_has_continuous_second_derivatives_between_points() -> None:
         (np.ones((3, 9)), "heights: is 3 x 9; must be a map of 4 to 4096 points a side"),
         (np.where(NOISE > 1, np.nan, NOISE), "heights: has gaps"),
         (np.zeros((5, 5)), "heights: are all zero"),
+        (1e300 * NOISE / np.abs(NOISE).max(), "heights: reach 1e+300; the largest must be between 1e-30 and 1e+30"),
+        (1e-320 * NOISE / np.abs(NOISE).max(), "heights: reach 1e-320; the largest must be between 1e-30 and 1e+30"),
     ],
 )
 def test_what_is_no_map_is_said(heights, message) -> None:

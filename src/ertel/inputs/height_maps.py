@@ -12,27 +12,30 @@ is.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
+from os import fstat
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
+from ertel.inputs.declared import LARGEST_FILE, check_declared
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.quantities import parse_quantity
 from ertel.inputs.schema import FILES
 from ertel.model.records import shortened, show
-from ertel.physics.height_map import HeightMap
+from ertel.physics.height_map import HeightMap, array_in, check_shape, check_size
 from ertel.physics.units import LENGTH, Quantity
 
 OWN_NAME = re.compile(r"heights-[0-9a-f]{16}\.npy")
 DETRENDS = {"plane": "height", "curvature": "curvature", "mean": "center"}  # as SurfaceTopography calls them
-LARGEST_FILE = 2_000_000_000  # bytes
 MOST_GAPS = 0.5  # of the points
+ROUND_OFF = 1e-12  # of the heights: no instrument measures what is smaller
+T = TypeVar("T")
 READING = {"channel", "unit", "detrend"}
 
 
@@ -79,31 +82,39 @@ def _with_map(table: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], H
         if found.name != path.name:
             raise ValueError(f"file = {show(table['file'])}: was changed since ertel wrote it; put the run's own back")
         return placed, found
+    if "filled" in table:
+        raise ValueError(f"filled = {show(table['filled'])}: is counted as the file is read; leave it out")
     if path.suffix == ".npz":
         raise ValueError(f"file = {show(table['file'])}: may hold many arrays; write one with numpy.save")
     is_array = path.suffix == ".npy" or content.startswith(MAGIC_PREFIX)
     raw = (_array if is_array else _of_instrument)(table, content)
     found = _named(table["file"], HeightMap, _smoothed(table, raw))
-    return {**placed, **_sizes(table, raw, found), "file": found.name}, found
+    filled = {"filled": gaps} if (gaps := int(np.ma.getmaskarray(raw.heights).sum())) else {}
+    return {**placed, **_sizes(table, raw, found), **filled, "file": found.name}, found
 
 
 def _content(path: Path, written: str) -> bytes:
     try:
         if path.exists() and not path.is_file():
             raise ValueError(f"file = {show(written)}: is no regular file")
-        if path.stat().st_size > LARGEST_FILE:
-            raise ValueError(f"file = {show(written)}: is too large; must have at most {LARGEST_FILE / 1e9:g} GB")
-        return path.read_bytes()
+        with path.open("rb") as file:
+            size = fstat(file.fileno()).st_size
+            content = file.read(size) if size <= LARGEST_FILE else b""
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         where = "" if path.is_absolute() else f" in {shortened(str(path.parent.absolute()))}"
         raise ValueError(f"file = {show(written)}: cannot be read{where}, {reason}") from error
+    if size > LARGEST_FILE:
+        raise ValueError(
+            f"file = {show(written)}: has {size / 1e9:.3g} GB; must have at most {LARGEST_FILE / 1e9:g} GB"
+        )
+    return content
 
 
-def _named(written: str, make: Any, content: Any) -> HeightMap:
+def _named(written: str, make: Callable[[Any], T], content: Any) -> T:
+    """What is made of a content; a ValueError that names the file where that fails."""
     try:
-        found: HeightMap = make(content)
-        return found
+        return make(content)
     except (ValueError, EOFError) as error:
         raise ValueError(f"file = {show(written)}: {shortened(str(error))}") from error
 
@@ -115,22 +126,22 @@ def _array(table: Mapping[str, Any], content: bytes) -> _Raw:
     """A NumPy array, which has no sizes and no unit."""
     if "channel" in table:
         raise ValueError(f"channel = {show(table['channel'])}: a NumPy array has none; leave it out")
-    try:
-        heights = np.load(BytesIO(content), allow_pickle=False).astype(np.float64, casting="same_kind")
-    except (ValueError, EOFError, TypeError) as error:
-        raise ValueError(f"file = {show(table['file'])}: is no array of numbers, {shortened(str(error))}") from error
-    return _Raw(np.ma.masked_invalid(heights), None, _metre(table))
+    heights = _named(table["file"], array_in, content).astype(np.float64)
+    return _Raw(_with_gaps(table, heights), None, _metre(table))
 
 
 def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
     """A file that SurfaceTopography reads."""
     written = show(table["file"])
     module = _surface_topography(f"file = {written}")
+    _named(table["file"], check_declared, content)
     with _reading(written):
         channels = module.open_topography(BytesIO(content)).channels
     channel = _channel(table, channels)
     if channel.unit is not None and "unit" in table:
         raise ValueError(f"unit = {show(table['unit'])}: the file says {channel.unit}; leave it out")
+    if channel.nb_grid_pts is not None:
+        _named(table["file"], check_shape, tuple(map(int, channel.nb_grid_pts))[::-1])
     sizes = {} if channel.physical_sizes else {"physical_sizes": tuple(map(float, channel.nb_grid_pts))}
     with _reading(written):
         found = channel.topography(**sizes)
@@ -141,7 +152,15 @@ def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
         heights = np.ma.array(found.heights(), dtype=np.float64, copy=True).T
     along_x, along_y = map(float, found.physical_sizes)
     lengths = None if sizes else (along_x, along_y)
-    return _Raw(np.ma.masked_invalid(heights), lengths, _metre(table) if channel.unit is None else 1.0)
+    return _Raw(_with_gaps(table, heights), lengths, _metre(table) if channel.unit is None else 1.0)
+
+
+def _with_gaps(table: Mapping[str, Any], heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The heights with a mask where they are nan."""
+    infinite = int(np.ma.filled(np.isinf(heights), False).sum())
+    if infinite:
+        raise ValueError(f"file = {show(table['file'])}: {infinite} of its heights are infinite; a gap must be nan")
+    return np.ma.masked_invalid(heights)
 
 
 @contextmanager
@@ -195,6 +214,7 @@ def _smoothed(table: Mapping[str, Any], raw: _Raw) -> NDArray[np.float64]:
     gaps = float(np.ma.getmaskarray(heights).mean()) if heights.size else 0.0
     if gaps > MOST_GAPS:
         raise ValueError(f"file = {show(table['file'])}: {gaps:.0%} of its points are gaps; at most {MOST_GAPS:.0%}")
+    _named(table["file"], check_size, heights)
     if heights.ndim == 2 and (gaps or detrend != "none"):
         wanted = f'detrend = "{detrend}"' if detrend != "none" else f"file = {show(table['file'])}"
         sizes = raw.sizes or tuple(map(float, heights.shape[::-1]))
@@ -203,6 +223,10 @@ def _smoothed(table: Mapping[str, Any], raw: _Raw) -> NDArray[np.float64]:
         if gaps:
             found = found.interpolate_undefined_data_with_harmonic_function()
         heights = np.asarray(found.heights()).T
+        if detrend != "none" and np.abs(heights).max() < ROUND_OFF * np.abs(raw.heights).max():
+            raise ValueError(
+                f"{wanted}: leaves nothing but round-off of file = {show(table['file'])}; leave the map out"
+            )
     return np.asarray(heights, dtype=np.float64)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ertel.physics.band_limit import smooth_step
-from ertel.physics.height_map import HeightMap
+from ertel.physics.height_map import MOST, HeightMap
 from ertel.physics.registry import SHAPES
-from ertel.physics.units import ANGLE, POSITION, RMS, WIDTH, Amount, Meaning, Quantity, plain
+from ertel.physics.units import ANGLE, POSITION, RMS, WIDTH, Amount, Bounds, Meaning, Quantity, plain
 
 Array = Any  # NumPy arrays that broadcast
 TAPER = 0.1  # of the shorter side, where no taper is given
@@ -46,6 +46,11 @@ class Measured:
     x: Annotated[Amount, POSITION, Meaning("its middle along x at T = 0")] = 0.0
     y: Annotated[Amount, POSITION, Meaning("its middle along y")] = 0.0
     angle: Annotated[float, ANGLE, Meaning("by which the map is turned, from x to y", "0 deg")] = 0.0
+    filled: Annotated[
+        int | None,
+        Bounds(gt=0, le=MOST**2, whole=True),
+        Meaning("points of the file that were gaps and were filled; ertel writes it beside its copy of the heights"),
+    ] = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.file, HeightMap):

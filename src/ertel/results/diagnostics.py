@@ -276,10 +276,16 @@ def _roughness_warning(case: Case) -> str:
 
 
 def _map_warnings(case: Case) -> list[str]:
-    """Where a measured map is smaller than the Hertzian contact."""
+    """Where a measured map had gaps, and where it is smaller than the Hertzian contact."""
     along_x, along_y = case.geometry.extent
     maps = [(i, feature.shape) for i, feature in enumerate(case.features, 1) if isinstance(feature.shape, Measured)]
-    return [
+    filled = [
+        f"roughness[{number}]: {shape.filled} of the {shape.file.heights.size} points of the map were gaps: "
+        "their heights are interpolated from their rims"
+        for number, shape in maps
+        if shape.filled
+    ]
+    return filled + [
         f"roughness[{number}]: the map is smaller than the contact (without its taper {shape.covered[0]:.3g} a by "
         f"{shape.covered[1]:.3g} a, the contact {2 * along_x:.3g} a by {2 * along_y:.3g} a): beyond it the surface is "
         "smooth"
