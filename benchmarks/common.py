@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).parent
+os.environ["JAX_ENABLE_X64"] = "1"  # ertel itself asks JAX for double precision in its public functions alone
 
 
 def impact(M: float, nodes: int, L: float = 10.0, **sections: dict[str, Any]) -> Any:

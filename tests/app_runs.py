@@ -19,30 +19,30 @@ CASE = {**BALL_FALLS, "solver": {"method": "radial", "nodes": 41}}
 VALUES = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.0, "P_max": 1.0, "H_c": 0.05, "H_min": 0.025}
 SUMMARY = {
     "kind": "impact", "method": "radial", "M": 1000.0, "L": 10.0, "max_approach": VALUES, "restitution": 0.93,
-    "status": "converged", "warnings": ["the grid is coarse"],
+    "status": "converged", "warnings": ["the grid is coarse"], "wall_s": 5.0,
 }  # fmt: skip
 STANDS_FOR_ERTEL = """
-import json, os, pathlib, shutil, signal, sys, time
+import json, os, pathlib, shutil, sys, time
+from ertel.runs import files, stop_file
 command, first, *rest = sys.argv[1:]
 run = pathlib.Path(rest[rest.index("--out") + 1] if command == "run" else first)
 if command == "run":
     shutil.copytree(pathlib.Path(__file__).with_name("prepared"), run)
-stopped = []
-signal.signal(signal.SIGINT, lambda *_: stopped.append(1))
 
 def tell(status, done):
     (run / "progress.json").write_text(json.dumps({"status": status, "T": 1.0, "step": 20, "done": done,
         "seconds": 1.0, "seconds_left": 2.0, "written": "2026-11-22T10:15:03+00:00", "process": os.getpid()}))
 
-tell("running", 0.4)
-if command == "resume":
-    shutil.move(run / "later.json", run / "summary.json")
-    tell("converged", 1.0)
-    sys.exit()
-deadline = time.monotonic() + 20
-while not stopped and time.monotonic() < deadline:
-    time.sleep(0.02)
-tell("interrupted", 0.4)
+with files.locked(run), stop_file.fresh(run):
+    tell("running", 0.4)
+    if command == "resume":
+        shutil.move(run / "later.json", run / "summary.json")
+        tell("converged", 1.0)
+        sys.exit()
+    deadline = time.monotonic() + 20
+    while not stop_file.is_asked(run) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    tell("interrupted", 0.4)
 print("ertel: interrupted", file=sys.stderr)
 sys.exit(130)
 """

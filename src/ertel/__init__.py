@@ -8,7 +8,6 @@
 Everything below is imported when it is first used, so that `import ertel` costs nothing.
 """
 
-import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -57,6 +56,7 @@ if TYPE_CHECKING:
     from ertel.results.variables import to_si as to_si
     from ertel.runs import tasks as tasks
     from ertel.runs.batch import simulate_batch as simulate_batch
+    from ertel.runs.compiling import cache as cache
     from ertel.runs.drive import simulate as simulate
     from ertel.runs.response import respond as respond
     from ertel.runs.response import respond_in_rolling as respond_in_rolling
@@ -67,8 +67,6 @@ if TYPE_CHECKING:
     from ertel.runs.traction import traction as traction
 
     __version__: str
-
-os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA calls it an error when it loads code that it compiled itself
 
 _HOMES = {  # name: module, or module:name there
     "ConfigError": "inputs.case_files",
@@ -103,6 +101,7 @@ _HOMES = {  # name: module, or module:name there
     "TractionCurve": "results.traction_curve",
     "to_si": "results.variables",
     "simulate_batch": "runs.batch",
+    "cache": "runs.compiling",
     "simulate": "runs.drive",
     "respond": "runs.response",
     "respond_in_rolling": "runs.response",

@@ -1,10 +1,8 @@
-"""The app without its pages: its folder, its processes, its form, who may ask, and what it does not import."""
+"""The app without its pages: its folder, its processes, its form, its pictures, and what it does not import."""
 
 import asyncio
-import fcntl
 import json
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -20,13 +18,14 @@ from ertel.apps import browser
 from ertel.apps.browser import checking, pictures
 from ertel.apps.browser.folder import Folder, Outside
 from ertel.apps.browser.form import Form, field_of
-from ertel.apps.browser.guard import Guard
 from ertel.apps.browser.pictures import Artist
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.wishes import Wish, stamp_of
 from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.runs import stop_file
+from ertel.runs.files import locked
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="the app stops runs by SIGINT")
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="no locks")
 
 
 def until(there, seconds=10.0):
@@ -130,18 +129,54 @@ def test_a_run_that_fails_says_why(tmp_path):
     assert processes.standing(run).message == "contact: missing"
 
 
-def test_runs_of_other_programs_are_told_by_their_lock(tmp_path):
-    """A killed run leaves "running" behind; only the lock tells whether a process computes it."""
+@pytest.mark.parametrize("number", ["another", "own", 0, -1, 1])
+def test_runs_of_other_programs_are_told_by_their_lock(tmp_path, monkeypatch, number):
+    """A killed run leaves "running" behind; only the lock tells whether a process computes it.
+
+    It is asked to stop by a file.  No process is signalled: the number may be that of another one by now, or one on
+    another machine.
+    """
     run, processes = make_run(tmp_path / "run", finished=False), Processes(Folder.at(tmp_path))
+    signalled = []
+    monkeypatch.setattr(os, "kill", lambda *arguments: signalled.append(arguments))
     with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(30)"]) as other:
-        write_progress(run, process=other.pid)
+        write_progress(run, process={"another": other.pid, "own": os.getpid()}.get(number, number))
         assert processes.standing(run).phase is Phase.INTERRUPTED
-        handle = os.open(run, os.O_RDONLY)
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        assert processes.standing(run).phase is Phase.RUNNING
+        with locked(run):
+            assert processes.standing(run).phase is Phase.RUNNING
+            processes.stop(run)
+            assert processes.standing(run).phase is Phase.STOPPING
+            assert stop_file.is_asked(run)
+            with pytest.raises(ValueError, match="run: is asked to stop already"):
+                processes.stop(run)
+            write_progress(run, status="interrupted", process=other.pid)
+            (run / "stop").unlink()
+            assert processes.standing(run).phase is Phase.COMPILING
+        assert other.poll() is None and signalled == []
+        monkeypatch.undo()
+        other.kill()
+    assert processes.standing(run).phase is Phase.INTERRUPTED
+    with pytest.raises(ValueError, match="nothing to stop"):
         processes.stop(run)
-        assert other.wait(10) == -signal.SIGINT
-    os.close(handle)
+
+
+def test_a_run_that_does_not_hear_is_ended(tmp_path):
+    """It was started here, so that its process is known: before it computes, and where it is asked again."""
+    quiet = [sys.executable, "-c", "import time; time.sleep(30)"]
+    processes = Processes(Folder.at(tmp_path), quiet)
+    run = processes.start("ball", "text")
+    processes.stop(run)
+    until(lambda: not processes.ours(), 5)
+    assert processes.standing(run).phase is Phase.INTERRUPTED
+    deaf = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(1, flush=True); time.sleep(30)"
+    processes = Processes(Folder.at(tmp_path), [sys.executable, "-c", deaf])
+    run = make_run(tmp_path / "deaf", finished=False)
+    processes.resume(run)
+    with locked(run):
+        for _ in range(2):
+            processes.stop(run)
+            assert stop_file.is_asked(run)
+        until(lambda: not processes.ours(), 5)
     assert processes.standing(run).phase is Phase.INTERRUPTED
 
 
@@ -188,31 +223,7 @@ def test_the_outlook_is_that_of_ertel_check(tmp_path):
     assert found["grid"]["nodes"] == 257
 
 
-# -- who may ask ------------------------------------------------------------------------------------------------------
-
-
-def answer(headers, kind="http"):
-    """What the guard does with a request: the status, "closed", or "passed"."""
-    told = []
-
-    async def passed(scope, receive, send):
-        told.append("passed")
-
-    async def send(message):
-        told.append(message.get("status") or {"websocket.close": "closed"}.get(message["type"]))
-
-    scope = {"type": kind, "headers": [(name.encode(), value.encode()) for name, value in headers.items()]}
-    asyncio.run(Guard(passed, 8642)(scope, None, send))
-    return told[0]
-
-
-def test_only_pages_of_the_app_are_answered():
-    ours, theirs = {"host": "127.0.0.1:8642"}, {"host": "evil.example:8642"}
-    assert answer(ours) == answer({"host": "localhost:8642"}) == "passed"
-    assert answer({**ours, "origin": "http://127.0.0.1:8642"}, "websocket") == "passed"
-    assert answer(theirs) == answer({"host": "127.0.0.1:1"}) == answer({}) == 403
-    assert answer({**ours, "origin": "http://evil.example"}) == answer({**ours, "origin": "null"}) == 403
-    assert answer(theirs, "websocket") == answer({**ours, "origin": "https://evil.example"}, "websocket") == "closed"
+# -- the command ------------------------------------------------------------------------------------------------------
 
 
 def test_the_command_without_the_package(monkeypatch):
@@ -278,7 +289,8 @@ from ertel.apps.browser import launch
 from ertel.apps.browser.checking import at_once
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.form import Form
-from ertel.apps.browser.processes import Processes, summary_of
+from ertel.apps.browser.processes import Processes
+from ertel.apps.browser.records import summary_of
 from ertel.results.key_numbers import key_numbers
 
 folder = Folder.at(Path(sys.argv[1]))

@@ -46,7 +46,7 @@ def folder(tmp_path):
 
 @pytest.fixture
 def server(folder):
-    """The app as a process: the process and its address."""
+    """The app as a process: the process, its address and its token."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -54,8 +54,10 @@ def server(folder):
     environment = {**inherited, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
     command = [sys.executable, "-m", "ertel", "app", str(folder), "--no-browser", "--port", str(port)]
     with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stderr.readline() == f"The app is at http://127.0.0.1:{port}, Ctrl-C closes it\n"
-        yield process, f"http://127.0.0.1:{port}"
+        said = process.stderr.readline()
+        address, token = f"http://127.0.0.1:{port}", said.partition("/?token=")[2].partition(",")[0]
+        assert said == f"The app is at {address}/?token={token}, Ctrl-C closes it\n"
+        yield process, address, token
         process.terminate()
         process.communicate(timeout=30)
 
@@ -142,9 +144,9 @@ def memory(process, what="VmHWM"):
 
 
 def test_a_session(server, driver, folder):
-    process, address = server
+    process, address, token = server
     page, runs = driver, Processes(Folder.at(folder))
-    page.open(address)
+    page.open(f"{address}/?token={token}")
     page.until(lambda: "Impact and rolling" in page.text(".welcome"))
     page.keep("first-page")
 
@@ -208,8 +210,10 @@ def test_a_session(server, driver, folder):
 
 
 def test_closing_the_app_leaves_the_run_going(server, driver, folder):
-    process, address = server
+    process, address, token = server
     page, runs = driver, Processes(Folder.at(folder))
+    page.open(f"{address}/?token={token}")
+    page.until(lambda: "Impact and rolling" in page.text(".welcome"))
     page.open(f"{address}/new")
     page.until(lambda: "Ready" in page.text(".answer"))
     page.fill("Name of the run", "long")

@@ -1,6 +1,7 @@
 """The pages of the app without a browser: NiceGUI's simulated user, on a made-up run and a process that stands in."""
 
 import asyncio
+import json
 import os
 from concurrent.futures import ThreadPoolExecutor
 
@@ -12,15 +13,17 @@ from app_runs import make_run, stand_in
 from nicegui import ElementFilter, app, ui
 from nicegui.testing import user_simulation
 
-from ertel.apps.browser import checking, launch, pictures
+from ertel.apps.browser import checking, launch, new_page, pictures
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.pictures import Artist
 from ertel.apps.browser.processes import Phase, Processes
-from ertel.apps.browser.site import Site
+from ertel.apps.browser.site import Site, address_of
+from ertel.model.rules import plain_name
+from ertel.runs.directories import CASE
 
 pytestmark = [
     pytest.mark.asyncio,
-    pytest.mark.skipif(os.name == "nt", reason="the app stops runs by SIGINT"),
+    pytest.mark.skipif(os.name == "nt", reason="no locks"),
 ]
 FOUND = {
     "grid": {"nodes": 257, "nodes_across": 1, "cells_in_sweep": 77.4},
@@ -162,6 +165,126 @@ async def test_interferograms_have_a_light(user):
     user.find(ui.tabs).elements.pop().set_value("interferogram")
     await user.should_see(marker="light")
     await until(lambda: one(user, "picture").props["src"] != first)
+
+
+# -- names ------------------------------------------------------------------------------------------------------------
+
+
+NAMES = (
+    'x" onfocus="alert(1)" autofocus="',
+    "x' onfocus='alert(1)' y='",
+    "<img src=x onerror=alert(1)>",
+    "`${alert(1)}`",
+    "</script><script>alert(1)</script>",
+    "{{ 1 }} :x=[alert(1)]",
+)
+IN_FILES = [name.replace("/", "|") for name in NAMES]
+
+
+def elements(user):
+    """The elements of the page, as the browser gets them."""
+    return [element._to_dict() for element in user.client.elements.values()]
+
+
+def texts(user):
+    """The texts on the page, and the values of properties that are texts."""
+    found = [text for each in elements(user) for text in (each.get("text"), *each.get("props", {}).values())]
+    return {text for text in found if isinstance(text, str)}
+
+
+def properties(user):
+    """The names of all properties on the page."""
+    return {name for element in elements(user) for name in element.get("props", {})}
+
+
+async def test_the_name_of_a_case_is_text(user, site):
+    case = (site.folder.root / "runs" / "ball" / CASE).read_text()
+    await user.open("/new")
+    await until(lambda: one(user, "run").enabled)
+    usual = properties(user)
+    for name in map(plain_name, NAMES):
+        (site.folder.root / "odd.toml").write_text(f"name = {json.dumps(name)}\n{case}")
+        await user.open("/new?case=odd.toml")
+        await until(lambda: one(user, "run").enabled)
+        assert one(user, "name").props["placeholder"] == name
+        assert properties(user) <= usual
+
+
+async def test_the_names_of_files_and_directories_are_text(user, site):
+    """Those of a case file, of a run, and of the study that has it."""
+    make_run(site.folder.root / "other")
+    (site.folder.root / "other.toml").touch()
+    pages = {"/": set(), address_of("/run", name="other"): set(), address_of("/compare", a="other"): set()}
+    for page in pages:
+        await user.open(page)
+        pages[page] = properties(user)
+    runs = [f"{name}/{name}" for name in IN_FILES]
+    for name, run in zip(IN_FILES, runs, strict=True):
+        (site.folder.root / f"{name}.toml").touch()
+        make_run(site.folder.root / run)
+        pages[address_of("/run", name=run)] = pages[address_of("/run", name="other")]
+    for page, usual in pages.items():
+        html = (await user.http_client.get(page)).text
+        assert not any(text in html for text in ("<img src=x", "`${alert", "<script>alert"))
+        await user.open(page)
+        assert {*IN_FILES, *runs} <= texts(user)  # in the list, with its hints
+        assert properties(user) <= usual
+
+
+async def test_a_message_is_text(user):
+    await user.open("/new")
+    usual = properties(user)
+    user.find(marker="tab-text").click()
+    case = one(user, "text").value.partition("[lubricant]")[0]
+    for oil in NAMES:
+        given = json.dumps(oil)
+        one(user, "text").set_value(f"{case}\n[lubricant]\noil = {given}\n")
+        await until(lambda given=given: any(given in fault.text for fault in all_of(user, "fault")))
+        assert properties(user) <= usual
+
+
+# -- checks -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def checks(monkeypatch):
+    """Checks that go on until they may end: how many went on as each began, those that go on, and what ends them."""
+    began, going, leave = [], [], asyncio.Event()
+
+    async def outlook(data, folder):
+        going.append(data)
+        began.append(len(going))
+        await leave.wait()
+        going.pop()
+        return {**FOUND, "parameters": checking.at_once(data, folder)}
+
+    monkeypatch.setattr(checking, "outlook", outlook)
+    monkeypatch.setattr(new_page, "PAUSE", 0.0)
+    return began, going, leave
+
+
+async def test_a_case_is_checked_for_a_connected_page_only(user, checks):
+    began, _, _ = checks
+    for _ in range(5):
+        assert (await user.http_client.get("/new")).status_code == 200
+    await asyncio.sleep(0.5)
+    assert began == []
+    await user.open("/new")
+    await until(lambda: len(began) == 1)
+
+
+async def test_at_most_two_cases_are_checked_at_a_time(user, checks):
+    began, going, leave = checks
+    for _ in range(5):
+        await user.open("/new")
+    await until(lambda: len(going) == 2)
+    await asyncio.sleep(0.5)
+    leave.set()
+    await until(lambda: len(began) == 5)
+    assert max(began) == 2
+
+
+# -- files ------------------------------------------------------------------------------------------------------------
 
 
 async def test_downloads(user, site):

@@ -93,7 +93,15 @@ def test_figures_for_nobody(here):
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no directory in which even root cannot write")
 def test_a_cache_that_cannot_be_written(here):
     """As for a home directory that may only be read; the programs are compiled in silence."""
-    code = "from ertel.runs import compiling; compiling.keep_on_disk(); import jax; print(jax.jit(lambda x: x + 1)(1))"
+    code = "\n".join(
+        [
+            "from ertel.apps import faults, running",
+            "with faults.warnings_said():",
+            "    running.prepare()",
+            "    import jax",
+            "    print(jax.jit(lambda x: x + 1)(1))",
+        ]
+    )
     smallest = {"JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0", "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1"}
     environment = {**ENVIRONMENT, **smallest, "JAX_COMPILATION_CACHE_DIR": "/proc/self"}
     ended = done([sys.executable, "-c", code], env=environment)

@@ -47,6 +47,17 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
+def test_a_film_below_zero_fails_with_the_number_of_nodes(here):
+    (here / "thin.toml").write_text('[contact]\nkind = "rolling"\nM = 20000\nL = 10\n[solver]\nnodes = 33\n')
+    ran = ertel_("run", "thin.toml", code=1)
+    assert "failed: the surfaces overlap" in ran.stderr
+    assert "use solver.nodes >= 1409" in ran.stderr
+    for text in (ran.stdout, ertel_("show", "runs/thin").stdout, ertel_("ls", "runs").stdout):
+        assert "the film vanishes on this grid" in text
+        assert "mu" not in text
+        assert "computed" not in text
+
+
 def test_run_show_and_plot(here):
     text = ertel_("run", "steady.toml").stdout
     for part in ("converged", "H_c", "error", "extrapolated", "nm", "Nijenbanning", "Hamrock", "computed", "%"):

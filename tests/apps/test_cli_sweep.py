@@ -7,6 +7,9 @@ from pathlib import Path
 import pytest
 from cases import ertel_, names
 
+from ertel.runs import stop_file
+from ertel.runs.store import RunStore
+
 STUDY = """
 [contact]
 M = [20, 40]
@@ -55,6 +58,29 @@ def test_a_picture_of_numbers_that_are_no_longer_there_does_not_stay(here):
     picture.write_text("of before")
     ertel_("sweep", "loads.toml", "--jobs", "1", "-q")
     assert not picture.exists()
+
+
+@pytest.mark.parametrize("where", ["study", "run"])
+def test_a_file_stops_a_study_as_ctrl_c_does(here, monkeypatch, where):
+    """In the directory of the study it stops all runs, in that of a run this one."""
+    original, study = RunStore.__call__, here / "sweeps/loads"
+
+    def take(self, step):
+        original(self, step)
+        if step.state.counts.steps == 1 and not (study / "asked").exists():
+            (study / "asked").touch()
+            stop_file.ask(study if where == "study" else self.directory)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(RunStore, "__call__", take)
+        done = ertel_("sweep", "loads.toml", "--jobs", "1", code=130)
+    assert done.stderr.splitlines()[-1] == "ertel: interrupted; the same command continues"
+    other = "1 missing" if where == "study" else "1 converged"
+    assert "1 interrupted" in done.stdout and other in done.stdout
+    stop_file.ask(study)  # of before: it says nothing
+    again = ertel_("sweep", "loads.toml", "--jobs", "1")
+    assert "2 runs: 2 converged" in again.stdout
+    assert not list(study.rglob(stop_file.STOP))
 
 
 def test_a_part_gathers_nothing(here):

@@ -120,6 +120,36 @@ def test_method_and_grid_of_a_rolling_contact():
     assert in_time().time == Time(until=ROLLING_UNTIL)
 
 
+@pytest.mark.parametrize(("M", "half_width"), [(10, 3.0), (5, 3.0), (2, 10.25), (1, 25.75), (0.145, 336.75)])
+def test_the_default_domain_is_wide_where_oil_far_away_carries_the_load(M, half_width):
+    """By (5/M)^(4/3), as lambda_bar; the share of the load outside is that of M = 5."""
+    solver = case({"kind": "rolling", "M": M, "L": 10}).solver
+    assert (solver.half_width, solver.inlet, solver.nodes) == (half_width, 1.5 * half_width, 257)
+
+
+def test_the_default_domain_of_an_ellipse_and_of_a_light_ball_in_si_is_wide():
+    wide = case({"kind": "rolling", "M": 1, "L": 10, "radius_ratio": 0.5}).solver
+    usual = case({"kind": "rolling", "M": 100, "L": 10, "radius_ratio": 0.5}).solver
+    assert wide.half_width > 5 * usual.half_width
+    assert wide.inlet / wide.half_width == pytest.approx(usual.inlet / usual.half_width)
+    light = {"kind": "rolling", "radius": "1 mm", "load": "1 mN", "mean_speed": "0.1 m/s", "E_prime": "226 GPa"}
+    found = case(light, lubricant={"eta0": "0.1 Pa*s", "alpha": "20 / GPa"})
+    assert found.parameters.M < 4
+    assert found.solver.half_width == pytest.approx(3 * (5 / found.parameters.M) ** (4 / 3), abs=0.25)
+
+
+@pytest.mark.parametrize(
+    ("M", "solver", "expected"),
+    [
+        (1, {"half_width": 3.0}, r"^solver\.half_width = 3: must be at least 8\.39 at M = 1, .* leave it out"),
+        (0.01, {}, r"^contact: M = 0\.01 is too low: .*half_width = 1000"),
+    ],
+)
+def test_a_domain_that_the_load_lies_outside_of_is_refused(M, solver, expected):
+    with pytest.raises(ValueError, match=expected):
+        case({"kind": "rolling", "M": M, "L": 10}, solver=solver)
+
+
 def test_an_inlet_goes_with_the_width():
     assert case(solver={"half_width": 4.0}).solver.inlet == 6.0
     assert case(solver={"half_width": 4.0, "inlet": 4.0}).solver.inlet is None  # centred

@@ -1,5 +1,6 @@
 """Compiled programs: one for each kind of arguments, shared by threads, and loaded from the disk without tracing."""
 
+import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
@@ -117,6 +118,23 @@ def test_a_program_with_a_flipped_bit_is_compiled_again(kept):
         assert programs._read(file) is None, f"byte {place} of {len(whole)}"
     file.write_bytes(whole)
     assert_right(programs._read(file)(3.0, X))
+
+
+def test_a_program_that_others_may_have_written_is_not_loaded(kept):
+    """Somebody else's file, or one that anybody may change, is compiled again and replaced by the user's own."""
+    new_process()(3.0, X)
+    (file,) = kept.iterdir()
+    assert file.stat().st_mode & 0o777 == 0o600
+    file.chmod(0o620)
+    assert programs._read(file) is None
+    file.chmod(0o600)
+    assert programs._read(file) is not None
+    if os.getuid() == 0:  # others cannot give files away
+        os.chown(file, 65534, 65534)
+        assert programs._read(file) is None
+        assert_right(new_process()(3.0, X))
+        assert len(traced) == 2
+        assert file.stat().st_uid == 0
 
 
 def test_a_kept_program_runs_no_other_code(kept):

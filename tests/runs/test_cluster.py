@@ -3,13 +3,16 @@
 import json
 import os
 import signal
+import stat
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import pytest
+from distributed import Security
 
 from ertel.inputs.studies import parse_study
 from ertel.runs import cluster, progress_file
@@ -160,13 +163,38 @@ def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
     assert found.values[0] == pytest.approx(simulate(study.cases[0]).summary["extremes"]["H_min"]["value"], rel=1e-6)
 
 
+def pem(path: Path, security: Security) -> Path:
+    path.write_text(security.tls_client_cert + security.tls_client_key)
+    return path
+
+
 def test_a_scheduler_that_is_there_already(two, tmp_path):
-    address = two._client.scheduler.address
-    with cluster.existing(address) as workers:
+    address, keys = two._client.scheduler.address, pem(tmp_path / "keys.pem", two._client.security)
+    with cluster.existing(address, tls=keys) as workers:
         assert dict(workers.outcomes([Job("a", square, (2.0,))])) == {"a": 4.0}
     (tmp_path / "scheduler.json").write_text(json.dumps({"address": address}))
-    with cluster.existing(file=tmp_path / "scheduler.json") as workers:
+    with cluster.existing(file=tmp_path / "scheduler.json", tls=keys) as workers:
         assert run_tasks([Task("a", double, (2.0,))], workers) == [4.0]
+
+
+def test_a_scheduler_without_keys(scheduler):
+    """It takes anybody's jobs; with keys of ours we do not talk to it."""
+    with cluster.existing(file=scheduler[1]) as workers:
+        assert not workers._has_workers()
+
+
+def test_keys_that_do_not_fit_are_said_in_one_sentence(two, tmp_path, capfd):
+    address, keys = two._client.scheduler.address, pem(tmp_path / "keys.pem", Security.temporary())
+    (tmp_path / "none.pem").write_text("no key")
+    for where, tls, said in (
+        (address, None, f"^scheduler = {address}: {address} needs certificates; give tls"),
+        (address, keys, f"^scheduler = {address}: the scheduler has another authority"),
+        ("tcp://127.0.0.1:9", keys, "is not encrypted; with tls it must be tls://HOST:PORT$"),
+        (address, tmp_path / "none.pem", f"^tls = {tmp_path}/none.pem: must be a PEM file with a certificate"),
+    ):
+        with pytest.raises(NoScheduler, match=said), cluster.existing(where, tls=tls):
+            pass
+    assert capfd.readouterr() == ("", "")
 
 
 def test_no_scheduler_is_said_in_one_sentence(tmp_path, monkeypatch):
@@ -176,6 +204,11 @@ def test_no_scheduler_is_said_in_one_sentence(tmp_path, monkeypatch):
         pass
     with pytest.raises(NoScheduler, match="no such file"), cluster.existing(file=tmp_path / "scheduler.json"):
         pass
+    for text in ("no JSON", "[1]"):
+        (tmp_path / "scheduler.json").write_text(text)
+        said = "is not JSON with an address"
+        with pytest.raises(NoScheduler, match=said), cluster.existing(file=tmp_path / "scheduler.json"):
+            pass
 
 
 @pytest.fixture
@@ -217,6 +250,91 @@ def test_two_clusters_at_the_same_time_say_nothing(two, recwarn):
     """Each would take the same port for its pages."""
     with cluster.local(1):
         assert [str(warning.message) for warning in recwarn] == []
+
+
+# -- who may ask -------------------------------------------------------------------------------------------------------
+
+INTRUDER = """
+import asyncio, json, os, pickle, sys, urllib.request
+from concurrent.futures import ThreadPoolExecutor
+from http.client import HTTPException
+from distributed import Security
+from distributed.core import rpc
+
+PAGES = "info/main/workers.html", "info/logs.html", "json/counts.json", "metrics", "health"
+
+async def ask(scheme, port, operation, security):
+    arguments = security.get_connection_args("client")
+    async with rpc(f"{scheme}://127.0.0.1:{port}", connection_args=arguments, timeout=2) as there:
+        wanted = pickle.dumps(os.getuid)
+        reply = await asyncio.wait_for(getattr(there, operation)(function=wanted, args=pickle.dumps(()), wait=True), 5)
+    return f"{operation} ran as {reply.get('result', reply)}" if reply["status"] == "OK" else str(reply)
+
+def page(port, name):
+    try:
+        return "page of " + str(len(urllib.request.urlopen(f"http://127.0.0.1:{port}/{name}", timeout=5).read()))
+    except (OSError, HTTPException):
+        return None
+
+async def attack(ports, own):
+    ways = [("tcp", Security()), ("tls", own)]
+    asked = [ask(way, p, o, keys) for p in ports for o in ("run", "run_function") for way, keys in ways]
+    tried = await asyncio.gather(*asked, return_exceptions=True)
+    return [repr(found) for found in tried if not isinstance(found, OSError)]
+
+ports, own = [int(port) for port in sys.argv[1:]], Security.temporary()  # as good as any that were not stolen
+with ThreadPoolExecutor() as threads:
+    pages = [found for found in threads.map(page, ports * len(PAGES), sorted(PAGES * len(ports))) if found]
+if os.getuid() == 0:
+    asyncio.run(attack(ports, own))  # imports everything; another user may not see this Python
+    os.setgroups([])
+    os.setgid(65534)
+    os.setuid(65534)
+print(json.dumps(asyncio.run(attack(ports, own)) + pages))
+"""
+
+
+def listening() -> list[tuple[str, int]]:
+    """The addresses on which this process and those that it started listen."""
+    here = psutil.Process()
+    processes = [here, *here.children(recursive=True)]
+    sockets = [each for process in processes for each in process.net_connections(kind="inet")]
+    return [(each.laddr.ip, each.laddr.port) for each in sockets if each.status == psutil.CONN_LISTEN]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the sockets of other processes are not listed")
+def test_nobody_without_the_keys_gets_in(two, capfd):
+    """Another user of the machine, where this one may become another; with plain sockets and with keys of its own."""
+    found = listening()
+    assert len(found) >= 2 + 2 * 2  # of the scheduler and its pages; of each worker also its nanny
+    assert {host for host, _ in found} == {"127.0.0.1"}
+    command = [sys.executable, "-c", INTRUDER, *(str(port) for _, port in found)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=True, cwd="/")
+    assert json.loads(done.stdout) == []
+    assert capfd.readouterr() == ("", "")
+    assert dict(two.outcomes([Job("after", square, (3.0,))])) == {"after": 9.0}
+
+
+def imported_from(wire: Wire | None) -> list[str]:
+    """The directories of dask from which this process imports modules."""
+    return [place for place in sys.path if "dask-scratch-space" in place]
+
+
+def test_modules_come_from_no_directory_of_other_users(two):
+    """By default dask imports from /tmp/dask-scratch-space, which anybody can make before."""
+    places = [imported_from(None), dict(two.outcomes([Job("a", imported_from)]))["a"]]
+    assert all(places)
+    for place in [place for each in places for place in each]:
+        private = os.stat(place.partition("/dask-scratch-space")[0])
+        assert (stat.S_IMODE(private.st_mode), private.st_uid) == (0o700, os.getuid())
+
+
+def test_no_directory_of_dask_is_imported_from_afterwards(monkeypatch):
+    """Another user could take its name.  dask removes it only where it comes first."""
+    before = set(sys.path)
+    with cluster.local(1):
+        monkeypatch.syspath_prepend("/somewhere")
+    assert set(sys.path) == {*before, "/somewhere"}
 
 
 # -- how workers end: in a process of its own, so that a worker that stays can be seen ---------------------------------

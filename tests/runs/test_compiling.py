@@ -86,13 +86,17 @@ def test_the_version_is_known_without_jax():
 
 # -- the cache --------------------------------------------------------------------------------------------------------
 
-PROGRAM = """
-from ertel.runs import compiling
-compiling.keep_on_disk()
-import jax
-hits = []
-jax.monitoring.register_event_listener(lambda event, **_: hits.append(event) if event.endswith("cache_hits") else None)
-print(jax.jit(lambda x: 2 * x + 1)(3), len(hits))
+COMMAND = """
+from ertel.apps import running
+from ertel.apps.faults import warnings_said
+with warnings_said():
+    running.prepare()
+    import jax
+    hits = []
+    jax.monitoring.register_event_listener(
+        lambda event, **_: hits.append(event) if event.endswith("cache_hits") else None
+    )
+    print(jax.jit(lambda x: 2 * x + 1)(3), len(hits))
 """
 
 
@@ -101,9 +105,9 @@ def environment(**more: str) -> dict[str, str]:
 
 
 def in_a_process(directory: Path) -> tuple[str, str, str]:
-    """What a new process computes, how many programs it finds in the cache, and what it says on stderr."""
+    """What a new command computes, how many programs it finds in the cache, and what it says on stderr."""
     more = {"JAX_COMPILATION_CACHE_DIR": str(directory), "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}
-    command = [sys.executable, "-W", "always", "-c", PROGRAM]
+    command = [sys.executable, "-W", "always", "-c", COMMAND]
     done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment(**more))
     answer, hits = done.stdout.split()
     return answer, hits, done.stderr
@@ -136,3 +140,89 @@ def test_the_cache_has_a_folder_per_processor_and_version(monkeypatch, tmp_path)
 def test_a_cache_that_the_user_chose_is_taken(monkeypatch, tmp_path):
     monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(tmp_path))
     assert compiling.cache_directory() == tmp_path
+
+
+# -- who may write to the cache ---------------------------------------------------------------------------------------
+
+CACHE = """
+import warnings
+import ertel
+with warnings.catch_warnings(record=True) as said:
+    warnings.simplefilter("always")
+    directory = ertel.cache()
+import jax
+print(directory)
+print(jax.config.jax_compilation_cache_dir)
+print([f"{each.category.__name__}: {each.message}" for each in said])
+"""
+STRANGER = 65534
+
+
+def cache_below(home: Path) -> list[str]:
+    """What `ertel.cache()` returns, the directory that JAX then has, and the warnings; XDG_CACHE_HOME is `home`."""
+    own = {k: v for k, v in environment(XDG_CACHE_HOME=str(home)).items() if not k.startswith("JAX_COMPILATION_CACHE")}
+    done = subprocess.run([sys.executable, "-c", CACHE], capture_output=True, text=True, check=True, env=own)
+    return done.stdout.splitlines()
+
+
+@pytest.fixture
+def place(monkeypatch, tmp_path):
+    """The directory in which ertel keeps programs below `tmp_path`."""
+    monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    found = compiling.cache_directory()
+    assert found is not None
+    return found
+
+
+def test_the_cache_is_made_for_its_user_alone(place, tmp_path):
+    assert cache_below(tmp_path) == [str(place), str(place), "[]"]
+    assert place.stat().st_mode & 0o777 == place.parent.stat().st_mode & 0o777 == 0o700
+    (place / "a-cache").touch(mode=0o666)  # nobody else can reach it
+    assert cache_below(tmp_path)[2] == "[]"
+
+
+def refused(told: list[str], path: Path) -> bool:
+    """Whether nothing is kept because of this file or directory."""
+    directory, of_jax, warned = told
+    said = f"RuntimeWarning: compiled programs are not kept: {path} belongs to another user, or others may write to it"
+    return directory == of_jax == "None" and said in warned
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no modes and owners there")
+def test_a_cache_to_which_others_may_write_is_not_used(place, tmp_path):
+    place.mkdir(parents=True)
+    place.chmod(0o777)
+    assert refused(cache_below(tmp_path), place)
+    place.chmod(0o755)
+    (place / "a-cache").touch()
+    (place / "a-cache").chmod(0o666)
+    assert refused(cache_below(tmp_path), place / "a-cache")
+    (place / "a-cache").chmod(0o644)
+    assert cache_below(tmp_path) == [str(place), str(place), "[]"]
+
+
+@pytest.mark.skipif(os.name == "nt" or os.getuid() != 0, reason="only root gives files away")
+@pytest.mark.parametrize("planted", ["", "a-cache"])
+def test_a_cache_of_another_user_is_not_used(place, tmp_path, planted):
+    place.mkdir(parents=True, mode=0o700)
+    (place / planted).touch()
+    os.chown(place / planted, STRANGER, STRANGER)
+    assert refused(cache_below(tmp_path), place / planted)
+
+
+def test_commands_say_that_a_cache_is_not_used(tmp_path):
+    """Also ertel's own programs, in a directory that JAX was told to use."""
+    tmp_path.chmod(0o777)
+    answer, _, said = in_a_process(tmp_path)
+    assert answer == "7"
+    assert said.startswith(f"ertel: warning: compiled programs are not kept: {tmp_path} belongs to another user, or")
+    assert said.count("\n") == 1
+    assert list((tmp_path / "ertel").iterdir()) == []
+
+
+def test_a_python_call_keeps_nothing_on_disk(tmp_path):
+    code = "import ertel; ertel.simulate(ertel.impact(M=20, L=5, nodes=33, method='radial', until=0.01))"
+    own = {k: v for k, v in environment(XDG_CACHE_HOME=str(tmp_path)).items() if not k.startswith("JAX_COMPILATION")}
+    subprocess.run([sys.executable, "-W", "ignore", "-c", code], check=True, env=own)
+    assert list(tmp_path.iterdir()) == []

@@ -105,8 +105,8 @@ class Unwilling(Method):
 
     def __init__(self, method: Transient2D, longest: float):
         self.method, self.longest = method, longest
-        self.coordinates, self.controlled = method.coordinates, method.controlled
-        for name in ("start", "solve", "measure", "account", "friction", "error", "whole"):
+        self.coordinates = method.coordinates
+        for name in ("start", "solve", "measure", "friction", "whole"):
             setattr(self, name, getattr(method, name))
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
@@ -219,6 +219,8 @@ def test_warnings_speak_where_they_should() -> None:
     assert any("pressure sweep" in w for w in coarse.summary["warnings"])
     thin = simulate(impact(1000, 10, 33))
     assert any("the film vanishes" in w for w in thin.summary["warnings"])
+    assert thin.status.value == thin.summary["status"] == "the film vanishes on this grid"
+    assert (thin.summary["budgets"], thin.summary["extremes"]) == ({}, {})
     near = simulate(impact(200, 10, 33, time={"start_approach": -0.2, "until": 1.0}))
     assert any("initial gap" in w for w in near.summary["warnings"])
     small = simulate(impact(20, 5, 33, solver={"half_width": 2.0}, time={"until": 1.8}))

@@ -16,6 +16,7 @@ from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.results import diagnostics, variables
 from ertel.results.provenance import provenance
+from ertel.results.summary import steady_summary
 from ertel.runs import checked_zarr
 from ertel.runs.arrays import ReplacedData
 from ertel.runs.drive import simulate
@@ -144,9 +145,11 @@ def test_warnings_of_a_coarse_grid(case, solutions):
     assert "overlap" in said([coarse, replace(fine, H=fine.H - 1)], case)
     assert "H_c is uncertain by about" in said([replace(coarse, H=0.5 * coarse.H), fine], case)
     assert "is not a node" in said([coarse, fine], parse_case({**CASE, "solver": {"nodes": 65, "inlet": 4.0}}))
-    narrow = parse_case({**CASE, "solver": {"nodes": 33, "half_width": 2.0, "inlet": 2.75}})
-    assert "the inlet is too short" in said([*steady.nested(narrow)], narrow)
-    assert "the inlet is too short" not in said([coarse, fine], case)
+    narrow = replace(fine, outside=0.4 * case.geometry.hertz_load)
+    assert "the domain is too small (the oil outside it carries 40% of the load" in said([coarse, narrow], case)
+    assert "the films are off by about 8% or more" in said([coarse, narrow], case)
+    assert "use solver.half_width >= 5" in said([coarse, narrow], case)
+    assert "the domain is too small" not in said([coarse, fine], case)
     spot = {"shape": "spot", "height": 0.1, "radius": 0.1, "surface": 2}
     contact = CONTACT | {"slide_to_roll": 2}
     assert "2.1 cells" in said([coarse, fine], parse_case({**CASE, "contact": contact, "roughness": [spot]}))
@@ -251,6 +254,49 @@ def test_a_run_that_gives_up(tmp_path, monkeypatch, case, solutions):
     summary = compute(run)
     assert (summary["status"], summary["H_c_error"]) == ("Newton iteration stalled", None)
     assert compute(RunStore.open(tmp_path / "run"))["status"] == "Newton iteration stalled"
+
+
+@pytest.mark.parametrize("M", [5, 7, 10])
+def test_the_default_domain_of_a_low_load_is_no_reason_for_a_warning(M):
+    """H_c is within 1 % of that on a domain four times as wide."""
+    low = parse_case({"contact": {"kind": "rolling", "M": M, "L": 10}, "solver": {"nodes": 33}})
+    text = said([*steady.nested(low)], low)
+    assert "inlet" not in text
+    assert "domain" not in text
+
+
+VANISHED = {"contact": {"kind": "rolling", "M": 20000, "L": 10}, "solver": {"nodes": 33, "tolerance": 0.03}}
+
+
+def numbers_are_withheld(summary):
+    values = [summary.get(name) for name in (*variables.MEASURED, *variables.FRICTION, "H_c_error", "H_min_error")]
+    assert values == [None] * len(values)
+    assert summary["budgets"] == {}
+    assert not summary.get("extremes")
+
+
+def test_a_film_below_zero_is_no_result():
+    """One sentence says how many nodes are needed; the same in time, where the film is the one at the start."""
+    for method in ("steady", "transient"):
+        case = parse_case({**VANISHED, "solver": {**VANISHED["solver"], "method": method}})
+        result = simulate(case)
+        assert (result.status, result.summary["status"]) == (Status.FILM_VANISHED, "the film vanishes on this grid")
+        numbers_are_withheld(result.summary)
+        first, *others = result.warnings
+        assert "the grid does not resolve the film" in first
+        assert "use solver.nodes >= 1409" in first
+        assert not any("%" in sentence for sentence in (first, *others))
+        assert "no result" in repr(result)
+        assert "H_c" not in repr(result)
+
+
+def test_a_solution_that_stalled_is_no_result(case, solutions):
+    coarse, fine = solutions
+    stalled = [coarse, replace(fine, status=Status.NEWTON_STALLED, residual=0.3)]
+    summary = steady_summary(case, stalled, {"compilations": 0, "wall_s": 1.0}, Status.NEWTON_STALLED)
+    numbers_are_withheld(summary)
+    assert "the solution failed (residual 0.3, 1e-08 is allowed)" in summary["warnings"][0]
+    assert not any("%" in sentence for sentence in summary["warnings"])
 
 
 def test_nothing_computed_yet(tmp_path, case):

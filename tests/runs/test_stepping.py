@@ -1,6 +1,7 @@
 """Time steps end where they must: on the knots of signals, several times a period, at the end; maps are kept once."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,8 @@ from cases import BARUS, course_with, rolled, steps_of
 from ertel.model.case import Case
 from ertel.model.friction import Friction
 from ertel.model.sections import SOLVERS, Drive, Output, Time
-from ertel.model.state import Method, State, Stepping
+from ertel.model.state import Method, State, Stepping, combined
+from ertel.numerics import bdf
 from ertel.physics.motion import Oscillation, Polyline, Signal
 from ertel.physics.scales import Parameters
 from ertel.results.variables import BUDGET, FRICTION
@@ -23,7 +25,7 @@ class LikeTheLoad(Method):
 
     def __init__(self, case: Case):
         self.load = case.motion.load
-        self.coordinates, self.controlled = {"Y": np.zeros(1), "X": np.zeros(1)}, ("H",)
+        self.coordinates = {"Y": np.zeros(1), "X": np.zeros(1)}
 
     def _state(self, T: float) -> State:
         field = np.full((1, 1), self.load(T))
@@ -33,7 +35,11 @@ class LikeTheLoad(Method):
         return self._state(0.0)
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        return self._state(levels[0].T + step)
+        new = self._state(levels[0].T + step)
+        weights = bdf.interpolation_weights(new.T, [level.T for level in levels])
+        error = abs(new.H - combined(weights, [level.H for level in levels])).max()
+        record = self.measure(new) | dict.fromkeys((*BUDGET, *FRICTION), 0.0)
+        return replace(new, error=float(error), record=record)
         yield
 
     def solve(self, problem: object) -> object:
@@ -43,17 +49,11 @@ class LikeTheLoad(Method):
         names = ("F", "P_c", "P_max", "X_P_max", "Y_P_max", "P_fall", "H_c", "H_min", "X_min", "Y_min")
         return dict.fromkeys(names, float(level.H[0, 0]))
 
-    def account(self, levels: Sequence[State]) -> dict[str, float]:
-        return dict.fromkeys((*BUDGET, *FRICTION), 0.0)
-
     def friction(self, level: State) -> Friction:
         return Friction(np.zeros((2, 1, 1)), np.zeros((1, 1)), np.zeros(2), np.zeros(2), np.zeros(()))
 
     def whole(self, field: object, odd: bool = False) -> object:
         return field
-
-    def error(self, new: State, predicted: object) -> float:
-        return float(abs(new.H - predicted["H"]).max())  # type: ignore[index]
 
 
 def rolling(time: Time, output: Output | None = None, load: Signal | None = None, speed: Signal | None = None) -> Case:

@@ -80,7 +80,7 @@ def test_the_progress_bar_says_what_takes_the_time(monkeypatch):
 
 
 @pytest.mark.parametrize("chosen", [True, False])
-def test_python_users_keep_programs_unless_they_chose_a_directory(tmp_path, chosen):
+def test_python_users_keep_programs_where_they_wish_or_chose_a_directory(tmp_path, chosen):
     own = tmp_path / "own"
     code = f"""
 import jax
@@ -88,6 +88,7 @@ if {chosen}:
     jax.config.update("jax_compilation_cache_dir", {str(own)!r})
 jax.jit(lambda x: x + 1)(1.0)  # JAX decides about its cache here
 import ertel
+ertel.cache()
 ertel.simulate(ertel.impact(M=20, L=5, method="radial", nodes=17, until=0.02))
 print(jax.config.jax_compilation_cache_dir)
 """

@@ -1,23 +1,29 @@
 """One impact in two dimensions: conservation, symmetry, limits, order, work."""
 
 import itertools
+from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import impact, march, steps_of
+from cases import BARUS, free_ball, impact, march, rolled, steps_of
 
 from ertel.inputs.case_files import parse_case
-from ertel.model import contact
+from ertel.model import contact, discretise
 from ertel.model.case import Case
 from ertel.model.flow import Rate
-from ertel.model.sections import Time
+from ertel.model.sections import SOLVERS, Drive, Solver, Time
 from ertel.numerics import bdf
+from ertel.numerics.grid import WHOLE
+from ertel.physics.scales import Parameters
+from ertel.physics.surfaces import Feature, RingWaviness
 from ertel.results.fronts import at_max_approach
 from ertel.results.result import Result
 from ertel.runs import compiling
 from ertel.runs.drive import simulate
+from ertel.solvers import transient
 from ertel.solvers.transient import Transient2D
 
 TIGHT = {"tolerance": 1e-8}
@@ -251,3 +257,87 @@ def test_the_film_formula_for_trapped_oil() -> None:
     oil = {"viscosity": "barus", "density": "incompressible"}
     H_c = simulate(impact(200, 10, 129, lubricant=oil)).summary["max_approach"]["H_c"]
     assert 0.84 < H_c / np.sqrt(10 / 200) < 0.89
+
+
+# -- what a step costs besides its solve ------------------------------------------------------------------------------
+
+
+class Counted:
+    """An array that counts how often the host reads it."""
+
+    reads = 0
+
+    def __init__(self, array: Any):
+        self.array = array
+
+    def __array__(self, *arguments: Any, **named: Any) -> np.ndarray:
+        Counted.reads += 1
+        return np.asarray(self.array)
+
+
+@pytest.mark.parametrize(("slide_to_roll", "evaluations"), [(0.0, 1), (0.5, 3)])
+def test_a_step_reads_the_device_once_and_asks_the_roughness_for_its_height_as_often_as_it_moves(
+    monkeypatch: pytest.MonkeyPatch, slide_to_roll: float, evaluations: int
+) -> None:
+    """What rides with the oil does not change its gap; what slides is also needed shortly before and after."""
+    asked = 0
+
+    @dataclass(frozen=True)
+    class Ridges:
+        size = 1.0
+
+        def heights(self, X: Any, Y: Any) -> Any:
+            nonlocal asked
+            asked += 1
+            return 1e-3 * np.cos(2 * np.pi * X) + 0 * Y
+
+    case = rolled(
+        Parameters.from_moes(20, 5),
+        BARUS,
+        replace(SOLVERS["transient"], nodes=33),
+        Drive(slide_to_roll=slide_to_roll),
+        Feature(Ridges()),
+    )
+    method = Transient2D(case)
+    levels = [method.start()]
+    step_program = method.solve
+    monkeypatch.setattr(method, "solve", lambda p: (s := step_program(p))._replace(numbers=Counted(s.numbers)))
+    for _ in range(3):
+        asked, Counted.reads = 0, 0
+        levels = [method.advance(levels, 0.05), *levels][:3]
+        assert (Counted.reads, asked) == (1, evaluations)
+
+
+def test_the_time_error_is_that_of_the_film_and_not_of_single_nodes() -> None:
+    """An error that changes its sign from node to node is none; one of the film counts whatever the grid."""
+    n = 129
+    x = np.linspace(-2, 2, n)
+    H, P = jnp.asarray(0.1 + x**2 + x[:, None] ** 2), jnp.asarray(np.maximum(1 - x**2 - x[:, None] ** 2, 0))
+    sign = jnp.asarray((-1.0) ** (np.arange(n) + np.arange(n)[:, None]))
+
+    def error(share: Any, coarsenings: int) -> float:
+        return float(transient.film_error(H, H * (1 - share), P, 0.0, WHOLE, coarsenings))
+
+    for coarsenings in (0, 1, 2):
+        assert error(0.01, coarsenings) == pytest.approx(0.01, rel=1e-9)
+    assert error(0.01 * sign, 0) == pytest.approx(0.01, rel=1e-9)
+    assert error(0.01 * sign, 1) < 2e-4
+
+
+@pytest.mark.parametrize(
+    ("nodes", "size", "coarsenings"), [(65, None, 0), (129, None, 1), (513, None, 3), (513, 0.25, 2), (513, 0.03, 0)]
+)
+def test_the_time_error_sees_the_contact_and_the_roughness(nodes: int, size: float | None, coarsenings: int) -> None:
+    """16 cells in the contact's radius and 8 in the finest detail of the surfaces."""
+    features = () if size is None else (Feature(RingWaviness(1e-3, size)),)
+    case = free_ball(Parameters.from_moes(200, 5), BARUS, Solver(nodes=nodes, half_width=2.0), None, *features)
+    assert discretise.coarsenings(case, 4 / (nodes - 1), 6) == coarsenings
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("method", "grids"), [("radial", (201, 401)), ("2d", (129, 257))])
+def test_a_rebound_takes_as_many_steps_on_every_grid(method: str, grids: tuple[int, ...]) -> None:
+    """A pressure spike of a few cells moves inwards while the ball leaves: it does not rule the steps."""
+    cases = [impact(1000, 10, n, solver={"method": method}, time={"until": "rebound"}) for n in grids]
+    coarse, fine = (simulate(case).summary["steps"] for case in cases)
+    assert fine < 1.1 * coarse

@@ -10,6 +10,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import jax
 import numpy as np
 
 from ertel import Case, parse_case
@@ -17,6 +18,8 @@ from ertel.model.state import GridSolution, Rolling
 from ertel.physics.film_formulas import expected_film
 from ertel.results import diagnostics, summary
 from ertel.solvers import steady
+
+jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 
 HERE = Path(__file__).parent
 BARUS = {"viscosity": "barus", "density": "incompressible"}

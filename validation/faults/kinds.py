@@ -30,6 +30,8 @@ from ertel.runs.drive import drive
 from ertel.runs.store import RunStore, compute, open_run
 from ertel.solvers import radial
 
+jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
+
 ROLLING = '[contact]\nkind = "rolling"\nM = 20\nL = 5\n'
 STEEL = (
     '[contact]\nkind = "rolling"\nradius = "10 mm"\nload = "0.5 N"\nmean_speed = "0.5 m/s"\nslide_to_roll = 0.1\n'

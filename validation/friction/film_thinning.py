@@ -5,9 +5,13 @@
 prints the table of README.md.  The constants of Carreau's law are those of the library (`ertel oils squalane`).
 """
 
+import jax
+
 import ertel
 from ertel.model.case import Case
 from ertel.solvers import steady
+
+jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 
 SLIDE_TO_ROLL = (0.0, 0.1, 0.3, 1.0, 1.9)
 NODES = 129  # nested iteration solves 65 on the way: the difference of the two shows the error of the grid

@@ -22,6 +22,8 @@ from ertel.physics.thermal import Solid, gupta_factor, mean_rise, nahme, wilson_
 from ertel.physics.warming import cold, warmed
 from ertel.solvers import steady
 
+jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
+
 NODES = 129
 SLIDE_TO_ROLL = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 1.5, 1.9, 2.0)
 FILM_AT = 0.05  # S at which the film is computed

@@ -8,10 +8,14 @@ prints the table of README.md.
 import argparse
 from math import log2
 
+import jax
+
 import ertel
 from ertel.model import friction
 from ertel.physics.fluidity import Carreau, Fluidity, ReeEyring
 from ertel.solvers import steady
+
+jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 
 OILS: dict[str, str | Fluidity] = {
     "Newtonian": "newtonian",

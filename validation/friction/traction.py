@@ -15,6 +15,7 @@ from math import log, pi
 from pathlib import Path
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from matplotlib.figure import Figure
@@ -28,6 +29,8 @@ from ertel.physics.fluidity import cut_off
 from ertel.physics.traction import arana_traction
 from ertel.runs.curves import curve_of
 from ertel.solvers import steady
+
+jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 
 OILS = ("naphthenic-100", "mineral-100", "pao-100")
 TEMPERATURE, PRESSURE, RADIUS = "60 degC", 1e9, 0.01  # the radius is a choice: the text does not say it

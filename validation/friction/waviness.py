@@ -8,11 +8,15 @@ prints the table of waviness.md.
 import argparse
 from collections.abc import Iterator
 
+import jax
+
 import ertel
 from ertel.model.case import Case
 from ertel.physics.fluidity import ReeEyring
 from ertel.results import ripples
 from ertel.runs.response import respond_in_rolling
+
+jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 
 WAVELENGTHS = (0.25, 0.35, 0.5, 1.0)  # a
 OILS = {"20": (20e-9, (None, 5e6, 1e6)), "4": (4e-9, (None, 1e6))}  # alpha in 1/GPa: alpha, Eyring's stresses

@@ -13,12 +13,15 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
+import jax
 import numpy as np
 
+import ertel
 from ertel import Case, Result, parse_case, simulate
 from ertel.physics import far_field
 from ertel.results.fronts import at_max_approach
-from ertel.runs import compiling
+
+jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 
 HERE = Path(__file__).parent
 REFERENCE = Path(os.environ.get("ERTEL_REFERENCE", HERE.parents[2] / "shared" / "reference")) / "impact.json"
@@ -171,7 +174,7 @@ PARTS = {"work": work, "orders": orders, "reference": reference}
 
 
 def main() -> None:
-    compiling.keep_on_disk()
+    ertel.cache()
     for name in sys.argv[1:] or PARTS:
         (HERE / f"{name}.md").write_text(PARTS[name]())
 

@@ -16,15 +16,18 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
+import jax
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+import ertel
 from ertel import Case, Parameters, amplitude_reduction, load_case, parse_case, simulate
 from ertel.apps.boundary_layers.waves import marched_rolling, rolling_response
 from ertel.physics import far_field, film_formulas
-from ertel.runs import compiling
 from ertel.solvers import steady
+
+jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 
 HERE = Path(__file__).parent
 REFERENCE = Path(os.environ.get("ERTEL_REFERENCE", HERE.parents[2] / "shared" / "reference"))
@@ -219,7 +222,7 @@ TITLES = {
 
 
 def main(arguments: list[str]) -> None:
-    compiling.keep_on_disk()
+    ertel.cache()
     nodes = int(arguments[arguments.index("--nodes") + 1]) if "--nodes" in arguments else None
     for name in [name for name in arguments if name in NODES] or NODES:
         text = globals()[name](nodes or NODES[name])

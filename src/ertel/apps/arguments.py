@@ -56,12 +56,25 @@ Jobs = Annotated[
 ]
 Scheduler = Annotated[
     str | None,
-    typer.Option(metavar="ADDRESS", help="Use the workers of a dask scheduler that runs.", show_default=False),
+    typer.Option(
+        metavar="ADDRESS",
+        help="Use the workers of a dask scheduler that runs. Who reaches it can run programs as you.",
+        show_default=False,
+    ),
 ]
 SchedulerFile = Annotated[
     Path | None,
     typer.Option(
         parser=local_path, metavar="FILE", help="The same, by the file that the scheduler wrote.", show_default=False
+    ),
+]
+Tls = Annotated[
+    Path | None,
+    typer.Option(
+        parser=local_path,
+        metavar="FILE",
+        help="PEM file with certificate, key and authority, for a scheduler at tls://.",
+        show_default=False,
     ),
 ]
 Set = Annotated[

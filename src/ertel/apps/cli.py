@@ -14,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from ertel.apps import cases, completion, looking, output
+from ertel.apps import cases, completion, freed_memory, looking, output
 from ertel.apps.arguments import (
     CaseFile,
     Estimate,
@@ -28,6 +28,7 @@ from ertel.apps.arguments import (
     SchedulerFile,
     Set,
     StudyFile,
+    Tls,
     directory_option,
     values_option,
 )
@@ -61,6 +62,9 @@ class Format(StrEnum):
 def main() -> None:
     """The entry point `ertel`."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the small dense solves lose more than they gain by threads
+    os.environ["JAX_ENABLE_X64"] = "1"  # for all that a command computes, also in the processes that it starts
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # or XLA calls code that it compiled itself an error
+    freed_memory.keep()
     with output.never_failing():
         app()
 
@@ -155,6 +159,7 @@ def sweep(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     scheduler_file: SchedulerFile = None,
+    tls: Tls = None,
     part: Annotated[
         str | None,
         typer.Option(
@@ -179,7 +184,7 @@ def sweep(
     from ertel.inputs.studies import load_study
 
     with bad_input():
-        engine, chosen = sweep.Engine(jobs, scheduler, scheduler_file), sweep.part_of(part)
+        engine, chosen = sweep.Engine(jobs, scheduler, scheduler_file, tls), sweep.part_of(part)
         study = load_study(study_file, set_ or [])
     sweep.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
 

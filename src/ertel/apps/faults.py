@@ -31,7 +31,7 @@ class Commands(TyperGroup):
         """Read the arguments, run the command, and exit; where it does not stand alone, return the exit code."""
         run = partial(super().main, *arguments, **{**keywords, "standalone_mode": False})
         try:
-            with as_sentences(), raised(), _warnings_said():
+            with as_sentences(), raised(), warnings_said():
                 code = run()
         except typer.Exit as end:
             code = end.exit_code
@@ -41,11 +41,18 @@ class Commands(TyperGroup):
 
 
 @contextmanager
-def _warnings_said() -> Iterator[None]:
+def warnings_said() -> Iterator[None]:
     """Python's warnings in this block as sentences on stderr."""
     with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_: say(f"ertel: warning: {message}")
+        warnings.showwarning = lambda message, *_: _say_warning(str(message))
         yield
+
+
+def _say_warning(message: str) -> None:
+    from ertel.runs import compiling
+
+    if not compiling.is_of_cache(message):
+        say(f"ertel: warning: {message}")
 
 
 @contextmanager

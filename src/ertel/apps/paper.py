@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ertel.apps import interrupts, output
-from ertel.apps.arguments import Jobs, Quiet, Scheduler, SchedulerFile
+from ertel.apps.arguments import Jobs, Quiet, Scheduler, SchedulerFile, Tls
 from ertel.apps.exits import FAILED, bad_input, leave, reason_of
 from ertel.apps.paths import local_path, shown
 
@@ -27,6 +27,7 @@ def paper(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     scheduler_file: SchedulerFile = None,
+    tls: Tls = None,
     quiet: Quiet = False,
 ) -> None:
     """Reproduce the figures of the paper, with their data, on one page.
@@ -40,7 +41,7 @@ def paper(
         names = figures.names_of(figure)
         out.mkdir(parents=True, exist_ok=True)
     try:
-        page, missing = _make_page(names, quick, out, Engine(jobs, scheduler, scheduler_file), quiet)
+        page, missing = _make_page(names, quick, out, Engine(jobs, scheduler, scheduler_file, tls), quiet)
     except interrupts.Interrupted as error:
         leave(error.code, "interrupted; the same command continues")
     except OSError as error:
@@ -52,16 +53,15 @@ def paper(
 
 def _make_page(names: list[str], quick: bool, out: Path, engine: "Engine", quiet: bool) -> tuple[Path, dict[str, str]]:
     """Run what is missing and write the page: its path, and why figures are missing."""
+    from ertel.apps import running
     from ertel.apps.boundary_layers import figures
-    from ertel.runs import compiling
     from ertel.runs.progress import bars
 
-    compiling.check_jax()
+    running.prepare()  # or no run can begin
     runs, done, seconds = figures.expected(names, quick, out, engine.processes)
     if not quiet:
         output.say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
     with bars(not quiet) as progress, ExitStack() as stack:
-        compiling.devices()  # or no run can begin
         with interrupts.deferred():
             workers = stack.enter_context(engine.workers(runs - done))
         bar = progress.add_task("runs", total=runs, news="")

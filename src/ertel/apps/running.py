@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ertel.apps import tables
-from ertel.apps.exits import BAD_INPUT, FAILED, bad_input, leave, reason_of
+from ertel.apps.exits import ASKED, BAD_INPUT, FAILED, bad_input, leave, reason_of
 from ertel.apps.interrupts import Stop, interruptible
 from ertel.apps.output import print_json, say
 from ertel.apps.paths import in_shell, shown
@@ -75,10 +75,11 @@ def show(directory: Path, as_json: bool) -> None:
 
 def warm_up_all(cases: Sequence[Case]) -> None:
     """Compile ahead for all cases, with a line for each on stderr."""
-    directory = compiling.cache_directory()
-    if directory is None:
+    if compiling.cache_directory() is None:
         leave(BAD_INPUT, "compiled programs cannot be kept without a home directory; set XDG_CACHE_HOME to a directory")
-    prepare()
+    directory = prepare()
+    if directory is None:
+        leave(BAD_INPUT, f"compiled programs cannot be kept in {compiling.cache_directory()}")
     for number, case in enumerate(cases, start=1):
         say(f"{number}/{len(cases)}  {case.name or case.kind}: compiling")
         with within_memory(case):
@@ -86,11 +87,11 @@ def warm_up_all(cases: Sequence[Case]) -> None:
     say(f"Compiled programs are in {directory}")
 
 
-def prepare() -> None:
-    """Check that JAX computes here, and let it load what is compiled.  Raises NoDevice."""
+def prepare() -> Path | None:
+    """Check that JAX computes here, and let it load what is compiled, from the directory named.  Raises NoDevice."""
     compiling.check_jax()
     compiling.devices()
-    compiling.start_at_once()
+    return compiling.start_at_once()
 
 
 # -- directories ------------------------------------------------------------------------------------------------------
@@ -156,14 +157,15 @@ def _finish(run: RunStore, others: Mapping[str, Course], wishes: Wishes) -> None
         except OSError as error:
             leave(FAILED, f"cannot write to {shown(run.directory)}: {reason_of(error)}; {to_continue}")
         if summary is None:
-            leave(stop.code, f"interrupted; {to_continue}")
+            leave(stop.code or ASKED, f"interrupted; {to_continue}")
         report(run, summary, wishes)
     status = Status(summary["status"])
     if status is Status.INTERRUPTED:
-        leave(stop.code, f"interrupted; {to_continue}")
+        leave(stop.code or ASKED, f"interrupted; {to_continue}")
     if not status.ok:
-        advice = f"{status.value}; {status.advice}. Results so far are in {shown(run.directory)}"
-        leave(FAILED, f"failed: {advice}")
+        gone = status is Status.FILM_VANISHED
+        reason = summary["warnings"][0] if gone else f"{status.value}; {status.advice}"
+        leave(FAILED, f"failed: {reason}. Results so far are in {shown(run.directory)}")
 
 
 def _computed(run: RunStore, others: Mapping[str, Course], quiet: bool, stop: Stop) -> Mapping[str, Any] | None:
@@ -172,8 +174,8 @@ def _computed(run: RunStore, others: Mapping[str, Course], quiet: bool, stop: St
         compared = {}
         for part, course in others.items():
             bar = watch(shown_bars, course, f"for the error of the {part}")
-            compared[part] = _summary_of(course, [bar, stop])
-            if stop.code:
+            compared[part] = _summary_of(course, [bar, stop, run.asked_to_stop])
+            if stop.code or run.asked_to_stop():
                 return None
         summary = run.outcome() or store.compute(run, [watch(shown_bars, run.course), stop])
         if summary["status"] == "converged" and compared:

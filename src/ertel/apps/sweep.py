@@ -5,10 +5,11 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from ertel.apps import output, running, tables
-from ertel.apps.exits import FAILED, bad_input, leave, reason_of
+from ertel.apps.exits import ASKED, FAILED, bad_input, leave, reason_of
 from ertel.apps.interrupts import interruptible
 from ertel.apps.paths import in_shell, shown
 from ertel.inputs.studies import Study
+from ertel.model.status import Status
 from ertel.results.study_result import StudyResult
 from ertel.runs.progress import bars
 from ertel.runs.studies import EVERY, Part, alone, gather, left_of, run_study, write
@@ -50,8 +51,8 @@ def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bo
             leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {GOES_ON}")
     if files:
         _report(result, directory, files, as_json, quiet)
-    if stop.code:
-        leave(stop.code, f"interrupted; {GOES_ON}")
+    if stop.code or len(said) < len(left) or Status.INTERRUPTED.value in said.values():
+        leave(stop.code or ASKED, f"interrupted; {GOES_ON}")
     _leave_if_failed(said, result, directory, part)
 
 

@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from ertel.inputs.heat import with_thermal_data
 from ertel.inputs.height_maps import with_maps
 from ertel.inputs.messages import ConfigError, message
 from ertel.inputs.names import without_names
+from ertel.inputs.quantities import plain_data
 from ertel.inputs.schema import case_file, keys_of, plain, section_of
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
@@ -19,17 +21,19 @@ from ertel.model.records import shortened, show
 from ertel.model.rules import plain_name
 from ertel.physics.units import Unit, marks
 
-__all__ = ["ConfigError", "apply_overrides", "load_case", "parse_case", "read_toml", "to_toml"]
+__all__ = ["ConfigError", "apply_overrides", "as_case", "load_case", "parse_case", "path_of", "read_toml", "to_toml"]
+
+CaseLike = Case | str | PathLike[str] | Mapping[str, object]
 
 
-def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
+def load_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
     """The case in a TOML file, with overrides such as "solver.nodes=129" applied.
 
     Without a name in the file the case is called as the file is; what a name may not contain becomes "_".
 
     Raises ConfigError if the file cannot be read or contains something that is not allowed.
     """
-    path = Path(path)
+    path = path_of("path", path, "a case file; parse_case takes a mapping")
     data = apply_overrides(read_toml(path), overrides)
     data.setdefault("name", plain_name(path.stem))
     return parse_case(data, path.parent)
@@ -46,6 +50,9 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
     >>> round(case.parameters.alpha_bar, 2)
     36.44
     """
+    if not isinstance(data, Mapping):
+        raise ConfigError(f"data = {written(data)}: must be a mapping; load_case reads a case file")
+    data = plain_data(data)
     if "contact" not in data:
         keys = ", ".join(keys_of(section_of(Conditions)))
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
@@ -59,6 +66,33 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
         return Case.from_data(read, maps)
     except ValueError as error:
         raise ConfigError(_as_written(str(error), data["contact"], read["contact"])) from error
+
+
+def as_case(given: CaseLike, name: str = "case") -> Case:
+    """The case that is given as such, as plain data, or as the path of a case file.
+
+    name: of the argument.  Raises ConfigError for anything else, and as `load_case` and `parse_case`.
+    """
+    match given:
+        case Case():
+            return given
+        case str() | PathLike():
+            return load_case(given)
+        case Mapping():
+            return parse_case(given)
+    raise ConfigError(f"{name} = {written(given)}: must be a Case, a mapping, or the path of a case file")
+
+
+def path_of(name: str, given: Any, what: str) -> Path:
+    """The path that is given, as a text or a path.  what: it must be the path of.  Raises ConfigError."""
+    if isinstance(given, str | PathLike):
+        return Path(given)
+    raise ConfigError(f"{name} = {written(given)}: must be the path of {what}")
+
+
+def written(value: object) -> str:
+    """A value as it is written in Python, for messages, in one line."""
+    return shortened(" ".join(repr(value).split()))
 
 
 def _as_written(text: str, written: Any, read: Mapping[str, Any]) -> str:
@@ -125,11 +159,11 @@ def to_toml(case: Case) -> str:
     """A case as a case file, complete and in SI; it reads back as the same case, to the last bit.
 
     A case with measured surfaces needs the files of `Case.maps` beside it, as in a run directory.  Raises ValueError
-    for a law or a shape that has no registered name.
+    for a law or a shape that has no registered name, and for anything else than a case.
     """
     import tomli_w
 
-    return tomli_w.dumps(case.to_data())
+    return tomli_w.dumps(as_case(case).to_data())
 
 
 def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[str, Any]:

@@ -8,12 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
-import numpy as np
-
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.names import MATERIAL_KEYS
-from ertel.inputs.quantities import parse_quantity
+from ertel.inputs.quantities import parse_quantity, plain_data
 from ertel.model.case import Case
 from ertel.model.conditions import Conditions
 from ertel.model.records import checked, law_data, oil_data, show
@@ -65,8 +63,9 @@ def Oil(  # reads as the record that it makes
     given = {"eta0": eta0, "alpha": alpha, "p0": p0}
     kinds = marks(lubricant.Oil)
     si = {name: _si(f"oil.{name}", value, kinds[name]) for name, value in given.items()}
+    z = plain_data(z)
     try:
-        oil = lubricant.Oil(viscosity, density, si["eta0"], si["alpha"], si["p0"] or p0, _plain(z), reference, rheology)  # type: ignore[arg-type]
+        oil = lubricant.Oil(viscosity, density, si["eta0"], si["alpha"], si["p0"] or p0, z, reference, rheology)  # type: ignore[arg-type]
         return checked(oil, "oil")
     except ValueError as error:
         raise ConfigError(str(error)) from error
@@ -76,7 +75,7 @@ def quantity(text: str) -> Quantity:
     """A length or a time with its unit, for records of roughness and signals: quantity("20 nm"), quantity("5 ms")."""
     for unit in (HEIGHT, TIME):
         try:
-            found = parse_quantity(_plain(text), unit)
+            found = parse_quantity(plain_data(text), unit)
         except ValueError:
             continue
         if found is not None:
@@ -273,7 +272,7 @@ def rolling(
 
 def _case(kind: str, given: Mapping[str, Any]) -> Case:
     """The case of keyword arguments, read in the same way as a case file."""
-    wanted = {key: _plain(value) for key, value in given.items() if value is not None}
+    wanted = {key: plain_data(value) for key, value in given.items() if value is not None}
     if not isinstance(wanted.get("oil"), lubricant.Oil | str | None):
         said = show(wanted["oil"])
         raise ConfigError(f"oil = {said}: must be made by Oil(eta0=..., alpha=...), or be the name of an oil")
@@ -315,19 +314,6 @@ def _thermal(given: Any) -> Any:
     return {k: _with_unit(v, kinds.get(k)) for k, v in given.items()} if isinstance(given, Mapping) else given
 
 
-def _plain(value: Any) -> Any:
-    """NumPy's scalars as numbers, and a pint quantity as a text; also inside of lists and tables."""
-    if isinstance(value, Mapping):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return value.item()
-    if hasattr(value, "magnitude") and hasattr(value, "units"):
-        return f"{_plain(value.magnitude)!r} {value.units}"
-    return value
-
-
 TIME_KEYS = (*(f.name for f in fields(Time) if f.name != "tolerance"), "time_tolerance")
 
 
@@ -349,7 +335,7 @@ def _with_unit(value: Any, mark: object) -> Any:
 def _si(place: str, value: Number | None, mark: object) -> float | None:
     assert isinstance(mark, Unit)
     try:
-        return parse_quantity(_with_unit(_plain(value), mark), mark)
+        return parse_quantity(_with_unit(plain_data(value), mark), mark)
     except ValueError as error:
         raise ConfigError(f"{place} = {show(value)}: {error}") from error
 

@@ -4,9 +4,12 @@ Units are from pint, which is imported only if a unit differs from the SI unit.
 """
 
 import re
+from collections.abc import Mapping
 from decimal import Decimal
 from functools import lru_cache
 from typing import Any
+
+import numpy as np
 
 from ertel.physics.units import Amount, Bounds, Quantity, Unit
 
@@ -20,6 +23,19 @@ _PRODUCT = rf"{_NAME}(?:(?:\s*[*/·]\s*|\s+){_NAME})*"
 _FACTOR = rf"(?:\(\s*{_PRODUCT}\s*\){_POWER}|{_NAME})"
 _UNIT = re.compile(rf"{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*")
 _NUMBER = re.compile(r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3}(?![0-9]))?|(?:nan|inf)\b)", re.I)
+
+
+def plain_data(value: Any) -> Any:
+    """NumPy's scalars as numbers, and a pint quantity as a text; also inside of lists and tables."""
+    if isinstance(value, Mapping):
+        return {key: plain_data(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain_data(item) for item in value]
+    if isinstance(value, np.generic):
+        return value.item()
+    if hasattr(value, "magnitude") and hasattr(value, "units"):
+        return f"{plain_data(value.magnitude)!r} {value.units}"
+    return value
 
 
 def parse_quantity(value: object, unit: Unit) -> float | None:

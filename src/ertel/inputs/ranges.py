@@ -60,7 +60,7 @@ def parse_values(name: str, given: Given, mark: Mark) -> tuple[float, ...]:
 
 
 def _listed(given: Given, mark: Mark) -> tuple[float, ...]:
-    if isinstance(given, int | float):
+    if isinstance(given, int | float | np.generic):
         given = [given]
     items = given.split(",") if isinstance(given, str) else list(given)
     if not items:

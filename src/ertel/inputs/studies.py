@@ -24,8 +24,9 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from ertel.inputs.case_files import apply_overrides, parse_case, read_toml
+from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
 from ertel.inputs.messages import ConfigError, field_name
+from ertel.inputs.quantities import plain_data
 from ertel.inputs.ranges import LOG, MOST_VALUES, spaced, unit_in
 from ertel.inputs.schema import SECTIONS
 from ertel.model.case import Case
@@ -78,9 +79,10 @@ def load_study(path: str | Path, overrides: Sequence[str] = ()) -> Study:
 
     Raises ConfigError if the file cannot be read, or a case of it is not valid.
     """
-    data = apply_overrides(read_toml(Path(path)), overrides)
-    data.setdefault("name", plain_name(Path(path).stem))
-    return parse_study(data, Path(path).parent)
+    path = path_of("study", path, "a case file, or a mapping")
+    data = apply_overrides(read_toml(path), overrides)
+    data.setdefault("name", plain_name(path.stem))
+    return parse_study(data, path.parent)
 
 
 def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
@@ -95,6 +97,7 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
     >>> [case.contact.M for case in study.cases]
     [100.0, 300.0]
     """
+    data = plain_data(data)
     mode = _mode(data.get(SWEEP, {}))
     plain = deepcopy({key: value for key, value in data.items() if key != SWEEP})
     axes = tuple(_axes(plain))

@@ -35,7 +35,7 @@ The flow through the edge is not taken from the solver's own fluxes, so the budg
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -56,6 +56,8 @@ from ertel.physics.lubricant import Lubricant
 Number = Array | float
 MASSES = ("mass", "inflow", "outflow", "cavity_source")
 ENERGIES = ("elastic_energy", "oil_energy", "dissipation", "power_from_surfaces", "power_to_surfaces", "outside_power")
+
+INTEGRALS = (*MASSES, *ENERGIES, "load")
 
 
 class Film(NamedTuple):
@@ -137,9 +139,9 @@ class Around(NamedTuple):
     grid_load_rate: float = 0.0
 
 
-def terms(found: Mapping[str, Array], velocity: float, around: Around, hertz_load: float) -> dict[str, float]:
+def terms(found: Mapping[str, Any], velocity: float, around: Around, hertz_load: float) -> dict[str, float]:
     """`MASSES` and `ENERGIES` in their units, from `integrals`, with what the oil outside adds."""
-    plain = {name: float(value) for name, value in jax.device_get(found).items()}
+    plain = {name: float(value) for name, value in found.items()}
     plain["elastic_energy"] += around.uplift * plain["load"] / 2
     plain["outside_power"] += velocity * around.load - around.uplift * around.grid_load_rate
     return {name: plain[name] / (hertz_load if name in ENERGIES else 1.0) for name in (*MASSES, *ENERGIES)}
@@ -152,7 +154,8 @@ def steady(case: Case, s: GridSolution) -> tuple[dict[str, float], Friction]:
     moment = Moment(s.approach, U, m.sliding(0.0), discretise.gap_change(case, s.grid, 0.0), load, scale)
     found: Account = _steady_program(Plane.of(s.grid), c, jnp.asarray(s.P), jnp.asarray(s.H), moment)
     around = discretise.outside_of(case, s.grid).at(Motion(s.approach, 0.0, load, U))
-    return terms(found.terms, 0.0, Around(s.outside, around.uplift), scale), found.friction
+    plain = jax.device_get(found.terms)
+    return terms(plain, 0.0, Around(s.outside, around.uplift), scale), found.friction
 
 
 def _steady(space: Plane, c: Contact, P: Array, H: Array, m: Moment) -> Account:

@@ -28,6 +28,7 @@ from ertel.model.records import (
     scaled_all,
     show,
     signal_of,
+    with_own_numbers,
 )
 from ertel.model.sections import (
     CENTRED_HALF_WIDTH,
@@ -90,6 +91,8 @@ class Case:
     thermal: Thermal | None = None
 
     def __post_init__(self) -> None:
+        for item in fields(self):
+            object.__setattr__(self, item.name, with_own_numbers(getattr(self, item.name)))
         rules.check_name(self.name)
         checked(self.solver, "solver")
         checked(self.oil, "lubricant")
@@ -146,6 +149,8 @@ class Case:
             until = self.schedule.until
             rules.check_schedule(self.time, self.output, self.solver, self.schedule)
         rules.check_motion(self.kind, self.solver, self.motion, until)
+        if not self.starts_apart:
+            rules.check_outside(self.solver, self.parameters, self.geometry, self.motion)
         rules.check_roughness(self.solver, self.motion, self.features)
         if self.thermal:
             thermal.check(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
@@ -350,9 +355,11 @@ def _solver_of(
     half_width, inlet = found.half_width, found.inlet
     if method == "transient" and drive and _reverses(contact, drive, time):
         half_width, inlet = CENTRED_HALF_WIDTH, None
-    if contact.kind == "impact" and "half_width" not in written:
+    if "half_width" not in written:
         rules.check_oil(oil, contact.scales)
-        half_width = half_width_at(half_width, contact.parameters(oil).as_ball.M)
+        p = contact.parameters(oil)
+        wide = half_width_at(contact.kind, half_width, p.as_ball.M if contact.kind == "impact" else p.M_BH)
+        half_width, inlet = wide, inlet and inlet * wide / half_width
     found = replace(found, half_width=half_width, inlet=inlet)
     if method != "radial":
         found = extents.suited(found, contact.geometry)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import floor, inf, log2
 
 import jax.numpy as jnp
 from jax import Array
@@ -16,6 +17,7 @@ from ertel.numerics.grid import WHOLE, Even, Grid, nodes_across
 from ertel.physics import surfaces
 from ertel.physics.surfaces import CELLS_KEPT, Feature
 
+CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
 INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
 
 
@@ -33,6 +35,13 @@ def _symmetry(case: Case, centre_x: float) -> Even:
     """The axes about which a case is symmetric; the flow is along X."""
     in_y, in_x = (a and b for a, b in zip(surfaces.even(case.features), case.geometry.even, strict=True))
     return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
+
+
+def coarsenings(case: Case, spacing: float, most: int) -> int:
+    """How often a grid can be coarsened, at most `most` times, and still show the contact and the roughness."""
+    finest = min((getattr(f.shape, "size", 0.0) for f in case.features), default=inf)
+    widest = min(case.geometry.smaller / CELLS_SHOWN, finest / CELLS_OF_DETAIL)
+    return min(most, max(0, floor(log2(widest / spacing) + 1e-9))) if widest > 0 else 0
 
 
 def outside_of(case: Case, grid: Grid) -> Outside:
@@ -79,16 +88,27 @@ def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Ar
     return jnp.asarray(surfaces.height(features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing))
 
 
+def gap_slope(case: Case, grid: Grid) -> Array:
+    """dG/dX of the smooth gap G, which is a parabola: the central difference is exact."""
+    X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
+    return jnp.asarray((case.geometry.gap(X + 1.0, Y) - case.geometry.gap(X - 1.0, Y)) / 2.0)
+
+
 def gap_change(case: Case, grid: Grid, T: float) -> Array:
-    """The rate of change of the undeformed gap, roughness included, following the flow, by a central difference."""
-    drift = case.motion.entrainment.integral
-    early, late = (_gap(case, grid, T + sign * INSTANT, drift(T + sign * INSTANT) - drift(T)) for sign in (-1.0, 1.0))
-    return jnp.asarray((late - early) / (2.0 * INSTANT))
+    """The rate of change of the undeformed gap, roughness included, following the flow."""
+    return case.motion.entrainment(T) * gap_slope(case, grid) - roughness_change(case, grid, T)
 
 
-def _gap(case: Case, grid: Grid, T: float, shift: float) -> Array:
-    """The gap at time T, at nodes that have moved along X."""
-    X, Y = grid.kept_x[None, :] + shift, grid.kept_y[:, None]
-    rough = surfaces.height(case.features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing)
-    gap: Array = case.geometry.gap(X, Y) - rough
-    return gap
+def roughness_change(case: Case, grid: Grid, T: float) -> Array | float:
+    """The rate of change of the roughness following the flow, by a central difference; 0.0 where nothing slides."""
+    motion = case.motion
+    if not (case.features and motion.flows and motion.slide_to_roll):
+        return 0.0
+    drift, Y = motion.entrainment.integral, grid.kept_y[:, None]
+
+    def at(T_near: float) -> Array:
+        X = grid.kept_x[None, :] + drift(T_near) - drift(T)
+        found: Array = surfaces.height(case.features, motion, T_near, X, Y, CELLS_KEPT * grid.spacing)
+        return found
+
+    return jnp.asarray((at(T + INSTANT) - at(T - INSTANT)) / (2.0 * INSTANT))

@@ -93,19 +93,27 @@ def of_details(
     return Friction(stress, loss, share * force, share * resistance, plane.total(loss) / hertz_load)
 
 
-def coefficients(found: Friction) -> dict[str, float]:
+def numbers(found: Friction) -> tuple[Array, ...]:
     """The numbers of `NUMBERS`: forces over the load in a/R, the power loss in F* a^2/(R t0)."""
-    (mu_x, mu_y), (rolling, _), power = jax.device_get((found.sliding, found.rolling, found.power))
-    return dict(zip(NUMBERS, (float(value) for value in (mu_x, mu_y, rolling, power)), strict=True))
+    return found.sliding[0], found.sliding[1], found.rolling[0], found.power
+
+
+def coefficients(found: Friction) -> dict[str, float]:
+    """The numbers of `NUMBERS` by name."""
+    return dict(zip(NUMBERS, (float(value) for value in jax.device_get(numbers(found))), strict=True))
 
 
 def steady(case: Case, s: GridSolution) -> Friction:
     """The friction of a steady contact on one of its grids; its maps have the shape of the grid."""
-    c, motion = discretise.contact_of(case, s.grid), case.motion
-    P, H = jnp.asarray(s.P), jnp.asarray(s.H)
-    found: Friction = _program(
-        Plane.of(s.grid), c, P, H, motion.sliding(0.0), motion.load(0.0), case.geometry.hertz_load
-    )
+    c, motion, scale = discretise.contact_of(case, s.grid), case.motion, case.geometry.hertz_load
+    return of_film(Plane.of(s.grid), c, s.P, s.H, motion.sliding(0.0), motion.load(0.0), scale)
+
+
+def of_film(
+    plane: Plane, contact: Contact, P: Array, H: Array, sliding: Number, load: Number, hertz_load: Number
+) -> Friction:
+    """The same as `friction`, compiled."""
+    found: Friction = _program(plane, contact, jnp.asarray(P), jnp.asarray(H), sliding, load, hertz_load)
     return found
 
 

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 from numpy.typing import NDArray
 
 from ertel.model.state import State, combined
@@ -29,7 +27,7 @@ class Surroundings(NamedTuple):
     it causes at the centre, taken as uniform.
     """
 
-    edge: Array
+    edge: Floats
     load: float
     uplift: float
 
@@ -55,7 +53,7 @@ class Outside:
         edge = self._pressure(self.is_edge, motion)
         forces = area * far_field.pressure(X, Y, motion, self.lambda_bar, self.geometry)
         uplift = self.geometry.compliance * float((forces / np.hypot(X, Y)).sum())
-        return Surroundings(jnp.asarray(edge), float(forces.sum()), uplift)
+        return Surroundings(edge, float(forces.sum()), uplift)
 
     def at_first(self, motion: Motion) -> Floats:
         """P on the grid while the surfaces are apart."""

@@ -11,6 +11,8 @@ from dataclasses import MISSING, Field, fields, is_dataclass, replace
 from math import inf, log10
 from typing import Any, TypeVar, get_type_hints
 
+import numpy as np
+
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.height_map import NO_MAPS, HeightMap
 from ertel.physics.lubricant import Oil
@@ -186,6 +188,23 @@ def map_fields(record: Any) -> set[str]:
     return {name for name, hint in get_type_hints(record).items() if hint is HeightMap}
 
 
+# -- NumPy's numbers --------------------------------------------------------------------------------------------------
+
+
+def with_own_numbers(value: Any) -> Any:
+    """A record, or what stands in one, with Python's numbers in the place of NumPy's scalars."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if type(value) is tuple:
+        found = tuple(with_own_numbers(item) for item in value)
+        return found if any(new is not old for new, old in zip(found, value, strict=True)) else value
+    if not is_dataclass(value) or isinstance(value, type):
+        return value
+    old = {item.name: getattr(value, item.name) for item in fields(value)}
+    changed = {name: new for name, part in old.items() if (new := with_own_numbers(part)) is not part}
+    return replace(value, **changed) if changed else value
+
+
 # -- checking ---------------------------------------------------------------------------------------------------------
 
 
@@ -205,7 +224,7 @@ def _is_default(value: Any, item: "Field[Any]") -> bool:
 
 
 def _check(value: Any, mark: Unit | Bounds, place: str) -> None:
-    number = value.value if isinstance(value, Quantity) else value
+    number = with_own_numbers(value.value if isinstance(value, Quantity) else value)
     if isinstance(number, bool) or not isinstance(number, int | float):
         raise ValueError(f"{place} = {show(value)}: must be a number")
     if isinstance(mark, Unit) and isinstance(value, Quantity):

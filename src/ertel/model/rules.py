@@ -6,9 +6,9 @@ from math import inf
 
 from ertel.model.conditions import MOES_L, MOES_M, REDUCED, Conditions, Kind
 from ertel.model.records import checked, checked_law, show
-from ertel.model.sections import METHODS, STOPS, Drive, Output, Schedule, Solver, Stop, Time
+from ertel.model.sections import METHODS, STOPS, WIDEST_HALF_WIDTH, Drive, Output, Schedule, Solver, Stop, Time
 from ertel.numerics import grid
-from ertel.physics.geometry import CIRCLE, Geometry
+from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, Geometry
 from ertel.physics.lubricant import DowsonHigginson, Oil
 from ertel.physics.motion import Motion, Oscillation, Polyline
 from ertel.physics.registry import FLUIDITY_LAWS
@@ -249,6 +249,26 @@ def check_grid(solver: Solver, geometry: Geometry) -> None:
             f"{2 * solver.half_width - along_x:g} = 2 half_width - {along_x:g}, so that the contact lies inside the "
             "grid"
         )
+
+
+def check_outside(solver: Solver, parameters: Parameters, geometry: Geometry, motion: Motion) -> None:
+    """The oil that carries a ball as it rolls must not all lie outside the grid.
+
+    Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.far_field`): on r > w it carries 8 lambda_bar U/(5 w).
+    """
+    speed, load = abs(motion.entrainment(0.0)), motion.load(0.0)
+    needed = 1.6 * parameters.lambda_bar * speed / (HERTZ_LOAD * load)
+    if geometry is not CIRCLE or solver.half_width >= needed:
+        return
+    if needed > WIDEST_HALF_WIDTH:
+        raise ValueError(
+            f"contact: M = {parameters.M:.3g} is too low: the oil that carries the load reaches beyond the largest "
+            f"domain (half_width = {WIDEST_HALF_WIDTH:g}); the film is that of rigid bodies, see the formulas"
+        )
+    raise ValueError(
+        f"solver.half_width = {solver.half_width:g}: must be at least {needed:.3g} at M = {parameters.M:.3g}, where "
+        "the oil far away carries much of the load; leave it out for a domain that is wide enough"
+    )
 
 
 def check_motion(kind: Kind, solver: Solver, motion: Motion, until: Stop | float) -> None:

@@ -14,7 +14,8 @@ Method = Literal["2d", "radial", "steady", "transient"]
 Stop = Literal["max-approach", "rebound"]
 STOPS: tuple[Stop, ...] = ("max-approach", "rebound")
 METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
-ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length
+ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length for M >= 5
+MOST_NODES, WIDEST_HALF_WIDTH = 4097, 1000.0
 CENTRED_HALF_WIDTH = 4.5  # half width of a grid for reversing flow
 
 
@@ -34,13 +35,13 @@ class Solver:
     ] = "2d"
     nodes: Annotated[
         int,
-        Bounds(gt=0, le=4097, whole=True),
+        Bounds(gt=0, le=MOST_NODES, whole=True),
         Meaning("nodes per side of the grid, 2^k c + 1 with a small c, or along the radius"),
     ] = 257
     half_width: Annotated[
         float,
-        Bounds(gt=0, le=1000),
-        Meaning("from the middle of the grid to its edge along x, in a; an impact below M = 100 has a wider default"),
+        Bounds(gt=0, le=WIDEST_HALF_WIDTH),
+        Meaning("from the middle of the grid to its edge along x, in a; wider by default for M < 100 (rolling: M < 5)"),
     ] = 2.0
     inlet: Annotated[
         float | None,
@@ -71,16 +72,26 @@ SOLVERS: Mapping[Method, Solver] = {  # the defaults
 }
 
 
-WIDE_BELOW, WIDEST = 100.0, 4.0  # M below which the default domain of an impact widens, and its largest factor
+class Widening(NamedTuple):
+    """The default domain is wider by (below/M)^exponent where M is below that value, and by the widest at most."""
+
+    below: float
+    exponent: float
+    widest: float
 
 
-def half_width_at(half_width: float, M: float) -> float:
-    """The default half width of an impact: wide for a low load, where the oil far away carries much of it.
+WIDENING: Mapping[Kind, Widening] = {"impact": Widening(100.0, 2 / 3, 4.0), "rolling": Widening(5.0, 4 / 3, 200.0)}
 
-    That share goes as lambda_bar/half_width^2, and lambda_bar as M^(-4/3).  Up to the widest, Delta and the load are
-    within 0.2 % of a far wider domain.
+
+def half_width_at(kind: Kind, half_width: float, M: float) -> float:
+    """The default half width: wide for a low load, where the oil far away carries much of it.
+
+    lambda_bar goes as M^(-4/3), and that share as lambda_bar/half_width^2 in an impact, as lambda_bar/half_width in
+    rolling.  Up to the widest, Delta and the load of an impact are within 0.2 % of a far wider domain, and the oil
+    outside a rolling contact carries 23 % of the load at most.
     """
-    factor: float = min(max(1.0, (WIDE_BELOW / M) ** (2 / 3)), WIDEST)
+    below, exponent, widest = WIDENING[kind]
+    factor: float = min(max(1.0, (below / M) ** exponent), widest)
     return ceil(4 * half_width * factor - 1e-6) / 4  # M = 100 itself, free of round-off
 
 

@@ -1,7 +1,7 @@
 """The state at one time, the interface of a solution method, and the steady solutions on all grids."""
 
 from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -37,8 +37,10 @@ NO_WORK = Work()
 class State:
     """The contact at one time: T in t0, approach in delta*, velocity dDelta/dT, fields of shape (n, n) or (n,) by name.
 
-    The fields are P, H and others that a method needs to go on.  status, work: outcome and work of the solve for this
-    state.  outside: the load that the oil outside the grid carries (double integral of P).
+    The fields are P, H and others that a method needs to go on.  load, outside: the double integral of P on the grid
+    and outside it.  status, work, error, record: of the step that made this state: its outcome, its work, how far the
+    film is from its prediction (relative), and its numbers by name (those of `Method.measure`, of `budget` and of
+    `friction`).
     """
 
     T: float
@@ -48,6 +50,9 @@ class State:
     status: Status = Status.CONVERGED
     work: Work = NO_WORK
     outside: float = 0.0
+    load: float = 0.0
+    error: float = 0.0
+    record: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def P(self) -> Array:
@@ -71,9 +76,9 @@ def interpolated(levels: Sequence[State], T: float) -> State:
     fields = {
         name: combined(weights, [np.asarray(level.fields[name]) for level in levels]) for name in levels[0].fields
     }
-    approach, velocity, outside = (
+    approach, velocity, load, outside = (
         float(combined(weights, [getattr(level, name) for level in levels]))
-        for name in ("approach", "velocity", "outside")
+        for name in ("approach", "velocity", "load", "outside")
     )
     return State(
         T,
@@ -81,7 +86,13 @@ def interpolated(levels: Sequence[State], T: float) -> State:
         velocity,
         {name: field.clip(LOWEST[name]) if name in LOWEST else field for name, field in fields.items()},
         outside=outside,
+        load=load,
     )
+
+
+def padded(levels: Sequence[State]) -> list[State]:
+    """Three levels, the oldest repeated: one shape, so one compilation, whatever the history."""
+    return [*levels, *[levels[-1]] * 2][:3]
 
 
 Stepping = Generator[Any, Any, State]  # yields the problems of a step, is sent their solutions, returns the new state
@@ -101,19 +112,17 @@ def solved(course: Generator[Any, Any, Outcome], solve: Callable[[Any], Any]) ->
 class Method(Protocol):
     """A way to step a contact forward in time.
 
-    coordinates: axes of the fields in order, by name, in units a*.  controlled: the fields whose time error controls
-    the step, in addition to the approach and its velocity.
+    coordinates: axes of the fields in order, by name, in units a*.
     """
 
     coordinates: Mapping[str, Any]
-    controlled: Sequence[str]
 
     def start(self) -> State:
         """The state at T = 0."""
         ...
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        """One step on from one to three levels, newest first."""
+        """One step on from one to three levels, newest first; the new state has its error and its record."""
         ...
 
     def solve(self, problem: Any) -> Any:
@@ -131,13 +140,6 @@ class Method(Protocol):
         """
         ...
 
-    def account(self, levels: Sequence[State]) -> dict[str, float]:
-        """The terms of the budgets and the numbers of the friction at the newest of two or three levels, newest first.
-
-        By the names of `budget.MASSES`, `budget.ENERGIES` and `friction.NUMBERS`.
-        """
-        ...
-
     def friction(self, level: State) -> Any:
         """The `friction.Friction` of a level; its maps are of the shape of the fields."""
         ...
@@ -147,10 +149,6 @@ class Method(Protocol):
 
         odd: whether the field changes its sign at the axis Y = 0.
         """
-        ...
-
-    def error(self, new: State, predicted: Mapping[str, Array]) -> float:
-        """Maximum relative difference between the controlled fields of the new level and their prediction."""
         ...
 
 

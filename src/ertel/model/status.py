@@ -10,6 +10,7 @@ class Status(Enum):
     RUNNING = "running"
     INTERRUPTED = "interrupted"
     NEWTON_STALLED = "Newton iteration stalled"
+    FILM_VANISHED = "the film vanishes on this grid"
     STEP_TOO_SMALL = "the time step became too small"
 
     @property
@@ -21,8 +22,17 @@ class Status(Enum):
     def ok(self) -> bool:
         return self is Status.CONVERGED
 
+    @property
+    def failed(self) -> bool:
+        return self not in (Status.CONVERGED, Status.RUNNING, Status.INTERRUPTED)
+
+    def of_film(self, thinnest: float) -> "Status":
+        """This status; `FILM_VANISHED` where a solution has converged to a minimum film of zero or below."""
+        return Status.FILM_VANISHED if self.ok and thinnest <= 0.0 else self
+
 
 _ADVICE = {
     Status.NEWTON_STALLED: "use more nodes where the film is thin, or shorter steps in time",
+    Status.FILM_VANISHED: "use as many nodes as the warning says (solver.nodes)",
     Status.STEP_TOO_SMALL: "refine the grid (solver.nodes), check the lubricant, or loosen time.tolerance",
 }

@@ -1,6 +1,7 @@
 """A uniform node-centred grid on a rectangle, and its coarser grids."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil
 from typing import NamedTuple
 
@@ -64,22 +65,22 @@ class Grid:
         half_y, half_x = (self.nodes_y + 1) // 2, (self.nodes_x + 1) // 2
         return half_y if self.even.y else self.nodes_y, half_x if self.even.x else self.nodes_x
 
-    @property
+    @cached_property
     def kept_x(self) -> NDArray[np.float64]:
         """X of the columns of an array on the grid."""
         return self.x[self.nodes_x - self.shape[1] :]
 
-    @property
+    @cached_property
     def kept_y(self) -> NDArray[np.float64]:
         """Y of the rows of an array on the grid."""
         return self.y[self.nodes_y - self.shape[0] :]
 
-    @property
+    @cached_property
     def x(self) -> NDArray[np.float64]:
         """X of the nodes, shape (nodes_x,)."""
         return _axis(self.nodes_x, self.spacing, self.centre_x)
 
-    @property
+    @cached_property
     def y(self) -> NDArray[np.float64]:
         """Y of the nodes, shape (nodes_y,)."""
         return _axis(self.nodes_y, self.spacing, self.centre_y)

@@ -15,8 +15,7 @@ from jax import Array, lax
 from numpy.typing import NDArray
 
 from ertel.numerics.grid import WHOLE, Even, Grid
-
-jax.config.update("jax_enable_x64", True)  # differences of large numbers need double precision
+from ertel.numerics.precision import require_double
 
 
 def love_coefficients(rows: int, columns: int, spacing: float) -> NDArray[np.float64]:
@@ -49,6 +48,7 @@ def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Arr
 
     compliance: the displacement is this factor times the double integral of P/distance.
     """
+    require_double()  # differences of large numbers
     whole = _unit_spectrum(grid.nodes_y, grid.nodes_x) * (compliance * grid.spacing)
     kept = whole[: grid.nodes_y] if grid.even.y else whole
     return jax.device_put(kept.astype(dtype))  # unlike `jnp.asarray`, this has nothing to compile

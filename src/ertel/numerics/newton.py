@@ -24,8 +24,9 @@ Map = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class Options:
-    """Limits of the iteration; `largest_change` bounds the change of P, and of s, in one Newton iteration.
+    """Limits of the iteration.
 
+    largest_change: of P, and of s as a share of the smallest H where that is above one, in one Newton iteration.
     first_reduction: reduction of the linear residual in the first Newton iteration.  krylov_reduction: the strongest
     reduction in later ones, see `_forcing`.
     """
@@ -149,7 +150,7 @@ class _System:
         r, change_of_r = jax.linearize(self.residual, it.P, it.H)
         (dP, ds), krylov = self.newton_change(it, r, change_of_r)
         # all nodes by the same share: where the few of a spike alone are held back, their neighbours lose their balance
-        largest = jnp.maximum(jnp.max(jnp.abs(dP)), jnp.abs(ds))
+        largest = jnp.maximum(jnp.max(jnp.abs(dP)), jnp.abs(ds) / jnp.maximum(jnp.min(it.H), 1.0))
         share = jnp.minimum(1.0, self.options.largest_change / jnp.maximum(largest, jnp.finfo(dP.dtype).tiny))
         P, s = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
         H = it.H + self.change_of_H((P - it.P, s - it.s))

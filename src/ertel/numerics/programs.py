@@ -27,6 +27,8 @@ from jax import tree
 from jax.extend.backend import get_backend
 from jax.sharding import SingleDeviceSharding
 
+from ertel.numerics.precision import require_double
+
 # XLA's newer way of joining loops takes half as long again to compile, and level 3 twice as long as level 1; the
 # programs are equally fast (measured on 65 to 513 nodes per side).  Level 0: a fifth to compile, two to three times
 # as long to run.
@@ -55,6 +57,7 @@ class Program:
 
     def ready(self, *arguments: Any) -> Compiled:
         """What is compiled for these arguments; only their kind matters.  Threads that ask for the same share it."""
+        require_double()
         leaves, structure = tree.flatten(arguments)
         kind = structure, tuple(jax.typeof(leaf) for leaf in leaves)
         with self._lock:
@@ -127,6 +130,16 @@ def keep(directory: Path, stamp: str) -> None:
     _directory, _stamp = directory, stamp
 
 
+def is_own(info: os.stat_result, closed: bool = False) -> bool:
+    """Whether a file or directory belongs to this user and nobody else may write to it.
+
+    closed: it lies in a directory that nobody else may enter.
+    """
+    if not hasattr(os, "getuid"):  # Windows
+        return True
+    return info.st_uid == os.getuid() and (closed or not info.st_mode & 0o022)
+
+
 def _place(function: Any, level: int, arguments: Any) -> Path | None:
     """The file of a program; None where none is kept: on other devices, with code from outside ertel, or not wished."""
     if _directory is None or jax.default_backend() != "cpu":
@@ -181,9 +194,12 @@ class _Loaded:
 
 
 def _read(place: Path) -> Compiled | None:
-    """The kept program; None where there is none, it has another stamp, or it cannot be read."""
+    """The kept program; None where there is none, it has another stamp, others may write to it, or it is damaged."""
     try:
-        content = place.read_bytes()
+        with place.open("rb") as file:
+            if not is_own(os.fstat(file.fileno())):
+                return None
+            content = file.read()
         body = content[CHECKSUM:]
         if hashlib.sha256(body).digest() != content[:CHECKSUM]:
             return None
@@ -206,7 +222,8 @@ def _write(place: Path, compiled: Any) -> None:
         executable = compiled.runtime_executable()
         code = executable.client.serialize_executable(executable)
         body = json.dumps([_stamp, _outline(compiled.out_info)]).encode() + b"\n" + code
-        place.parent.mkdir(parents=True, exist_ok=True)
+        place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        draft.touch(0o600, exist_ok=False)
         draft.write_bytes(hashlib.sha256(body).digest() + body)
         draft.replace(place)
     with suppress(OSError):

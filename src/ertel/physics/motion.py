@@ -9,6 +9,7 @@ Mixed cases are possible: impact on a moving track, a loaded ball that bounces, 
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from math import cos, inf, pi, sin
 from typing import Annotated, Literal, Protocol
@@ -148,7 +149,7 @@ class Motion:
     inertia: float
     slide_to_roll: float = 0.0
 
-    @property
+    @cached_property
     def flows(self) -> bool:
         """Whether the entrainment speed is non-zero at any time."""
         return any(self.entrainment.range(inf))

@@ -8,6 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ertel.model.status import Status
 from ertel.physics import hertz
 from ertel.physics.scales import Parameters, Scales
 from ertel.results.variables import FILMS, FRICTION, MEASURED
@@ -124,7 +125,10 @@ class Impact(Kind):
         return {"Delta" if key == "Delta_max" else key: (e["error"], e["extrapolated"]) for key, e in estimate.items()}
 
     def moment(self, summary: Outcome) -> str:
-        return "at maximum approach" if summary["max_approach"] else "maximum approach was not reached"
+        if summary["max_approach"]:
+            return "at maximum approach"
+        gone = summary["status"] == Status.FILM_VANISHED.value
+        return "no result, the film vanishes before" if gone else "maximum approach was not reached"
 
 
 class Rolling(Kind):
@@ -163,7 +167,8 @@ class Rolling(Kind):
 
     def moment(self, summary: Outcome) -> str:
         if summary["H_c"] is None:
-            return "no step was taken"
+            gone = "T" not in summary or summary["status"] == Status.FILM_VANISHED.value
+            return "no result" if gone else "no step was taken"
         if "T" in summary:
             return f"at T = {summary['T']:.4g}"
         nodes = summary["nodes"]

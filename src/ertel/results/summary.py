@@ -1,7 +1,7 @@
 """The summary of a run as plain data: values, restitution, error estimates, work, warnings, film formulas."""
 
 from collections.abc import Mapping, Sequence
-from math import cbrt
+from math import cbrt, inf
 from typing import Any
 
 import numpy as np
@@ -62,13 +62,16 @@ def impact_summary(
         How the run ended.
     """
     names = (*variables.AT_MAXIMUM, *(variables.FRICTION if case.motion.flows else ("power_loss",)))
+    status, gone = _judged(status, data)
+    if max_approach is not None and max_approach["T"] >= gone:
+        max_approach = None
     reached = None if max_approach is None else _said({key: float(max_approach[key]) for key in names})
-    found = budgets.in_time(case, data)
+    found = {} if status.failed else budgets.in_time(case, data)
     content: dict[str, Any] = {
         **_heading(case),
         "max_approach": reached,
         "restitution": restitution(data),
-        "extremes": extremes(data),
+        "extremes": {} if status is Status.FILM_VANISHED else extremes(data),
         "budgets": found,
         **work,
         "status": status.value,
@@ -89,15 +92,18 @@ def rolling_summary(
     `extremes` and `budgets` are as in `impact_summary`.
     The errors of the films need a second run, see `rolling_with_error`.  Parameters as in `impact_summary`.
     """
-    names = ("time", "F", *variables.MEASURED, *variables.FRICTION)
+    status, gone = _judged(status, data)
+    names = ("time", *(() if status is Status.FILM_VANISHED else ("F", *variables.MEASURED, *variables.FRICTION)))
     last = {name: float(data[name][-1]) for name in names if name in data and len(data.time)}
     known = (*variables.MEASURED, *variables.FRICTION)
     measured = {"T": last.pop("time", None), **dict.fromkeys(known), **last}
     F = measured.pop("F", None)
     measured["load"] = None if F is None else F * case.geometry.hertz_load
-    found = budgets.in_time(case, data)
-    said = [*diagnostics.rolling_warnings(case, data), *_accounts_warnings(case, data, found)]
-    counts = {"extremes": extremes(data), "budgets": found, **work}
+    found = {} if status.failed else budgets.in_time(case, data)
+    vanished = status is Status.FILM_VANISHED
+    said = [diagnostics.no_film(case)] if vanished and gone == inf else diagnostics.rolling_warnings(case, data)
+    said += [] if vanished else _accounts_warnings(case, data, found)
+    counts = {"extremes": {} if vanished else extremes(data), "budgets": found, **work}
     return _rolling_summary(case, _said(measured), {}, counts, status, said)
 
 
@@ -124,29 +130,53 @@ def steady_summary(
         How the run ended.
     """
     rolling = Rolling(tuple(solutions))
-    counts = {
-        "residual": rolling.finest.residual,
-        "newton_iterations": sum(s.newton for s in solutions),
-        "krylov_iterations": sum(s.krylov for s in solutions),
-        "convolutions": round(rolling.convolutions, 1),
-    }
+    if diagnostics.steady_failure(case, rolling.finest):
+        return _failed_summary(case, rolling, work, status)
     estimates: dict[str, float] = {}
     if len(solutions) > 1 and all(s.status.ok for s in solutions[-2:]):
         for name in variables.FILMS:
             error = _error_of(rolling.extrapolate(name))
             estimates |= {f"{name}_{what}": value for what, value in error.items()}
     values = rolling.finest.measure()
-    grid = rolling.finest.grid
-    across = {} if grid.nodes_y == grid.nodes_x else {"nodes_y": grid.nodes_y}
     rates, friction = budget.steady(case, rolling.finest)
     found = {**{name: values[name] for name in variables.MEASURED}, **_said(coefficients(friction))}
-    measured = {"nodes": grid.nodes_x, **across, **found}
+    measured = {**_nodes(rolling), **found}
     terms = budgets.steady(case, rates, values["load"] / case.geometry.hertz_load)
     warmth, uncertain = thermal_summary(case, rolling.finest)
     said = [*diagnostics.steady_warnings(case, solutions), *diagnostics.budget_warnings(case, terms)]
     said += [*diagnostics.friction_warnings(case, found["mu_sliding"] or 0.0), *uncertain]
-    parts = {"budgets": terms, **({"thermal": warmth} if warmth else {}), **counts, **work}
+    parts = {"budgets": terms, **({"thermal": warmth} if warmth else {}), **_counts(rolling), **work}
     return _rolling_summary(case, measured, estimates, parts, status, said)
+
+
+def _failed_summary(case: Case, rolling: Rolling, work: Mapping[str, float], status: Status) -> dict[str, Any]:
+    """The summary of a steady run without a result: no film, no friction, no budgets."""
+    measured = {**_nodes(rolling), **dict.fromkeys((*variables.MEASURED, *variables.FRICTION))}
+    parts = {"budgets": {}, **_counts(rolling), **work}
+    said = diagnostics.steady_warnings(case, rolling.solutions)
+    return _rolling_summary(case, _said(measured), {}, parts, status, said)
+
+
+def _nodes(rolling: Rolling) -> dict[str, float | None]:
+    grid = rolling.finest.grid
+    across = {} if grid.nodes_y == grid.nodes_x else {"nodes_y": grid.nodes_y}
+    return {"nodes": grid.nodes_x, **across}
+
+
+def _counts(rolling: Rolling) -> dict[str, float]:
+    """The work on all grids."""
+    return {
+        "residual": rolling.finest.residual,
+        "newton_iterations": sum(s.newton for s in rolling.solutions),
+        "krylov_iterations": sum(s.krylov for s in rolling.solutions),
+        "convolutions": round(rolling.convolutions, 1),
+    }
+
+
+def _judged(status: Status, data: xr.Dataset) -> tuple[Status, float]:
+    """The status of a run in time, and the time at which its film vanished, infinite where it did not."""
+    gone = data["time"].values[data["H_min"].values <= 0.0] if data.sizes["time"] else np.zeros(0)
+    return (status.of_film(0.0), float(gone[0])) if gone.size else (status, inf)
 
 
 def _accounts_warnings(case: Case, data: xr.Dataset, found: budgets.Budgets) -> list[str]:

@@ -11,10 +11,10 @@ A batched iteration goes on until the slowest case has converged, so a batch pay
 idle: small grids, and graphics processors.  Runs that fill the cores are better spread over processes (`ertel.sweep`).
 """
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from operator import itemgetter
+from os import PathLike
 from typing import Any
 
 import jax
@@ -22,10 +22,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, tree
 
+from ertel.inputs.case_files import CaseLike, ConfigError, as_case, written
 from ertel.model import discretise
 from ertel.model.case import Case
 from ertel.model.pytrees import traceable, traceable_law
 from ertel.model.status import Status
+from ertel.numerics.precision import double_precision, require_double
 from ertel.results.result import Result
 from ertel.runs.courses import METHODS, course_of
 from ertel.runs.drive import Gathering
@@ -39,16 +41,20 @@ ON_THE_PLANE = tuple(name for name, method in METHODS.items() if method is Trans
 SHRINKAGE = 4  # a batch becomes smaller, which costs a compilation, when this factor fewer cases still run
 
 
+@double_precision()
 def simulate_batch(
-    cases: Sequence[Case], on_step: Callable[[int, Step], object] = lambda number, step: None
+    cases: Sequence[CaseLike], on_step: Callable[[int, Step], object] = lambda number, step: None
 ) -> list[Result | Failure]:
-    """The results of all cases in their order, as `simulate` gives them; a `Failure` where a run raised.
+    """The results of all cases in their order, as `simulate` takes and gives them; a `Failure` where a run raised.
 
     on_step sees every accepted step with the number of its case.  Raises ValueError, naming the field, where the cases
     cannot share a step.
     """
-    check_alike(cases)
-    runs = [_run(case, partial(on_step, number)) for number, case in enumerate(cases)]
+    if isinstance(cases, Case | str | PathLike | Mapping) or not isinstance(cases, Iterable):
+        raise ConfigError(f"cases = {written(cases)}: must be a sequence of cases")
+    found = [as_case(case, f"cases[{number}]") for number, case in enumerate(cases)]
+    check_alike(found)
+    runs = [_run(case, partial(on_step, number)) for number, case in enumerate(found)]
     return run_together(runs, solve_together)
 
 
@@ -150,19 +156,22 @@ def _structure(law: object) -> tuple[str, object, tuple[tuple[int, ...], ...]]:
 
 def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolution]:
     """The results of `transient.solve_step` for problems of one shape, by one call with this number of lanes."""
+    require_double()
     filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
     own = tree.map(_stacked, *(_own(problem) for problem in filled))
-    fields, rest = _solve_lanes(problems[0], own)
-    numbers = jax.device_get(rest)  # the small ones together: each read waits for the device
+    fields, numbers = _solve_lanes(problems[0], own)
+    numbers = np.asarray(numbers)
     return [
-        tree.map(itemgetter(lane), numbers)._replace(fields={name: each[lane] for name, each in fields.items()})
+        StepSolution({name: each[lane] for name, each in fields.items()}, numbers[lane])
         for lane in range(len(problems))
     ]
 
 
 def _own(problem: StepProblem) -> Any:
     """The problem without the large parts that all cases share."""
-    return replace(problem, elastic=(), contact=replace(problem.contact, kernel=(), spacing=()))  # type: ignore[arg-type]
+    setting = replace(problem.setting, elastic=(), space=(), axes=(), gap_slope=())  # type: ignore[arg-type]
+    contact = replace(problem.contact, kernel=(), spacing=())  # type: ignore[arg-type]
+    return replace(problem, setting=setting, contact=contact)
 
 
 def _stacked(*values: Any) -> Any:
@@ -175,13 +184,14 @@ def _stack(fields: Sequence[Array]) -> Array:
 
 
 @jax.jit
-def _solve_lanes(one: StepProblem, own: Any) -> tuple[dict[str, list[Array]], StepSolution]:
-    """The fields of each lane separately; all other results with the lanes along their first axis."""
+def _solve_lanes(one: StepProblem, own: Any) -> tuple[dict[str, list[Array]], Array]:
+    """The fields of each lane separately; the numbers with the lanes along their first axis."""
 
     def solve(own: Any) -> StepSolution:
         contact = replace(own.contact, kernel=one.contact.kernel, spacing=one.contact.spacing)
-        solution: StepSolution = solve_step(replace(own, elastic=one.elastic, contact=contact))
+        shared = {name: getattr(one.setting, name) for name in ("elastic", "space", "axes", "gap_slope")}
+        solution: StepSolution = solve_step(replace(own, setting=replace(own.setting, **shared), contact=contact))
         return solution
 
     solution = jax.vmap(solve)(own)
-    return {name: list(lanes) for name, lanes in solution.fields.items()}, solution._replace(fields={})
+    return {name: list(lanes) for name, lanes in solution.fields.items()}, solution.numbers

@@ -11,7 +11,7 @@ import shutil
 import warnings
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from math import ceil, nan
 from pathlib import Path
 from typing import Any, Final
@@ -20,15 +20,17 @@ import numpy as np
 import xarray as xr
 import zarr
 from numpy.typing import NDArray
+from zarr.abc.buffer import Buffer
 from zarr.codecs import Crc32cCodec, ZstdCodec
 from zarr.storage import LocalStore
 
-from ertel.runs.files import Damaged, reading, replace, sealed, unsealed
+from ertel.runs.files import Damaged, content_of, reading, replace, require_regular, sealed, unsealed
 
 ROOT = "zarr.json"
 GROWING = ("time", "frame")  # the dimensions along which rows are appended
 ROWS = 4096  # of numbers in a chunk; each map is a chunk of its own
 NO_NUMBER = -1  # what a missing chunk of integers holds
+LARGEST_CHUNK = 256 * 10**6  # bytes: a map of 4097 x 4097 nodes has half of it
 THREADS = 8  # waiting for the disk together takes a tenth of the time
 FORMAT: Final = 3  # of Zarr; earlier ones may hold pickles
 
@@ -43,6 +45,16 @@ class SyncedStore(LocalStore):
             await super().set(key, value)
         else:
             await asyncio.to_thread(replace, self.root / key, value.to_bytes())
+
+
+class RegularStore(LocalStore):
+    """A local store in which all but regular files of a sensible size are an error: reading a pipe may never end."""
+
+    async def get(self, key: str, *arguments: Any, **options: Any) -> Buffer | None:
+        with suppress(FileNotFoundError, NotADirectoryError):
+            require_regular(self.root / key, LARGEST_CHUNK)
+            return await super().get(key, *arguments, **options)
+        return None
 
 
 def write(store: LocalStore, data: xr.Dataset) -> None:
@@ -98,7 +110,7 @@ def _array(group: zarr.Group, name: str) -> "zarr.Array[Any]":
 def read_root(path: Path, advice: str) -> Root:
     """The metadata of all arrays.  Raises Damaged, with the advice, where the file is missing or damaged."""
     try:
-        text = (path / ROOT).read_bytes()
+        text = content_of(path / ROOT)
     except (FileNotFoundError, NotADirectoryError) as error:
         raise Damaged(path / ROOT, "missing", advice) from error
     with reading(path / ROOT, advice):
@@ -164,7 +176,7 @@ def read(path: Path, advice: str) -> xr.Dataset:
 
 def _text(path: Path) -> bytes:
     try:
-        return (present(path) / ROOT).read_bytes()
+        return content_of(present(path) / ROOT)
     except OSError:
         return b""
 
@@ -182,7 +194,7 @@ def present(path: Path) -> Path:
 def _read(path: Path, advice: str) -> xr.Dataset:
     root = read_root(path, advice)
     variables = {}
-    store = LocalStore(path, read_only=True)
+    store = RegularStore(path, read_only=True)
     with reading(path, advice):
         arrays = dict(zarr.open_group(store, mode="r", zarr_format=FORMAT, use_consolidated=True).arrays())
     for name, metadata in _metadata(root).items():

@@ -9,9 +9,13 @@ This module and `on_workers` are the only ones that know dask.
 Each worker process has one thread.  NPROC=1 keeps the pool of XLA's threads to one too, so that as many runs as there
 are cores do not fight for them.  XLA_FLAGS are those of this process, because JAX's cache of compiled programs keeps
 programs of other flags apart.  A worker that dies is replaced, and its job begins again on another one.
+
+Whoever reaches a scheduler, a worker or its nanny of dask has it run any function.  So `local` makes a key of its own,
+without which none of them talks to anybody, and keeps their files where no other user can write.
 """
 
 import logging
+import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -19,12 +23,14 @@ from contextlib import ExitStack, contextmanager, suppress
 from math import inf
 from pathlib import Path
 from queue import Empty, SimpleQueue
+from tempfile import TemporaryDirectory
 from typing import Any
 from uuid import uuid4
 
 import dask
-from distributed import Client, Event, Future, KilledWorker, LocalCluster
-from distributed.utils import silence_logging_cmgr
+from distributed import Client, Event, Future, KilledWorker, LocalCluster, Security
+from distributed.comm.core import FatalCommClosedError
+from distributed.utils import json_load_robust, silence_logging_cmgr
 
 from ertel.inputs.messages import ConfigError
 from ertel.runs.on_workers import SETTINGS, Start, performed
@@ -38,6 +44,12 @@ ANSWER = 20  # s in which a scheduler must answer
 PATIENCE = 10  # s without any worker, after which this is said
 RUNNING = "running"  # the status of a client that has its scheduler
 LOST = Failure("the scheduler was lost")
+LOCAL: dict[str, Any] = {
+    "distributed.scheduler.worker-ttl": None,  # compiled code may keep a worker from a sign of life for long
+    "distributed.worker.multiprocessing-method": "spawn",  # JAX fears forks
+    "distributed.scheduler.http.routes": [],  # its pages take no key, and show jobs and logs to everybody
+    "distributed.worker.http.routes": [],
+}
 
 
 class NoScheduler(ConfigError):
@@ -53,35 +65,55 @@ def local(jobs: int | None = None) -> Iterator["Cluster"]:
 
     jobs: their number, by default one for each core.
     """
-    settings = {"distributed.scheduler.worker-ttl": None, "distributed.worker.multiprocessing-method": "spawn"}
-    with ExitStack() as stack:  # JAX fears forks, and compiled code may keep a worker from a sign of life for long
+    with ExitStack() as stack:
+        settings = {**LOCAL, "temporary-directory": stack.enter_context(_private_directory())}
         stack.enter_context(dask.config.set(settings))
+        security = Security.temporary()  # a key that is known to these processes only
         cluster = stack.enter_context(
             LocalCluster(
                 n_workers=jobs or cores(),
                 threads_per_worker=1,
                 processes=True,
                 memory_limit=0,
+                security=security,
                 dashboard_address="127.0.0.1:0",  # any free port: None would take 8787, and complain of a second study
+                scheduler_kwargs={"dashboard": False},
                 silence_logs=logging.CRITICAL,
                 env=SETTINGS,
             )
         )
-        yield stack.enter_context(_connected(cluster.scheduler_address, Start(deaf=True)))
+        yield stack.enter_context(_connected(cluster.scheduler_address, Start(deaf=True), security))
 
 
 @contextmanager
-def existing(address: str | None = None, file: Path | None = None) -> Iterator["Cluster"]:
+def _private_directory() -> Iterator[str]:
+    """A directory of this user alone.  dask has modules imported from its directories, by default in /tmp."""
+    with TemporaryDirectory(prefix="ertel-", ignore_cleanup_errors=True) as directory:
+        try:
+            yield directory
+        finally:  # dask forgets some, and another user may take the name when it is free
+            sys.path[:] = [place for place in sys.path if not place.startswith(directory)]
+
+
+@contextmanager
+def existing(address: str | None = None, file: Path | None = None, tls: Path | None = None) -> Iterator["Cluster"]:
     """The workers of a scheduler that runs, by its address or the file that it wrote; they stay.
 
-    They need this version of ertel, and the directories of the jobs under the same names.  Raises NoScheduler.
+    They need this version of ertel, and the directories of the jobs under the same names.  tls: a PEM file with a
+    certificate, its key and the certificate of the authority, for a scheduler at tls://; None: dask's configuration.
+    Raises NoScheduler.
     """
     where = f"scheduler = {address}" if address else f"scheduler_file = {file}"
-    if file is not None and not _is_written(file):
-        raise NoScheduler(f"{where}: no such file; give the one that the scheduler wrote")
+    security = _keys(tls) if tls else None
+    found = address or _address_in(file or Path())
+    if tls and "://" not in found:
+        found = f"tls://{found}"
+    _check_encryption(where, found, security)
     with ExitStack() as stack:
         try:
-            cluster = stack.enter_context(_connected(address, Start(), file))
+            cluster = stack.enter_context(_connected(found, Start(), security))
+        except FatalCommClosedError as error:
+            raise NoScheduler(f"{where}: the scheduler has another authority for its certificates") from error
         except (OSError, ValueError) as error:
             raise NoScheduler(
                 f"{where}: no scheduler answers there within {ANSWER} s; see to it that it runs"
@@ -89,19 +121,43 @@ def existing(address: str | None = None, file: Path | None = None) -> Iterator["
         yield cluster
 
 
-def _is_written(file: Path) -> bool:
-    """Whether a file is there, now or soon: a job may start the scheduler just before."""
-    deadline = time.monotonic() + ANSWER
-    while not file.exists() and time.monotonic() < deadline:
-        time.sleep(LOOK)
-    return file.exists()
+def _keys(tls: Path) -> Security:
+    """The keys in a PEM file.  Raises NoScheduler."""
+    file = str(tls)
+    security = Security(require_encryption=True, tls_ca_file=file, tls_client_cert=file, tls_client_key=file)
+    try:
+        security.get_connection_args("client")
+    except OSError as error:  # also of OpenSSL
+        raise NoScheduler(
+            f"tls = {tls}: must be a PEM file with a certificate, its key and the certificate of the authority"
+        ) from error
+    return security
+
+
+def _check_encryption(where: str, address: str, given: Security | None) -> None:
+    """Raise NoScheduler unless there are keys for an address that needs them, and the other way round."""
+    security = given or Security()  # of dask's configuration
+    if address.startswith("tls://"):
+        keys = security.get_tls_config_for_role("client")
+        if not keys["cert"] and not dask.config.get("distributed.client.security-loader"):
+            raise NoScheduler(f"{where}: {address} needs certificates; give tls, a PEM file")
+    elif security.require_encryption:
+        raise NoScheduler(f"{where}: {address} is not encrypted; with tls it must be tls://HOST:PORT")
+
+
+def _address_in(file: Path) -> str:
+    """The address in the file of a scheduler, which may start just before.  Raises NoScheduler."""
+    try:
+        return str(json_load_robust(file, timeout=ANSWER)["address"])
+    except (OSError, LookupError, TypeError) as error:
+        what = "is not JSON with an address" if file.exists() else "no such file"
+        raise NoScheduler(f"scheduler_file = {file}: {what}; give the one that the scheduler wrote") from error
 
 
 @contextmanager
-def _connected(address: str | None, start: Start, file: Path | None = None) -> Iterator["Cluster"]:
-    where = {"address": address} if address else {"scheduler_file": str(file)}
+def _connected(address: str, start: Start, security: Security | None) -> Iterator["Cluster"]:
     quiet = silence_logging_cmgr(logging.CRITICAL)
-    with quiet, Client(**where, timeout=ANSWER, set_as_default=False) as client:
+    with quiet, Client(address, timeout=ANSWER, set_as_default=False, security=security) as client:
         name = f"ertel-{uuid4().hex[:8]}"
         client.register_plugin(start, name=name)
         try:

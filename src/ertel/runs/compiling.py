@@ -3,10 +3,12 @@
 import hashlib
 import os
 import platform
+import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
-from functools import cache
+from functools import cache as once
+from importlib import import_module
 from importlib.metadata import version
 from itertools import takewhile
 from pathlib import Path
@@ -19,6 +21,8 @@ from ertel.version import own_sources
 EXCLUDED = ("0.10.2", "0.11.0")  # JAX issue 39103
 REQUIREMENT = "jax" + ",".join(f"!={bad}" for bad in EXCLUDED)
 
+QUIET = "TF_CPP_MIN_LOG_LEVEL", "3"  # XLA calls it an error when it loads code that it compiled itself
+ENTRY_WARNINGS = tuple(f"Error {doing} persistent compilation cache entry" for doing in ("reading", "writing"))
 _EVENT = "/jax/core/compile/backend_compile_duration"
 _compiled = 0
 _told = False
@@ -85,7 +89,7 @@ def count() -> int:
     return _compiled
 
 
-@cache
+@once
 def _listen() -> None:
     import jax
 
@@ -98,36 +102,64 @@ def _listen() -> None:
 
 # -- the persistent cache ---------------------------------------------------------------------------------------------
 
+_chosen: Callable[[], object] | None = None
 
-def keep_on_disk() -> None:
-    """Keep compiled programs in JAX's cache, in `cache_directory` unless the user chose a directory.
 
-    Nothing is kept where there is no such directory or it cannot be written.
+def chosen() -> Callable[[], object] | None:
+    """How this process keeps programs, so that its workers do the same: `cache`, `start_at_once`, or None."""
+    return _chosen
+
+
+def cache() -> Path | None:
+    """Keep compiled programs on disk from now on, for all of this process, and load them in later ones.
+
+    A program is then compiled once per machine, and not once per process.  This changes settings of JAX for the whole
+    process, so ertel does it only where it is asked to; the commands do it.  A directory that JAX has already, from
+    JAX_COMPILATION_CACHE_DIR or from its configuration, stays as it is.  Otherwise programs are kept in the directory
+    that `ertel about` names, which is made for this user alone.
+
+    Returns
+    -------
+    Path or None
+        The directory; None where nothing is kept: there is no home directory, it cannot be written, or, with a
+        RuntimeWarning, other users could plant programs there.
+
+    Examples
+    --------
+    >>> import ertel
+    >>> ertel.cache()  # doctest: +SKIP
     """
+    global _chosen
+    os.environ.setdefault(*QUIET)
     import jax
     from jax.experimental.compilation_cache import compilation_cache
 
-    for doing in ("reading", "writing"):  # JAX warns of each of hundreds of programs
-        warnings.filterwarnings("ignore", message=f"Error {doing} persistent compilation cache entry")
+    _chosen = _chosen or cache
+    known = _jax_directory()
+    if known is not None:
+        return Path(known) if known else None
     directory = cache_directory()
-    if directory and _jax_directory() is None and "JAX_COMPILATION_CACHE_DIR" not in os.environ:
-        jax.config.update("jax_compilation_cache_dir", str(directory))
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # the many small ones add up
-        compilation_cache.reset_cache()  # JAX looks for a directory once, at the first compilation
-    _replace_unreadable()
+    if directory is None or not _is_safe(directory):
+        return None
+    jax.config.update("jax_compilation_cache_dir", str(directory))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # the many small ones add up
+    compilation_cache.reset_cache()  # JAX looks for a directory once, at the first compilation
+    return directory
 
 
-def start_at_once() -> None:
-    """Keep the large programs also so that a process loads them without tracing them (`programs`).
+def start_at_once() -> Path | None:
+    """Do as `cache` does, and keep the large programs also so that a process loads them without tracing (`programs`).
 
     For commands: in Python, somebody may replace a constant or a function of ertel, which only tracing notices.
     """
+    global _chosen
     from ertel.numerics import programs
 
-    keep_on_disk()
-    if directory := _jax_directory():
+    directory, _chosen = cache(), start_at_once
+    if directory and "://" not in str(_jax_directory()) and _is_safe(directory / "ertel"):
         parts = own_sources(), version("jax"), version("jaxlib"), _processor(), os.environ.get("XLA_FLAGS", "")
-        programs.keep(Path(directory) / "ertel", hashlib.sha256("\0".join(parts).encode()).hexdigest())
+        programs.keep(directory / "ertel", hashlib.sha256("\0".join(parts).encode()).hexdigest())
+    return directory
 
 
 def cache_directory() -> Path | None:
@@ -161,25 +193,71 @@ def _processor() -> str:
     return f"{platform.machine()}-{hashlib.sha256(''.join(kind).encode()).hexdigest()[:8]}"
 
 
-@cache
-def _replace_unreadable() -> None:
-    """Make JAX delete an unreadable entry of its cache (such as a truncated file) and compile it again.
+# A program from the cache runs with the rights of this user, so nobody else may have written it.
 
-    JAX itself warns, compiles, and leaves the entry as it is: so in every process from then on.  It has no public hook
-    for this; a version without the function that is wrapped here goes on as it is.
+
+def _is_safe(directory: Path) -> bool:
+    """Whether nobody but this user can put a program into a directory, which is made if need be; warns where not."""
+    try:
+        for folder in (*reversed(directory.parents[:2]), directory):
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        wrong = list(_open_to_others(directory))
+    except OSError:  # it cannot be made, read, ...
+        return False
+    if wrong:
+        warnings.warn(
+            f"compiled programs are not kept: {wrong[0]} belongs to another user, or others may write to it; "
+            "see to it that only you can, or set JAX_COMPILATION_CACHE_DIR to another directory",
+            RuntimeWarning,
+            stacklevel=3,
+        )
+    return not wrong
+
+
+def _open_to_others(directory: Path) -> Iterator[Path]:
+    """The directory, the one that it is in, and its files, as far as another user owns them or may write to them."""
+    from ertel.numerics.programs import is_own
+
+    yield from (folder for folder in (directory, directory.parent) if not is_own(folder.stat()))
+    closed = not directory.stat().st_mode & 0o077
+    for path in directory.iterdir():
+        with suppress(FileNotFoundError):  # the draft of another process
+            if not is_own(path.stat(), closed):
+                yield path
+
+
+# -- entries that cannot be read --------------------------------------------------------------------------------------
+
+ZSTANDARD = b"\x28\xb5\x2f\xfd"  # how such data begin
+
+
+def is_of_cache(message: str) -> bool:
+    """Whether a warning is JAX's about an entry of its cache; entries that are cut short are then deleted.
+
+    For commands, which do not pass it on: there may be hundreds.  JAX compiles the program again, and writes it only
+    where there is no entry.
     """
-    from jax._src import compilation_cache
+    of_cache = message.startswith(ENTRY_WARNINGS)
+    if of_cache and (directory := _jax_directory()):
+        _delete_cut_short(Path(directory))
+    return of_cache
 
-    read = getattr(compilation_cache, "get_executable_and_time", None)
-    if read is None:
-        return
 
-    def read_or_delete(cache_key: str, *arguments: Any, **named: Any) -> Any:
-        try:
-            return read(cache_key, *arguments, **named)
-        except Exception:  # zlib.error, an error of XLA, ...
-            with suppress(OSError):  # a cache that may only be read
-                Path(_jax_directory() or "", f"{cache_key}-cache").unlink(missing_ok=True)
-            return None, None
+def _delete_cut_short(directory: Path) -> None:
+    """Delete the entries of JAX's cache that cannot be unpacked."""
+    for path in directory.glob("*-cache"):
+        with suppress(OSError):  # a cache that may only be read
+            if not _unpacks(path.read_bytes()):
+                path.unlink(missing_ok=True)
 
-    compilation_cache.get_executable_and_time = read_or_delete  # type: ignore[assignment, unused-ignore]
+
+def _unpacks(content: bytes) -> bool:
+    """Whether data are whole, packed in one of the ways that JAX uses."""
+    module = "zlib" if content[:4] != ZSTANDARD else "zstandard" if sys.version_info < (3, 14) else "compression.zstd"
+    try:
+        import_module(module).decompress(content)
+    except ImportError:  # whoever wrote it could read it
+        return True
+    except Exception:  # of zlib or zstandard
+        return False
+    return True

@@ -25,6 +25,7 @@ from ertel.results.summary import (
     rolling_with_error,
     steady_summary,
 )
+from ertel.runs import forks
 from ertel.runs.comparisons import comparisons
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
@@ -105,7 +106,8 @@ class Course(Protocol):
 
 
 def course_of(case: Case) -> Course:
-    """The course of a case."""
+    """The course of a case.  Raises Forked."""
+    forks.check()
     if case.is_steady:
         return SteadyCourse(case)
     return (ImpactCourse if case.starts_apart else RollingCourse)(case, method_of(case))
@@ -121,7 +123,7 @@ def method_of(case: Case) -> Method:
 
 # -- in time ----------------------------------------------------------------------------------------------------------
 
-NUMBERS = ("T", "approach", "velocity", "outside")  # of a State, besides its fields
+NUMBERS = ("T", "approach", "velocity", "load", "outside")  # of a State, besides its fields
 REACHED = "max_approach_"
 
 
@@ -170,8 +172,8 @@ class TransientCourse(ABC):
         names = arrays["fields"].tolist()
         numbers = zip(*(arrays[name].tolist() for name in NUMBERS), strict=True)
         levels = tuple(
-            State(T, Delta, V, {name: arrays[name][i] for name in names}, outside=outside)
-            for i, (T, Delta, V, outside) in enumerate(numbers)
+            State(T, Delta, V, {name: arrays[name][i] for name in names}, outside=outside, load=load)
+            for i, (T, Delta, V, load, outside) in enumerate(numbers)
         )
         counts = Counts(**{name: arrays[name].item() for name in Counts.__dataclass_fields__})
         reached = {key.removeprefix(REACHED): float(v) for key, v in arrays.items() if key.startswith(REACHED)}

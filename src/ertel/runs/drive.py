@@ -12,9 +12,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ertel.model.case import Case
+from ertel.inputs.case_files import CaseLike, as_case
 from ertel.model.state import solved
 from ertel.model.status import Status
+from ertel.numerics.precision import double_precision
 from ertel.results import accessor as accessor  # datasets of runs have .ertel
 from ertel.results.result import Result
 from ertel.results.summary import attributes
@@ -66,16 +67,17 @@ class Gathering:
         data = self.course.dataset(self.records, self.frames, last)
         work = {"compilations": compiling.count() - self._compiled, "wall_s": clock.monotonic() - self._started}
         summary = self.course.summary(data, last, last.status, work)
-        return Result(self.course.case, data.assign_attrs(attributes(summary)), summary, last.status)
+        return Result(self.course.case, data.assign_attrs(attributes(summary)), summary, Status(summary["status"]))
 
 
-def simulate(case: Case, progress: bool = False, observers: Sequence[Observer] = ()) -> Result:
+@double_precision()
+def simulate(case: CaseLike, progress: bool = False, observers: Sequence[Observer] = ()) -> Result:
     """Run a case from start to end in memory.
 
     Parameters
     ----------
-    case : Case
-        From `impact`, `rolling`, `load_case` or `parse_case`.
+    case : Case, str, Path or mapping
+        From `impact` or `rolling`; or a case file, or its plain data, as for `load_case` and `parse_case`.
     progress : bool
         Whether to show a progress bar.
     observers : sequence of callables
@@ -85,10 +87,11 @@ def simulate(case: Case, progress: bool = False, observers: Sequence[Observer] =
     -------
     Result
         Its `status` says how the run ended; what a careful colleague would warn of is also given as Python warnings.
+
+    Raises ConfigError for anything else than a case, naming the argument or the field.
     """
     compiling.check_jax()
-    compiling.keep_on_disk()
-    course = course_of(case)
+    course = course_of(as_case(case))
     gathering = Gathering(course)
     with progress_bar(course, progress) as shown:
         last = drive(course, [gathering, *shown, *observers])
@@ -100,4 +103,4 @@ def simulate(case: Case, progress: bool = False, observers: Sequence[Observer] =
 def warn_of(result: Result) -> None:
     """Issue the warnings of a run as Python warnings."""
     for sentence in result.warnings:
-        warnings.warn(sentence, stacklevel=3)
+        warnings.warn(sentence, stacklevel=4)  # of the caller of a decorated function

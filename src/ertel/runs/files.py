@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from stat import S_ISDIR, S_ISREG
 from typing import Any
 
 try:
@@ -24,6 +25,7 @@ except ImportError:  # not on Windows
 CHECKSUM = "checksum"  # the key of it in a JSON file
 LENGTH = 2 * sha256().digest_size  # of a checksum, in hexadecimal digits
 ASKING = 0.2  # s: `is_locked` holds a directory for much less
+LARGEST = 64 * 10**6  # bytes: a summary has some kB, the metadata of all arrays some 100 kB
 UNABLE = (errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS)  # of a file system that cannot sync
 
 
@@ -76,6 +78,26 @@ def _sync(handle: int) -> None:
             raise
 
 
+# -- read -------------------------------------------------------------------------------------------------------------
+
+
+def require_regular(path: Path, most: int = LARGEST) -> None:
+    """Raise OSError unless a path leads to a regular file of at most so many bytes: reading a pipe may never end."""
+    status = path.stat()
+    if S_ISDIR(status.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not S_ISREG(status.st_mode):
+        raise OSError(errno.EINVAL, "not a regular file", str(path))
+    if status.st_size > most:
+        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
+
+
+def content_of(path: Path) -> bytes:
+    """The content of a regular file.  Raises OSError, see `require_regular`."""
+    require_regular(path)
+    return path.read_bytes()
+
+
 # -- checksums --------------------------------------------------------------------------------------------------------
 
 
@@ -101,7 +123,12 @@ def sealed(content: Mapping[str, Any], section: str = "") -> bytes:
 
 def unsealed(text: bytes, section: str = "") -> dict[str, Any]:
     """The plain data in JSON without their checksum.  Raises ValueError where they do not agree, or are no JSON."""
-    content: dict[str, Any] = json.loads(text)
+    try:
+        content: dict[str, Any] = json.loads(text)
+    except RecursionError as error:
+        raise ValueError("its lists are nested hundreds of times") from error
+    if not isinstance(content, dict) or not isinstance(content.get(section, {}), dict):
+        raise ValueError("it is not a table of values")
     found = (content[section] if section else content).pop(CHECKSUM, None)
     if found is None:
         raise ValueError("it has no checksum; older versions wrote none")

@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from math import inf
 from typing import Any
@@ -20,10 +21,13 @@ ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if h
 
 
 class Start(WorkerPlugin):
-    """What a worker does before its first job.  deaf: whether signals are left to the parent."""
+    """What a worker does before its first job.  deaf: whether signals are left to the parent.
+
+    A worker keeps programs on disk as the process does that asks for the jobs.
+    """
 
     def __init__(self, deaf: bool = False):
-        self.deaf, self.flags = deaf, os.environ.get("XLA_FLAGS")
+        self.deaf, self.flags, self.keep = deaf, os.environ.get("XLA_FLAGS"), compiling.chosen()
 
     def setup(self, worker: Worker) -> None:
         """Prepare the process, in its main thread."""
@@ -31,15 +35,21 @@ class Start(WorkerPlugin):
             signal.signal(number, signal.SIG_IGN)
         if "jax" not in sys.modules:  # which reads them when it starts
             os.environ.update(SETTINGS if self.flags is None else {**SETTINGS, "XLA_FLAGS": self.flags})
-        compiling.start_at_once()
+        if self.keep:
+            for beginning in compiling.ENTRY_WARNINGS:
+                warnings.filterwarnings("ignore", message=beginning)
+            self.keep()
 
 
 def performed(function: Callable[..., Any], arguments: tuple[Any, ...], key: str, topic: str, sources: str) -> Any:
     """The outcome of a job, on a worker.  Errors of the system are raised, so that the job is tried again."""
     if own_sources() != sources:
         return Failure("the worker has another version of ertel; install the same one everywhere")
+    from ertel.numerics.precision import double_precision  # imports JAX, which reads SETTINGS
+
     try:
-        return function(_Wire(key, topic), *arguments)
+        with double_precision():
+            return function(_Wire(key, topic), *arguments)
     except (OSError, MemoryError):
         raise
     except Exception as error:

@@ -9,7 +9,8 @@ from the pace so far, null before there is one, among others while programs are 
 
 The file is renewed at most once a second, under another name and then renamed, so that readers find the old content or
 the new one.  It is not part of the data of the run: without checksum, not waited for until it is on the disk, and
-nothing is computed from it.  A run that was killed leaves "running" behind; `written` and `process` tell.
+nothing is computed from it.  A run that was killed leaves "running" behind, until another process takes it over; the
+lock of the directory tells.  `process` is a number on the machine of the run, and is never signalled.
 
 This module does not import JAX, so that programs that only watch a run stay small.
 """
@@ -17,19 +18,36 @@ This module does not import JAX, so that programs that only watch a run stay sma
 import json
 import os
 import time
+from collections.abc import Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pydantic import BaseModel, Field
+
 from ertel.model.status import Status
+from ertel.runs.files import content_of
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
     from ertel.runs.courses import Course, Item
 
 PROGRESS = "progress.json"
 INTERVAL = 1.0  # s
-_KEYS = {"status", "T", "step", "done", "seconds", "seconds_left", "written", "process"}
+LARGEST_PROCESS = 2**31  # numbers of processes are below it
+
+
+class _Content(BaseModel, strict=True, extra="allow", allow_inf_nan=False):
+    """The values that readers count on."""
+
+    status: str
+    T: float | None
+    step: int = Field(ge=0)
+    done: float = Field(ge=0.0, le=1.0)
+    seconds: float
+    seconds_left: float | None
+    written: str
+    process: int = Field(gt=0, lt=LARGEST_PROCESS)
 
 
 class ProgressFile:
@@ -62,13 +80,7 @@ class ProgressFile:
             "written": datetime.now(UTC).isoformat(timespec="seconds"),
             "process": os.getpid(),
         }
-        draft = self._path.with_name(f"{self._path.name}.partial")
-        try:
-            draft.write_text(json.dumps(content) + "\n", encoding="ascii")
-            draft.replace(self._path)
-        except OSError:
-            with suppress(OSError):
-                draft.unlink()  # a full disk needs its space
+        _replace(self._path, content)
 
     def _left(self, status: Status, done: float) -> float | None:
         """Seconds to the end at the pace since the first item; compiling came before it."""
@@ -80,9 +92,25 @@ class ProgressFile:
         return round((time.monotonic() - then) * (1.0 - done) / (done - share), 1)
 
 
+def _replace(path: Path, content: Mapping[str, Any]) -> None:
+    draft = path.with_name(f"{path.name}.partial")
+    try:
+        draft.write_text(json.dumps(content) + "\n", encoding="ascii")
+        draft.replace(path)
+    except OSError:
+        with suppress(OSError):
+            draft.unlink()  # a full disk needs its space
+
+
+def settle(directory: Path) -> None:
+    """Call a run interrupted whose process was killed: the next process is at it, but has not come to an item yet."""
+    found = read(directory)
+    if found and found["status"] == Status.RUNNING.value:
+        _replace(directory / PROGRESS, {**found, "status": Status.INTERRUPTED.value})
+
+
 def read(directory: Path) -> dict[str, Any] | None:
     """The progress of a run; None where there is none or it cannot be read."""
     with suppress(OSError, ValueError):
-        found: dict[str, Any] = json.loads((directory / PROGRESS).read_text(encoding="ascii"))
-        return found if isinstance(found, dict) and _KEYS <= found.keys() else None
+        return _Content.model_validate_json(content_of(directory / PROGRESS)).model_dump()
     return None

@@ -118,7 +118,7 @@ def next_step(case: Case, method: Method, state: RunState, limits: StepLimits) -
         if not new.status.ok:
             step, counts = limits.cut * length, replace(counts, rejected=counts.rejected + 1)
             continue
-        error = 0.0 if fixed else _error(case, method, state.levels, new)
+        error = 0.0 if fixed else _error(case, state.levels, new)
         if not fixed and not limits.control.accepts(error):
             step, counts = limits.control.next_step(length, error), replace(counts, rejected=counts.rejected + 1)
             continue
@@ -145,8 +145,8 @@ def _longest(case: Case, limits: StepLimits) -> float:
     return min(limits.largest, limits.of_period * case.motion.shortest_period)
 
 
-def _error(case: Case, method: Method, levels: Sequence[State], new: State) -> float:
-    """Local error of Delta, V and the fields in units of the tolerance, from the prediction (see `bdf.error_factor`).
+def _error(case: Case, levels: Sequence[State], new: State) -> float:
+    """Local error of Delta, V and the film in units of the tolerance, from the prediction (see `bdf.error_factor`).
 
     Without inertia V is no unknown of its own, and may jump.
     """
@@ -155,9 +155,8 @@ def _error(case: Case, method: Method, levels: Sequence[State], new: State) -> f
     times = [level.T for level in levels]
     predict = bdf.interpolation_weights(new.T, times)
     approach, velocity = (combined(predict, [getattr(o, name) for o in levels]) for name in ("approach", "velocity"))
-    fields = {name: combined(predict, [level.fields[name] for level in levels]) for name in method.controlled}
     of_speed = abs(new.velocity - velocity) if case.motion.inertia else 0.0
-    difference = max(abs(new.approach - approach), of_speed, method.error(new, fields))
+    difference = max(abs(new.approach - approach), of_speed, new.error)
     return float(bdf.error_factor([new.T, *times]) * difference / case.schedule.tolerance)
 
 
@@ -165,7 +164,6 @@ def _accept(
     case: Case, method: Method, state: RunState, new: State, counts: Counts, following: float, error: float
 ) -> Step:
     levels = (new, *state.levels)[:3]
-    measured = method.measure(new)
     frames, next_frame = _due_frames(case, method, levels, state.next_frame)
     reached = state.max_approach
     if case.starts_apart and reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
@@ -173,7 +171,7 @@ def _accept(
         friction = method.friction(peak)
         reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak), **coefficients(friction)}
         frames.append(Frame(peak.T, whole_maps(method, peak.P, peak.H, friction), "max-approach"))
-    status = Status.CONVERGED if _ended(case, new, measured["F"], reached) else Status.RUNNING
+    status = Status.CONVERGED if _ended(case, new, new.record["F"], reached) else Status.RUNNING
     if status is Status.CONVERGED and case.schedule.until != "max-approach":
         frames.append(frame_of(method, new, "end"))
     spent = counts.minus(state.counts)
@@ -182,8 +180,7 @@ def _accept(
         "dT": levels[0].T - levels[1].T,
         "Delta": new.approach,
         "V": new.velocity,
-        **measured,
-        **method.account(levels),
+        **new.record,
         "U": case.motion.entrainment(new.T),
         "w": case.motion.load(new.T),
         "error": error,

@@ -7,6 +7,7 @@ run.zarr                scalars of every step, maps at chosen times, provenance;
 checkpoint.npz          the state to go on from, and how much of run.zarr belongs to it
 summary.json            the outcome
 progress.json           how far the run is, for programs that watch it; not part of the data, see `progress_file`
+stop                    made by whoever wants the run to stop, see `stop_file`
 ======================  =========================================================================================
 
 A flush writes to run.zarr, then renews its metadata: now readers see the new rows; then replaces the checkpoint: now a
@@ -27,11 +28,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.model.case import Case
 from ertel.model.status import Status
+from ertel.numerics.precision import double_precision
 from ertel.results.result import Result
 from ertel.results.summary import attributes
-from ertel.runs import checked_zarr, compiling, directories
+from ertel.runs import checked_zarr, compiling, directories, progress_file, stop_file
 from ertel.runs.arrays import Data, advice_of, data_of
 from ertel.runs.courses import Course, Item, course_of
 from ertel.runs.directories import CASE as CASE
@@ -134,7 +137,7 @@ class RunStore:
         if self._alone:
             yield
             return
-        with locked(self.directory):
+        with locked(self.directory), stop_file.fresh(self.directory):
             now = directories.read_case(self.directory)
             directories.require_same(self.directory, self.case.digest, self.case.to_data(), now)
             self._check_data()
@@ -143,6 +146,10 @@ class RunStore:
                 yield
             finally:
                 self._alone = False
+
+    def asked_to_stop(self, item: object = None) -> bool:
+        """Whether there is a file that asks the run to stop; this is an observer."""
+        return stop_file.is_asked(self.directory)
 
     def __call__(self, item: Item) -> None:
         """Add one item; the items are written at intervals."""
@@ -268,6 +275,7 @@ class RunStore:
 # -- running ----------------------------------------------------------------------------------------------------------
 
 
+@double_precision()
 def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, Any]:
     """Continue a stored case to its end, write all results, and return the summary.
 
@@ -280,8 +288,9 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
         finished = store.outcome()
         if finished is not None:
             return finished
+        progress_file.settle(store.directory)
         progress = ProgressFile(store.directory, store.course)
-        last = drive(store.course, [store, progress, *observers], store.resume())
+        last = drive(store.course, [store, progress, *observers, store.asked_to_stop], store.resume())
         progress.write(last)
         store.flush()
         work = {"compilations": compiling.count() - compiled, "wall_s": store.seconds}
@@ -290,13 +299,14 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
     return summary
 
 
-def run(case: Case, directory: str | Path, progress: bool = False, observers: Sequence[Observer] = ()) -> Result:
+@double_precision()
+def run(case: CaseLike, directory: str | Path, progress: bool = False, observers: Sequence[Observer] = ()) -> Result:
     """Run a case and store it; an interrupted run is continued, and a complete run is read.
 
     Parameters
     ----------
-    case : Case
-        What to run.
+    case : Case, str, Path or mapping
+        What to run, as for `simulate`.
     directory : str or Path
         The run directory: made if it is not there.
     progress, observers
@@ -305,8 +315,7 @@ def run(case: Case, directory: str | Path, progress: bool = False, observers: Se
     Raises StoreError where the directory holds another case, or cannot be written.
     """
     compiling.check_jax()
-    compiling.keep_on_disk()
-    directory = Path(directory)
+    case, directory = as_case(case), path_of("directory", directory, "a run directory")
     store = RunStore.open(directory) if (directory / CASE).exists() else RunStore.create(directory, case)
     if store.case != case:
         raise StoreError(
@@ -320,6 +329,7 @@ def run(case: Case, directory: str | Path, progress: bool = False, observers: Se
     return result
 
 
+@double_precision()
 def open_run(directory: str | Path) -> Result:
     """The run in a directory, as far as it is written.  Raises StoreError where there is none."""
-    return RunStore.open(Path(directory)).result()
+    return RunStore.open(path_of("directory", directory, "a run directory")).result()

@@ -5,6 +5,7 @@ runs/DIGEST             an ordinary run directory for each case, named by the di
 sweep.zarr              the numbers of all runs over what varies; `xarray.open_zarr` alone opens it
 sweep.csv               the same as a table
 sweep.png               and as a figure
+stop                    made by whoever wants the study to stop, see `stop_file`
 ======================  =========================================================================================
 
 Nothing else is remembered: what is missing or unfinished in runs/ is done, so that a study can be stopped, killed,
@@ -22,6 +23,7 @@ from ertel.inputs.studies import Study
 from ertel.model.case import Case
 from ertel.results.study_result import StudyResult
 from ertel.results.study_runs import MISSING, RUNNING, UNFINISHED, Ran, assemble
+from ertel.runs import stop_file
 from ertel.runs.files import StoreError, is_locked, locked
 from ertel.runs.store import CASE, RunStore
 from ertel.runs.study_jobs import job_of
@@ -68,16 +70,17 @@ def run_study(
 ) -> dict[str, str]:
     """Do what is left of a part; the status of each run that was worked on, by digest, or why it failed.
 
-    hear, asked: see `workers.Workers`.  Raises OSError where the directory cannot be made.
+    hear, asked: see `workers.Workers`; a file in the directory asks too, see `stop_file`.  Raises OSError where the
+    directory cannot be made.
     """
     left = left_of(study, directory, part)
     (directory / RUNS).mkdir(parents=True, exist_ok=True)
+    jobs = [job_of(run_directory(directory, case), case) for case in left.values()]
     found = {}
-    for digest, outcome in workers.outcomes(
-        [job_of(run_directory(directory, c), c) for c in left.values()], hear, asked
-    ):
-        found[digest] = f"{FAILED}{outcome.reason}" if isinstance(outcome, Failure) else str(outcome)
-        on_done(digest, found[digest])
+    with stop_file.fresh(directory):
+        for digest, outcome in workers.outcomes(jobs, hear, lambda: asked() or stop_file.is_asked(directory)):
+            found[digest] = f"{FAILED}{outcome.reason}" if isinstance(outcome, Failure) else str(outcome)
+            on_done(digest, found[digest])
     return found
 
 

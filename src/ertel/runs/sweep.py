@@ -6,6 +6,7 @@ ertel.sweep("speeds.toml", "sweeps/speeds", jobs=2)
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -24,18 +25,22 @@ class Engine:
     """Who does the runs.
 
     jobs: processes of this machine, None for one for each core; 1 is this process.  scheduler, scheduler_file: the
-    address of a scheduler that runs, or the file that it wrote; its workers do them.
+    address of a scheduler that runs, or the file that it wrote; its workers do them.  tls: for a scheduler at tls://,
+    a PEM file with a certificate, its key and the certificate of the authority.
     """
 
     jobs: int | None = None
     scheduler: str | None = None
     scheduler_file: Path | None = None
+    tls: Path | None = None
 
     def __post_init__(self) -> None:
         if self.scheduler and self.scheduler_file:
             raise ConfigError(f"scheduler = {show(self.scheduler)}: give it, or scheduler_file, not both")
-        if self.jobs is not None and self.jobs < 1:
-            raise ConfigError(f"jobs = {self.jobs}: must be one or more")
+        if self.tls and not (self.scheduler or self.scheduler_file):
+            raise ConfigError(f"tls = {self.tls}: only with scheduler or scheduler_file; local processes have own keys")
+        if self.jobs is not None and not (isinstance(self.jobs, Integral) and self.jobs >= 1):
+            raise ConfigError(f"jobs = {show(self.jobs)}: must be one or more, a whole number")
 
     @property
     def processes(self) -> int:
@@ -52,8 +57,8 @@ class Engine:
             return
         from ertel.runs import cluster  # imports dask
 
-        clusters = cluster.existing(self.scheduler, self.scheduler_file) if elsewhere else cluster.local(jobs)
-        with clusters as found:
+        there = self.scheduler, self.scheduler_file, self.tls
+        with cluster.existing(*there) if elsewhere else cluster.local(jobs) as found:
             yield found
 
 
@@ -65,6 +70,7 @@ def sweep(
     jobs: int | None = 1,
     scheduler: str | None = None,
     scheduler_file: str | Path | None = None,
+    tls: str | Path | None = None,
     progress: bool = False,
 ) -> StudyResult:
     """Run all cases of a parameter study that are not there yet, and gather their numbers.
@@ -85,6 +91,10 @@ def sweep(
         import it.
     scheduler, scheduler_file : str or Path
         Address of a scheduler of dask.distributed that runs, or the file that it wrote: its workers do the runs.
+        Whoever reaches the scheduler can run programs as you.
+    tls : str or Path
+        For a scheduler at tls://: a PEM file with a certificate, its key and the certificate of the authority.  Without
+        it the configuration of dask holds.
     progress : bool
         Whether to show a progress bar.
 
@@ -97,8 +107,8 @@ def sweep(
     Raises ConfigError, naming the field, its value and what is allowed; StoreError where another process is at it.
     """
     compiling.check_jax()
-    compiling.keep_on_disk()
-    engine = Engine(jobs, scheduler, None if scheduler_file is None else Path(scheduler_file))
+    file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
+    engine = Engine(jobs, scheduler, file, keys)
     found = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
     place = Path(directory).absolute()
     left = len(left_of(found, place))

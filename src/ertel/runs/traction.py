@@ -10,17 +10,19 @@ from typing import Any
 
 import numpy as np
 
+from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.ranges import Given
 from ertel.model import friction, heat
 from ertel.model.case import Case
 from ertel.model.heat import Heated
 from ertel.model.state import Rolling
 from ertel.model.status import Status
+from ertel.numerics.precision import double_precision
 from ertel.results import diagnostics
 from ertel.results.curve_points import WORK, Point, assemble, point
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import TractionCurve
-from ertel.runs import compiling
+from ertel.runs import compiling, forks
 from ertel.runs.courses import GridStep, SteadyCourse
 from ertel.runs.curves import Curve, Film, curve_of
 from ertel.runs.drive import Observer, drive
@@ -32,6 +34,7 @@ NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but
 ObserversOf = Callable[[int, SteadyCourse], Sequence[Observer]]  # of the film for a point, by the number of the point
 
 
+@double_precision()
 def run(
     curve: Curve,
     store: CurveStore | None = None,
@@ -56,6 +59,7 @@ def run(
 
 def _computed(curve: Curve, done: int, observers_of: ObserversOf, stop: Callable[[object], bool]) -> Iterator[Point]:
     """The points of a curve from number `done` on, up to a stop."""
+    forks.check()
     film: GridStep | None = None
     for number in range(done, len(curve.values)):
         fresh = film is None or curve.film == "each"
@@ -94,7 +98,8 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
         values |= _warm_values(case, values, warm)
         said += thermal_warnings(case, warm)
         status = film.status if warm.converged else Status.NEWTON_STALLED
-    said += diagnostics.friction_warnings(case, values["mu_sliding"])
+    if status.ok:
+        said += diagnostics.friction_warnings(case, values["mu_sliding"])
     return point(case, values, status, said)
 
 
@@ -135,7 +140,7 @@ def _grouped(curve: Curve, points: Sequence[Point]) -> tuple[str, ...]:
 
 
 def traction(
-    case: Case,
+    case: CaseLike,
     *,
     slide_to_roll: Given | None = None,
     mean_speed: Given | None = None,
@@ -148,7 +153,7 @@ def traction(
 
     Parameters
     ----------
-    case : Case
+    case : Case, str, Path or mapping
         A steady rolling contact; its other values hold for all points.
     slide_to_roll, mean_speed, load : str or sequence
         One of them: a range such as "0:0.5:15" (first, last, number of values; with ":log" at the end equal ratios), or
@@ -177,8 +182,7 @@ def traction(
     >>> ertel.traction(case, slide_to_roll="0:0.5:15").plot()  # doctest: +SKIP
     """
     compiling.check_jax()
-    compiling.keep_on_disk()
-    curve = curve_of(case, {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
+    curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
     store = CurveStore.of(Path(directory), curve) if directory else None
     with bars(progress) as shown:
         return run(curve, store, watched(shown, curve))

@@ -35,6 +35,7 @@ from ertel.numerics import krylov, multigrid
 from ertel.numerics.grid import Even
 from ertel.numerics.line_smoother import LineSmoother, line_smoother
 from ertel.numerics.multigrid import Coefficients, Elasticity
+from ertel.numerics.precision import require_double
 from ertel.numerics.stencils import Pair, curvature, inside, upstream_slope
 from ertel.solvers import nonlinear
 from ertel.solvers.preconditioner import PRECISION
@@ -127,6 +128,7 @@ class _Problem:
 
 def respond(case: Case, film: GridSolution, wave: Wave) -> Response:
     """The response of the steady film of a case to a wave, to first order in its height."""
+    require_double()
     motion = case.motion
     line = balanced(0.0, case.geometry.hertz_load)._replace(approach_weight=-motion.inertia * wave.frequency**2)
     c = discretise.smooth_contact(case, film.grid)

@@ -9,6 +9,7 @@ symbols are those of `contact`.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import jax
@@ -18,25 +19,24 @@ from jax import Array
 from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
-from ertel.model import budget, outside
+from ertel.model import budget, friction, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.model.budget import Account, Around, Film
 from ertel.model.case import Case
-from ertel.model.friction import ANY_SIZE, Friction, coefficients
+from ertel.model.friction import ANY_SIZE, Friction
 from ertel.model.outside import Surroundings
 from ertel.model.pytrees import traceable
-from ertel.model.state import Method, State, Stepping, Work
+from ertel.model.state import Method, State, Stepping, Work, padded
 from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc, disc_weights
-from ertel.numerics.programs import Program
+from ertel.numerics.precision import require_double
+from ertel.numerics.programs import Compiled, Program
 from ertel.numerics.stencils import Pair
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.rheology import NEWTONIAN, Rheology
-
-jax.config.update("jax_enable_x64", True)
 
 Floats = NDArray[np.float64]
 
@@ -44,6 +44,7 @@ EDGE = 1.0  # maximum radius of the dry contact: the grid is finest here, where 
 WIDENING_INSIDE = 1.5  # the spacing at distance d from the edge is 1 + widening * d times that at the edge
 WIDENING_OUTSIDE = 8.0
 NEWTON_LIMIT = 15
+RINGS = 65  # on which the error in time is taken
 LARGEST_CHANGE = 0.3  # of P in one Newton iteration
 
 
@@ -80,11 +81,34 @@ class Equations(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """The equations of a step, the first guess of P, and the largest residual allowed."""
+    """One BDF step, ready to be solved.
 
-    equations: Equations
-    P: Array
+    past: fields of the last three levels, newest first.  predict_P, predict_H, rates: weights of the predicted pressure
+    and film, and of the time derivative (for the new level, and the last two), of shape (3,).  around: the oil outside.
+    tolerance: of the film left over in a step.
+    """
+
+    mesh: Mesh
+    disc: Disc
+    oil: Lubricant
+    lambda_bar: float
+    past: tuple[Mapping[str, Array], ...]
+    predict_P: bdf.Weights
+    predict_H: bdf.Weights
+    rates: bdf.Weights
+    line: ClosureLine
+    around: Surroundings
     tolerance: float
+
+
+class StepSolution(NamedTuple):
+    """The new fields, and all numbers of the step in one array, in the order of `NUMBERS`."""
+
+    fields: Mapping[str, Array]
+    numbers: Array
+
+
+NUMBERS = ("approach", "converged", "newton", "load on nodes", "error", *budget.INTEGRALS, *friction.NUMBERS)
 
 
 class Solution(NamedTuple):
@@ -117,6 +141,7 @@ def extent(half_width: float) -> float:
 
 def mesh(r: Floats) -> Mesh:
     """The grid with nodes r, from 0 outwards, and its elastic kernel."""
+    require_double()
     face = (r[1:] + r[:-1]) / 2
     ends = np.concatenate([r[:1], face, r[-1:]])
     fields = r, face, np.diff(ends**2) / 2, elastic_kernel(r), disc_weights(r)
@@ -214,6 +239,54 @@ def solve(eq: Equations, P: Array, tolerance: float) -> Solution:
     return jax.lax.while_loop(go_on, improve, solution(P, jnp.zeros((), jnp.int32)))
 
 
+def equations(
+    mesh: Mesh,
+    oil: Lubricant,
+    lambda_bar: float,
+    past: Sequence[tuple[Array, Array]],
+    rates: bdf.Weights | Sequence[float],
+    line: ClosureLine,
+    uplift: float = 0.0,
+) -> Equations:
+    """The equations of a level after others: (P, H), newest first.  uplift: the deformation by the oil outside."""
+    masses = [weight * oil.density(P) * H for weight, (P, H) in zip(rates[1:], past, strict=False)]
+    apart = CIRCLE.gap(mesh.r, 0.0) + uplift - line.value / line.approach_weight
+    stiffness = mesh.kernel + line.load_weight / line.approach_weight * mesh.load
+    return Equations(mesh, oil, NEWTONIAN, lambda_bar, rates[0], sum(masses, jnp.zeros_like(mesh.r)), apart, stiffness)
+
+
+@jax.jit
+def solve_step(p: Problem) -> StepSolution:
+    """The fields and the numbers after one step."""
+    past = [(level["P"], level["H"]) for level in p.past]
+    line, tolerance = p.line.less(p.around.load), p.tolerance * p.rates[0]
+    eq = equations(p.mesh, p.oil, p.lambda_bar, past[:2], p.rates, line, p.around.uplift)
+    pressures, films = (jnp.stack(fields) for fields in zip(*past, strict=True))
+    P = jnp.maximum(jnp.tensordot(p.predict_P, pressures, axes=1), 0.0).at[-1].set(p.around.edge[-1])
+    s = solve(eq, P, tolerance)
+    load = p.mesh.load @ s.P
+    approach = (line.value - line.load_weight * load) / line.approach_weight
+    found = account(p.disc, eq, s.P, s.H, approach)
+    error = film_error(p.mesh.volume, s.H, jnp.tensordot(p.predict_H, films, axes=1), s.P)
+    terms = (found.terms[name] for name in budget.INTEGRALS)
+    values = approach, s.size <= tolerance, s.newton, load, error, *terms, *friction.numbers(found.friction)
+    return StepSolution({"P": s.P, "H": s.H}, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
+
+
+_step_program = Program(solve_step)
+
+
+def film_error(volume: Array, H: Array, predicted: Array, P: Array) -> Array:
+    """Relative difference of two films, root mean square over the load that P carries.
+
+    The films are means over `RINGS` rings at most (see `transient.film_error`).  volume: of the ring around each node.
+    """
+    width = -(-len(H) // RINGS)
+    rings = jnp.pad(jnp.stack([P, H, predicted]) * volume, ((0, 0), (0, -len(H) % width)))
+    pressed, film, expected = rings.reshape(3, -1, width).sum(axis=2)
+    return jnp.sqrt(jnp.sum(pressed * (1 - expected / film) ** 2) / jnp.maximum(pressed.sum(), jnp.finfo(P.dtype).tiny))
+
+
 class RadialImpact(Method):
     """The method "radial".
 
@@ -221,8 +294,6 @@ class RadialImpact(Method):
     half_width = 4 (the load outside falls with its square) and nodes = 401 (H_c within 0.1 % of its limit at M = 1000,
     L = 10).
     """
-
-    controlled = ("H",)
 
     def __init__(self, case: Case, closure: Closure | None = None):
         self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width))
@@ -234,121 +305,98 @@ class RadialImpact(Method):
         self.start_approach = case.schedule.start_approach
         self.coordinates = {"r": np.asarray(self.mesh.r)}
         self.disc = Disc.of(self.coordinates["r"])
+        self._step: Compiled | None = None
 
     def start(self) -> State:
         """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
         motion = Motion(self.start_approach, 1.0, 0.0, 0.0)
         around, P = self.outside.at(motion), jnp.asarray(self.outside.at_first(motion))
         H = CIRCLE.gap(self.mesh.r, 0.0) - self.start_approach + self.mesh.kernel @ P + around.uplift
-        return State(0.0, self.start_approach, 1.0, {"P": P, "H": H}, outside=around.load)
+        load = float(self.mesh.load @ P)
+        return State(0.0, self.start_approach, 1.0, {"P": P, "H": H}, outside=around.load, load=load)
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         """One BDF step (BDF1 from one level, BDF2 from more), newest level first: yields one `Problem`."""
         T = levels[0].T + step
-        rates = bdf.derivative_weights([T, *(level.T for level in levels[:2])])
+        times = [level.T for level in levels]
+        rates = bdf.derivative_weights([T, *times[:2]])
         approaches = [level.approach for level in levels]
-        line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
-        around = self.surroundings(levels, T)
-        line, tolerance = line.less(around.load), self.tolerance * float(rates[0])
-        P = predicted_pressure(levels, T).at[-1].set(around.edge[-1])
-        s: Solution = yield Problem(self.equations(levels, rates, line, around.uplift), P, tolerance)
-        approach = (line.value - line.load_weight * self.load(s.P)) / line.approach_weight
+        # in the rebound the pressure collapses behind the receding edge, and a parabola overshoots
+        known = times if levels[0].velocity > 0 else times[:2]
+        around = self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], 0.0))
+        solution: StepSolution = yield Problem(
+            self.mesh,
+            self.disc,
+            self.oil,
+            self.lambda_bar,
+            tuple(level.fields for level in padded(levels)),
+            bdf.three(bdf.interpolation_weights(T, known)),
+            bdf.three(bdf.interpolation_weights(T, times)),
+            bdf.three(rates),
+            self.closure.line(T, rates, approaches, [level.velocity for level in levels]),
+            around,
+            self.tolerance,
+        )
+        found = dict(zip(NUMBERS, np.asarray(solution.numbers).tolist(), strict=True))
+        approach, load = found["approach"], found["load on nodes"]
         velocity = self.closure.velocity(T, rates, approach, approaches)
-        status = Status.CONVERGED if bool(s.size <= tolerance) else Status.NEWTON_STALLED  # stalled too if NaN
-        return State(T, approach, velocity, {"P": s.P, "H": s.H}, status, Work(int(s.newton)), around.load)
+        load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
+        terms = budget.terms(found, velocity, Around(around.load, around.uplift, load_rate), CIRCLE.hertz_load)
+        coefficients = {name: found[name] for name in friction.NUMBERS}
+        status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED  # stalled too if NaN
+        work = Work(int(found["newton"]))
+        new = State(T, approach, velocity, solution.fields, status, work, around.load, load, found["error"])
+        return replace(new, record={**self.measure(new), **terms, **coefficients})
 
-    def surroundings(self, levels: Sequence[State], T: float) -> Surroundings:
-        """The oil outside at a new level, predicted from the last ones."""
-        return self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], 0.0))
-
-    def solve(self, problem: Problem) -> Solution:
-        """P and H at the new level."""
-        return solve(*problem)
-
-    def equations(
-        self, levels: Sequence[State], rates: bdf.Weights, line: ClosureLine, uplift: float = 0.0
-    ) -> Equations:
-        """The equations of the level after `levels`; uplift: the deformation by the oil outside."""
-        past = jnp.zeros_like(self.mesh.r)
-        for weight, level in zip(rates[1:], levels, strict=False):
-            past += weight * self.oil.density(jnp.asarray(level.P)) * level.H  # of a stored level too, to the last bit
-        apart = CIRCLE.gap(self.mesh.r, 0.0) + uplift - line.value / line.approach_weight
-        stiffness = self.mesh.kernel + line.load_weight / line.approach_weight * self.mesh.load
-        return Equations(self.mesh, self.oil, NEWTONIAN, self.lambda_bar, float(rates[0]), past, apart, stiffness)
-
-    def load(self, P: Array) -> float:
-        """Double integral of P on the grid."""
-        return float(self.mesh.load @ P)
+    def solve(self, problem: Problem) -> StepSolution:
+        """The step's solution, on this device; all steps of a run have one program."""
+        self._step = self._step or _step_program.ready(problem)
+        found: StepSolution = self._step(problem)
+        return found
 
     def carried(self, level: State) -> float:
         """F, with the load of the oil outside, in units of the dry maximum load."""
-        return (self.load(level.P) + level.outside) / CIRCLE.hertz_load
+        return (level.load + level.outside) / CIRCLE.hertz_load
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`; places are radii."""
         P, H, r = np.asarray(level.P), np.asarray(level.H), self.coordinates["r"]
         X_min, H_min = lowest_point(r, H)
-        F = self.carried(level)
+        F = (float(np.asarray(self.mesh.load) @ P) + level.outside) / CIRCLE.hertz_load
         films = {"H_c": float(H[0]), "H_min": H_min, "X_min": X_min, "Y_min": 0.0}
         i = int(P.argmax())
         fall = 1 - (P[abs(i - 1)] + P[i + 1]) / (2 * P[i]) if P[i] > 0 else 0.0  # P is even in r
         peak = {"P_max": float(P[i]), "X_P_max": float(r[i]), "Y_P_max": 0.0, "P_fall": float(fall)}
         return {"F": F, "P_c": float(P[0]), **peak, **films}
 
-    def account(self, levels: Sequence[State]) -> dict[str, float]:
-        """See `Method.account`."""
-        new, *past = levels
-        rates = bdf.derivative_weights([level.T for level in levels])
-        eq = self.equations(past, rates, ClosureLine(1.0, 0.0, new.approach))
-        found: Account = _program(self.disc, eq, new.P, new.H, new.approach)
-        rate = float(rates @ [self.load(level.P) for level in levels])
-        around = Around(new.outside, self.surroundings(past, new.T).uplift, rate)
-        return budget.terms(found.terms, new.velocity, around, CIRCLE.hertz_load) | coefficients(found.friction)
-
     def friction(self, level: State) -> Friction:
-        """See `Method.friction`: by the program of the account, as if the film did not change."""
+        """See `Method.friction`: that of the account, as if the film did not change."""
         eq = self.equations([level], np.zeros(2), ClosureLine(1.0, 0.0, level.approach))
-        found: Account = _program(self.disc, eq, level.P, level.H, level.approach)
+        found: Account = _program(self.disc, eq, jnp.asarray(level.P), jnp.asarray(level.H), level.approach)
         return found.friction
+
+    def equations(self, levels: Sequence[State], rates: bdf.Weights, line: ClosureLine) -> Equations:
+        """The equations of the level after `levels`."""
+        past = [(jnp.asarray(level.P), jnp.asarray(level.H)) for level in levels]
+        return equations(self.mesh, self.oil, self.lambda_bar, past, rates, line)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """The field itself."""
         return field
 
-    def error(self, new: State, predicted: Mapping[str, Array]) -> float:
-        """That of the film."""
-        return self.film_error(new.H, predicted["H"], new.P)
 
-    def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
-        """Relative difference of two films, root mean square over the load that P carries."""
-        pressed = np.asarray(self.mesh.volume) * np.asarray(P)
-        difference = 1 - np.asarray(H_predicted) / np.asarray(H)
-        return float(np.sqrt(pressed @ difference**2 / max(pressed.sum(), np.finfo(float).tiny)))
-
-
-def _account(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> Account:
+def account(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> Account:
     """The account after a step.  Nothing slides and nothing rolls."""
     eps, _ = eq.flow.mobility(eq.oil.density(P), eq.oil.viscosity(P), H, eq.lambda_bar)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     heat = disc.of_slopes(Pair(eps), P, eq.oil.enthalpy(P))
     film = Film(P, H, Pair(eps), heat, deformation, residual(eq, P, H), 0.0, 0.0)
     stress, force = jnp.zeros((2, *P.shape)), jnp.zeros(2)
-    friction = Friction(stress, heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
-    return Account(budget.integrals(disc, eq.oil, film), friction)
+    found = Friction(stress, heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
+    return Account(budget.integrals(disc, eq.oil, film), found)
 
 
-_program = Program(jax.jit(_account), ANY_SIZE)
-
-
-def predicted_pressure(levels: Sequence[State], T: float) -> Array:
-    """P extrapolated in time, not below zero.
-
-    Three levels are used during approach.  Two are used during rebound, where the pressure collapses behind the
-    receding edge and a parabola overshoots.
-    """
-    used = levels[:3] if levels[0].velocity > 0 else levels[:2]
-    weights = bdf.interpolation_weights(T, [level.T for level in used])
-    return jnp.maximum(jnp.tensordot(weights, jnp.stack([level.P for level in used]), axes=1), 0.0)
+_program = Program(jax.jit(account), ANY_SIZE)
 
 
 def lowest_point(r: Floats, H: Floats) -> tuple[float, float]:

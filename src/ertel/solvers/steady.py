@@ -25,6 +25,7 @@ from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics import multigrid, newton, richardson, stencils
 from ertel.numerics.grid import Even, Grid, check_grid
+from ertel.numerics.precision import double_precision
 from ertel.numerics.programs import Program
 from ertel.numerics.symmetry import folded, total, unfolded
 from ertel.physics.far_field import Motion
@@ -34,6 +35,7 @@ from ertel.solvers.nonlinear import Problem
 
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
+THICK = 3.0  # film in units of the dry approach, from which the first guess is that of rigid bodies
 TOLERANCE = 1e-8  # tolerance of the steady film from which a transient run starts
 SETTLING = 5  # solves at most until the film and the oil outside agree; each leaves about a hundredth
 # leaves a tenth of the discretisation error at most (measured, H_c, H_min)
@@ -75,12 +77,16 @@ def nested(
         if solutions:
             guess = first_guess(c, solutions[-1], richardson.expected([s.approach for s in solutions]))
         else:
-            P, approach = dry_guess(case.geometry, grid, case.motion.load(0.0))
-            P += discretise.outside_of(case, grid).guess(motion_of(case, approach))
-            first = solve(case, grid, c, P, approach, tolerance, precision)
+            first = solve(case, grid, c, *_rough_guess(case, grid), tolerance, precision)
             guess = first.P, first.approach  # with the oil outside of the lubricated contact
-        solutions.append(solve(case, grid, c, *guess, tolerance, precision))
+        solution = solve(case, grid, c, *guess, tolerance, precision)
+        solutions.append(_judged(solution) if grid is grids[0] else solution)
         yield solutions[-1]
+
+
+def _judged(finest: GridSolution) -> GridSolution:
+    """The solution on the finest grid, which is none where the film vanishes; a coarser one is a first guess."""
+    return replace(finest, status=finest.status.of_film(finest.measure()["H_min"]))
 
 
 def settled(case: Case) -> Rolling:
@@ -95,7 +101,7 @@ def settled(case: Case) -> Rolling:
             break
         again = solve(case, s.grid, c, s.P, s.approach, TOLERANCE, preconditioner.PRECISION)
         work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
-        before, s = s.approach, replace(again, newton=work[0], krylov=work[1], convolutions=work[2])
+        before, s = s.approach, _judged(replace(again, newton=work[0], krylov=work[1], convolutions=work[2]))
     return Rolling((*coarser, s))
 
 
@@ -117,6 +123,15 @@ def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Array, float
 @partial(jax.jit, static_argnames="even")
 def _carrying(P: Array, load: float, even: Even) -> Array:
     return P * (load / total(P, even))
+
+
+def _rough_guess(case: Case, grid: Grid) -> tuple[Array, float]:
+    """Pressure and approach: those of the dry contact, or of rigid bodies where the film is far thicker than that."""
+    outside, dry = discretise.outside_of(case, grid), case.geometry.dry_approach(case.motion.load(0.0))
+    if case.film_scale > THICK * dry:
+        return jnp.asarray(outside.at_first(motion_of(case, -case.film_scale))), -case.film_scale
+    P, approach = dry_guess(case.geometry, grid, case.motion.load(0.0))
+    return P + outside.guess(motion_of(case, approach)), approach
 
 
 def motion_of(case: Case, approach: float) -> Motion:
@@ -143,7 +158,7 @@ def solve(
 ) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside."""
     around = discretise.outside_of(case, grid).at(motion_of(case, approach))
-    c, P = replace(c, gap=c.gap + around.uplift), stencils.edged(P, around.edge, c.even)
+    c, P = replace(c, gap=c.gap + around.uplift), stencils.edged(P, jnp.asarray(around.edge), c.even)
     s, Delta = _program(problem_of(case, grid, c, around.load, tolerance, precision), P, float(approach))
     status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)
@@ -171,6 +186,7 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: fl
 def _compile_ahead(case: Case, grids: Sequence[Grid], tolerance: float, precision: str) -> None:
     """Compile the programs of some grids in the background, one after the other."""
 
+    @double_precision()  # it holds for one thread
     def compile_all() -> None:
         for grid in grids:
             with suppress(Exception):  # the run itself meets the error, and says so

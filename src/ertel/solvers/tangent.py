@@ -22,6 +22,7 @@ from ertel.model.status import Status
 from ertel.numerics import bdf, krylov
 from ertel.numerics.bdf import Weights
 from ertel.numerics.multigrid import Elasticity
+from ertel.numerics.precision import require_double
 from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
 from ertel.solvers.nonlinear import Problem
@@ -63,6 +64,7 @@ def advance(method: Transient2D, smooth: Sequence[State], changes: Sequence[Stat
     parameter.  shape: height of the roughness per unit of the parameter at that time, shape (n, n), in a^2/R.
     Raises ValueError where the load is balanced without inertia.
     """
+    require_double()
     motion, new = method.case.motion, smooth[0]
     if not motion.inertia > 0:
         raise ValueError(f"motion.inertia = {motion.inertia}: must be above zero for a tangent-linear run")
@@ -74,7 +76,7 @@ def advance(method: Transient2D, smooth: Sequence[State], changes: Sequence[Stat
     before = len(times) - 1
     problem = TangentProblem(
         method.contact_at(new.T),
-        method.elastic,
+        method.setting.elastic,
         new.fields,
         stacked(smooth[1 : before + 1]),
         stacked(changes[:before]),

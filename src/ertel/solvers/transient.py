@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -12,22 +12,23 @@ import numpy as np
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.model import budget, contact, discretise, outside
+from ertel.model import budget, contact, discretise, friction, measure, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
-from ertel.model.budget import Account, Around, Moment
+from ertel.model.budget import Around, Moment
 from ertel.model.case import Case
 from ertel.model.contact import Contact
-from ertel.model.flow import Flow, rate_in_time
-from ertel.model.friction import Friction, coefficients
-from ertel.model.measure import measure
-from ertel.model.state import Method, State, Stepping, Work
+from ertel.model.flow import Flow, Rate, rate_in_time
+from ertel.model.friction import Friction
+from ertel.model.measure import Axes
+from ertel.model.outside import Surroundings
+from ertel.model.state import Method, State, Stepping, Work, padded
 from ertel.model.status import Status
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Even, check_grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import Elasticity
-from ertel.numerics.programs import Program
+from ertel.numerics.programs import Compiled, Program
 from ertel.numerics.symmetry import total, unfolded
 from ertel.physics.far_field import Motion
 from ertel.solvers import nonlinear, steady
@@ -38,9 +39,28 @@ THIN = 0.1  # of the film scale: below this the time error of a film is not take
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 LARGEST_REST = 20.0  # tolerances of time, may be left over in the film of a step: more would rule the size of the steps
-SMALL = 3 * 65 * 65  # entries of three levels on a grid whose account, once a step, is not worth optimising
 # Krylov: 3 or 4 are needed, and each has its two fields
 OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Setting:
+    """What does not change in a run.
+
+    elastic: the deformation operators of the preconditioner's grids.  space, axes: the grid, for integrals and
+    extremes.  gap_slope: dG/dX of the smooth gap, shape (n, n).  tolerance: of the film that is left over in a step,
+    relative.  film_scale: of the case.  hertz_load: F* in a^2 p_h.  coarsenings: see `film_error`.
+    """
+
+    elastic: tuple[Elasticity, ...]
+    space: Plane
+    axes: Axes
+    gap_slope: Array
+    tolerance: float
+    film_scale: float
+    hertz_load: float
+    coarsenings: int = field(metadata={"static": True})
 
 
 @register_dataclass
@@ -48,35 +68,36 @@ OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
 class StepProblem:
     """One BDF step, ready to be solved.
 
-    past: fields of the last three levels, newest first, each of shape (3, n, n).  predict, rates: weights of the
-    prediction and of the time derivative (for the new level, and the last two), both of shape (3,).  flow: how the oil
-    moves, None where it stays.  approach: the predicted Delta.  edge: P on the edge of the grid, zero inside.  elastic:
-    the deformation operators of the preconditioner's grids.
+    past: fields of the last three levels, newest first.  predict, rates: weights of the prediction and of the time
+    derivative (for the new level, and the last two), both of shape (3,).  flow: how the oil moves, None where it stays.
+    approach: the predicted Delta.  around: the oil outside.  sliding: u1 - u2 in a/t0.  roughness_change: the rate of
+    change of the roughness following the flow, shape (n, n) or a number.
     """
 
+    setting: Setting
     contact: Contact
-    elastic: tuple[Elasticity, ...]
-    past: Mapping[str, Array]
+    past: tuple[Mapping[str, Array], ...]
     approach: float
-    edge: Array
+    around: Surroundings
     predict: Weights
     rates: Weights
     line: ClosureLine
     flow: Flow | None
-    tolerance: float
-    film_scale: float
+    sliding: float
+    roughness_change: Array | float
     close: Close = field(metadata={"static": True})
     options: newton.Options = field(default=OPTIONS, metadata={"static": True})
 
 
 class StepSolution(NamedTuple):
-    """The new fields, each of shape (n, n), Delta, whether the solve converged, and its iterations."""
+    """The new fields, each of shape (n, n), and all numbers of the step in one array, in the order of `NUMBERS`."""
 
     fields: Mapping[str, Array]
-    approach: Array
-    converged: Array
-    newton: Array
-    krylov: Array
+    numbers: Array
+
+
+SOLVED = ("approach", "converged", "newton", "krylov", "error")
+NUMBERS = (*SOLVED, *budget.INTEGRALS, *friction.NUMBERS)  # of a step, followed by those of `measure.numbers`
 
 
 def stacked(levels: Sequence[State]) -> dict[str, Array]:
@@ -91,8 +112,6 @@ class Transient2D(Method):
     with the case's load and inertia unless another is given.
     """
 
-    controlled = ("mass",)
-
     def __init__(self, case: Case, closure: Closure | None = None):
         self.case = case
         self.grid = discretise.grid_of(case)
@@ -101,13 +120,22 @@ class Transient2D(Method):
         self.contact = discretise.smooth_contact(case, self.grid)
         self.outside = discretise.outside_of(case, self.grid)
         self.closure = closure or NewtonsLaw.of(case.motion, self.geometry.hertz_load)
-        self.elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
+        elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
-        self.space = Plane.of(self.grid)
-        time = case.schedule
-        self.tolerance = case.solver.tolerance
-        if not time.step:
-            self.tolerance = min(self.tolerance, LARGEST_REST * time.tolerance)
+        self._step: Compiled | None = None
+        tolerance = case.solver.tolerance
+        if not case.schedule.step:
+            tolerance = min(tolerance, LARGEST_REST * case.schedule.tolerance)
+        self.setting = Setting(
+            elastic,
+            Plane.of(self.grid),
+            Axes.of(self.grid),
+            discretise.gap_slope(case, self.grid),
+            tolerance,
+            case.film_scale,
+            self.geometry.hertz_load,
+            discretise.coarsenings(case, self.grid.spacing, len(elastic) - 1),
+        )
 
     def start(self) -> State:
         """The separated bodies approaching with unit speed, the oil squeezed; or the steady film at T = 0."""
@@ -120,12 +148,14 @@ class Transient2D(Method):
             rolling = steady.settled(self.case)
             s = rolling.finest
             work = Work(s.newton, s.krylov, rolling.convolutions)
-            return State(0.0, s.approach, 0.0, _fields(c, s.P, s.H), s.status, work, s.outside)
+            fields, load = _fields(c, s.P, s.H), float(contact.load(c, s.P))
+            return State(0.0, s.approach, 0.0, fields, s.status, work, s.outside, load)
         motion = Motion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
         around, P = self.outside.at(motion), jnp.asarray(self.outside.at_first(motion))
         H = contact.film_thickness(c, P, motion.approach) + around.uplift
         work = Work(convolutions=1.0)
-        return State(0.0, motion.approach, 1.0, _fields(c, P, H), work=work, outside=around.load)
+        fields, load = _fields(c, P, H), float(contact.load(c, P))
+        return State(0.0, motion.approach, 1.0, fields, work=work, outside=around.load, load=load)
 
     def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
@@ -155,27 +185,34 @@ class Transient2D(Method):
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
         predict = bdf.interpolation_weights(T, times)
         around = self.outside.at(self.motion(levels, T))
-        surfaces, line = self.contact_at(T), line.less(around.load)
         solution: StepSolution = yield StepProblem(
-            replace(surfaces, gap=surfaces.gap + around.uplift),
-            self.elastic,
-            stacked(padded(levels)),
+            self.setting,
+            self.contact_at(T),
+            tuple(level.fields for level in padded(levels)),
             float(predict @ approaches),
-            around.edge,
-            _pad(predict),
-            _pad(rates),
+            around,
+            bdf.three(predict),
+            bdf.three(rates),
             line,
             self.flow(T, [*times, times[-1]][:2]),
-            self.tolerance,
-            self.case.film_scale,
+            self.case.motion.sliding(T),
+            discretise.roughness_change(self.case, self.grid, T),
             nonlinear.eliminated if line.approach_weight else nonlinear.bordered,
         )
-        n, k = int(solution.newton), int(solution.krylov)
-        approach = float(solution.approach)
+        numbers = np.asarray(solution.numbers).tolist()
+        found = dict(zip(NUMBERS, numbers, strict=False))
+        measured = self._named(numbers[len(NUMBERS) :], around.load)
+        approach, n, k = found["approach"], int(found["newton"]), int(found["krylov"])
         velocity = self.closure.velocity(T, rates, approach, approaches)
-        status = Status.CONVERGED if bool(solution.converged) else Status.NEWTON_STALLED
+        load = measured.pop("load")
+        load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
+        beyond = around.load + load - found["load"]  # half a cell around the grid counts as outside
+        terms = budget.terms(found, velocity, Around(beyond, around.uplift, load_rate), self.geometry.hertz_load)
+        record = {**measured, **terms, **{name: found[name] for name in friction.NUMBERS}}
+        status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED
         work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
-        return State(T, approach, velocity, solution.fields, status, work, around.load)
+        fields = solution.fields
+        return State(T, approach, velocity, fields, status, work, around.load, load, found["error"], record)
 
     def motion(self, levels: Sequence[State], T: float) -> Motion:
         """What the oil outside knows of the new level.
@@ -183,65 +220,40 @@ class Transient2D(Method):
         The squeeze of a rolling contact is left out there: with little or no inertia V follows from the film of the
         same step, and taken from the steps before it would swing up.
         """
-        loads = [self.carried(level) for level in levels[: outside.NEWEST]]
+        loads = [(level.load + level.outside) / self.geometry.hertz_load for level in levels[: outside.NEWEST]]
         found = outside.predicted(levels, T, loads, self.case.motion.entrainment(T))
         return found if self.case.starts_apart else found._replace(velocity=0.0)
 
     def solve(self, problem: StepProblem) -> StepSolution:
-        """The step's solution, on this device."""
-        return _step_program(problem)
+        """The step's solution, on this device; all steps of a run have one program."""
+        self._step = self._step or _step_program.ready(problem)
+        found: StepSolution = self._step(problem)
+        return found
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
-        values = measure(self.grid, level.P, level.H)
-        values["F"] = (values.pop("load") + level.outside) / self.geometry.hertz_load
+        values = self._named(np.asarray(_measured(self.setting.axes, level.P, level.H)).tolist(), level.outside)
+        del values["load"]
+        return values
+
+    def _named(self, numbers: Sequence[float], outside: float) -> dict[str, float]:
+        """The values of `Method.measure` and the load on the grid, from `measure.numbers`."""
+        values = measure.named(self.grid, numbers)
+        values["F"] = (values["load"] + outside) / self.geometry.hertz_load
         if self.case.is_axisymmetric:
             for X, Y in (("X_min", "Y_min"), ("X_P_max", "Y_P_max")):
                 values |= {X: float(np.hypot(values[X], values[Y])), Y: 0.0}
         return values
 
-    def account(self, levels: Sequence[State]) -> dict[str, float]:
-        """See `Method.account`."""
-        new, *past = levels
-        times, scale = [level.T for level in past], self.geometry.hertz_load
-        rates = bdf.derivative_weights([new.T, *times[:2]])
-        masses = stacked([new, *padded(past)[:2]])["mass"]
-        flow = self.flow(new.T, [*times, times[-1]][:2])
-        found = self._account(new, masses, _pad(rates), flow)
-        loads = [self.carried(level) * scale - level.outside for level in levels]
-        beyond = self.carried(new) * scale - float(found.terms["load"])  # half a cell around the grid counts as outside
-        around = Around(beyond, self.outside.at(self.motion(past, new.T)).uplift, float(rates @ loads))
-        return budget.terms(found.terms, new.velocity, around, scale) | coefficients(found.friction)
-
     def friction(self, level: State) -> Friction:
-        """See `Method.friction`: by the program of the account, as if the film did not change."""
-        masses: Any = np.stack([np.asarray(level.fields["mass"])] * 3)
-        return self._account(level, masses, np.zeros(3), self.flow(level.T, [level.T] * 2)).friction
-
-    def _account(self, level: State, masses: Array, rates: Weights, flow: Flow | None) -> Account:
-        case, T = self.case, level.T
-        U = 0.0 if flow is None else flow.entrainment
-        gap_change = discretise.gap_change(case, self.grid, T)
-        loaded = self.carried(level), self.geometry.hertz_load
-        moment = Moment(level.approach, U, case.motion.sliding(T), gap_change, *loaded)
-        found: Account = _program(self.space, self.contact_at(T), level.P, level.H, moment, masses, rates, flow)
-        return found
-
-    def carried(self, level: State) -> float:
-        """F, with the load of the oil outside, in units of Hertz' load."""
-        return (float(contact.load(self.contact, level.P)) + level.outside) / self.geometry.hertz_load
+        """See `Method.friction`."""
+        c, sliding, scale = self.contact_at(level.T), self.case.motion.sliding(level.T), self.geometry.hertz_load
+        load = (level.load + level.outside) / scale
+        return friction.of_film(self.setting.space, c, level.P, level.H, sliding, load, scale)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """A field of a level on the whole plane."""
         return unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
-
-    def error(self, new: State, predicted: Mapping[str, Array]) -> float:
-        """That of the mass, in units of film: unlike H it is free of what Newton's iteration leaves over."""
-        return self.film_error(new.fields["mass"], predicted["mass"], new.P)
-
-    def film_error(self, H: Array, H_predicted: Array, P: Array) -> float:
-        """Relative difference of two films, root mean square over the load that P carries."""
-        return float(_film_error(H, H_predicted, P, THIN * self.case.film_scale, self.grid.even))
 
 
 def _fields(c: Contact, P: Array, H: Array, left: Array | float = 0.0) -> dict[str, Array]:
@@ -253,56 +265,67 @@ def _fields(c: Contact, P: Array, H: Array, left: Array | float = 0.0) -> dict[s
     return {"P": P, "H": H, "mass": contact.mass(c, P, H) - left}
 
 
-def padded(levels: Sequence[State]) -> list[State]:
-    """Three levels, the oldest repeated: one shape, so one compilation, whatever the history."""
-    return [*levels, *[levels[-1]] * 2][:3]
+def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Even, coarsenings: int) -> Array:
+    """Relative difference of two films, root mean square over the load that P carries; `thin`: see `THIN`.
 
-
-def _pad(weights: np.ndarray) -> np.ndarray:
-    return np.pad(weights, (0, 3 - len(weights)))
-
-
-@partial(jax.jit, static_argnames="even")
-def _film_error(H: Array, H_predicted: Array, P: Array, thin: float, even: Even) -> Array:
-    relative = (H - H_predicted) / (jnp.abs(H) + thin)
+    It is taken on a coarser grid: a pressure spike of a few cells that moves has an error at every node that it
+    passes, which does not grow into the film and would make the number of steps that of the nodes.
+    """
+    for _ in range(coarsenings):
+        film, predicted, P = (multigrid.restrict(field, even) for field in (film, predicted, P))
+    relative = (film - predicted) / (jnp.abs(film) + thin)
     return jnp.sqrt(total(P * relative**2, even) / jnp.maximum(total(P, even), jnp.finfo(P.dtype).tiny))
 
 
 @jax.jit
 def solve_step(p: StepProblem) -> StepSolution:
-    """The fields and Delta after one step."""
-    P_old, H_old = p.past["P"], p.past["H"]
-    rate = rate_in_time(p.rates, p.past["mass"][:2], p.flow, p.contact.spacing)
-    P = jnp.tensordot(p.predict, P_old, axes=1)
+    """The fields and the numbers after one step."""
+    s, masses = p.setting, [level["mass"] for level in p.past]
+    rate = rate_in_time(p.rates, masses[:2], p.flow, p.contact.spacing)
+    P, P_old, H_old = _weighted(p.predict, [level["P"] for level in p.past]), p.past[0]["P"], p.past[0]["H"]
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # So the prediction limits the fall.
-    P = stencils.edged(jnp.maximum(P, STEEPEST_FALL * P_old[0]), p.edge, p.contact.even)
+    P = stencils.edged(jnp.maximum(P, STEEPEST_FALL * P_old), jnp.asarray(p.around.edge), p.contact.even)
     # a residual r leaves the mass r/rate.new over in this step
-    allowed = p.tolerance * rate.new * (p.film_scale + jnp.abs(H_old[0]))
+    allowed = s.tolerance * rate.new * (s.film_scale + jnp.abs(H_old))
     problem = Problem(
-        p.contact,
-        p.elastic,
+        replace(p.contact, gap=p.contact.gap + p.around.uplift),
+        s.elastic,
         rate,
-        p.line,
+        p.line.less(p.around.load),
         allowed,
-        LOAD_SHARE * p.tolerance,
+        LOAD_SHARE * s.tolerance,
         p.close,
         point_preconditioner,
         p.options,
     )
-    s, approach = nonlinear.solve(problem, P, p.approach)
-    return StepSolution(_fields(p.contact, s.P, s.H, s.left / rate.new), approach, s.converged, s.newton, s.krylov)
+    solution, approach = nonlinear.solve(problem, P, p.approach)
+    fields = _fields(p.contact, solution.P, solution.H, solution.left / rate.new)
+    return StepSolution(fields, _numbers(p, rate, solution, fields, approach))
 
 
 _step_program = Program(solve_step)
 
 
-def _account(
-    space: Plane, c: Contact, P: Array, H: Array, m: Moment, masses: Array, rates: Weights, flow: Flow | None
-) -> Account:
-    """The account after a step.  masses: at the new time and the last two, shape (3, n, n)."""
-    change = rate_in_time(rates, masses[1:], flow, c.spacing).of(masses[0], c.spacing)
-    return budget.account(space, c, P, H, m, change)
+def _numbers(p: StepProblem, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array) -> Array:
+    """The numbers of `NUMBERS` and of `measure.numbers`."""
+    c, mass, setting = p.contact, fields["mass"], p.setting
+    U = 0.0 if p.flow is None else p.flow.entrainment
+    load = (contact.load(c, s.P) + p.around.load) / setting.hertz_load
+    gap_change = U * setting.gap_slope - p.roughness_change
+    moment = Moment(approach, U, p.sliding, gap_change, load, setting.hertz_load)
+    found = budget.account(setting.space, c, s.P, s.H, moment, rate.of(mass, c.spacing))
+    predicted = _weighted(p.predict, [level["mass"] for level in p.past])
+    error = film_error(mass, predicted, s.P, THIN * setting.film_scale, c.even, setting.coarsenings)
+    values = approach, s.converged, s.newton, s.krylov, error, *(found.terms[name] for name in budget.INTEGRALS)
+    plain = [*values, *friction.numbers(found.friction)]
+    return jnp.concatenate(
+        [jnp.stack([jnp.asarray(v, s.P.dtype) for v in plain]), measure.numbers(setting.axes, s.P, s.H)]
+    )
 
 
-_program = Program(jax.jit(_account), SMALL)
+def _weighted(weights: Weights, fields: Sequence[Array]) -> Array:
+    return jnp.tensordot(jnp.asarray(weights), jnp.stack(fields), axes=1)
+
+
+_measured = jax.jit(measure.numbers)

@@ -1,8 +1,9 @@
 """`ertel app`: cases and runs of one folder in a browser on this machine.
 
 ====================  =================================================================================================
-command, guard        the command; who may ask: this machine, and pages of the app only
-folder, processes     the folder and its runs; runs as processes of their own: started, watched, stopped, resumed
+command, guard        the command; access by a token, for pages of the app only
+folder, records       the folder and its runs; case and summary of a run, also of one that cannot be read
+processes             runs as processes of their own: started, watched, stopped, resumed
 form, checking        what a user fills in, and what ertel says of it
 pictures, drawing     pictures, drawn by a process of their own; wishes: what it is asked and answers
 site, canvas, words   what all pages share

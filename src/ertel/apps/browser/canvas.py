@@ -54,14 +54,21 @@ class Canvas:
         try:
             address = await self._site.address(wish)
         except ValueError as error:
-            said = _sentence(str(error))
+            said = str(error)
         if self._image.is_deleted:  # the page was left
             return
-        if address:
-            self._image.props(f'src="{address}"')
-            self._image.classes(replace="tall" if wish.figure in TALL else "")
-        self._said.set_text(said)
-        self._image.set_visibility(bool(address))
+        if said:
+            self.say(said)
+            return
+        self._image.props["src"] = address
+        self._image.classes(replace="tall" if wish.figure in TALL else "")
+        self._said.set_text("")
+        self._image.set_visibility(True)
+
+    def say(self, message: str) -> None:
+        """Show a message of ertel in place of the picture."""
+        self._said.set_text(_sentence(message))
+        self._image.set_visibility(False)
 
 
 def _sentence(text: str) -> str:
@@ -128,7 +135,7 @@ class Slider:
 
     def _toggle(self) -> None:
         self._timer.active = not self._timer.active
-        self._play.props(f"icon={'pause' if self._timer.active else 'play_arrow'}")
+        self._play.set_icon("pause" if self._timer.active else "play_arrow")
 
     def _next(self) -> None:
         self._slider.set_value(0 if self.at_end else self.index + 1)

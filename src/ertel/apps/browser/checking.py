@@ -34,10 +34,10 @@ def moved(data: Mapping[str, Any], before: Path, now: Path | None = None) -> dic
     """The plain data of a case whose files were named relative to one folder: now relative to another, or absolute."""
     if not _with_files(data):
         return dict(data)
-    tables = [dict(table) for table in data["roughness"]]
+    tables = [dict(table) if isinstance(table, dict) else table for table in data["roughness"]]
     for table in _with_files({"roughness": tables}):
-        path = (before / table["file"]).resolve()
-        table["file"] = os.path.relpath(path, now) if now else str(path)
+        path = os.path.realpath(before / table["file"])
+        table["file"] = os.path.relpath(path, now) if now else path
     return {**data, "roughness": tables}
 
 

@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from ertel.apps.browser.guard import LOOPBACK
 from ertel.apps.exits import BAD_INPUT, bad_input, leave
 from ertel.apps.output import say
 from ertel.apps.paths import in_shell, local_path
@@ -29,7 +28,8 @@ def browse(
 ) -> None:
     """Describe, run and watch cases in a browser on this machine.
 
-    The app reads and writes in DIR only and answers this machine only. Each run is a process of its own that goes on
+    The app reads and writes in DIR only. It answers only the browser that opens its address, which carries a token:
+    whoever has the address can use the app. Each run is a process of its own that goes on
     when the app is closed; its Close button can stop the runs, too. Ctrl-C closes the app.
     """
     try:
@@ -40,10 +40,9 @@ def browse(
         leave(BAD_INPUT, MISSING)
     if not launch.is_free(port):
         leave(BAD_INPUT, f"--port {port}: is taken, perhaps by this app in another terminal; choose another port")
-    address = f"http://{LOOPBACK}:{port}"
     with bad_input():
         going = launch.serve(
-            folder.absolute(), port, browser, lambda: say(f"The app is at {address}, Ctrl-C closes it")
+            folder.absolute(), port, browser, lambda address: say(f"The app is at {address}, Ctrl-C closes it")
         )
     for name in going:
         run = in_shell(folder.absolute() / name)

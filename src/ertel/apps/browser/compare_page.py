@@ -5,7 +5,7 @@ from pathlib import Path
 from nicegui import ui
 
 from ertel.apps.browser.canvas import Canvas
-from ertel.apps.browser.processes import summary_of
+from ertel.apps.browser.records import summary_of
 from ertel.apps.browser.run_page import TABS
 from ertel.apps.browser.site import Site
 from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish, stamp_of

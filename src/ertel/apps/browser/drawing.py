@@ -17,6 +17,7 @@ from ertel.results.kinds import is_steady
 from ertel.results.plots.drawing import is_physical, scale
 from ertel.results.plots.moments import shown
 from ertel.results.variables import EVENTS, VARIABLES
+from ertel.runs.checked_zarr import RegularStore
 
 IN_TIME = ("maps", "profiles", "history", "front", "friction", INTERFEROGRAM, "overview")
 STEADY = ("maps", "midlines", "friction", INTERFEROGRAM, "convergence", "overview")
@@ -58,7 +59,11 @@ def draw(wish: Wish) -> bytes:
     """A picture as a file.  Raises ValueError where there is nothing to draw, or the data cannot be read."""
     left_out = () if wish.figure in ("friction", "overview") else STRESSES
     data = _opened(wish.run, wish.stamp, left_out)
-    figure = _interferogram(data, wish) if wish.figure == INTERFEROGRAM else _figure(data, wish)
+    try:
+        figure = _interferogram(data, wish) if wish.figure == INTERFEROGRAM else _figure(data, wish)
+    except Exception:
+        _require_readable(data, wish.run)
+        raise
     content = BytesIO()
     figure.savefig(content, format=wish.kind, dpi=wish.dots)
     return content.getvalue()
@@ -75,13 +80,26 @@ def _interferogram(data: xr.Dataset, wish: Wish) -> Figure:
     return plots.interferogram(data, wish.at, light, TwoBeams() if wish.light == "two-beam" else Rig())
 
 
+def _require_readable(data: xr.Dataset, run: Path) -> None:
+    """Raise ValueError unless all arrays can be read."""
+    try:
+        data.copy().load()
+    except Exception as error:  # of zarr, its codecs, the system
+        raise _unreadable(run) from error
+
+
+def _unreadable(run: Path) -> ValueError:
+    return ValueError(f"the data of this run cannot be read; ertel show {run.name} tells more")
+
+
 @lru_cache(maxsize=MOST)
 def _opened(run: Path, stamp: int, left_out: Sequence[str]) -> xr.Dataset:
     """The data of a run as they were at a moment; arrays are read when they are needed."""
     if not stamp:
         raise ValueError("nothing is written yet")
     try:
-        data: xr.Dataset = xr.open_zarr(run / "run.zarr", chunks=None, consolidated=True, drop_variables=left_out)
+        store = RegularStore(run / "run.zarr", read_only=True)
+        data: xr.Dataset = xr.open_zarr(store, chunks=None, consolidated=True, drop_variables=left_out)
     except Exception as error:  # of zarr, its codecs, the system
-        raise ValueError(f"the data of this run cannot be read; ertel show {run.name} tells more") from error
+        raise _unreadable(run) from error
     return data

@@ -8,12 +8,17 @@ from itertools import count
 from pathlib import Path
 
 from ertel.runs.directories import CASE
+from ertel.runs.listing import DATA, folders_in, is_run
 
-DATA = "run.zarr"
 RUNS = "runs"  # where `ertel run` puts a run, too
 DEEPEST = 4  # levels of folders in which runs are looked for: a study has runs of its own
 MOST_FOLDERS = 1000  # that are looked into
 MOST = 300  # runs that are listed
+
+
+def in_unicode(text: str) -> str:
+    """A name of the system for a page: with a sign in place of each byte that is not UTF-8."""
+    return os.fsencode(text).decode(errors="replace")
 
 
 class Outside(ValueError):
@@ -31,15 +36,15 @@ class Folder:
         """The folder at a path.  Raises ValueError where there is none, and for that of a run."""
         if not path.is_dir():
             raise ValueError(f"{path}: is no folder; give one with case files or runs, or an empty one")
-        if _is_run(path):
+        if is_run(path):
             raise ValueError(f"{path}: is a run; open the app in its folder, {path.resolve().parent}")
         return cls(path.resolve())
 
     def inside(self, name: str) -> Path:
         """The real path of something in the folder.  Raises Outside for everything else."""
         try:
-            path = (self.root / name).resolve()
-        except (OSError, ValueError) as error:
+            path = Path(os.path.realpath(self.root / name))  # unlike `resolve` it takes links that go round in circles
+        except ValueError as error:
             raise Outside(f"{name[:100]!r}: is no path") from error
         if not path.is_relative_to(self.root):
             raise Outside(f"{name}: lies outside {self.root}, the folder of this app; open the app there")
@@ -47,23 +52,30 @@ class Folder:
 
     def name_of(self, path: Path) -> str:
         """The name of a path in the folder, with slashes."""
-        return path.relative_to(self.root).as_posix()
+        return in_unicode(path.relative_to(self.root).as_posix())
 
     def run(self, name: str) -> Path:
         """The directory of a run.  Raises Outside, and ValueError where there is no run."""
         path = self.inside(name)
-        if not _is_run(path):
+        if not is_run(path):
             raise ValueError(f"{name}: is no run; a run has {CASE} and {DATA}")
         return path
 
     def runs(self) -> list[Path]:
         """The runs in the folder, the latest first."""
-        found = sorted(_runs_below(self.root), key=_changed, reverse=True)
-        return [path for path in found[:MOST] if path.resolve().is_relative_to(self.root)]
+        return sorted(_runs_below(self.root), key=_changed, reverse=True)[:MOST]
 
     def case_files(self) -> list[Path]:
         """The case files at the top of the folder, by name."""
-        return sorted(path for path in self.root.glob("*.toml") if path.resolve().is_relative_to(self.root))
+        return sorted(path for path in self.root.glob("*.toml") if self._is_ours(path))
+
+    def _is_ours(self, path: Path) -> bool:
+        """Whether a path is a regular file in the folder, with a name that pages can show."""
+        try:
+            is_inside = path.is_file() and path.resolve().is_relative_to(self.root)
+        except OSError:  # nobody may look at it
+            return False
+        return is_inside and in_unicode(path.name) == path.name
 
     def write_case(self, name: str, text: str) -> tuple[Path, Path]:
         """Write a new case file NAME.toml; its path, and that of its run, which does not exist yet.
@@ -90,26 +102,11 @@ def _runs_below(folder: Path) -> Iterator[Path]:
     while left and looked < MOST_FOLDERS:
         place, depth = left.popleft()
         looked += 1
-        for path in _folders_in(place):
-            if _is_run(path):
+        for path in folders_in(place):
+            if is_run(path):
                 yield path
             elif depth > 1:
                 left.append((path, depth - 1))
-
-
-def _folders_in(folder: Path) -> list[Path]:
-    try:
-        with os.scandir(folder) as entries:
-            return [Path(entry.path) for entry in entries if entry.name[0] != "." and entry.is_dir()]
-    except OSError:
-        return []
-
-
-def _is_run(path: Path) -> bool:
-    try:
-        return (path / CASE).is_file() and ((path / DATA).is_dir() or (path / f"{DATA}.old").is_dir())
-    except OSError:  # a name that is too long
-        return False
 
 
 def _changed(path: Path) -> float:

@@ -2,6 +2,7 @@
 
 from nicegui import ui
 
+from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, address_of
 
 
@@ -18,7 +19,7 @@ def home_page(site: Site) -> None:
             _offer("add_circle", "New case", "A form, or a case file", "/new")
             for file in site.folder.case_files()[:4]:
                 _offer("description", file.stem, "Case file in this folder", address_of("/new", case=file.name))
-            runs = [entry for entry in site.entries()]
+            runs = [entry for entry in site.entries() if entry.standing.phase is not Phase.DAMAGED]
             for entry in runs[:4]:
                 _offer(
                     "blur_circular",

@@ -1,17 +1,23 @@
 """Open the app: the server on loopback, and the pages."""
 
+import os
 import socket
-from collections.abc import Callable
-from contextlib import suppress
+import time
+import webbrowser
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
+from secrets import token_urlsafe
+from tempfile import NamedTemporaryFile
+from threading import Thread
 from typing import Any
 
-from nicegui import app, ui
+from nicegui import app, helpers, ui
 
 from ertel.apps.browser.compare_page import compare_page
 from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.guard import LOOPBACK, Guard
+from ertel.apps.browser.guard import LOOPBACK, Guard, address_with
 from ertel.apps.browser.home_page import home_page
 from ertel.apps.browser.new_page import new_page
 from ertel.apps.browser.pictures import Artist
@@ -43,25 +49,52 @@ def is_free(port: int) -> bool:
     return True
 
 
-def serve(folder: Path, port: int, show: bool, ready: Callable[[], None]) -> list[str]:
-    """Serve the app until it is closed; the names of the runs that go on.  ready: called when it answers.
+@contextmanager
+def doorway(folder: Path, address: str) -> Iterator[Path]:
+    """A page that leads to an address, in a file that only its user can read.
 
-    Raises ValueError where the folder is none.
+    The browser is given its name: the arguments of a process are shown to every user of a machine.  The file is in the
+    folder, because browsers that are confined, as snaps are, read no temporary files.
     """
+    place = folder if os.access(folder, os.W_OK) else None
+    with NamedTemporaryFile("w", dir=place, prefix=".ertel-app-", suffix=".html", encoding="utf-8") as file:
+        file.write(f'<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url={address}">')
+        file.flush()
+        yield Path(file.name)
+
+
+def _open_browser(port: int, page: Path) -> None:
+    """Open a page when the server listens."""
+    while not helpers.is_port_open(LOOPBACK, port):
+        time.sleep(0.1)
+    webbrowser.open(page.as_uri())
+
+
+def serve(folder: Path, port: int, show: bool, ready: Callable[[str], None]) -> list[str]:
+    """Serve the app until it is closed; the names of the runs that go on.
+
+    ready: called with the address when the app answers.  show: also open it in the browser.  Raises ValueError where
+    the folder is none.
+    """
+    token = token_urlsafe()
+    address = address_with(token, port)
     site = Site(Folder.at(folder), Processes(Folder.at(folder)), Artist())
     site.serve()
     app.on_startup(site.artist.begin)
     app.on_shutdown(site.artist.close)
-    app.on_startup(ready)
-    app.add_middleware(Guard, port=port)
-    with suppress(KeyboardInterrupt):  # by which the server hands on a signal that ended it
+    app.on_startup(lambda: ready(address))
+    app.add_middleware(Guard, port=port, token=token)
+    with suppress(KeyboardInterrupt), doorway(site.folder.root, address) as page:
+        # a KeyboardInterrupt is how the server hands on a signal that ended it
+        if show:
+            Thread(target=_open_browser, args=(port, page), daemon=True).start()
         ui.run(
             root_of(site),
             host=LOOPBACK,
             port=port,
             title="ertel",
             favicon=ICON,
-            show=show,
+            show=False,
             reload=False,
             tailwind=False,
             show_welcome_message=False,

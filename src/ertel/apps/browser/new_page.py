@@ -1,6 +1,7 @@
 """The page of a new case: a form, or the text of a case file; beside it what ertel says of it, while it is written."""
 
 import asyncio
+from pathlib import Path
 from typing import Any
 
 import tomli_w
@@ -10,8 +11,10 @@ from ertel.apps.browser import checking
 from ertel.apps.browser.answer import show_answer, show_fault, show_waiting
 from ertel.apps.browser.form import DECIDE, ENDS, GRIDS, MATERIALS, METHODS, OILS, RHEOLOGIES, Form, field_of, read_text
 from ertel.apps.browser.site import Site, address_of
+from ertel.apps.exits import reason_of
 from ertel.model.rules import plain_name
 from ertel.runs.directories import CASE
+from ertel.runs.files import content_of
 
 PAUSE = 0.5  # seconds after the last change before ertel is asked
 LABELS = {
@@ -48,7 +51,7 @@ class NewCase:
     """The form and the text of a new case.  The tab that is open tells which of them counts."""
 
     def __init__(self, site: Site, begin_from: str):
-        self.site, self.form = site, Form()
+        self.site, self.form, self._client = site, Form(), ui.context.client
         self._inputs: dict[str, Any] = {}
         self._asked: asyncio.Task[None] | None = None
         self._data: dict[str, Any] = {}
@@ -79,11 +82,11 @@ class NewCase:
     def _begin_from(self, name: str) -> None:
         try:
             path = self.site.folder.inside(name)
-            text = path.read_text(encoding="utf-8")
+            text = _text_of(path)
             data, root = read_text(text), self.site.folder.root
             if checking.moved(data, path.parent, root) != data:
                 text = tomli_w.dumps(checking.moved(data, path.parent, root))
-        except (OSError, ValueError) as error:
+        except ValueError as error:
             ui.notify(str(error))
             return
         self._text.set_value(text)
@@ -165,13 +168,17 @@ class NewCase:
         self._asked = asyncio.create_task(self._ask())
 
     async def _ask(self) -> None:
+        await self._client.connected()
         await asyncio.sleep(PAUSE)
         try:
             data = read_text(self._text.value) if self._tabs.value == "text" else self.form.data()
             parameters = await run.io_bound(checking.at_once, data, self.site.folder)
             self._accept(data, parameters)
-            found = await checking.outlook(data, self.site.folder)
-        except ValueError as error:
+            async with self.site.checks:
+                if not self._client.has_socket_connection:  # the page was left
+                    return
+                found = await checking.outlook(data, self.site.folder)
+        except (ValueError, OSError) as error:
             self._refuse(str(error))
             return
         if not self._answer.is_deleted:
@@ -185,7 +192,7 @@ class NewCase:
         self._mark(None)
         self._data = data
         self._run.set_enabled(parameters is not None)
-        self._name.props(f'placeholder="{_name_of(data)}"')
+        self._name.props["placeholder"] = _name_of(data)
         show_waiting(self._answer, parameters)
 
     def _refuse(self, message: str) -> None:
@@ -214,6 +221,17 @@ class NewCase:
         ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
 
 
+def _text_of(path: Path) -> str:
+    """The text of a case file.  Raises ValueError where it cannot be read."""
+    try:
+        return content_of(path).decode()
+    except OSError as error:
+        raise ValueError(f"{path.name}: cannot be read, {reason_of(error)}") from error
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path.name}: is not text in UTF-8") from error
+
+
 def _name_of(data: dict[str, Any]) -> str:
     """The name of a case, or the kind of its contact."""
-    return str(data.get("name") or data.get("contact", {}).get("kind") or "impact")
+    contact = data.get("contact")
+    return str(data.get("name") or (contact.get("kind") if isinstance(contact, dict) else "") or HINTS["name"])

@@ -5,13 +5,15 @@ Neither process imports JAX, and this one imports no matplotlib.
 
 import asyncio
 import gc
+import os
 import signal
+import threading
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -40,21 +42,32 @@ def _draw(wish: Wish) -> bytes:
 
 
 def _plainly(work: Callable[..., T], *arguments: Any) -> T:
-    """What a function returns; its ValueErrors as plain ones, without a history.
+    """The result of a function; its errors as plain ValueErrors, without a history.
 
-    Who receives an error of `plots`, also in the history of another, would import matplotlib.
+    A process that receives an error of `plots`, also in the history of another, would import matplotlib.
     """
     try:
         return work(*arguments)
     except ValueError as error:
         said = str(error)
+    except Exception as error:  # of zarr, its codecs, xarray, matplotlib: the data are damaged
+        said = f"the data of this run cannot be drawn ({type(error).__name__}); ertel show tells more"
     raise ValueError(said)
 
 
 def _begin() -> None:
-    """Leave Ctrl-C to the app, and import what takes long before it is asked for."""
+    """End with the app, leave Ctrl-C to it, and import what takes long before it is asked for."""
+    threading.Thread(target=_end_with_the_app, daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     from ertel.apps.browser import drawing as drawing
+
+
+def _end_with_the_app() -> None:
+    """Wait until the app has ended, however it ended, and end this process."""
+    app = parent_process()
+    if app is not None:
+        app.join()
+        os._exit(1)
 
 
 # -- in this one ------------------------------------------------------------------------------------------------------

@@ -1,29 +1,29 @@
-"""Runs as processes of their own: started by `ertel run`, watched through their directory, stopped by SIGINT, resumed.
+"""Runs as processes of their own: started by `ertel run`, watched through their directory, stopped by a file, resumed.
 
 Each process has a session of its own, so that it goes on when the app is closed or its terminal is.  What is known of
-a run comes from its directory, so that the app also shows, stops and resumes runs that were started elsewhere.
+a run comes from its directory, so that the app also shows, stops and resumes runs that were started elsewhere, on
+another machine too.  Signals go to child processes of the app only, never to a number that a file holds.
 """
 
-import os
 import signal
 import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import Enum
-from functools import lru_cache
 from pathlib import Path
 from time import monotonic
 from typing import IO, Any
 
 from ertel.apps.browser.folder import Folder
+from ertel.apps.browser.records import fault_of, summary_of
 from ertel.model.status import Status
-from ertel.runs import files, progress_file
+from ertel.runs import files, progress_file, stop_file
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
-STOPPED = (0, 130, -signal.SIGINT)  # exit codes of a run that ended or was asked to
+STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
+KILLED = -9
 FLUSH = "2"  # seconds between what a live picture can show
 
 
@@ -36,6 +36,7 @@ class Phase(Enum):
     FINISHED = "finished"
     INTERRUPTED = "interrupted"
     FAILED = "failed"
+    DAMAGED = "damaged"
 
     @property
     def is_active(self) -> bool:
@@ -67,6 +68,12 @@ class _Started:
     messages: IO[bytes]
     since: float = field(default_factory=monotonic)
     asked_to_stop: bool = False
+
+    @property
+    def has_stopped(self) -> bool:
+        """Whether the process ended well, or because it was asked to."""
+        code = self.process.returncode
+        return code in STOPPED or (self.asked_to_stop and code == KILLED)
 
     def last_message(self) -> str:
         """The last sentence that the process said."""
@@ -117,19 +124,25 @@ class Processes:
         self._started[run] = _Started(process, arguments, messages)
 
     def stop(self, run: Path) -> None:
-        """Ask a run to stop after its current step or grid; asked twice, it stops at once.  It can be resumed.
+        """Ask a run to stop after its current step or grid.  It can be resumed.
 
-        Raises ValueError where no process works on it.
+        One that this app started ends at once where it has not begun to compute, and when it is asked again.  Raises
+        ValueError where no process works on the run, or where one of another program is asked again; OSError where the
+        file that asks cannot be made.
         """
-        ours = self._started.get(run)
+        ours, computes = self._started.get(run), files.is_locked(run)
         if ours and ours.process.poll() is None:
+            if ours.asked_to_stop:
+                ours.process.kill()
+            elif not computes:
+                ours.process.terminate()
             ours.asked_to_stop = True
-            ours.process.send_signal(signal.SIGINT)
-            return
-        process = _computing(run)
-        if process is None:
+        elif not computes:
             raise ValueError(f"{self.folder.name_of(run)}: does not run; there is nothing to stop")
-        os.kill(process, signal.SIGINT)
+        elif stop_file.is_asked(run):
+            raise ValueError(f"{self.folder.name_of(run)}: is asked to stop already; it does so after its current step")
+        if computes:
+            stop_file.ask(run)
 
     def knows(self, run: Path) -> bool:
         """Whether this app started a run, the directory of which may not be there yet."""
@@ -146,11 +159,12 @@ class Processes:
         progress, ours = progress_file.read(run), self._started.get(run)
         if ours and ours.process.poll() is None:
             return Standing(_phase_of(ours, progress), progress, seconds=monotonic() - ours.since)
-        if ours and ours.process.returncode not in STOPPED and not _outcome(run):
+        if ours and not ours.has_stopped and not _outcome(run):
             return Standing(Phase.FAILED, progress, ours.last_message())
         if not _outcome(run) and files.is_locked(run):
-            return Standing(Phase.RUNNING if progress and _lives(progress["process"]) else Phase.COMPILING, progress)
-        return _ended(run, progress)
+            return Standing(_phase_elsewhere(run, progress), progress)
+        fault = fault_of(run)
+        return Standing(Phase.DAMAGED, progress, fault) if fault else _ended(run, progress)
 
 
 def _phase_of(ours: _Started, progress: Mapping[str, Any] | None) -> Phase:
@@ -158,6 +172,13 @@ def _phase_of(ours: _Started, progress: Mapping[str, Any] | None) -> Phase:
         return Phase.STOPPING
     is_its = progress is not None and progress["process"] == ours.process.pid
     return Phase.RUNNING if is_its else Phase.COMPILING
+
+
+def _phase_elsewhere(run: Path, progress: Mapping[str, Any] | None) -> Phase:
+    """The phase of a run that a process of another program, perhaps on another machine, works on."""
+    if stop_file.is_asked(run):
+        return Phase.STOPPING
+    return Phase.RUNNING if progress and progress["status"] == Status.RUNNING.value else Phase.COMPILING
 
 
 def _ended(run: Path, progress: Mapping[str, Any] | None) -> Standing:
@@ -171,37 +192,7 @@ def _ended(run: Path, progress: Mapping[str, Any] | None) -> Standing:
     return Standing(Phase.FAILED, progress, f"{status}; {known[0].advice}" if known else str(status))
 
 
-def summary_of(run: Path) -> dict[str, Any] | None:
-    """The summary of a run, None where there is none that can be read."""
-    path = run / "summary.json"
-    with suppress(OSError, ValueError):
-        return _summary(path, path.stat().st_mtime_ns)
-    return None
-
-
-@lru_cache(maxsize=64)
-def _summary(path: Path, changed: int) -> dict[str, Any]:
-    """The content of a file that was changed then."""
-    return files.unsealed(path.read_bytes())
-
-
 def _outcome(run: Path) -> str | None:
     """The status in the summary of a run."""
     summary = summary_of(run)
     return str(summary["status"]) if summary else None
-
-
-def _lives(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except OSError:
-        return False
-    return True
-
-
-def _computing(run: Path) -> int | None:
-    """The process that computes a run: it holds the lock, and wrote the progress."""
-    progress = progress_file.read(run)
-    if progress and progress["status"] == Status.RUNNING.value and files.is_locked(run) and _lives(progress["process"]):
-        return int(progress["process"])
-    return None

@@ -7,12 +7,15 @@ from time import monotonic
 from nicegui import ui
 
 from ertel.apps.browser.canvas import Canvas, Slider
-from ertel.apps.browser.processes import Phase, Standing, summary_of
+from ertel.apps.browser.processes import Phase, Standing
+from ertel.apps.browser.records import summary_of
 from ertel.apps.browser.site import SAID, Site, address_of
 from ertel.apps.browser.wishes import INTERFEROGRAM, LIGHTS, Told, Wish, stamp_of
 from ertel.apps.browser.words import news, show_number
+from ertel.apps.exits import reason_of
 from ertel.results.key_numbers import Number, key_numbers
 from ertel.runs.directories import CASE
+from ertel.runs.files import content_of
 
 TABS = {
     "maps": ("Film and pressure", "blur_circular"),
@@ -123,9 +126,12 @@ class RunPage:
 
     def _download_case(self) -> None:
         try:
-            content = (self.path / CASE).read_bytes()
-        except OSError:
+            content = content_of(self.path / CASE)
+        except FileNotFoundError:
             ui.notify("The case file is written when the run begins.")
+            return
+        except OSError as error:
+            ui.notify(f"The case file cannot be read: {reason_of(error)}.")
             return
         ui.download.content(content, f"{self.path.name}.toml")
 
@@ -145,8 +151,11 @@ class RunPage:
             return
         try:
             told = await self.site.artist.tell(self.path)
-        except ValueError:
-            return  # between two writes; the next look tells
+        except ValueError as error:  # between two writes, or damaged; the next look tells
+            if not (self._told or self._standing.phase.is_active or self._numbers.is_deleted):
+                self._stamp = stamp
+                self._canvas.say(str(error))
+            return
         if self._numbers.is_deleted:  # the page was left
             return
         self._stamp, self._drawn = stamp, now

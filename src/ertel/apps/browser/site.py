@@ -1,5 +1,6 @@
 """What all pages share: the folder, its processes, the pictures; the frame around each page with the list of runs."""
 
+import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -10,12 +11,14 @@ from urllib.parse import quote
 from fastapi import Response
 from nicegui import app, ui
 
-from ertel.apps.browser.folder import Folder
+from ertel.apps.browser.folder import Folder, in_unicode
 from ertel.apps.browser.pictures import Artist
-from ertel.apps.browser.processes import Phase, Processes, Standing, summary_of
+from ertel.apps.browser.processes import Phase, Processes, Standing
+from ertel.apps.browser.records import summary_of
 from ertel.apps.browser.wishes import Wish
 
 PICTURES = "/pictures"
+CHECKS = 2  # processes of `ertel check` at a time, of some 300 MB each
 SECONDS = 2.0  # between two looks at the folder
 TYPES = {"png": "image/png", "svg": "image/svg+xml", "pdf": "application/pdf"}
 LOGO = (
@@ -29,6 +32,7 @@ SAID = {
     Phase.FINISHED: ("finished", "check_circle"),
     Phase.INTERRUPTED: ("interrupted", "pause_circle"),
     Phase.FAILED: ("failed", "error"),
+    Phase.DAMAGED: ("cannot be read", "broken_image"),
 }
 
 
@@ -49,6 +53,7 @@ class Site:
     folder: Folder
     processes: Processes
     artist: Artist
+    checks: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(CHECKS))
     _addresses: dict[str, Wish] = field(default_factory=dict)
 
     # -- pictures -----------------------------------------------------------------------------------------------------
@@ -115,7 +120,8 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
         with ui.link(target="/").classes("brand"):
             ui.html(LOGO, sanitize=False)
             ui.label("ertel")
-        ui.label(_shortened(site.folder.root)).classes("where").tooltip(f"The folder of this app: {site.folder.root}")
+        where = in_unicode(str(site.folder.root))
+        ui.label(_shortened(site.folder.root)).classes("where").tooltip(f"The folder of this app: {where}")
         ui.space()
         ui.button("New case", icon="add", on_click=lambda: ui.navigate.to("/new")).props("unelevated no-caps").mark(
             "new"
@@ -130,6 +136,7 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
 def _shortened(path: Path) -> str:
     """A path with ~ for the home directory, its beginning left out where it is long."""
     text = f"~/{path.relative_to(Path.home())}" if path.is_relative_to(Path.home()) else str(path)
+    text = in_unicode(text)
     return text if len(text) < 44 else f"…{text[-42:]}"
 
 
@@ -162,7 +169,7 @@ def _row(entry: Entry) -> None:
     with ui.link(target=address_of("/run", name=entry.name)).classes(f"run {phase.value}"):
         ui.icon(icon).classes("state")
         with ui.element("div").classes("text"):
-            ui.label(entry.path.name).classes("name").tooltip(entry.name)
+            ui.label(in_unicode(entry.path.name)).classes("name").tooltip(entry.name)
             share = f"{word} {entry.standing.done:.0%}" if phase in (Phase.RUNNING, Phase.INTERRUPTED) else word
             ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
 

@@ -48,7 +48,7 @@ def news(standing: Standing) -> str:
             return COMPILING + waited
         case Phase.STOPPING:
             return "Stopping: the current step or grid is finished first, then it can be resumed."
-        case Phase.FAILED:
+        case Phase.FAILED | Phase.DAMAGED:
             return f"{standing.message[:1].upper()}{standing.message[1:]}"
     where = (
         f"T = {p['T']:.3f}, step {p['step']}"

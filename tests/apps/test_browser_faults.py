@@ -1,0 +1,227 @@
+"""Runs that cannot be read, in the app and in `ertel ls`: each is a row that says so, and nothing else is disturbed."""
+
+import asyncio
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from app_runs import SUMMARY, make_run, write_progress
+from cases import ertel_
+
+pytest.importorskip("nicegui")
+from nicegui.testing import user_simulation
+
+import ertel
+from ertel.apps.browser import launch
+from ertel.apps.browser.folder import Folder
+from ertel.apps.browser.pictures import Artist
+from ertel.apps.browser.processes import Phase, Processes
+from ertel.apps.browser.records import fault_of
+from ertel.apps.browser.site import Site
+from ertel.apps.browser.wishes import Wish, stamp_of
+from ertel.runs import progress_file
+from ertel.runs.files import sealed
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="the app stops runs by SIGINT")
+
+
+def written(content):
+    """What writes a file."""
+    return lambda path: path.write_bytes(content)
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def loop(path):
+    path.unlink(missing_ok=True)
+    path.symlink_to(path.name)
+
+
+def pipe(path):
+    path.unlink(missing_ok=True)
+    os.mkfifo(path)
+
+
+def folder(path):
+    path.unlink(missing_ok=True)
+    path.mkdir()
+
+
+def huge(path):
+    os.truncate(path, 10**9)  # without taking space
+
+
+def progress(**content):
+    return lambda path: write_progress(path.parent, **content)
+
+
+ODD = {"loop": loop, "pipe": pipe, "folder": folder}
+CASES = {
+    **ODD, "cut": written(b"[contact"), "huge": huge, "latin": written(b"name = '\xe9'"), "empty": written(b""),
+    "type": written(b"contact = 5"), "deep": written(b"a=" + b"[" * 5000),
+}  # fmt: skip
+SUMMARIES = {
+    **ODD, "cut": cut, "huge": huge, "latin": written(b"\xe9"), "list": written(b"[1]"), "number": written(b"5"),
+    "deep": written(b"[" * 100_000), "nan": written(b'{"M": NaN, "checksum": "0"}'), "nothing": written(sealed({})),
+    "status": written(sealed({**SUMMARY, "status": 5})), "kind": written(sealed({**SUMMARY, "kind": ["x"]})),
+    "M": written(sealed({**SUMMARY, "M": "x"})), "warnings": written(sealed({**SUMMARY, "warnings": [5]})),
+    "H_c": written(sealed({**SUMMARY, "max_approach": {**SUMMARY["max_approach"], "H_c": None}})),
+}  # fmt: skip
+PROGRESS = {
+    **ODD, "list": written(b"[1]"), "latin": written(b"\xe9"), "deep": written(b"[" * 100_000), "huge": progress(),
+    "done": progress(done="x"), "nan": progress(done=float("nan")), "step": progress(step=None), "T": progress(T="x"),
+    "process": progress(process=2**70), "left": progress(seconds_left=[]), "all": progress(process=-1),
+}  # fmt: skip
+FORMS = {f"case-{n}": ("case.toml", form) for n, form in CASES.items()}
+FORMS |= {f"summary-{n}": ("summary.json", form) for n, form in SUMMARIES.items()}
+HARMLESS = {f"progress-{n}": ("progress.json", form) for n, form in PROGRESS.items()}
+
+
+@pytest.fixture(autouse=True)
+def never_for_ever():
+    """An error instead of a test that waits for a pipe."""
+
+    def late(*_):
+        raise TimeoutError
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(200)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.fixture
+def site(tmp_path):
+    """The app in a folder with one run of each form and some more that is odd."""
+    place = tmp_path / "folder"
+    good = make_run(place / "good")
+    for name, (file, form) in (FORMS | HARMLESS).items():
+        (place / name / "run.zarr").mkdir(parents=True)
+        for needed in ("case.toml", "summary.json")[: 2 if name in FORMS else 1]:
+            shutil.copy(good / needed, place / name)
+        form(place / name / file)
+    (place / "loop").symlink_to("loop")
+    (place / "a\udce9").mkdir()
+    pipe(place / "pipe.toml"), loop(place / "loop.toml"), folder(place / "folder.toml")
+    (place / "\udce9.toml").touch()
+    return Site(Folder.at(place), Processes(Folder.at(place)), Artist(lambda: ThreadPoolExecutor(1)))
+
+
+def test_a_run_that_cannot_be_read_is_a_row_that_says_so(site):
+    make_run(site.folder.root / "a\udce9" / "run\udce9")
+    phases = {entry.name: entry.standing.phase for entry in site.entries()}
+    assert phases.pop("good") is Phase.FINISHED
+    assert phases.pop("a\ufffd/run\ufffd") is Phase.DAMAGED
+    assert {name for name, phase in phases.items() if phase is Phase.DAMAGED} == FORMS.keys()
+    assert {name for name, phase in phases.items() if phase is Phase.INTERRUPTED} == HARMLESS.keys()
+    assert site.folder.case_files() == []
+
+
+def test_the_reason_is_told(site):
+    said = {name: fault_of(site.folder.root / name) for name in FORMS}
+    assert said["summary-pipe"] == "summary.json: not a regular file"
+    assert said["summary-huge"] == "summary.json: file too large"
+    assert "summary.json: is damaged" in said["summary-nan"]
+    assert "nested hundreds of times" in said["summary-deep"]
+    assert "is a pipe or a device" in said["case-pipe"]
+    assert "contact = 5" in said["case-type"]
+
+
+def test_progress_with_wrong_values_is_none(site):
+    readable = [name for name in HARMLESS if progress_file.read(site.folder.root / name)]
+    assert readable == ["progress-huge"]  # the one whose values are right
+
+
+@pytest.mark.asyncio
+async def test_no_page_fails(site):
+    async with user_simulation(root=launch.root_of(site)) as user:
+        for name in (
+            "good",
+            "case-pipe",
+            "case-type",
+            "summary-pipe",
+            "summary-M",
+            "progress-pipe",
+            "progress-process",
+        ):
+            await user.open(f"/run?name={name}")
+            await user.should_see(marker="phase")
+            await user.should_not_see("500")
+            if name in FORMS:
+                await user.should_see("cannot be read")
+        for page in ("/", "/compare?a=case-pipe&b=summary-pipe", "/new?case=pipe.toml", "/new?case=loop.toml",
+                     "/new?case=folder.toml", "/new?case=case-latin/case.toml", "/run?name=loop"):  # fmt: skip
+            await user.open(page)
+            await user.should_see("summary-nan")  # in the list
+            await user.should_not_see("500")
+
+
+def test_ls_lists_them_too(site):
+    told = {run["directory"]: run["status"] for run in json.loads(ertel_("ls", str(site.folder.root), "--json").stdout)}
+    assert {name for name, status in told.items() if status == "damaged"} == FORMS.keys()
+    assert {name for name, status in told.items() if status == "unfinished"} == HARMLESS.keys()
+
+
+# -- data -------------------------------------------------------------------------------------------------------------
+
+
+DATA = {
+    "root-pipe": ("zarr.json", pipe), "root-cut": ("zarr.json", cut), "root-huge": ("zarr.json", huge),
+    "root-list": ("zarr.json", written(b"[]")), "chunk-pipe": ("H/c/0/0", pipe), "chunk-cut": ("H/c/0/0", cut),
+    "chunk-folder": ("H/c/0/0", folder), "chunk-loop": ("H/c/0/0", loop), "time-pipe": ("time/c/0", pipe),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("form", DATA)
+def test_damaged_data_are_no_picture(tmp_path, form):
+    run = make_run(tmp_path / "run")
+    file, damage = DATA[form]
+    damage(run / "run.zarr" / file)
+    artist = Artist(lambda: ThreadPoolExecutor(1))
+    with pytest.raises(ValueError, match="ertel show") as error:
+        asyncio.run(artist.draw(Wish(run, "overview", kind="svg", stamp=stamp_of(run))))
+    assert type(error.value) is ValueError
+
+
+# -- the process that draws -------------------------------------------------------------------------------------------
+
+DRAWS = """
+import sys, time
+from concurrent.futures import wait
+from ertel.apps.browser.pictures import Artist
+artist = Artist()
+wait([artist._executor.submit(int)])
+print(*artist._executor._processes, flush=True)
+time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are looked for in /proc")
+def test_the_process_that_draws_ends_with_an_app_that_is_killed():
+    environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
+    with subprocess.Popen([sys.executable, "-c", DRAWS], stdout=subprocess.PIPE, text=True, env=environment) as app:
+        drawing = int(app.stdout.readline())
+        assert is_alive(drawing)
+        app.kill()
+    deadline = time.monotonic() + 20
+    while is_alive(drawing):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def is_alive(process):
+    """Whether a process exists and has not ended."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False

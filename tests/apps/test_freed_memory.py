@@ -1,0 +1,40 @@
+"""A command keeps the memory of the arrays that it frees: the kernel need not clear it for every time step."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+# how often the kernel hands out a page while arrays of 16 MB come and go
+PAGES = """
+import resource
+import numpy as np
+faults = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+for _ in range(3):
+    np.ones(2_000_000)
+before = faults()
+for _ in range(10):
+    np.ones(2_000_000)
+print(faults() - before)
+"""
+KEEP = "from ertel.apps import freed_memory\nfreed_memory.keep()\n"
+
+
+def pages(code: str, **chosen: str) -> int:
+    plain = {name: value for name, value in os.environ.items() if not name.startswith("MALLOC_")}
+    done = subprocess.run([sys.executable, "-c", code], env=plain | chosen, capture_output=True, text=True, check=True)
+    return int(done.stdout)
+
+
+@pytest.mark.skipif(os.confstr("CS_GNU_LIBC_VERSION") is None, reason="another C library than glibc")
+def test_arrays_that_come_and_go_keep_their_pages() -> None:
+    whole = 10 * 16e6 / os.sysconf("SC_PAGE_SIZE")
+    assert pages(PAGES) > 0.5 * whole
+    assert pages(KEEP + PAGES) < 0.01 * whole
+
+
+@pytest.mark.skipif(os.confstr("CS_GNU_LIBC_VERSION") is None, reason="another C library than glibc")
+def test_what_the_user_has_set_wins() -> None:
+    whole = 10 * 16e6 / os.sysconf("SC_PAGE_SIZE")
+    assert pages(KEEP + PAGES, MALLOC_MMAP_THRESHOLD_="1000000") > 0.5 * whole

@@ -1,0 +1,129 @@
+"""What public functions take for a case: a case, its plain data, a case file; NumPy's numbers; else one sentence."""
+
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ertel
+
+DATA = {"contact": {"M": 200, "L": 10}, "solver": {"method": "radial", "nodes": 33}, "time": {"until": 0.05}}
+WRONG = [None, 5, [], b"case.toml"]
+
+
+@pytest.fixture
+def file(tmp_path) -> Path:
+    """The case as a file."""
+    path = tmp_path / "case.toml"
+    path.write_text(ertel.to_toml(ertel.parse_case(DATA)))
+    return path
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_case_may_be_a_path_or_a_mapping(file, tmp_path):
+    case = ertel.parse_case(DATA)
+    for number, given in enumerate((case, DATA, file, str(file))):
+        assert ertel.simulate(given).case == case
+        assert ertel.run(given, tmp_path / str(number)).case == case
+
+
+@pytest.mark.parametrize("given", WRONG)
+@pytest.mark.parametrize(
+    "entrance",
+    [
+        ertel.simulate,
+        lambda case: ertel.run(case, "nowhere"),
+        lambda case: ertel.respond(case, []),
+        lambda case: ertel.respond_linearly(case, []),
+        lambda case: ertel.respond_in_rolling(case, []),
+        lambda case: ertel.traction(case, slide_to_roll=[0.1]),
+        ertel.to_toml,
+    ],
+)
+def test_anything_else_is_one_sentence(entrance, given):
+    with pytest.raises(ertel.ConfigError) as caught:
+        entrance(given)
+    assert str(caught.value) == f"case = {given!r}: must be a Case, a mapping, or the path of a case file"
+
+
+@pytest.mark.parametrize("given", WRONG)
+def test_readers_say_what_they_take(given):
+    with pytest.raises(ertel.ConfigError, match=r"^data = .*: must be a mapping; load_case reads a case file$"):
+        ertel.parse_case(given)
+    with pytest.raises(ertel.ConfigError, match=r"^path = .*: must be the path of a case file; parse_case takes"):
+        ertel.load_case(given)
+    with pytest.raises(ertel.ConfigError, match=r"^study = .*: must be the path of a case file, or a mapping$"):
+        ertel.sweep(given, "nowhere")
+    with pytest.raises(ertel.ConfigError, match=r"^directory = .*: must be the path of a run directory$"):
+        ertel.open(given)
+
+
+def test_a_case_in_the_wrong_place_is_named_in_one_line():
+    case = ertel.parse_case(DATA)
+    for wrong in (ertel.parse_case, ertel.load_case, ertel.simulate_batch):
+        with pytest.raises(ertel.ConfigError, match=r"^\w+ = Case: impact \(radial\), M = 200, L = 10 .*: must be"):
+            wrong(case)
+    with pytest.raises(ertel.ConfigError, match=r"^cases\[1\] = 5: must be a Case"):
+        ertel.simulate_batch([case, 5])
+
+
+@pytest.mark.parametrize("jobs", [1.5, "2", 0])
+def test_jobs(jobs):
+    with pytest.raises(ertel.ConfigError, match=r"^jobs = .*: must be one or more, a whole number$"):
+        ertel.sweep({**DATA, "contact": {"M": [20, 30], "L": 5}}, "nowhere", jobs=jobs)
+
+
+# -- NumPy ------------------------------------------------------------------------------------------------------------
+
+NUMPY = {
+    "contact": {"M": np.float32(200), "L": np.int64(10)},
+    "solver": {"method": np.str_("radial"), "nodes": np.int64(33)},
+    "time": {"until": np.float64(0.05)},
+}
+
+
+def own(record) -> bool:
+    """Whether a record has no number of NumPy."""
+    return not any(isinstance(getattr(record, item.name), np.generic) for item in fields(record))
+
+
+def test_numbers_of_numpy_in_plain_data():
+    case = ertel.parse_case(NUMPY)
+    assert case == ertel.parse_case(DATA)
+    assert case.digest == ertel.parse_case(DATA).digest
+    points = [(np.int64(0), np.float32(1)), (np.float64(1), np.int64(2))]
+    signal = ertel.parse_case({"contact": {"M": 20, "L": 5}, "motion": {"load": points}})
+    assert signal.motion.load(0.5) == 1.5
+
+
+def test_numbers_of_numpy_in_records():
+    plain, given = (
+        ertel.Case(
+            contact=ertel.parse_case(DATA).contact,
+            solver=ertel.Solver("2d", nodes=whole(65), half_width=number(4)),
+            time=ertel.Time(until=number(1.5), tolerance=number(0.25)),
+            roughness=(ertel.Feature(ertel.Waviness(amplitude=number(0.5), wavelength_x=whole(1)), whole(2)),),
+        )
+        for whole, number in ((int, float), (np.int64, np.float32))
+    )
+    assert given == plain
+    assert given.digest == plain.digest
+    assert ertel.to_toml(given) == ertel.to_toml(plain)
+    assert own(given.solver) and own(given.time) and own(given.roughness[0]) and own(given.roughness[0].shape)
+
+
+def test_numbers_of_numpy_are_judged_as_others_are():
+    with pytest.raises(ValueError, match=r"solver\.nodes = .*must be an integer"):
+        ertel.Case(contact=ertel.parse_case(DATA).contact, solver=ertel.Solver("radial", nodes=np.float32(33.5)))
+    with pytest.raises(ertel.ConfigError, match=r"contact\.M = .*"):
+        ertel.parse_case({**DATA, "contact": {"M": np.bool_(True), "L": 5}})
+
+
+def test_a_study_of_numpy():
+    from ertel.inputs.studies import parse_study
+
+    number = {"from": np.int64(100), "to": np.int64(200), "number": np.int64(2)}
+    for M in (list(np.array([100, 200])), number):
+        study = parse_study({**NUMPY, "contact": {"M": M, "L": np.int64(10)}})
+        assert [case.contact.M for case in study.cases] == [100, 200]

@@ -1,0 +1,171 @@
+"""Double precision inside ertel, whatever JAX is set to; and nothing of JAX or Python is changed for the process."""
+
+import json
+import os
+import subprocess
+import sys
+import warnings
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ertel
+
+SOURCE = str(Path(ertel.__path__[0]).parent)
+
+RUNS = """
+import warnings
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import ertel
+
+warnings.simplefilter("ignore", UserWarning)  # coarse grids
+
+
+@ertel.viscosity_laws.register("of JAX alone")
+@dataclass(frozen=True)
+class OfJax:
+    '''A law that a user wrote with the functions of JAX.'''
+
+    slope: float
+
+    def viscosity(self, p):
+        return jnp.exp(self.slope * p)
+
+
+IMPACT = {"M": 20, "L": 5, "nodes": 33, "half_width": 4.0, "time_tolerance": 0.05, "until": "max-approach"}
+ROLLING = {"M": 20, "L": 5, "nodes": 33}
+
+
+def final(result):
+    return result.dataset.H.values.ravel()[-1089:].tolist()
+
+
+def on_the_plane():
+    return final(ertel.simulate(ertel.impact(**IMPACT)))
+
+
+def radial():
+    oil = ertel.Oil(0.02, 2e-8, viscosity=OfJax(2e-8))
+    case = {"radius": 0.01, "ball_density": 7850, "speed": 0.01, "E_prime": 2.2e11, "oil": oil}
+    return final(ertel.simulate(ertel.impact(**case, method="radial", nodes=65, until=0.5, time_tolerance=0.05)))
+
+
+def steady():
+    return final(ertel.simulate(ertel.rolling(**ROLLING)))
+
+
+def batch():
+    found = ertel.simulate_batch([ertel.impact(**{**IMPACT, "M": M, "until": 0.3}) for M in (20, 25)])
+    return [value for result in found for value in final(result)]
+
+
+def respond():
+    wave = ertel.Feature(ertel.Waviness(amplitude=0.01, wavelength_x=1.0))
+    data = ertel.respond(ertel.impact(**IMPACT), [[wave]])
+    return data.dH.values.ravel().tolist()
+
+
+def respond_in_rolling():
+    wave = ertel.Feature(ertel.Waviness(amplitude=0.01, wavelength_x=1.0))
+    data = ertel.respond_in_rolling(ertel.rolling(**ROLLING, motion={"slide_to_roll": 0.5}), [[wave]])
+    return data.dH_amplitude.values.ravel().tolist()
+"""
+
+IN_A_PROCESS = """
+import json
+import os
+import sys
+import warnings
+
+import jax
+import scipy.sparse, scipy.special, zarr  # each adds a filter for warnings when it is imported
+
+set_before, told_before = dict(jax.config.values), dict(os.environ)
+{runs}
+filters = list(warnings.filters)
+import ertel.runs.store, ertel.runs.batch, ertel.runs.traction  # all that computes
+found = {{name: globals()[name]() for name in {names}}}
+said = {{
+    "jax": [name for name in set_before if set_before[name] != jax.config.values[name]],
+    "environment": [name for name in os.environ if told_before.get(name) != os.environ[name]],
+    "filters": filters != list(warnings.filters),
+    "x64": jax.config.jax_enable_x64,
+}}
+sys.stdout.write(json.dumps([said, found]))
+"""
+NAMES = ["on_the_plane", "radial", "steady", "batch", "respond", "respond_in_rolling"]
+
+
+def plain_environment() -> dict[str, str]:
+    """As a user has it, who has told JAX nothing about its precision."""
+    return {**{k: v for k, v in os.environ.items() if k != "JAX_ENABLE_X64"}, "PYTHONPATH": SOURCE}
+
+
+def in_a_process(code: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=plain_environment()
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@cache
+def alone() -> tuple[dict, dict]:
+    """What a process of its own has changed, and what it computes, in single precision but for ertel."""
+    said, found = json.loads(in_a_process(IN_A_PROCESS.format(runs=RUNS, names=NAMES)))
+    return said, found
+
+
+def test_no_setting_of_the_process_is_changed():
+    assert alone()[0] == {"jax": [], "environment": [], "filters": False, "x64": False}
+
+
+@cache
+def here() -> dict:
+    """The same functions in this process, all of which computes in double precision."""
+    found = {"__name__": __name__}
+    exec(RUNS, found)
+    return found
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_run_is_that_of_double_precision(name):
+    """To round-off: single precision would leave 1e-7 at best."""
+    with warnings.catch_warnings():
+        expected = np.array(here()[name]())
+    assert np.abs(np.array(alone()[1][name]) - expected).max() < 1e-12 * np.abs(expected).max()
+
+
+SINGLE = """
+import ertel, sys
+import numpy as np
+from ertel.numerics.precision import double_precision
+from ertel.solvers import steady
+from ertel.solvers.radial import RadialImpact
+from ertel.solvers.transient import Transient2D
+
+impact, rolling = ertel.impact(M=20, L=5, nodes=33), ertel.rolling(M=20, L=5, nodes=33)
+radial = ertel.impact(M=20, L=5, nodes=65, method="radial")
+with double_precision():
+    method, other = Transient2D(impact), RadialImpact(radial)
+    start, first = method.start(), other.start()
+
+def refused(work, *arguments):
+    try:
+        work(*arguments)
+    except RuntimeError as error:
+        return "single precision" in str(error)
+
+print([refused(*each) for each in (
+    (steady.steady, rolling), (Transient2D, impact), (RadialImpact, radial), (method.measure, start),
+    (method.advance, [start], 0.01), (other.advance, [first], 0.01), (method.friction, start),
+)])
+"""
+
+
+def test_single_precision_is_refused():
+    assert in_a_process(SINGLE).strip() == str([True] * 7)
