@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from ertel.inputs import oils
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.inputs.python import Oil, impact, rolling
 from ertel.model.case import Case
@@ -142,3 +143,40 @@ def test_data_that_a_named_oil_lacks(contact: dict[str, Any], written: Any, said
         rolling(**contact, rheology=written)
     with_all = {"law": "carreau", "G": "5 MPa", "n": 0.5}
     assert rolling(**contact, rheology=with_all).oil.fluidity_law == Carreau(5e6, 0.5)
+
+
+# -- oils bring their law ---------------------------------------------------------------------------------------------
+
+FALLING = {"radius": 0.01, "E_prime": 226e9, "ball_density": 7850, "speed": 0.1, "nodes": 65}
+SQUALANE = {"oil": "squalane", "temperature": "25 degC"}
+
+
+def test_a_named_oil_brings_the_law_of_the_library() -> None:
+    case = rolling(**COOL)
+    assert case.oil.rheology == Carreau(6e6, 0.42)
+    assert "Rheology: Liu HC" in case.oil.reference
+    assert case == rolling(**COOL, rheology="carreau") == rolling(**{**LOADED, "oil": oils.at("squalane", "25 degC")})
+    assert impact(**FALLING, **SQUALANE).oil.rheology == Carreau(6e6, 0.42)
+    plain = rolling(**COOL, rheology="newtonian")
+    assert plain.oil.is_newtonian and "Rheology" not in plain.oil.reference
+    assert plain.parameters == case.parameters
+    assert oils.at("squalane", "25 degC", rheology="newtonian").is_newtonian
+
+
+def test_only_at_temperatures_that_have_a_source() -> None:
+    case = rolling(**{**COOL, "temperature": "40 degC"})
+    assert case.oil.is_newtonian
+    said = "Rheology: Newtonian, the library has G and n of squalane at 25 degC, not at 40 degC."
+    assert case.oil.reference.endswith(said)
+
+
+@pytest.mark.parametrize(
+    ("case", "reason"),
+    [
+        (lambda: impact(**FALLING, **SQUALANE, method="radial"), 'solver.method = "radial" takes no other oils'),
+        (lambda: impact(M=100, L=5, **SQUALANE), "a dimensionless case has no stresses in Pa"),
+    ],
+)
+def test_a_named_oil_is_newtonian_where_no_other_is_possible(case: Any, reason: str) -> None:
+    assert case().oil.is_newtonian
+    assert f"Rheology: Newtonian, because {reason}." in case().oil.reference

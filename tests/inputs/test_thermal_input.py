@@ -143,3 +143,17 @@ def test_two_temperatures_of_the_inlet_are_refused():
     said = re.escape('thermal.temperature = "80 degC": differs from lubricant.temperature = "40 degC", for which')
     with pytest.raises(ConfigError, match=said):
         case_of({"temperature": "80 degC"})
+
+
+def test_heat_needs_a_law_of_shear_thinning_where_the_surfaces_slide():
+    sliding, oil = {**BODIES, "slide_to_roll": 0.1}, {**NAMED, "oil": "iso-vg-68"}
+    with pytest.raises(ConfigError, match=r"^lubricant.rheology: missing; \[thermal\] needs it, .* stress of about 2"):
+        case_of({}, sliding, oil)
+    with pytest.raises(ConfigError, match=r"^lubricant.rheology: missing"):
+        case_of(ALL, {**sliding, **ELASTIC}, {**NUMBERS, "viscosity": "barus", "alpha": "28 / GPa"})
+    for rheology in ("newtonian", {"law": "ree-eyring", "tau0": "5 MPa"}):
+        assert case_of({}, sliding, {**oil, "rheology": rheology}).thermal
+    assert case_of({}, sliding, {**NAMED, "temperature": "25 degC"}).thermal  # it brings its law
+    assert case_of({}, {**sliding, "slide_to_roll": 1e-4}, oil).thermal
+    written = case_of({}, sliding, {**oil, "rheology": "newtonian"}).to_data()
+    assert parse_case(written).thermal  # a stored run can be read

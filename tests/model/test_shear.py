@@ -1,4 +1,4 @@
-"""The exact flow of an oil that thins: tables, a slow twin, its derivatives, its limits and its symmetries."""
+"""The flow of an oil that thins: tables, a slow twin, its derivatives, its limits and its symmetries."""
 
 import sys
 from functools import partial
@@ -126,6 +126,18 @@ def test_carreau_in_one_dimension(B: float, factors: list, stresses: list, monke
     for found, near in ((exact, 0.0), (quick, np.array([0.0, 0.0, 3e-6, 6e-5, 4e-4]))):
         assert np.all(np.abs(6.0 * np.asarray(found.flux[0]) / Sigma / factors - 1.0) <= near + 6e-7)
         assert np.all(np.abs(np.asarray(found.stress[0]) - stresses) <= near + 6e-7)
+
+
+@pytest.mark.parametrize(("law", "error"), [("eyring", 1e-5), ("carreau", 6e-4), ("squalane", 6e-4), ("yasuda", 6e-4)])
+def test_the_error_of_the_flux_in_pure_rolling(law: str, error: float) -> None:
+    """As the docstring of `model.shear` says it; most of it is there above ten times the law's stress."""
+    gradient = [10.0, 12.0, 15.0, 20.0, 30.0, 50.0, 80.0, 100.0, 150.0, 200.0]
+    found = flow(LAWS[law], [[0.0, 0.0]] * 10, [[g, 0.0] for g in gradient])
+    z, weight = np.polynomial.legendre.leggauss(3000)
+    zeta, weight = (z + 1.0) / 4.0, weight / 4.0  # half of the film
+    for flux, g in zip(found.flux[0], gradient, strict=True):
+        true = 2.0 * g * np.sum(weight * zeta**2 * LAWS[law].fluidity(zeta * g, np.zeros_like(zeta)))
+        assert flux == pytest.approx(true, rel=error)
 
 
 # -- the slow twin ----------------------------------------------------------------------------------------------------

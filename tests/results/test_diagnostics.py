@@ -12,6 +12,7 @@ from ertel.inputs.case_files import parse_case
 from ertel.numerics.grid import check_nodes
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
 from ertel.results import diagnostics
+from ertel.runs.outlook import outlook
 
 
 def said(case, half_width=2.0):
@@ -139,6 +140,23 @@ def before_rolling(contact, oil, **motion):
 def test_a_traction_that_means_nothing_is_said(rheology, coefficient, expected):
     oil = {"eta0": "40 mPa*s", "alpha": "20 / GPa", "rheology": rheology}
     case = parse_case({"contact": {"kind": "rolling", **SLIDING}, "lubricant": oil, "solver": {"nodes": 65}})
-    text = " ".join(diagnostics.friction_warnings(case, coefficient / case.scales.a_over_R))
+    text = " ".join(diagnostics.friction_warnings(case, coefficient))
     assert bool(text) == bool(expected)
     assert all(part in text for part in expected)
+
+
+@pytest.mark.parametrize(
+    ("lambda_bar", "nodes", "H_min_error", "speaks"),
+    [(0.1, 65, 0.28, False), (0.01, 65, 1.3, False), (1e-3, 97, 6.2, True), (1e-3, 193, 1.5, False),
+     (1e-4, 129, 37.0, True), (1e-4, 257, 8.1, True), (1e-4, 385, 3.3, False)],
+)  # fmt: skip
+def test_the_front_of_an_isoviscous_impact(lambda_bar, nodes, H_min_error, speaks):
+    """It warns where H_min of the radial method is off by more than 5 % (of 1025 nodes); H_c is right to 0.16 %."""
+    oil = {"viscosity": "isoviscous", "density": "incompressible"}
+    contact = {"lambda_bar": lambda_bar, "alpha_bar": 0.0}
+    case = parse_case({"contact": contact, "lubricant": oil, "solver": {"method": "radial", "nodes": nodes}})
+    assert (H_min_error > 5.0) == speaks
+    text = " ".join(outlook(case)["warnings"])
+    assert ("not resolved at the front" in text) == speaks
+    if speaks:
+        assert int(re.search(r"nodes >= (\d+)", text)[1]) < 400

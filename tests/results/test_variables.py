@@ -40,7 +40,7 @@ def test_si_is_the_scales_times_the_dimensionless():
         ("H", "h", scales.film, "m"),
         ("tau_x", "tau_x", scales.p_h * scales.a / scales.R, "Pa"),
         ("loss", "loss", scales.p_h * scales.a**2 / (scales.R * scales.t0), "W/m2"),
-        ("mu_sliding", "mu_sliding", scales.a / scales.R, "1"),
+        ("mu_sliding", "mu_sliding", 1.0, "1"),
         ("power_loss", "power_loss", scales.load * scales.film / scales.t0, "W"),
         ("frame", "frame", scales.t0, "s"),
     ]:

@@ -139,6 +139,7 @@ def _needs(found: dict[str, Any]) -> dict[str, str]:
     there = f" of {memory['available'] / 1e9:.3g} GB" if memory["available"] else ""
     steps = f", {time['steps']} time steps" if time["steps"] else ""
     return {
+        "rheology": found["rheology"],
         "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
         "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
         "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",

@@ -13,7 +13,7 @@ from ertel.apps.output import print_json, say
 from ertel.apps.paths import in_shell, shown
 from ertel.model.case import Case
 from ertel.model.status import Status
-from ertel.runs import compiling, memory, store
+from ertel.runs import beforehand, compiling, memory, store
 from ertel.runs.courses import Course, course_of
 from ertel.runs.drive import Gathering, drive
 from ertel.runs.progress import bars, watch
@@ -36,6 +36,8 @@ class Wishes:
 
 def run(case: Case, directory: Path | None, wishes: Wishes) -> None:
     """Run a case in a new directory: that one, or runs/NAME."""
+    if not wishes.quiet:
+        say_before([case])
     prepare()
     with within_memory(case):
         course = course_of(case)
@@ -85,6 +87,12 @@ def warm_up_all(cases: Sequence[Case]) -> None:
         with within_memory(case):
             warm_up(case)
     say(f"Compiled programs are in {directory}")
+
+
+def say_before(cases: Sequence[Case]) -> None:
+    """Say what follows from cases before they are computed, each sentence once."""
+    for sentence in dict.fromkeys(sentence for case in cases for sentence in beforehand.warnings_of(case)):
+        say(f"ertel: warning: {sentence}")
 
 
 def prepare() -> Path | None:

@@ -9,10 +9,14 @@ from rich.table import Table
 from ertel.apps.output import printable
 from ertel.results.key_numbers import more_lines
 from ertel.results.kinds import KINDS, Errors
+from ertel.results.parameters import rheology_of
 
 if TYPE_CHECKING:
     from ertel.model.case import Case
     from ertel.physics.film_formulas import Film
+
+
+NO_ERRORS: Errors = {}
 
 
 class PlainConsole(Console):
@@ -36,6 +40,8 @@ def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
     parameters = f"M = {summary['M']:.5g}, L = {summary['L']:.4g}"
     grid = f"{case.solver.method}, {KINDS[case.kind].domain(case.solver)}"
     out.print(f"{case.name or case.kind}: {parameters} ({grid}): {summary['status']}", style="bold")
+    if case.scales:
+        out.print(f"Rheology: {rheology_of(case)}")
     _print_values(out, case, summary)
     steps = f"{summary['steps']} steps, " if "steps" in summary else ""
     work = "{newton_iterations} Newton and {krylov_iterations} Krylov iterations, {wall_s:.1f} s"
@@ -73,15 +79,15 @@ def _print_formulas(out: Console, case: "Case", values: Mapping[str, float], err
     found = films(case, case.motion.load(T), case.motion.entrainment(T))
     if not found:
         return
-    computed = {name: errors[name][1] if name in errors else values[name] for name in FILMS}
     out.print()
-    out.print(film_table(case, found, computed, "computed, extrapolated" if errors else "computed"))
+    out.print(film_table(case, found, {name: values[name] for name in FILMS}, errors))
 
 
 def value_table(case: "Case", heading: str, values: Mapping[str, float], errors: Errors) -> Table:
-    """Dimensionless values, with their value in SI, error and extrapolated value if these are known."""
+    """Dimensionless values, with their value in SI, error and extrapolated value, also in SI, if these are known."""
     table = Table(heading, "", box=None, pad_edge=False)
-    for column in ["value", *(["in SI"] if case.scales else []), *(["error", "extrapolated"] if errors else [])]:
+    in_si = ["in SI"] if case.scales else []
+    for column in ["value", *in_si, *(["error", "extrapolated", *in_si] if errors else [])]:
         table.add_column(column, justify="right", no_wrap=True)
     for key, value in values.items():
         table.add_row(*_value_cells(case, key, value, errors.get(key)))
@@ -97,6 +103,8 @@ def _value_cells(case: "Case", key: str, value: float, error: tuple[float, float
         cells.append(with_prefix(value * variable.factor(case.scales), variable.si_units))
     if error:
         cells += [f"{error[0] / abs(value):.2%}" if value else "-", f"{error[1]:.5g}"]
+        if case.scales:
+            cells.append(with_prefix(error[1] * variable.factor(case.scales), variable.si_units))
     return cells
 
 
@@ -104,11 +112,12 @@ def _value_cells(case: "Case", key: str, value: float, error: tuple[float, float
 
 
 def film_table(
-    case: "Case", found: "Sequence[Film]", computed: Mapping[str, float], computed_by: str = "computed"
+    case: "Case", found: "Sequence[Film]", computed: Mapping[str, float], errors: Errors = NO_ERRORS
 ) -> Table:
     """Film thicknesses by the formulas, with their deviation from a computed film thickness if there is one.
 
-    A formula that is not made for such a contact is in brackets.
+    computed: as it was computed.  errors: of the computed film; the deviation is then from the extrapolated one.  A
+    formula that is not made for such a contact is in brackets.
     """
     caption = "(in brackets: the contact is outside the range of the formula)"
     table = Table("film", box=None, pad_edge=False, caption=caption)
@@ -116,7 +125,11 @@ def film_table(
     for column in ("central", "deviation", "minimum", "deviation") if computed else ("central", "minimum"):
         table.add_column(column, justify="right", no_wrap=True)
     if computed:
-        table.add_row(computed_by, _film(case, computed["H_c"]), "", _film(case, computed["H_min"]))
+        pairs = [_with_error(case, name, value, errors) for name, value in computed.items()]
+        table.add_row("computed", *(cell for pair in pairs for cell in pair))
+    if errors:
+        computed = {name: errors[name][1] if name in errors else value for name, value in computed.items()}
+        table.add_row("computed, extrapolated", _film(case, computed["H_c"]), "", _film(case, computed["H_min"]))
     for f in found:
         cells = [_film(case, f.central), _film(case, f.minimum)]
         if computed:
@@ -124,6 +137,11 @@ def film_table(
             cells.append(_deviation(f.minimum, computed["H_min"]))
         table.add_row(f.name if f.inside is not False else f"({f.name})", *cells)
     return table
+
+
+def _with_error(case: "Case", name: str, value: float, errors: Errors) -> list[str]:
+    """A computed film, and its error in the column of the deviations."""
+    return [_film(case, value), f"+-{errors[name][0] / abs(value):.1%}" if name in errors and value else ""]
 
 
 def _film(case: "Case", film: float | None) -> str:
@@ -168,7 +186,7 @@ def print_parameters(out: Console, content: Mapping[str, Any]) -> None:
     table = Table("parameter", "value", box=None, pad_edge=False)
     for name, value in {**content, **content.get("si", {})}.items():
         if name != "si":
-            table.add_row(name, f"{value:.6g}")
+            table.add_row(f"{name} (a rigid ball's)" if name.startswith("trapped_film") else name, f"{value:.6g}")
     out.print(table)
 
 

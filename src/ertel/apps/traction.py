@@ -9,6 +9,7 @@ from ertel.apps.interrupts import interruptible
 from ertel.apps.output import print_json
 from ertel.apps.paths import shown
 from ertel.model.case import Case
+from ertel.model.estimates import newtonian_stress
 from ertel.results.traction_curve import TractionCurve
 from ertel.runs.curves import Curve, curve_of
 from ertel.runs.files import StoreError
@@ -25,6 +26,8 @@ def traction(
     """Compute and store a traction curve, or go on with it, and print it.  directory: None: traction/NAME."""
     with bad_input():
         curve = curve_of(case, given, film)
+    if not quiet:
+        running.say_before([max(curve.cases, key=newtonian_stress)])
     running.prepare()
     with running.within_memory(case), interruptible() as stop:
         store = _store(curve, directory)

@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ertel.inputs.heat import with_thermal_data
+from ertel.inputs.heat import require_rheology, with_thermal_data
 from ertel.inputs.height_maps import with_maps
 from ertel.inputs.messages import ConfigError, message
 from ertel.inputs.names import without_names
@@ -56,6 +56,7 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
     if "contact" not in data:
         keys = ", ".join(keys_of(section_of(Conditions)))
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
+    lubricant = data.get("lubricant")
     data = without_names(with_thermal_data(data))
     try:
         read = plain(case_file().model_validate(data))
@@ -63,9 +64,11 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
         raise ConfigError(message(error)) from error
     try:
         read, maps = with_maps(read, Path(folder))
-        return Case.from_data(read, maps)
+        case = Case.from_data(read, maps)
     except ValueError as error:
         raise ConfigError(_as_written(str(error), data["contact"], read["contact"])) from error
+    require_rheology(case, lubricant)
+    return case
 
 
 def as_case(given: CaseLike, name: str = "case") -> Case:

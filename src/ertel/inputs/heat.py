@@ -12,6 +12,8 @@ from typing import Any
 
 from ertel.inputs import library, names
 from ertel.inputs.messages import ConfigError
+from ertel.model.case import Case
+from ertel.model.estimates import LARGEST_NEWTONIAN_STRESS, newtonian_stress
 from ertel.model.records import show
 from ertel.model.thermal import Thermal
 from ertel.physics.oils import NamedOil
@@ -45,6 +47,21 @@ def with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
         if key not in found and key not in ("temperature_1", "temperature_2"):
             raise ConfigError(_missing(key, mark, lubricant, contact))
     return {**data, "thermal": found}
+
+
+def require_rheology(case: Case, lubricant: object) -> None:
+    """Refuse temperatures of a sliding contact whose oil is Newtonian only because the case does not say how it thins.
+
+    lubricant: the section as it is written.  With rheology = "newtonian" they are computed.  Raises ConfigError.
+    """
+    given = isinstance(lubricant, Mapping) and "rheology" in lubricant
+    stress = newtonian_stress(case) if case.thermal and case.oil.is_newtonian and not given else 0.0
+    if stress > LARGEST_NEWTONIAN_STRESS:
+        raise ConfigError(
+            "lubricant.rheology: missing; [thermal] needs it, because a Newtonian oil would have a mean shear stress "
+            f"of about {stress / 1e6:.2g} MPa here and oils begin to thin at some MPa; give for example "
+            '{ law = "ree-eyring", tau0 = "5 MPa" }, or "newtonian" to have that heat computed'
+        )
 
 
 def _table(data: Mapping[str, Any], name: str) -> Mapping[str, Any]:

@@ -8,7 +8,8 @@ An oil that is not in the library is described by its data sheet:
 
     oil = { nu40 = "68 mm^2/s", nu100 = "8.7 mm^2/s", density = "880 kg/m^3" }
 
-A value that is given explicitly wins over that of the library.  The case holds numbers only, so that a stored run does
+A value that is given explicitly wins over that of the library.  An oil brings its law of shear thinning, see
+`oil_rheology`.  The case holds numbers only, so that a stored run does
 not change with the library; the name of the oil and its temperature stay in `lubricant.reference`.
 """
 
@@ -20,7 +21,7 @@ from ertel.inputs import library, oils
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.oil_rheology import completed
 from ertel.model.records import oil_data, show
-from ertel.physics.oils import NamedOil
+from ertel.physics.oils import RHEOLOGY, NamedOil
 from ertel.physics.units import DENSITY, STRESS
 
 OIL_KEYS, MATERIAL_KEYS = ("oil", "temperature"), ("material_1", "material_2")
@@ -38,13 +39,21 @@ def without_names(data: Mapping[str, Any]) -> dict[str, Any]:
         written = found.get(section)
         if isinstance(written, Mapping) and any(key in written for key in keys):
             try:
-                found[section] = resolve(written)
+                found[section] = resolve(written, data)
             except ConfigError as error:
                 raise ConfigError(f"{section}.{error}") from error
     return found
 
 
-def _lubricant(written: Mapping[str, Any]) -> dict[str, Any]:
+def _only_newtonian(data: Mapping[str, Any]) -> str:
+    """Why a case takes Newtonian oils only; empty if it takes others."""
+    contact, solver = (found if isinstance(found := data.get(name), Mapping) else {} for name in ("contact", "solver"))
+    if any(key in contact for key in DIMENSIONLESS):
+        return "because a dimensionless case has no stresses in Pa"
+    return 'because solver.method = "radial" takes no other oils' if solver.get("method") == "radial" else ""
+
+
+def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, Any]:
     given = {key: value for key, value in written.items() if key not in OIL_KEYS}
     if "oil" not in written:
         raise ConfigError(
@@ -57,13 +66,16 @@ def _lubricant(written: Mapping[str, Any]) -> dict[str, Any]:
     temperature = written["temperature"]
     if not isinstance(temperature, str):
         raise ConfigError(f'temperature = {show(temperature)}: must be a temperature with its unit, such as "40 degC"')
-    known = oil_data(oils.oil_at(oil, temperature))
+    reason = _only_newtonian(data)
+    known = oil_data(oils.oil_at(oil, temperature, "newtonian" if reason or "rheology" in given else None))
+    if reason and "rheology" not in given:
+        known["reference"] += f"{RHEOLOGY}Newtonian, {reason}."
     law = completed(given.get("rheology", known["rheology"]), oil, library.parse_temperature(temperature))
     if any(key in given for key in OF_PRESSURE) and not isinstance(known["viscosity"], str):
         known["viscosity"] = "roelands"
     if given and "reference" not in given:
         known["reference"] += f" Given: {', '.join(given)}."
-        known["reference"] += "".join(f" Rheology: {source}." for source in law.sources)
+        known["reference"] += "".join(f"{RHEOLOGY}{source}." for source in law.sources)
     return {**known, **given, "rheology": law.law}
 
 
@@ -82,7 +94,7 @@ def oil_of(written: Any) -> NamedOil:
         raise ConfigError(f"oil.{error}") from error
 
 
-def _contact(written: Mapping[str, Any]) -> dict[str, Any]:
+def _contact(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, Any]:
     given = {key: value for key, value in written.items() if key not in MATERIAL_KEYS}
     known: dict[str, Any] = {}
     for number, key in enumerate(MATERIAL_KEYS, 1):

@@ -1,10 +1,12 @@
 """Laws of shear thinning whose data come from a named oil.
 
     oil = "squalane"
-    temperature = "25 degC"
-    rheology = "carreau"                        # or { law = "carreau", n = 0.5 }: a value given explicitly wins
+    temperature = "25 degC"                     # with the law of the library
+    rheology = { law = "carreau", n = 0.5 }     # a value given explicitly wins; "newtonian": none
 
-A case is Newtonian unless it names a law.
+A named oil whose law of shear thinning is in the library at this temperature has that law, unless the case names
+another one or is one that only Newtonian oils have: dimensionless, or by the radial method.  All other oils are
+Newtonian unless the case names a law.
 """
 
 from collections.abc import Mapping
@@ -14,7 +16,7 @@ from typing import Any, NamedTuple
 from ertel.inputs.messages import ConfigError
 from ertel.model.records import data_of, law_fields, show
 from ertel.physics.fluidity import Carreau, Limited
-from ertel.physics.oils import NamedOil, Sourced, celsius
+from ertel.physics.oils import NamedOil, Sourced
 
 OF_OILS: Mapping[str, tuple[Any, str]] = {  # name of a law: its record, and the field of NamedOil with its data
     "carreau": (Carreau, "shear"),
@@ -57,10 +59,7 @@ def _complaint(part: Sourced[Any] | None, oil: str, T: float, wanted: str) -> st
     """Why the data of an oil cannot be used, or "" if they can."""
     if part is None:
         return f"the library has no {wanted} of {oil}"
-    if part.coldest <= T <= part.hottest:
-        return ""
-    ends = dict.fromkeys((celsius(part.coldest), celsius(part.hottest)))
-    return f"the library has {wanted} of {oil} at {' to '.join(ends)}, not at {celsius(T)}"
+    return part.missing_at(T, wanted, oil)
 
 
 def _needed(record: Any) -> list[str]:

@@ -19,6 +19,7 @@ from ertel.inputs.library import parse_temperature
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.quantities import parse_quantity
 from ertel.model.records import show
+from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.oils import NamedOil, Sourced
 from ertel.physics.pressure_rules import PowerOfViscosity, SoKlaus
@@ -31,7 +32,7 @@ Number = float | str  # SI, or a text with a unit
 COLDEST, HOTTEST = ZERO_CELSIUS, ZERO_CELSIUS + 150.0  # of a data sheet: D341 is a straight line here
 
 
-def at(name: str, temperature: Number) -> Oil:
+def at(name: str, temperature: Number, rheology: str | Fluidity | None = None) -> Oil:
     """An oil of the library at a temperature, for `ertel.impact` and `ertel.rolling`.
 
     Parameters
@@ -40,10 +41,13 @@ def at(name: str, temperature: Number) -> Oil:
         One of `names()`.
     temperature : float or str
         Temperature of the oil in the inlet, in K or as a text, "40 degC".
+    rheology : str or record, optional
+        A law of shear thinning, or "newtonian", as dimensionless cases and the radial method need it.  Without it the
+        oil has the law that the library has of it at this temperature; where it has none, the oil is Newtonian.
 
     Raises ConfigError, naming the argument, for an unknown name and for a temperature outside the oil's data.
     """
-    return oil_at(get(name), temperature)
+    return oil_at(get(name), temperature, rheology)
 
 
 def data_sheet(
@@ -110,14 +114,14 @@ def _whole(data: Any, source: str) -> Sourced[Any]:
     return Sourced(data, source, COLDEST, HOTTEST)
 
 
-def oil_at(oil: NamedOil, temperature: Number) -> Oil:
-    """An oil at a temperature.  Raises ConfigError for a temperature outside its data."""
+def oil_at(oil: NamedOil, temperature: Number, rheology: str | Fluidity | None = None) -> Oil:
+    """An oil at a temperature; rheology as in `at`.  Raises ConfigError for a temperature outside its data."""
     try:
         T = parse_temperature(temperature)
     except ValueError as error:
         raise ConfigError(f"temperature = {show(temperature)}: {error}") from error
     try:
-        return oil.at(T)
+        return oil.at(T, rheology)
     except ValueError as error:
         message = str(error).replace(f"temperature = {T:g} K", f"temperature = {show(temperature)}")
         raise ConfigError(message) from error

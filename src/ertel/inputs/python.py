@@ -155,7 +155,7 @@ def impact(
         Or the names of the materials, "steel", see `ertel.materials`; the first one also gives the ball its density.
     oil : Oil or str
         Required for a physical contact; the default of a dimensionless contact is a typical mineral oil.  Or the name
-        of an oil, "squalane", see `ertel.oils`, with its
+        of an oil, "squalane", see `ertel.oils`, which brings its law of shear thinning where one is known, with its
     temperature : float or str
         Temperature in the inlet (K, or "40 degC").
     rheology : str, mapping or record
@@ -302,6 +302,8 @@ def _lubricant(wanted: Mapping[str, Any]) -> dict[str, Any] | None:
     data = oil_data(oil) if isinstance(oil, lubricant.Oil) else {} if oil is None else {"oil": oil}
     if "temperature" in wanted:
         data["temperature"] = _with_unit(wanted["temperature"], TEMPERATURE)
+    if isinstance(oil, lubricant.Oil) and oil.is_newtonian:
+        del data["rheology"]  # the default of an Oil, not a wish
     if "rheology" in wanted:
         law = wanted["rheology"]
         data["rheology"] = law_data(law, FLUIDITY_LAWS) if hasattr(law, "fluidity") else law

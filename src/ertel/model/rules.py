@@ -76,9 +76,15 @@ def check_rheology(oil: Oil, scales: Scales | None, solver: Solver) -> None:
         return
     given = f'lubricant.rheology = {{ law = "{FLUIDITY_LAWS.name_of(law)}", ... }}'
     if scales is None:
-        raise ValueError(f"{given}: has stresses in Pa, which a dimensionless case has not; give the contact in SI")
+        raise ValueError(
+            f"{given}: has stresses in Pa, which a dimensionless case has not; give the contact in SI or "
+            'lubricant.rheology = "newtonian"'
+        )
     if solver.method == "radial":
-        raise ValueError(f'{given}: solver.method = "radial" is for Newtonian oils only; use solver.method = "2d"')
+        raise ValueError(
+            f'{given}: solver.method = "radial" is for Newtonian oils only; use solver.method = "2d" or '
+            'lubricant.rheology = "newtonian"'
+        )
 
 
 def check_scales(scales: Scales | None, parameters: Parameters) -> None:

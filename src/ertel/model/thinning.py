@@ -1,6 +1,6 @@
 """The flow of an oil that thins under shear, on the 2-D grid.
 
-The flux by the pressure gradient is exact (`shear`).  With stresses in units of p_h a/R it is
+The flux by the pressure gradient is that of `shear`, which says its error.  With stresses in units of p_h a/R it is
 
     flux = - eps G,    G = 12 Q/H,    Q from    gradient = H grad P,    sliding = lambda_bar eta_bar U S/(12 H)
 

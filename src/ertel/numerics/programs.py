@@ -59,7 +59,7 @@ class Program:
         """What is compiled for these arguments; only their kind matters.  Threads that ask for the same share it."""
         require_double()
         leaves, structure = tree.flatten(arguments)
-        kind = structure, tuple(jax.typeof(leaf) for leaf in leaves)
+        kind = structure, tuple(leaf.aval if isinstance(leaf, jax.Array) else jax.typeof(leaf) for leaf in leaves)
         with self._lock:
             known = self._compiled.get(kind)
             program = self._compiled.setdefault(kind, Future())

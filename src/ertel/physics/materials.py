@@ -19,6 +19,24 @@ class Elasticity:
 
 
 @dataclass(frozen=True)
+class Strength:
+    """Hardness (Pa), the mean pressure under an indenter, and what follows for a contact of smooth bodies.
+
+    A metal's yield stress Y is about a third of its hardness (Tabor D. The hardness of metals. Oxford; 1951), and a
+    point contact with nu = 0.3 begins to yield below its surface where the maximum Hertz pressure is 1.6 Y (Johnson KL.
+    Contact mechanics. Cambridge; 1985, chapter 6).
+    """
+
+    title: ClassVar[str] = "yields at a maximum Hertz pressure of 1.6/3 of the hardness"
+    hardness: Annotated[float, STRESS]
+
+    @property
+    def first_yield(self) -> float:
+        """The maximum Hertz pressure (Pa) at which a point contact begins to yield."""
+        return 1.6 / 3.0 * self.hardness
+
+
+@dataclass(frozen=True)
 class Material:
     """A material with the sources of its data."""
 
@@ -26,6 +44,7 @@ class Material:
     text: str
     elasticity: Sourced[Elasticity]
     thermal: Sourced[ThermalData] | None = None
+    strength: Sourced[Strength] | None = None
 
     def reduced_modulus(self, other: "Material") -> float:
         """Reduced modulus E' (Pa) of a contact with another material, 2/E' = sum of (1 - nu^2)/E."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import log
 from typing import Annotated, ClassVar, Generic, TypeVar
 
-from ertel.physics.fluidity import Carreau
+from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.pressure_rules import Ambient, PressureLaws, PressureRule
 from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, ViscosityOfTemperature
@@ -16,6 +16,7 @@ from ertel.physics.units import ABOVE_ZERO, CONDUCTIVITY, HEAT_CAPACITY
 
 Data = TypeVar("Data", covariant=True)
 SMALL_STEP = 0.01  # K, for the derivative of the viscosity
+RHEOLOGY = " Rheology: "  # in the reference of an oil, before the source of its law of shear thinning
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,13 @@ class Sourced(Generic[Data]):
             raise ValueError("source: missing")
         if not 0 < self.coldest <= self.hottest:
             raise ValueError(f"coldest = {self.coldest} K: must be above zero and not above hottest = {self.hottest} K")
+
+    def missing_at(self, T: float, wanted: str, name: str) -> str:
+        """A sentence that these data of an oil are not known at T (K); empty if they are."""
+        if self.coldest <= T <= self.hottest:
+            return ""
+        ends = dict.fromkeys((celsius(self.coldest), celsius(self.hottest)))
+        return f"the library has {wanted} of {name} at {' to '.join(ends)}, not at {celsius(T)}"
 
 
 @dataclass(frozen=True)
@@ -100,8 +108,12 @@ class NamedOil:
         """alpha (1/Pa), viscosity law and density law at T (K)."""
         return self.pressure.data.at(Ambient(T, self.viscosity_at(T), self.density_at(T), self.viscosity.data))
 
-    def at(self, T: float) -> Oil:
-        """The oil of a contact at T (K).  Raises ValueError if T is outside the data."""
+    def at(self, T: float, rheology: str | Fluidity | None = None) -> Oil:
+        """The oil of a contact at T (K).  Raises ValueError if T is outside the data.
+
+        rheology: a law of shear thinning, or "newtonian"; None: the oil's own where it has one at T, otherwise
+        Newtonian.  The reference then has the source of that law, or says at which temperatures there is one.
+        """
         coldest, hottest = self.temperatures
         if not coldest <= T <= hottest:
             raise ValueError(
@@ -109,10 +121,18 @@ class NamedOil:
                 f"data ({self.name})"
             )
         laws = self.pressure_laws_at(T)
-        return Oil(laws.viscosity, laws.density, self.viscosity_at(T), laws.alpha, reference=self._reference(T))
+        law, said = self._own_rheology(T) if rheology is None else (rheology, "")
+        source = f"{self.name} at {celsius(T)}. Viscosity: {self.viscosity.source} Pressure: {self.pressure.source}"
+        reference = f"{source}{said}"
+        return Oil(laws.viscosity, laws.density, self.viscosity_at(T), laws.alpha, reference=reference, rheology=law)
 
-    def _reference(self, T: float) -> str:
-        return f"{self.name} at {celsius(T)}. Viscosity: {self.viscosity.source} Pressure: {self.pressure.source}"
+    def _own_rheology(self, T: float) -> tuple[str | Fluidity, str]:
+        """The oil's own law of shear thinning at T (K), and what the reference says of it."""
+        if self.shear is None:
+            return "newtonian", ""
+        if missing := self.shear.missing_at(T, "G and n", self.name):
+            return "newtonian", f"{RHEOLOGY}Newtonian, {missing}."
+        return self.shear.data, f"{RHEOLOGY}{self.shear.source.rstrip('.')}."
 
 
 def celsius(T: float) -> str:

@@ -24,11 +24,13 @@ def arrays_of(p: Array) -> Any:
 class Modulus:
     """eta/eta0 = exp{p/(a + b p)}: a is 1/alpha, and the logarithm tends to 1/b at high pressure.
 
-    b below zero is a viscosity that grows faster than Barus'; the law then ends at p = a/|b|.
+    b below zero is a viscosity that grows faster than Barus'; the law then ends at p = a/|b|.  highest: the pressure
+    up to which the constants have a source.
     """
 
     a: Annotated[float, STRESS, Meaning("1/alpha", "50 MPa")]
     b: Annotated[float, FINITE, Meaning("1/ln(eta/eta0) at high pressure", 0.05)]
+    highest: Annotated[float | None, STRESS, Meaning("pressure up to which a and b have a source", "1 GPa")] = None
     reference: ClassVar[str] = "Arana A et al. Proc Inst Mech Eng J 2019;233:303, at one temperature"
 
     def viscosity(self, p: Array) -> Array:
@@ -60,13 +62,15 @@ class Tait:
 class Doolittle:
     """eta/eta0 = exp{B R (1 - V/V0)/[(V/V0 - R)(1 - R)]}: the free volume of a liquid that Tait's law compresses.
 
-    R is the share of the volume at ambient pressure that the molecules occupy.
+    R is the share of the volume at ambient pressure that the molecules occupy.  highest: the pressure up to which the
+    constants have a source.
     """
 
     B: Annotated[float, ABOVE_ZERO, Meaning("Doolittle's constant", 4)]
     R: Annotated[float, SHARE, Meaning("volume of the molecules over that of the oil at ambient pressure", 0.67)]
     K0: Annotated[float, STRESS, Meaning("bulk modulus at ambient pressure", "1.2 GPa")]
     K0_prime: Annotated[float, ABOVE_ZERO, Meaning("its derivative with pressure", 11)]
+    highest: Annotated[float | None, STRESS, Meaning("pressure up to which these have a source", "0.2 GPa")] = None
     reference: ClassVar[str] = (
         "Doolittle AK. Studies in Newtonian flow II. The dependence of the viscosity of liquids on free-space. "
         "J Appl Phys 1951;22:1471-1475"

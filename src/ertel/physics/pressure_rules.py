@@ -98,7 +98,7 @@ class PowerOfViscosity:
 
 @dataclass(frozen=True)
 class ModulusOfTemperature:
-    """eta/eta0 = exp{p/[a1 + a2 T + (b1 + b2 T) p]}, T in K.
+    """eta/eta0 = exp{p/[a1 + a2 T + (b1 + b2 T) p]}, T in K.  highest: pressure up to which this has a source.
 
     Source: Arana A et al. Proc Inst Mech Eng J 2019;233:303.
     """
@@ -108,13 +108,14 @@ class ModulusOfTemperature:
     a2: Annotated[float, STRESS_PER_KELVIN]
     b1: Annotated[float, FINITE]
     b2: Annotated[float, PER_KELVIN]
+    highest: Annotated[float | None, STRESS] = None
 
     def at(self, oil: Ambient) -> PressureLaws:
         """The laws at the temperature of the oil.  Raises ValueError where a1 + a2 T is not above zero."""
         a = self.a1 + self.a2 * oil.T
         if not a > 0:
             raise ValueError(f"temperature = {oil.T:g} K: too cold for this modulus law, a1 + a2 T must be above zero")
-        return PressureLaws(1.0 / a, Modulus(a, self.b1 + self.b2 * oil.T))
+        return PressureLaws(1.0 / a, Modulus(a, self.b1 + self.b2 * oil.T, self.highest))
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,7 @@ class DoolittleOfTemperature:
     """Doolittle's law with Tait's: R = R_ref + R_slope (T - T_ref), K0 = K0_ref exp{-K0_rate (T - T_ref)}.
 
     R is the occupied share of the volume, K0 the bulk modulus, both at ambient pressure; B and K0' are constant.
+    highest: pressure up to which this has a source at temperatures other than T_ref.
     """
 
     title: ClassVar[str] = "Doolittle's law, density by Tait's"
@@ -132,12 +134,13 @@ class DoolittleOfTemperature:
     K0_rate: Annotated[float, PER_KELVIN]
     K0_prime: Annotated[float, ABOVE_ZERO]
     T_ref: Annotated[float, TEMPERATURE]
+    highest: Annotated[float | None, STRESS] = None
 
     def at(self, oil: Ambient) -> PressureLaws:
         """The laws at the temperature of the oil."""
         warmer = oil.T - self.T_ref
         K0, R = self.K0_ref * exp(-self.K0_rate * warmer), self.R_ref + self.R_slope * warmer
-        viscosity = Doolittle(self.B, R, K0, self.K0_prime)
+        viscosity = Doolittle(self.B, R, K0, self.K0_prime, self.highest if warmer else None)
         return PressureLaws(viscosity.alpha, viscosity, Tait(K0, self.K0_prime))
 
 

@@ -125,6 +125,16 @@ class Parameters:
         lambda_bar = self.lambda_bar * 2 / (1 + self.radius_ratio)
         return max(0.5 * sqrt(self.alpha_bar * lambda_bar), ISOVISCOUS_FILM * sqrt(lambda_bar))
 
+    @property
+    def impact_films(self) -> tuple[float, float]:
+        """Least and largest expected central film of an impact at maximum approach, in units a^2/R.
+
+        Measured: 0.62 to 0.69 of the film at which a rigid ball stops for M = 20 to 10000, L = 2 to 15 and Roelands'
+        law; 0.97 to 1.00 of `trapped_film` in an isoviscous oil with lambda_bar = 1e-4 to 0.1.
+        """
+        isoviscous = ISOVISCOUS_FILM * sqrt(self.lambda_bar * 2 / (1 + self.radius_ratio))
+        return max(0.6 * self.trapped_film, 0.95 * isoviscous), max(0.7 * self.trapped_film, isoviscous)
+
     def nabla2(self, wavelength: float) -> float:
         """Operating parameter of amplitude reduction, eq. (16): wavelength sqrt(M_BH/L_BH), wavelength in units a.
 

@@ -16,7 +16,7 @@ from ertel.model.status import Status
 from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
 from ertel.results import variables
 from ertel.results.provenance import provenance
-from ertel.results.variables import FRICTION, Variable
+from ertel.results.variables import COEFFICIENT, FRICTION, Variable
 
 Point = Mapping[str, Any]  # of a curve, see `point`
 
@@ -42,8 +42,8 @@ SHOWN_WARM = ("mu_isothermal", "T_film_max")  # with a section [thermal]
 WARM = (*SHOWN_WARM, "T_1_max", "T_2_max", "phi_T")
 VARIABLES: Mapping[str, Variable] = {
     **variables.VARIABLES,
-    "mu_1": Variable("friction coefficient of surface 1, mu + mu_r", "mu_1", "a/R", "a_over_R", "mu_1", "1"),
-    "mu_2": Variable("friction coefficient of surface 2, mu_r - mu", "mu_2", "a/R", "a_over_R", "mu_2", "1"),
+    "mu_1": Variable("friction coefficient of surface 1, mu + mu_r", "mu_1", "a/R", COEFFICIENT, "mu_1", "1"),
+    "mu_2": Variable("friction coefficient of surface 2, mu_r - mu", "mu_2", "a/R", COEFFICIENT, "mu_2", "1"),
     "tau_max": Variable("maximum mid-plane shear stress", "tau_max", "p_h a/R", "shear_stress", "tau_max", "Pa"),
     "mu_isothermal": replace(
         FRICTION["mu_sliding"], long_name="isothermal traction coefficient", si_name="mu_isothermal"

@@ -10,10 +10,21 @@ from ertel.model import budget, discretise
 from ertel.model.case import Case
 from ertel.model.friction import Friction, coefficients
 from ertel.model.state import GridSolution
+from ertel.physics.scales import Scales
 from ertel.results.height_maps import variables_of
 from ertel.results.provenance import provenance
 from ertel.results.temperatures import temperature_maps
-from ertel.results.variables import AXES, BUDGET, EVENTS, FIELDS, FRICTION, MEASURED, SCALARS, variable_attributes
+from ertel.results.variables import (
+    AXES,
+    BUDGET,
+    EVENTS,
+    FIELDS,
+    FRICTION,
+    MEASURED,
+    SCALARS,
+    variable_attributes,
+    with_coefficients,
+)
 
 
 class Frame(Protocol):
@@ -27,10 +38,11 @@ class Frame(Protocol):
     def event(self) -> str: ...
 
 
-def columns(records: Sequence[Mapping[str, float]]) -> dict[str, np.ndarray]:
-    """Step records as arrays by variable name, T as `time`."""
+def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:
+    """Step records as arrays by variable name, T as `time`; coefficients as `with_coefficients` says."""
     names = {"time": "T", **{name: name for name in SCALARS}}
-    return {name: np.array([record[key] for record in records], dtype=float) for name, key in names.items()}
+    found = {name: np.array([record[key] for record in records], dtype=float) for name, key in names.items()}
+    return with_coefficients(found, scales)
 
 
 def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
@@ -75,7 +87,7 @@ def assemble(
     stacks = maps(frames)
     for name in FIELDS:  # no maps at all still have their shape
         stacks[name] = stacks[name].reshape(len(frames), *(len(axis) for axis in space.values()))
-    arrays = {**columns(records), **stacks, **space}
+    arrays = {**columns(records, case.scales), **stacks, **space}
     variables = {
         name: (dimensions(name, coordinates), values, variable_attributes(name, case.scales))
         for name, values in arrays.items()
@@ -102,7 +114,7 @@ def assemble_steady(
     found |= temperature_maps(case, last, nothing)
     history = _histories(solutions)
     of_grids = [
-        {**s.measure(), **terms, **coefficients(friction), **_work(s)}
+        with_coefficients({**s.measure(), **terms, **coefficients(friction), **_work(s)}, case.scales)
         for s, (terms, friction) in zip(solutions, accounts, strict=True)
     ]
     names = (*MEASURED, *BUDGET, *FRICTION, "residual", "newton_iterations", "krylov_iterations", "convolutions")

@@ -55,11 +55,12 @@ def _number(name: str, value: float, kind: Kind, si: Mapping[str, float], errors
     variable = VARIABLES[name]
     in_si = si.get(key_in_si(variable))
     error, _ = errors.get(name, (None, None))
+    plain = in_si is not None and variable.si_units == "1"  # a coefficient: one number
     return Number(
         variable.long_name,
         name,
-        f"{value:.4g} {kind.unit(variable.unit)}",
-        "" if in_si is None else with_prefix(in_si, variable.si_units),
+        f"{value:.4g}" if plain else f"{value:.4g} {kind.unit(variable.unit)}",
+        "" if in_si is None or plain else with_prefix(in_si, variable.si_units),
         f"{error / abs(value):.1%}" if error is not None and value else "",
     )
 

@@ -112,7 +112,9 @@ class Impact(Kind):
 
     def si(self, p: Parameters, scales: Scales) -> dict[str, float]:
         film, contact_time = p.trapped_film * scales.film, hertz.CONTACT_TIME * p.ellipse.approach * scales.t0
-        return {"contact_time_s": contact_time, "mass_kg": scales.ball_mass, "trapped_film_m": film}
+        least, most = (share * scales.film for share in p.impact_films)
+        expected = {"h_c_least_m": least, "h_c_most_m": most}
+        return {"contact_time_s": contact_time, "mass_kg": scales.ball_mass, "trapped_film_m": film, **expected}
 
     def values(self, summary: Outcome) -> dict[str, float]:
         return dict(summary["max_approach"] or {})
@@ -180,3 +182,15 @@ class Rolling(Kind):
 
 IMPACT, ROLLING = Impact(), Rolling()
 KINDS: Mapping[str, Kind] = {"impact": IMPACT, "rolling": ROLLING}
+
+
+def as_now(summary: Outcome) -> dict[str, Any]:
+    """The summary of a stored run; earlier versions had the coefficients of friction in units a/R and under `si`."""
+    reached, si = summary.get("max_approach"), summary.get("si", {})
+    if reached:
+        return {**summary, "max_approach": _with_coefficients(reached, si.get("max_approach") or {})}
+    return _with_coefficients(summary, si)
+
+
+def _with_coefficients(values: Outcome, si: Mapping[str, float]) -> dict[str, Any]:
+    return {**values, **{name: si[name] for name in FRICTION if name in values and name in si}}

@@ -5,6 +5,9 @@ This module imports neither JAX nor xarray, so that `ertel params` is fast.
 
 from typing import TYPE_CHECKING, Any
 
+from ertel.model.records import law_data, show
+from ertel.physics.oils import RHEOLOGY
+from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import HamrockDowson, hamrock_dowson
 from ertel.results.kinds import KINDS
 
@@ -27,13 +30,22 @@ def parameter_summary(case: "Case") -> dict[str, Any]:
 
     For a physical case U, G, W are those of Hamrock and Dowson (for an impact with load F* and speed a*/t0), and `si`
     holds the scales, named with their units.  For an impact also stokes, St = m v0/(6 pi eta0 R^2); trapped_film, the
-    scale of the film in a*^2/R; and in `si` contact_time_s, the contact time of the dry impact.
+    scale of the film in a*^2/R, at which a rigid ball stops; and in `si` contact_time_s, the contact time of the dry
+    impact, and h_c_least_m and h_c_most_m, between which the central film of an elastic ball is expected.
     """
     p, s, kind = case.parameters, case.scales, KINDS[case.kind]
     content: dict[str, Any] = {**parameters_of(case), **kind.parameters(p)}
     if s is None:
         return content
     return {**content, **ugw_of(case)._asdict(), "si": {**scales_of(case), **kind.si(p, s)}}
+
+
+def rheology_of(case: "Case") -> str:
+    """The law of shear thinning of a case as it is written, and its source or why there is none, as far as known."""
+    law = case.oil.rheology
+    written = "Newtonian" if case.oil.is_newtonian else show(law_data(law, FLUIDITY_LAWS))
+    reason = case.oil.reference.partition(RHEOLOGY)[2].partition(" Given:")[0].removeprefix("Newtonian, ").rstrip(".")
+    return f"{written} ({reason})" if reason else written
 
 
 def ugw_of(case: "Case") -> HamrockDowson:

@@ -21,6 +21,9 @@ from ertel.results.extremes import extremes, in_si
 from ertel.results.parameters import parameters_of, scales_of, ugw_of
 from ertel.results.temperatures import thermal_summary
 
+OWN_NAMES = {"delta_m": "approach_m"}  # in SI, beside the scales, of which delta_m is one
+TIMED = ("t_s", "f_N")  # of the values at maximum approach: those that rolling has in another sense, or not at all
+
 
 def restitution(data: xr.Dataset) -> float | None:
     """Coefficient of restitution: speed after the impact over speed before; None until the ball has left.
@@ -44,9 +47,11 @@ def impact_summary(
 
     `extremes` has the thinnest film and the highest pressure of the whole run, see `extremes.extremes`.
     `budgets` has those of mass, momentum and energy, see `budgets.in_time`.
-    The values at maximum approach have the power loss and, where the surfaces move along X, the coefficients of
+    The values at maximum approach are under `max_approach`; but T and F they also stand where those of rolling do, None
+    before it.  They have the power loss and, where the surfaces move along X, the coefficients of
     `model.friction`.
-    All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.
+    All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.  The
+    coefficients are plain numbers in a physical case, and in units a/R in a dimensionless one, where a/R is not known.
 
     Parameters
     ----------
@@ -65,10 +70,15 @@ def impact_summary(
     status, gone = _judged(status, data)
     if max_approach is not None and max_approach["T"] >= gone:
         max_approach = None
-    reached = None if max_approach is None else _said({key: float(max_approach[key]) for key in names})
+    reached = None
+    if max_approach is not None:
+        values = {key: float(max_approach[key]) for key in names}
+        reached = _said(variables.with_coefficients(values, case.scales))
     found = {} if status.failed else budgets.in_time(case, data)
+    top = {name: reached.get(name) if reached else None for name in names if name not in ("T", "F")}
     content: dict[str, Any] = {
         **_heading(case),
+        **_said(top),
         "max_approach": reached,
         "restitution": restitution(data),
         "extremes": {} if status is Status.FILM_VANISHED else extremes(data),
@@ -114,7 +124,8 @@ def steady_summary(
 
     H_c_error and H_min_error estimate the discretisation error, H_c_extrapolated and H_min_extrapolated are without it;
     None with fewer than two grids.  `budgets` has the rates on the finest grid, see `budgets.steady`.
-    mu_sliding, mu_rolling and power_loss are those of `model.friction`; mu_sliding_y is there where it is not zero.
+    mu_sliding, mu_rolling and power_loss are those of `model.friction`; mu_sliding_y is there where it is not zero.  In
+    a physical case the coefficients are plain numbers, in a dimensionless one, where a/R is not known, multiples of it.
     `thermal` is there with a section [thermal], see `temperatures.thermal_summary`.
     Counts are those of all grids, convolutions in units of one on the finest.
 
@@ -139,7 +150,8 @@ def steady_summary(
             estimates |= {f"{name}_{what}": value for what, value in error.items()}
     values = rolling.finest.measure()
     rates, friction = budget.steady(case, rolling.finest)
-    found = {**{name: values[name] for name in variables.MEASURED}, **_said(coefficients(friction))}
+    mu = variables.with_coefficients(coefficients(friction), case.scales)
+    found = {**{name: values[name] for name in variables.MEASURED}, **_said(mu)}
     measured = {**_nodes(rolling), **found}
     terms = budgets.steady(case, rates, values["load"] / case.geometry.hertz_load)
     warmth, uncertain = thermal_summary(case, rolling.finest)
@@ -243,7 +255,10 @@ def si_summary(case: Case, max_approach: Mapping[str, float | None] | None) -> d
     if case.scales is None:
         return None
     values = None if max_approach is None else variables.in_si(max_approach, case.scales)
-    return {**scales_of(case), "max_approach": values}
+    own = {
+        "approach_m" if key == "delta_m" else key: value for key, value in (values or {}).items() if key not in TIMED
+    }
+    return {**scales_of(case), **own, "max_approach": values}
 
 
 def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]:
@@ -292,7 +307,7 @@ def impact_with_error(fine: Mapping[str, Any], others: Mapping[str, Mapping[str,
         name: errors.estimate(fine["max_approach"][key], {part: values[key] for part, values in reached.items()})
         for name, key in {"H_c": "H_c", "H_min": "H_min", "Delta_max": "Delta"}.items()
     }
-    return {**fine, "error_estimate": {name: estimate.data() for name, estimate in found.items()}}
+    return {**fine, **_ends(found), "error_estimate": {name: estimate.data() for name, estimate in found.items()}}
 
 
 def rolling_with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
@@ -304,9 +319,14 @@ def rolling_with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str,
         name: errors.estimate(fine[name], {part: summary[name] for part, summary in others.items()})
         for name in variables.FILMS
     }
-    ends = {f"{name}_{what}": getattr(found[name], what) for name in found for what in ("error", "extrapolated")}
     parts = {name: estimate.data() for name, estimate in found.items()}
-    return _with_si(case, {**fine, **ends, "error_estimate": parts})
+    return _with_si(case, {**fine, **_ends(found), "error_estimate": parts})
+
+
+def _ends(found: Mapping[str, errors.Estimate]) -> dict[str, float]:
+    """Error and extrapolated value of the films."""
+    whats = ("error", "extrapolated")
+    return {f"{name}_{what}": getattr(found[name], what) for name in variables.FILMS for what in whats}
 
 
 def _error_of(found: Extrapolation) -> dict[str, float]:

@@ -7,13 +7,14 @@ Everything is dimensionless; where the case is physical each variable also carri
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import floor, log10
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ertel.physics.scales import Scales
 
 if TYPE_CHECKING:
     import xarray as xr
 
+COEFFICIENT = "coefficient"  # in place of a scale: computed in units a/R, and a plain number in a physical case
 KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
@@ -38,7 +39,7 @@ class Variable:
 
     def factor(self, scales: Scales) -> float:
         """What 1 is in SI."""
-        return float(getattr(scales, self.scale)) * self.share
+        return 1.0 if self.scale == COEFFICIENT else float(getattr(scales, self.scale)) * self.share
 
 
 def _length(long_name: str, symbol: str, comment: str = "") -> Variable:
@@ -66,7 +67,7 @@ def _oil_flow(long_name: str, symbol: str, si_name: str, comment: str = "") -> V
 
 
 def _coefficient(long_name: str, name: str, comment: str) -> Variable:
-    return Variable(long_name, name, "a*/R", "a_over_R", name, "1", comment=comment)
+    return Variable(long_name, name, "a*/R", COEFFICIENT, name, "1", comment=comment)
 
 
 def _shear(long_name: str, name: str) -> Variable:
@@ -162,13 +163,31 @@ MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  
 AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min")  # of a summary
 
 
+def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:
+    """The values with coefficients of friction as plain numbers in place of units a/R, where the case is physical."""
+    unit = scales.a_over_R if scales else 1.0
+    known = {name: value for name, value in values.items() if VARIABLES.get(name, EVENT).scale == COEFFICIENT}
+    return {**values, **{name: value if value is None else value * unit for name, value in known.items()}}
+
+
+def one_number(dataset: "xr.Dataset") -> "xr.Dataset":
+    """The Dataset of a stored run, its coefficients of friction as plain numbers: earlier versions stored units a/R."""
+    found = {}
+    for name, variable in dataset.variables.items():
+        factor = variable.attrs.get("si_factor", 1.0)
+        if VARIABLES.get(str(name), EVENT).scale == COEFFICIENT and factor != 1.0:
+            attributes = {key: value for key, value in variable.attrs.items() if key != "in_units_of"}
+            found[name] = (variable.dims, variable.values * factor, {**attributes, "si_factor": 1.0})
+    return dataset.assign(found) if found else dataset
+
+
 def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
     """CF attributes of a variable: units, long_name, symbol, what 1 stands for, and its SI factor if there is one."""
     variable = VARIABLES[name]
     attributes: dict[str, object] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
     if variable.unit == KELVIN:
         attributes["units"] = KELVIN
-    elif variable.unit != "1":
+    elif variable.unit != "1" and not (scales and variable.scale == COEFFICIENT):
         attributes["in_units_of"] = variable.unit
     if variable.comment:
         attributes["comment"] = variable.comment
@@ -194,7 +213,7 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
         if "si_factor" in attributes:
             factor, attributes["units"] = attributes.pop("si_factor"), attributes.pop("si_units")
             attributes["symbol"] = attributes.pop("si_name")
-            attributes.pop("in_units_of")
+            attributes.pop("in_units_of", None)
             converted[name] = (variable.dims, variable.values * factor, attributes)
             names[name] = attributes["symbol"] if name != "frame" else name
     return converted.rename({name: new for name, new in names.items() if new != name})

@@ -87,7 +87,9 @@ class AppendedData:
         self._frames.extend(item.frames)
 
     def flush(self, path: Path) -> dict[str, Any]:
-        columns = dataset.columns(self._records) if self._records else {}
+        old = zarrs.has_old_coefficients(zarrs.read_root(path, self.advice))  # they stay as the run began
+        scales = None if old else self._course.case.scales
+        columns = dataset.columns(self._records, scales) if self._records else {}
         maps = dataset.maps(self._frames) if self._frames else {}
         zarrs.append(path, {**columns, **maps})
         new = {"time": len(self._records), "frame": len(self._frames)}

@@ -139,6 +139,12 @@ def rows_of(root: Root) -> dict[str, int]:
     return {dimension: _metadata(root)[dimension]["shape"][0] for dimension in GROWING}
 
 
+def has_old_coefficients(root: Root) -> bool:
+    """Whether coefficients of friction are stored in units a/R, as ertel did before they were plain numbers."""
+    attributes = _metadata(root).get("mu_sliding", {}).get("attributes", {})
+    return bool(attributes.get("si_factor", 1.0) != 1.0)
+
+
 def with_rows(root: Root, rows: Mapping[str, int]) -> Root:
     """The metadata that count so many rows."""
     arrays = {}

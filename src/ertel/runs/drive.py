@@ -19,7 +19,8 @@ from ertel.numerics.precision import double_precision
 from ertel.results import accessor as accessor  # datasets of runs have .ertel
 from ertel.results.result import Result
 from ertel.results.summary import attributes
-from ertel.runs import compiling
+from ertel.runs import beforehand, compiling
+from ertel.runs.beforehand import with_these
 from ertel.runs.courses import Course, Item, course_of
 from ertel.runs.progress import progress_bar
 from ertel.runs.stepping import Frame
@@ -66,7 +67,7 @@ class Gathering:
         """The result of the run, from its last item."""
         data = self.course.dataset(self.records, self.frames, last)
         work = {"compilations": compiling.count() - self._compiled, "wall_s": clock.monotonic() - self._started}
-        summary = self.course.summary(data, last, last.status, work)
+        summary = with_these(self.course.case, self.course.summary(data, last, last.status, work))
         return Result(self.course.case, data.assign_attrs(attributes(summary)), summary, Status(summary["status"]))
 
 
@@ -86,21 +87,25 @@ def simulate(case: CaseLike, progress: bool = False, observers: Sequence[Observe
     Returns
     -------
     Result
-        Its `status` says how the run ended; what a careful colleague would warn of is also given as Python warnings.
+        Its `status` says how the run ended; warnings about grid, domain, oil and inlet are also issued as Python
+        warnings, before the run where the case alone tells them.
 
     Raises ConfigError for anything else than a case, naming the argument or the field.
     """
+    case = as_case(case)
+    before = beforehand.warnings_of(case)
+    warn(before)  # of the caller of this function, which is decorated
     compiling.check_jax()
-    course = course_of(as_case(case))
+    course = course_of(case)
     gathering = Gathering(course)
     with progress_bar(course, progress) as shown:
         last = drive(course, [gathering, *shown, *observers])
     result = gathering.result(last)
-    warn_of(result)
+    warn([sentence for sentence in result.warnings if sentence not in before])
     return result
 
 
-def warn_of(result: Result) -> None:
-    """Issue the warnings of a run as Python warnings."""
-    for sentence in result.warnings:
-        warnings.warn(sentence, stacklevel=4)  # of the caller of a decorated function
+def warn(sentences: Sequence[str], frames: int = 2) -> None:
+    """Issue sentences about a run as Python warnings of the line so many frames above the caller's."""
+    for sentence in sentences:
+        warnings.warn(sentence, stacklevel=2 + frames)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.results.key_numbers import lines
+from ertel.results.kinds import as_now
 from ertel.results.scalars import Scalar, scalars
 from ertel.runs import progress_file
 from ertel.runs.directories import CASE, read_case
@@ -74,7 +75,7 @@ def summary_in(directory: Path) -> dict[str, Any] | None:
     if not lexists(path):
         return None
     with reading(path, "it is written again when the run is continued"):
-        found = unsealed(content_of(path))
+        found = as_now(unsealed(content_of(path)))
         Status(found["status"])
         if not all(isinstance(text, str) for text in (*lines(found), *found["warnings"])):
             raise ValueError("a warning is not a text")

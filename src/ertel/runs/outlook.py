@@ -7,9 +7,9 @@ import numpy as np
 from ertel.model import discretise
 from ertel.model.case import Case
 from ertel.results import diagnostics
-from ertel.results.parameters import parameter_summary
+from ertel.results.parameters import parameter_summary, rheology_of
 from ertel.results.summary import films
-from ertel.runs import duration, memory
+from ertel.runs import beforehand, duration, memory
 from ertel.solvers.radial import radii
 
 
@@ -19,10 +19,10 @@ def outlook(case: Case) -> dict[str, Any]:
     Returns
     -------
     dict
-        name, kind, method, digest; parameters, see `parameters.parameter_summary`; films of a rolling contact at T = 0
-        by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a), cells_in_sweep, and spacing_m of a
-        physical case; memory: needed and available bytes, None where that is not known; time: steps and seconds,
-        roughly; warnings.
+        name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
+        rolling contact at T = 0 by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a),
+        cells_in_sweep, and spacing_m of a physical case; memory: needed and available bytes, None where that is not
+        known; time: steps and seconds, roughly; warnings.
     """
     said = _resolution_warning(case)
     there, needed = memory.available(), memory.needed(case)
@@ -32,6 +32,7 @@ def outlook(case: Case) -> dict[str, Any]:
         "kind": case.kind,
         "method": case.solver.method,
         "digest": case.digest,
+        "rheology": rheology_of(case),
         "parameters": parameter_summary(case),
         "films": [film._asdict() for film in films(case, case.motion.load(0.0), case.motion.entrainment(0.0))],
         "grid": _grid(case),
@@ -44,7 +45,7 @@ def outlook(case: Case) -> dict[str, Any]:
 def _case_warnings(case: Case) -> list[str]:
     """Warnings that need no run; of friction as far as it is enough to know whether the surfaces slide."""
     some = 1e-9 if case.motion.slide_to_roll else 0.0
-    return [*diagnostics.case_warnings(case), *diagnostics.friction_warnings(case, some)]
+    return [*beforehand.warnings_of(case), *diagnostics.friction_warnings(case, some)]
 
 
 def _grid(case: Case) -> dict[str, float | int]:

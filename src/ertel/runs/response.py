@@ -7,7 +7,6 @@ the derivative of the run with respect to the height of the roughness (tangent-l
 Rolling over waviness of small height: the response of the steady film is periodic, and found without time steps.
 """
 
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf, pi
@@ -36,7 +35,7 @@ from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import LARGE_ERROR
 from ertel.runs import forks
 from ertel.runs.courses import METHODS, ImpactCourse
-from ertel.runs.drive import Gathering, Observer, drive
+from ertel.runs.drive import Gathering, Observer, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
 from ertel.solvers import harmonic, steady, tangent
 from ertel.solvers.harmonic import Wave
@@ -247,8 +246,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     data = data.assign(_oscillation("dP", PRESSURE_CHANGE, [film.whole(r.P) for r in found]))
     data = data.assign(dH_error=("wave", errors, ERROR))
     said = [diagnostics.steady_failure(case, film), *_error_warnings(data, film.grid.nodes)]
-    for sentence in filter(None, said):
-        warnings.warn(sentence, stacklevel=2)
+    warn([sentence for sentence in said if sentence])
     heights = np.stack([np.asarray(film.whole(wave.shape.real)) for wave in waves])
     return data.assign_coords(roughness=(("wave", "Y", "X"), heights, HEIGHT))
 

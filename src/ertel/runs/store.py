@@ -32,14 +32,17 @@ from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.numerics.precision import double_precision
+from ertel.results.kinds import as_now
 from ertel.results.result import Result
 from ertel.results.summary import attributes
-from ertel.runs import checked_zarr, compiling, directories, progress_file, stop_file
+from ertel.results.variables import one_number
+from ertel.runs import beforehand, checked_zarr, compiling, directories, progress_file, stop_file
 from ertel.runs.arrays import Data, advice_of, data_of
+from ertel.runs.beforehand import with_these
 from ertel.runs.courses import Course, Item, course_of
 from ertel.runs.directories import CASE as CASE
 from ertel.runs.directories import Taken as Taken
-from ertel.runs.drive import Observer, drive, warn_of
+from ertel.runs.drive import Observer, drive, warn
 from ertel.runs.files import Damaged as Damaged
 from ertel.runs.files import StoreError as StoreError
 from ertel.runs.files import checked, locked, reading, replace, sealed, unchecked, unsealed
@@ -232,7 +235,7 @@ class RunStore:
 
     def dataset(self) -> xr.Dataset:
         """The run as far as it has been written.  Raises Damaged."""
-        return checked_zarr.read(self._data, self._advice)
+        return one_number(checked_zarr.read(self._data, self._advice))
 
     def summary(self) -> dict[str, Any] | None:
         """The summary as it is stored, None where there is none yet.  Raises Damaged."""
@@ -244,7 +247,7 @@ class RunStore:
         with reading(path, "it is written again when the run is continued"):
             content = unsealed(text)
         self._require_own(SUMMARY, content.pop("digest", None))
-        return content
+        return as_now(content)
 
     def outcome(self) -> dict[str, Any] | None:
         """The summary of a run that has converged and is whole; None where there is something left to do."""
@@ -257,7 +260,7 @@ class RunStore:
 
     def summarise(self, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         """The summary of what is written, of which there must be something; work: compilations, wall_s."""
-        return self.course.summary(self.dataset(), self.item(), status, work)
+        return with_these(self.case, self.course.summary(self.dataset(), self.item(), status, work))
 
     def summary_so_far(self) -> dict[str, Any]:
         """The summary of a run that has not ended.  Raises StoreError where there is nothing yet."""
@@ -321,11 +324,13 @@ def run(case: CaseLike, directory: str | Path, progress: bool = False, observers
         raise StoreError(
             f"{directory}: holds another case ({directories.changes(store.case.to_data(), case.to_data())})"
         )
+    before = beforehand.warnings_of(case)
+    warn(before)
     if store.outcome() is None:
         with progress_bar(store.course, progress) as shown:
             compute(store, [*shown, *observers])
     result = store.result()
-    warn_of(result)
+    warn([sentence for sentence in result.warnings if sentence not in before])
     return result
 
 

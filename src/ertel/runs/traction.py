@@ -14,6 +14,7 @@ from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.ranges import Given
 from ertel.model import friction, heat
 from ertel.model.case import Case
+from ertel.model.estimates import newtonian_stress
 from ertel.model.heat import Heated
 from ertel.model.state import Rolling
 from ertel.model.status import Status
@@ -22,10 +23,12 @@ from ertel.results import diagnostics
 from ertel.results.curve_points import WORK, Point, assemble, point
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import TractionCurve
+from ertel.results.variables import with_coefficients
 from ertel.runs import compiling, forks
+from ertel.runs.beforehand import beyond
 from ertel.runs.courses import GridStep, SteadyCourse
 from ertel.runs.curves import Curve, Film, curve_of
-from ertel.runs.drive import Observer, drive
+from ertel.runs.drive import Observer, drive, warn
 from ertel.runs.progress import bars
 from ertel.runs.traction_store import CurveStore
 
@@ -81,7 +84,7 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
     """
     grids = Rolling(film.solutions)
     found = friction.steady(case, grids.finest)
-    numbers = friction.coefficients(found)
+    numbers = with_coefficients(friction.coefficients(found), case.scales)
     sliding, rolling = numbers["mu_sliding"], numbers["mu_rolling"]
     work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), grids.convolutions
     values = {
@@ -92,7 +95,7 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
         "tau_max": float(np.hypot(*np.asarray(found.stress)).max()),
         **dict(zip(WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
-    said, status = diagnostics.steady_warnings(case, film.solutions), film.status
+    said, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if case.thermal is not None and film.status.ok:
         warm = heat.of_solution(case, grids.finest)
         values |= _warm_values(case, values, warm)
@@ -105,13 +108,14 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
 
 def _warm_values(case: Case, cold: Mapping[str, float], warm: Heated) -> dict[str, float]:
     """What heat changes: the film by its inlet factor, the traction, and of the power loss the part of sliding."""
-    sliding, factor = float(warm.sliding[0]), warm.inlet.factor
-    less = (cold["mu_sliding"] - sliding) * case.motion.load(0.0) * case.motion.sliding(0.0)
+    unit = case.scales.a_over_R if case.scales else 1.0
+    sliding, factor = float(warm.sliding[0]) * unit, warm.inlet.factor
+    less = (cold["mu_sliding"] - sliding) / unit * case.motion.load(0.0) * case.motion.sliding(0.0)
     temperatures = {f"{name}_max": float(np.max(getattr(warm, name))) for name in ("T_1", "T_2", "T_film")}
     return {
         "mu_isothermal": cold["mu_sliding"],
         "mu_sliding": sliding,
-        "mu_sliding_y": float(warm.sliding[1]),
+        "mu_sliding_y": float(warm.sliding[1]) * unit,
         "mu_1": cold["mu_rolling"] + sliding,
         "mu_2": cold["mu_rolling"] - sliding,
         "power_loss": cold["power_loss"] - less,
@@ -172,6 +176,7 @@ def traction(
     TractionCurve
         It shows itself as a table; `dataset`, `plot()`, `to_csv(path)`.
 
+    What the case with the largest shear stress asks of the model beyond its range is a Python warning, before the run.
     Raises ConfigError, naming the argument, its value and what is allowed; StoreError where the directory holds
     something else.
 
@@ -184,6 +189,7 @@ def traction(
     compiling.check_jax()
     curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
     store = CurveStore.of(Path(directory), curve) if directory else None
+    warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
     with bars(progress) as shown:
         return run(curve, store, watched(shown, curve))
 

@@ -31,7 +31,7 @@ from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc, disc_weights
 from ertel.numerics.precision import require_double
-from ertel.numerics.programs import Compiled, Program
+from ertel.numerics.programs import Program
 from ertel.numerics.stencils import Pair
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
@@ -305,7 +305,6 @@ class RadialImpact(Method):
         self.start_approach = case.schedule.start_approach
         self.coordinates = {"r": np.asarray(self.mesh.r)}
         self.disc = Disc.of(self.coordinates["r"])
-        self._step: Compiled | None = None
 
     def start(self) -> State:
         """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
@@ -349,9 +348,8 @@ class RadialImpact(Method):
         return replace(new, record={**self.measure(new), **terms, **coefficients})
 
     def solve(self, problem: Problem) -> StepSolution:
-        """The step's solution, on this device; all steps of a run have one program."""
-        self._step = self._step or _step_program.ready(problem)
-        found: StepSolution = self._step(problem)
+        """The step's solution, on this device."""
+        found: StepSolution = _step_program(problem)
         return found
 
     def carried(self, level: State) -> float:

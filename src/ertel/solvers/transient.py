@@ -28,7 +28,7 @@ from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Even, check_grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import Elasticity
-from ertel.numerics.programs import Compiled, Program
+from ertel.numerics.programs import Program
 from ertel.numerics.symmetry import total, unfolded
 from ertel.physics.far_field import Motion
 from ertel.solvers import nonlinear, steady
@@ -122,7 +122,6 @@ class Transient2D(Method):
         self.closure = closure or NewtonsLaw.of(case.motion, self.geometry.hertz_load)
         elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
-        self._step: Compiled | None = None
         tolerance = case.solver.tolerance
         if not case.schedule.step:
             tolerance = min(tolerance, LARGEST_REST * case.schedule.tolerance)
@@ -201,7 +200,7 @@ class Transient2D(Method):
         )
         numbers = np.asarray(solution.numbers).tolist()
         found = dict(zip(NUMBERS, numbers, strict=False))
-        measured = self._named(numbers[len(NUMBERS) :], around.load)
+        measured = self._named(measure.named(self.grid, numbers[len(NUMBERS) :]), around.load)
         approach, n, k = found["approach"], int(found["newton"]), int(found["krylov"])
         velocity = self.closure.velocity(T, rates, approach, approaches)
         load = measured.pop("load")
@@ -225,20 +224,18 @@ class Transient2D(Method):
         return found if self.case.starts_apart else found._replace(velocity=0.0)
 
     def solve(self, problem: StepProblem) -> StepSolution:
-        """The step's solution, on this device; all steps of a run have one program."""
-        self._step = self._step or _step_program.ready(problem)
-        found: StepSolution = self._step(problem)
+        """The step's solution, on this device."""
+        found: StepSolution = _step_program(problem)
         return found
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
-        values = self._named(np.asarray(_measured(self.setting.axes, level.P, level.H)).tolist(), level.outside)
+        values = self._named(measure.measure(self.grid, level.P, level.H), level.outside)
         del values["load"]
         return values
 
-    def _named(self, numbers: Sequence[float], outside: float) -> dict[str, float]:
-        """The values of `Method.measure` and the load on the grid, from `measure.numbers`."""
-        values = measure.named(self.grid, numbers)
+    def _named(self, values: dict[str, float], outside: float) -> dict[str, float]:
+        """The values of `Method.measure`, and the load on the grid, from those of `measure.measure`."""
         values["F"] = (values["load"] + outside) / self.geometry.hertz_load
         if self.case.is_axisymmetric:
             for X, Y in (("X_min", "Y_min"), ("X_P_max", "Y_P_max")):
@@ -326,6 +323,3 @@ def _numbers(p: StepProblem, rate: Rate, s: newton.Solution, fields: Mapping[str
 
 def _weighted(weights: Weights, fields: Sequence[Array]) -> Array:
     return jnp.tensordot(jnp.asarray(weights), jnp.stack(fields), axes=1)
-
-
-_measured = jax.jit(measure.numbers)

@@ -243,14 +243,13 @@ SLIDING = rolling(
 
 def test_friction_in_time_shows_stress_loss_and_coefficients():
     data = in_time(SLIDING)
-    data["mu_sliding"][:], data["mu_rolling"][:], data["power_loss"][:] = 4.0, 0.05, 1.5
+    data["mu_sliding"][:], data["mu_rolling"][:], data["power_loss"][:] = 0.04, 0.0005, 1.5
     stress, loss, coefficients, power = panels(plots.friction(data, at=2.0))[:4]
     assert stress.get_title().startswith("Shear stress, a line every ") and stress.get_title().endswith(" MPa")
     assert loss.get_title().endswith(" W/mm²")
-    mu = C1.a / C1.R
-    assert labelled(coefficients, "traction coefficient").get_ydata()[-1] == pytest.approx(4.0 * mu)
+    assert labelled(coefficients, "traction coefficient").get_ydata()[-1] == pytest.approx(0.04)
     right = right_of(coefficients.figure, coefficients)
-    assert labelled(right, "rolling resistance coefficient").get_ydata()[-1] == pytest.approx(0.05 * mu)
+    assert labelled(right, "rolling resistance coefficient").get_ydata()[-1] == pytest.approx(0.0005)
     watt = labelled(power, "power loss").get_ydata()[-1]
     assert watt == pytest.approx(1.5 * C1.power * (1e3 if "mW" in power.get_ylabel() else 1.0))
 

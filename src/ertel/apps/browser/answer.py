@@ -12,7 +12,9 @@ SCALES = {  # of `parameter_summary`: key, label, unit
     "delta_m": ("Hertz' approach", "m"),
     "F_N": ("load", "N"),
     "contact_time_s": ("dry contact time", "s"),
-    "trapped_film_m": ("scale of the trapped film", "m"),
+    "trapped_film_m": ("film at which a rigid ball stops", "m"),
+    "h_c_least_m": ("central film, at least about", "m"),
+    "h_c_most_m": ("central film, at most about", "m"),
 }
 
 

@@ -17,7 +17,7 @@ from ertel.inputs.messages import ConfigError
 from ertel.inputs.quantities import parse_quantity
 from ertel.model.records import show
 from ertel.physics.fluidity import Carreau
-from ertel.physics.materials import Elasticity, Material
+from ertel.physics.materials import Elasticity, Material, Strength
 from ertel.physics.oils import LimitingStress, NamedOil, Sourced, ThermalData
 from ertel.physics.pressure_rules import DoolittleOfTemperature, ModulusOfTemperature, PowerOfViscosity, SoKlaus
 from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, Vogel, Walther
@@ -42,6 +42,7 @@ OIL_TABLES: Mapping[str, tuple[str, Any]] = {  # table of an oil's file: field o
 MATERIAL_TABLES: Mapping[str, tuple[str, Any]] = {
     "elasticity": ("elasticity", Elasticity),
     "thermal": ("thermal", ThermalData),
+    "strength": ("strength", Strength),
 }
 HOTTER_THAN_ANY = 1e4  # K
 UNITS = "degC|°C|degree_Celsius|K|kelvin"  # also as pint writes them
