@@ -531,6 +531,12 @@ REFUSED: list[Refusal] = [
     (impact(), {"solver": Solver(nodes=8193)}, "solver.nodes = 8193: must be less than or equal to 4097"),
     (impact(), {"solver": Solver(half_width=1.0)}, "solver.half_width = 1.0: must be greater than 1"),
     (impact(), {"solver": Solver(half_width_y=1.0)}, "solver.half_width_y = 1.0: must be greater than 1"),
+    # is lengthened for multigrid, and could not be read again
+    (
+        rolling(),
+        {"solver": replace(SOLVERS["steady"], half_width=560.4, half_width_y=999.0)},
+        "solver.half_width_y = 1120.8: must be less than or equal to 1000",
+    ),
     (impact(), {"solver": Solver(tolerance=0.0)}, "solver.tolerance = 0.0: must be greater than 0"),
     (
         STEADY,

@@ -14,11 +14,15 @@ from kills import Known, Outcome, Trial, judged
 from kinds import Kind
 
 from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.processes import Processes, summary_of
+from ertel.apps.browser.processes import Processes
+from ertel.apps.browser.records import fault_of, summary_of
+from ertel.runs.checked_zarr import ROOT
 from ertel.runs.listing import listed
 
 SUMMARY = "summary.json"
-WAYS = {"bit flipped": 0.9, "cut short": 0.05, "deleted": 0.05}
+WAYS = {"bit flipped": 0.8, "cut short": 0.05, "deleted": 0.05, "replaced": 0.1}
+OTHERS = (b"", b"null", b"[]", b"{}", b'"text"', b"[{}]", b"1e999", b"\xff\xfe\x00", b"[" * 50_000, b"{" * 50_000)
+FEW = (".json", ".toml", ".npz", ".npy", ".csv")  # files outside the many of the arrays, as often as all of those
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ def looked(place: Path) -> dict[str, str]:
     folder = Folder.at(place)
     processes, found = Processes(folder), {}
     for path in folder.runs():
-        processes.standing(path)
+        _ = processes.standing(path), fault_of(path)
         about, summary = f"app, {folder.name_of(path)}", summary_of(path)
         found[about] = json.dumps(plain(summary)) if summary else ""
     for run in listed(place):
@@ -105,12 +109,17 @@ def damage(run: Path, how: str, dice: random.Random) -> str:
     if how == "deleted":
         # without its summary a run is one that was killed before its end
         files = [file for file in files if file.name != SUMMARY]
-    file = dice.choice(files)
+    few = [file for file in files if file.suffix in FEW and file.name != ROOT]
+    file = dice.choice(few if how == "replaced" or dice.random() < 0.5 else files)
     name, content = file.relative_to(run), bytearray(file.read_bytes())
     bit = dice.randrange(8 * len(content))
     if how == "deleted":
         file.unlink()
         return f"{name} deleted"
+    if how == "replaced":
+        other = dice.choice(OTHERS)
+        file.write_bytes(other)
+        return f"{name} replaced by {other[:20]!r}"
     if how == "cut short":
         file.write_bytes(content[: bit // 8])
         return f"{name} cut to {bit // 8} of {len(content)} bytes"

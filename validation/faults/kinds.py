@@ -10,7 +10,6 @@ import gc
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -137,19 +136,18 @@ def record(chosen: dict[str, Kind]) -> None:
     """Run everything once, also in two parts, and remember all solves."""
     jax.config.update("jax_cpu_enable_async_dispatch", False)  # a child by fork has not the threads of its parent
     programs: dict[Program, Remembered] = {}
-    compute_it = Program.__call__
+    compiled_of = Program.ready
 
-    def remembered(program: Program, *arguments: Any) -> Any:
-        return programs.setdefault(program, Remembered(partial(compute_it, program)))(*arguments)
+    def ready(program: Program, *arguments: Any) -> Remembered:
+        return programs.setdefault(program, Remembered(lambda *given: compiled_of(program, *given)(*given)))
 
-    Program.__call__ = remembered  # type: ignore[method-assign, assignment]
+    Program.ready = ready  # type: ignore[method-assign, assignment]
+    forks.check = lambda: None  # the children compute nothing for which JAX needs its threads
     with TemporaryDirectory() as scratch:
         for kind in chosen.values():
             for number, case in enumerate(kind.cases()):
                 _compute(case, Path(scratch) / f"{kind.name}-{number}", "--error" in kind.flags)
     Remembered.recording = False
-    forks.check = lambda: None  # the children compute nothing
-    Program.ready = lambda program, *arguments: None  # type: ignore[method-assign, assignment]
     gc.collect()
     gc.freeze()  # or each child would look through all of it, and so copy it
 

@@ -126,7 +126,7 @@ class Case:
             object.__setattr__(self, "solver", replace(self.solver, inlet=None))
         if self.solver.method != "radial" and self.solver.nodes > 1:
             across = extents.half_width_y(self.solver, self.geometry)
-            object.__setattr__(self, "solver", replace(self.solver, half_width_y=across))
+            object.__setattr__(self, "solver", checked(replace(self.solver, half_width_y=across), "solver"))
         if not self.is_steady:
             given = self.time or Time()
             start = START_APPROACH if given.start_approach is None and self.starts_apart else given.start_approach
