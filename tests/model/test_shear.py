@@ -13,7 +13,6 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad_vec
 from scipy.optimize import root
 
-from ertel.model import shear as model_shear
 from ertel.model.pytrees import traceable_law
 from ertel.model.shear import LIMIT, Shear, dissipation, secant_mobility, shear, tangent_mobility
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
@@ -120,8 +119,7 @@ def test_carreau_in_one_dimension(B: float, factors: list, stresses: list, monke
     Sigma = np.array([0.01, 0.5, 1.0, 2.0, 4.0])
     args = [[B, 0.0]] * 5, [[2.0 * S, 0.0] for S in Sigma]
     quick = flow(CARREAU, *args)
-    monkeypatch.setattr(model_shear, "NODES", 40)
-    monkeypatch.setattr(sys.modules[__name__], "FLOW", jax.jit(lambda *arguments: shear(*arguments)))
+    monkeypatch.setattr(sys.modules[__name__], "FLOW", jax.jit(lambda *arguments: shear(*arguments, across=40)))
     exact = flow(CARREAU, *args)
     for found, near in ((exact, 0.0), (quick, np.array([0.0, 0.0, 3e-6, 6e-5, 4e-4]))):
         assert np.all(np.abs(6.0 * np.asarray(found.flux[0]) / Sigma / factors - 1.0) <= near + 6e-7)

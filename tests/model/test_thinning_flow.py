@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 
 from ertel.model.contact import NEWTONIAN_FLOW, Contact, ball_on_plane
 from ertel.model.pytrees import traceable_law
+from ertel.model.shear import NODES
 from ertel.model.thinning import ThinningFlow
 from ertel.numerics import stencils
 from ertel.numerics.grid import Even, Grid
@@ -25,7 +26,7 @@ jax.config.update("jax_enable_x64", True)
 OIL = Lubricant(Roelands(5.0, 0.67, 5.0), DowsonHigginson(1.6))
 EYRING, NEWTON = ReeEyring(0.05), NewtonianOil()
 GAIN = jax.jit(lambda c, P, H: c.flow.gain(c, P, H))
-MOBILITY = jax.jit(lambda c, P, H: c.flow.mobilities(c, P, H).secant)
+MOBILITY = jax.jit(lambda c, P, H: c.flow.mobilities(c, P, H, NODES).secant)
 DETAILS = jax.jit(lambda c, P, H, sliding, plane: c.flow.details(c, P, H, sliding, plane))
 
 

@@ -42,6 +42,7 @@ NODES = 8  # across the film, even
 SPREAD = 10.0  # growth of ln(phi) towards a wall over half the film at which the nodes begin to move to the walls
 PLAIN = 1e-6  # a spread that stands for none
 TOLERANCE = 1e-7  # of the last change of tau_m in units of the stress at the walls; the error is about its square
+CLOSE = 1e-3  # a change after which the next one is the last
 LIMIT = 40  # of Newton iterations
 
 
@@ -57,15 +58,15 @@ class Shear(NamedTuple):
     iterations: Array
 
 
-def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> Shear:
-    """The mid-plane stress and the flux.
+def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, across: int = NODES) -> Shear:
+    """The mid-plane stress and the flux, by a number of nodes across the film.
 
     pressure: in Pa, shape (...).  sliding: s = eta (u1 - u2)/h in Pa, the mid-plane stress of a Newtonian oil, shape
     (2, ...).  gradient: g = h grad p in Pa, shape (2, ...).  All finite; differentiable (forward and reverse) in all of
     them and in the numbers of the law, which must be a JAX pytree (`pytrees.traceable_law`).
     """
     law_, *fields = jax.lax.stop_gradient((law, pressure, sliding, gradient))
-    stress, nodes, iterations = in_blocks(partial(_solved, law_), pressure.shape, *fields)
+    stress, nodes, iterations = in_blocks(partial(_solved, law_, across), pressure.shape, *fields)
     return Shear(*_attached((law, pressure), sliding, gradient, stress, nodes), jnp.max(iterations))
 
 
@@ -82,7 +83,7 @@ class Mobility(NamedTuple):
     yy: Array
 
 
-def secant_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Array) -> Mobility:
+def secant_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Array, across: int = NODES) -> Mobility:
     """The tensor K with Q = K g/12 and the axes of the stress: smaller across tau_m, larger along it.
 
         K/12 = S_2 + tau_m tau_m S_1/(tau_m . g)
@@ -90,16 +91,16 @@ def secant_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Arra
     It has a limit where tau_m . g = 0.  In a small gradient it is phi across and d(phi tau)/dtau along tau_m.  The
     off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
     """
-    mobility: Mobility = in_blocks(partial(_secant, law), pressure.shape, pressure, found.stress, gradient)
+    mobility: Mobility = in_blocks(partial(_secant, law, across), pressure.shape, pressure, found.stress, gradient)
     return mobility
 
 
-def _secant(law: Fluidity, pressure: Array, t: Array, gradient: Array) -> Mobility:
-    zeta, weight = jax.lax.stop_gradient(_nodes(law, pressure, t, gradient))  # where they lie has no influence
+def _secant(law: Fluidity, across: int, pressure: Array, t: Array, gradient: Array) -> Mobility:
+    zeta, weight = jax.lax.stop_gradient(_nodes(law, across, pressure, t, gradient))  # where they lie has no influence
     phi, slope = _both(law, pressure, t, gradient, zeta)
-    across = dot(t, gradient)
+    along_it = dot(t, gradient)
     # |tau+|^2 - |tau-|^2 = 4 zeta tau_m . g; where it is too small for a quotient, the mean slope by |tau|^2 serves
-    difference = 4.0 * zeta * across
+    difference = 4.0 * zeta * along_it
     size = square(t)[None] + zeta**2 * square(gradient)[None]
     apart = jnp.abs(difference) > 1e-6 * size
     quotient = (phi[0] - phi[1]) / jnp.where(apart, difference, 1.0)
@@ -109,9 +110,9 @@ def _secant(law: Fluidity, pressure: Array, t: Array, gradient: Array) -> Mobili
     return Mobility(even + along * t[0] ** 2, along * t[0] * t[1], even + along * t[1] ** 2)
 
 
-def tangent_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Array) -> Mobility:
+def tangent_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Array, across: int = NODES) -> Mobility:
     """The tensor dQ/dg times 12 at constant sliding, positive definite: of the flux's exact derivative."""
-    nodes = in_blocks(partial(_nodes, law), pressure.shape, pressure, found.stress, gradient)
+    nodes = in_blocks(partial(_nodes, law, across), pressure.shape, pressure, found.stress, gradient)
     by_gradient = _derivative((law, pressure), found.stress, gradient, nodes).by_gradient
     return Mobility(*(12.0 * component for component in by_gradient))
 
@@ -121,7 +122,7 @@ def tangent_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Arr
 Nodes = tuple[Array, Array]  # zeta > 0 and weight of each pair, shape (NODES/2, ...)
 
 
-def _nodes(law: Fluidity, pressure: Array, stress: Array, gradient: Array) -> Nodes:
+def _nodes(law: Fluidity, across: int, pressure: Array, stress: Array, gradient: Array) -> Nodes:
     """Gauss nodes for the middle stress and gradient, near the walls where the fluidity grows steeply there.
 
     zeta = asinh(z sinh c)/(2 c) with Gauss nodes z in (-1, 1): Gauss's own for c = 0.  c grows with the rate of growth
@@ -131,14 +132,14 @@ def _nodes(law: Fluidity, pressure: Array, stress: Array, gradient: Array) -> No
     phi, slope = _fluidity(law, pressure, length(wall))
     growth = slope / phi * jnp.abs(dot(wall, gradient)) / 2.0
     c = jnp.maximum(growth / SPREAD, PLAIN)[None]
-    z, w = _gauss(pressure.ndim)
+    z, w = _gauss(across, pressure.ndim)
     moved = z * jnp.sinh(c)
     return jnp.asinh(moved) / (2.0 * c), w * jnp.sinh(c) / (2.0 * c * jnp.sqrt(1.0 + moved**2))
 
 
-def _gauss(ndim: int) -> tuple[Any, Any]:
+def _gauss(across: int, ndim: int) -> tuple[Any, Any]:
     """Gauss's nodes in (0, 1) and weights, for fields of so many dimensions."""
-    z, weight = (both[NODES // 2 :].reshape(-1, *[1] * ndim) for both in np.polynomial.legendre.leggauss(NODES))
+    z, weight = (both[across // 2 :].reshape(-1, *[1] * ndim) for both in np.polynomial.legendre.leggauss(across))
     return z, weight
 
 
@@ -205,7 +206,7 @@ def _tensor(s: Array, r0: Array, r1: Array, r2: Array, t: Array, g: Array) -> Te
 class _Iterate(NamedTuple):
     """The best tau_m so far, the change to try next, and the size of the residual there, at every node.
 
-    left: the largest change to try in units of the stress at the walls.
+    left: above one where the iteration is not yet done.
     """
 
     stress: Array
@@ -215,7 +216,7 @@ class _Iterate(NamedTuple):
     iterations: Array
 
 
-def _solved(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> tuple[Array, Nodes, Array]:
+def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradient: Array) -> tuple[Array, Nodes, Array]:
     """tau_m, the nodes of its integrals, and the number of iterations, the same at each point.
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
@@ -223,12 +224,12 @@ def _solved(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> 
     tau_m itself.  In other directions F is the largest fluidity of the resting film; the first guess, psi(s/F),
     is then rather too small than too large.
     """
-    resting = _resting(law, pressure, gradient)
+    resting = _resting(law, across, pressure, gradient)
     aim, _ = _bent(law, pressure, sliding / resting)
-    nodes = _nodes(law, pressure, aim, gradient)
+    nodes = _nodes(law, across, pressure, aim, gradient)
 
     def unsolved(it: _Iterate) -> Array:
-        return (it.left > TOLERANCE) & (it.iterations < LIMIT)
+        return (it.left > 1.0) & (it.iterations < LIMIT)
 
     def improve(it: _Iterate) -> _Iterate:
         """Try the change; where it does not reduce the residual, try half of it next."""
@@ -239,7 +240,9 @@ def _solved(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> 
         better = residual < it.residual
         change = jnp.where(better, divided(A, resting * unbent(aim - now)), 0.5 * it.change)
         stress = jnp.where(better, t, it.stress)
-        left = jnp.max(length(change) / (length(stress) + length(gradient)))
+        wall = length(stress) + length(gradient)
+        tried = jnp.where(better & (it.iterations > 0), length(it.change), jnp.inf)
+        left = jnp.max(jnp.minimum(length(change) / TOLERANCE, tried / CLOSE) / wall)
         return _Iterate(stress, change, jnp.where(better, residual, it.residual), left, it.iterations + 1)
 
     far = jnp.full_like(pressure, jnp.inf)
@@ -248,9 +251,9 @@ def _solved(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> 
     return last.stress + last.change, nodes, jnp.full(pressure.shape, last.iterations)
 
 
-def _resting(law: Fluidity, pressure: Array, gradient: Array) -> Array:
+def _resting(law: Fluidity, across: int, pressure: Array, gradient: Array) -> Array:
     """The integral of d(phi tau)/dtau along the gradient, without sliding: (sinh Sigma)/Sigma for Eyring's law."""
-    z, weight = _gauss(pressure.ndim)
+    z, weight = _gauss(across, pressure.ndim)
     size = 0.5 * z * length(gradient)
     phi, slope = _fluidity(law, pressure, size)
     resting: Array = jnp.sum(weight * (phi + slope * size**2), axis=0)

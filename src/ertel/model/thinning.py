@@ -20,13 +20,14 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.model.contact import NEWTONIAN_FLOW, Contact, Details, Mobilities, opened
-from ertel.model.shear import Mobility, Shear, secant_mobility, shear, tangent_mobility
+from ertel.model.shear import NODES, Mobility, Shear, secant_mobility, shear, tangent_mobility
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, central_slopes, to_x_faces, to_y_faces
 from ertel.numerics.symmetry import extended
 from ertel.physics.fluidity import Fluidity, carried
 
 Number = Array | float
+ROUGHLY = 4  # nodes across the film for the preconditioner
 LARGEST_FACTOR = 1e9  # of a mobility by thinning, in the preconditioner, which computes in single precision
 
 
@@ -68,29 +69,31 @@ class ThinningFlow:
             self._secant(contact, P, H, found, gradient),
         )
 
-    def mobilities(self, contact: Contact, P: Array, H: Array) -> Mobilities:
+    def mobilities(self, contact: Contact, P: Array, H: Array, across: int = ROUGHLY) -> Mobilities:
         """The mobilities at the nodes for the preconditioner: what couples X and Y is left out."""
         slope = jax.lax.stop_gradient(_slope(contact, P))
-        found, gradient = self._shear(contact, P, H, contact.lubricant.viscosity(P), slope)
+        found, gradient = self._shear(contact, P, H, contact.lubricant.viscosity(P), slope, across)
         eps = NEWTONIAN_FLOW.mobility(contact, P, H).x
-        tangent = tangent_mobility(self.law, self.p_h * P, found, gradient)
-        return Mobilities(self._secant(contact, P, H, found, gradient), _thinned(eps, tangent))
+        tangent = tangent_mobility(self.law, self.p_h * P, found, gradient, across)
+        return Mobilities(self._secant(contact, P, H, found, gradient, across), _thinned(eps, tangent))
 
-    def _secant(self, contact: Contact, P: Array, H: Array, found: Shear, gradient: Array) -> Pair:
+    def _secant(self, contact: Contact, P: Array, H: Array, found: Shear, gradient: Array, across: int = NODES) -> Pair:
         """The mobilities at the nodes from the flow across the film there."""
-        factor = secant_mobility(self.law, self.p_h * P, found, gradient)
+        factor = secant_mobility(self.law, self.p_h * P, found, gradient, across)
         return _thinned(NEWTONIAN_FLOW.mobility(contact, P, H).x, factor)
 
     def _force(self, found: Shear, film: Array) -> Array:
         """G, shape (2, ...), from the flow across a film of the thickness given."""
         return 12.0 * found.flux / (opened(film) * self.unit)
 
-    def _shear(self, contact: Contact, P: Array, film: Array, viscosity: Array, slope: Array) -> tuple[Shear, Array]:
+    def _shear(
+        self, contact: Contact, P: Array, film: Array, viscosity: Array, slope: Array, across: int = NODES
+    ) -> tuple[Shear, Array]:
         """The flow across the film, and H grad P in Pa."""
         H = opened(film)
         gradient = H * slope * self.unit
         along_x = contact.lambda_bar * viscosity * self.sliding / (12.0 * H) * self.unit
-        return shear(self.law, self.p_h * P, jnp.stack([along_x, jnp.zeros_like(along_x)]), gradient), gradient
+        return shear(self.law, self.p_h * P, jnp.stack([along_x, jnp.zeros_like(along_x)]), gradient, across), gradient
 
 
 class _Faces(NamedTuple):
