@@ -164,7 +164,7 @@ def _check_differing(what: str, values: Sequence[Any]) -> None:
 
 
 def _hashable(value: Any) -> Any:
-    """What equals its like among other values if and only if the value does; a set of 10^4 is looked through at once."""
+    """What equals its like among other values where the value does; a set finds it at once."""
     if isinstance(value, Mapping):
         return dict, frozenset((key, _hashable(item)) for key, item in value.items())
     if isinstance(value, list):
