@@ -151,7 +151,8 @@ def law_of(data: Any, laws: Registry, place: str) -> Any:
 
 def checked_law(law: T, place: str) -> T:
     """The same law of shear thinning; see `checked`, also for a law inside of it."""
-    for name in law_fields(type(law)):
+    kind: Any = type(law)
+    for name in law_fields(kind):
         checked_law(getattr(law, name), f"{place}.{name}")
     return checked(law, place)
 
