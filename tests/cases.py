@@ -18,6 +18,7 @@ from ertel.model.state import Method, State
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature
+from ertel.runs import files
 from ertel.runs.courses import ImpactCourse, RollingCourse
 from ertel.runs.drive import drive
 from ertel.runs.stepping import Step
@@ -96,6 +97,9 @@ def ertel_(*arguments: str, code: int = 0) -> Any:
     result = CliRunner().invoke(app, list(arguments), catch_exceptions=False)
     assert result.exit_code == code, result.output
     return result
+
+
+LEFT = {files.LOCK} if files.fcntl else set()  # in each directory that was locked
 
 
 def names(directory: Path) -> set[str]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cases import ertel_, names
+from cases import LEFT, ertel_, names
 
 from ertel.runs import traction_store
 
@@ -24,7 +24,7 @@ alpha = "20 / GPa"
 [solver]
 nodes = 33
 """
-FILES = {"case.toml", "traction.json", "traction.csv", "traction.png"}
+FILES = LEFT | {"case.toml", "traction.json", "traction.csv", "traction.png"}
 
 
 @pytest.fixture

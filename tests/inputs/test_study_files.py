@@ -1,5 +1,8 @@
 """Studies: which values vary, in which order, and what is refused."""
 
+from cProfile import Profile
+from pstats import Stats
+
 import pytest
 
 from ertel.inputs.coordinates import coordinates
@@ -146,3 +149,49 @@ def test_other_units_at_the_ends_are_refused():
 def test_a_wrong_section_is_named(sweep, message):
     with pytest.raises(ConfigError, match=message):
         parse_study({**moes(M=[100, 200], L=[5, 10, 20]), "sweep": sweep})
+
+
+# -- many values ------------------------------------------------------------------------------------------------------
+
+
+def calls_for(values):
+    """The number of function calls that a study of so many values takes."""
+    data = moes(M=[100.0 + value for value in range(values)], L=[5, 10])
+    with Profile() as profile:
+        parse_study(data)
+    return Stats(profile).total_calls
+
+
+def test_the_work_grows_with_the_number_of_values():
+    """All values were copied for each case: with four times as many values reading took 7 times as long, then 16."""
+    calls_for(2)
+    assert calls_for(200) < 4.4 * calls_for(50)
+
+
+def test_each_value_is_not_compared_with_all_others():
+    compared = []
+
+    class Number(float):
+        __hash__ = float.__hash__
+
+        def __eq__(self, other):
+            compared.append(other)
+            return float(self) == other
+
+    with pytest.raises(ConfigError, match=r"M = -500.0: must be"):
+        parse_study(moes(M=[Number(value) for value in range(-500, 0)]))
+    assert len(compared) < 5 * 500
+
+
+def test_values_of_all_kinds_must_differ():
+    waves = [{"law": "carreau", "n": 0.5}, {"n": 0.5, "law": "carreau"}]
+    for same in (waves, [[[0, 1], [1, 2]], [[0, 1.0], [1, 2]]], ["1 MPa", "1 MPa"]):
+        with pytest.raises(ConfigError, match=r"solver.method = .*: the values must differ from each other"):
+            parse_study({"contact": {"M": 200, "L": 10}, "solver": {"method": same}})
+    with pytest.raises(ConfigError, match=r"^solver.method"):
+        parse_study({"contact": {"M": 200, "L": 10}, "solver": {"method": [{1, 2}, {1, 2}]}})
+
+
+def test_the_number_of_cases_is_limited():
+    with pytest.raises(ConfigError, match="the study has 10001 cases; must be at most 10000"):
+        parse_study(moes(M=list(range(1, 10_002))))

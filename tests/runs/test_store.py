@@ -330,3 +330,14 @@ def test_nothing_computed_yet(tmp_path, case):
     assert run.dataset().sizes["time"] == 0
     with pytest.raises(StoreError, match="nothing is computed yet"):
         run.summary_so_far()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a POSIX system")
+@pytest.mark.parametrize("name", ["summary.json", "checkpoint.npz"])
+def test_a_pipe_is_not_waited_for(tmp_path, case, name):
+    """Reading it would never end."""
+    run = RunStore.create(tmp_path / "run", case)
+    os.mkfifo(tmp_path / "run" / name)
+    read = run.summary if name == "summary.json" else run.item
+    with pytest.raises(OSError, match=f"not a regular file: .*{name}"):
+        read()

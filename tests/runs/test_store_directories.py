@@ -2,6 +2,10 @@
 
 import errno
 import os
+import shutil
+import signal
+import subprocess
+import sys
 import threading
 import warnings
 from pathlib import Path
@@ -133,7 +137,9 @@ def test_those_who_ask_for_the_lock_are_in_nobodys_way(tmp_path):
     """Neither of others who ask, nor of a run that begins just then."""
     fcntl = pytest.importorskip("fcntl")
     assert not files.is_locked(tmp_path) and not files.is_locked(tmp_path / "none")
-    asking = os.open(tmp_path, os.O_RDONLY)
+    assert not (tmp_path / files.LOCK).exists()
+    (tmp_path / files.LOCK).touch()
+    asking = os.open(tmp_path / files.LOCK, os.O_RDONLY)
     fcntl.flock(asking, fcntl.LOCK_SH)  # what `is_locked` does
     assert not files.is_locked(tmp_path)
     threading.Timer(0.05, os.close, [asking]).start()
@@ -141,7 +147,120 @@ def test_those_who_ask_for_the_lock_are_in_nobodys_way(tmp_path):
         assert files.is_locked(tmp_path)
 
 
-@pytest.mark.skipif(files.fcntl is None, reason="no locks on this system")
+needs_locks = pytest.mark.skipif(files.fcntl is None, reason="no locks on this system")
+TRY = """
+import fcntl, os, sys
+handle = os.open(sys.argv[1], os.O_RDONLY)
+try:
+    fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+except BlockingIOError:
+    print("refused")
+else:
+    print("taken")
+"""
+DIES = """
+import os, pathlib, sys
+from ertel.runs import files
+with files.locked(pathlib.Path(sys.argv[1])):
+    os.kill(os.getpid(), 9)
+"""
+
+
+def locking(path):
+    """What another process gets that asks for the lock of a file or a directory."""
+    return subprocess.run([sys.executable, "-c", TRY, path], capture_output=True, text=True, check=True).stdout.strip()
+
+
+@needs_locks
+def test_a_file_is_locked(tmp_path):
+    """NFS does not pass the lock of a directory to the server, so that other machines did not see it."""
+    run = RunStore.create(tmp_path / "run", CASE)
+    assert not (tmp_path / "run" / files.LOCK).exists()
+    with run.alone():
+        assert locking(tmp_path / "run" / files.LOCK) == "refused"
+        assert locking(tmp_path / "run") == "taken"
+    assert locking(tmp_path / "run" / files.LOCK) == "taken"
+
+
+@needs_locks
+def test_a_locked_directory_is_in_nobodys_way(tmp_path):
+    directory = os.open(tmp_path, os.O_RDONLY)
+    files.fcntl.flock(directory, files.fcntl.LOCK_EX)
+    assert not files.is_locked(tmp_path)
+    with files.locked(tmp_path):
+        assert files.is_locked(tmp_path)
+    os.close(directory)
+
+
+@needs_locks
+def test_the_file_is_not_the_lock(tmp_path):
+    """A process that was killed leaves it behind, and a copy of the run has one."""
+    with files.locked(tmp_path):
+        copy = Path(shutil.copytree(tmp_path, tmp_path / "copy"))
+        assert files.is_locked(tmp_path) and not files.is_locked(copy)
+    killed = subprocess.run([sys.executable, "-c", DIES, copy], capture_output=True)
+    assert killed.returncode == -signal.SIGKILL
+    assert (copy / files.LOCK).exists() and not files.is_locked(copy)
+    inode = (copy / files.LOCK).stat().st_ino
+    with files.locked(copy):
+        assert files.is_locked(copy)
+    assert (copy / files.LOCK).stat().st_ino == inode and (copy / files.LOCK).read_bytes() == b""
+
+
+@needs_locks
+def test_asking_keeps_the_lock_of_this_process(tmp_path):
+    """A lock of `lockf` would be lost here."""
+    with files.locked(tmp_path):
+        assert files.is_locked(tmp_path)
+        (tmp_path / files.LOCK).read_bytes()
+        assert locking(tmp_path / files.LOCK) == "refused"
+
+
+@needs_locks
+@pytest.mark.parametrize("make", [os.mkfifo, os.mkdir, lambda path: path.symlink_to("other")])
+def test_something_else_in_the_place_of_the_lock(tmp_path, make):
+    """A pipe must not be waited for, and a link not followed."""
+    run = RunStore.create(tmp_path / "run", CASE)
+    make(tmp_path / "run" / files.LOCK)
+    assert not files.is_locked(tmp_path / "run")
+    with pytest.raises(StoreError, match=r"run/.lock: is no regular file, so that .* delete it$"), run.alone():
+        pytest.fail("not locked")
+    assert not (tmp_path / "run" / "other").exists()
+
+
+@needs_locks
+@pytest.mark.parametrize("kept", [False, True])
+def test_a_directory_that_may_only_be_read(tmp_path, monkeypatch, kept):
+    """It is asked as others are.  Whoever computes there all the same is warned, unless the lock file can be read."""
+    if kept:
+        (tmp_path / files.LOCK).touch()
+    system = os.open
+
+    def read_only(path, flags, mode=0o777, **options):
+        if flags & (os.O_RDWR | os.O_CREAT):
+            raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(path))
+        return system(path, flags, mode, **options)
+
+    monkeypatch.setattr(os, "open", read_only)
+    assert not files.is_locked(tmp_path)
+    with warnings.catch_warnings(record=True) as said, files.locked(tmp_path):
+        assert files.is_locked(tmp_path) is kept
+    assert [f"{tmp_path}: cannot be locked (read-only file system)" in str(each.message) for each in said] == (
+        [] if kept else [True]
+    )
+
+
+@needs_locks
+def test_a_lock_file_that_cannot_be_made(tmp_path, monkeypatch):
+    def full(*arguments):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "open", full)
+    with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)), files.locked(tmp_path):
+        pytest.fail("not locked")
+
+
+@needs_locks
 @pytest.mark.parametrize("number", [errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EBADF])
 def test_a_file_system_without_locks(tmp_path, monkeypatch, number):
     def flock(handle, operation):

@@ -16,8 +16,7 @@ A list of signals makes these vary.  Tables (of an oscillation, of a law, of a d
 whole unless they stand in a list; each value in them may.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from copy import deepcopy
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import prod
@@ -99,7 +98,7 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
     """
     data = plain_data(data)
     mode = _mode(data.get(SWEEP, {}))
-    plain = deepcopy({key: value for key, value in data.items() if key != SWEEP})
+    plain = {key: value for key, value in data.items() if key != SWEEP}
     axes = tuple(_axes(plain))
     for axis in axes if mode == "product" else ():
         _check_differing(axis.field, axis.values)
@@ -110,7 +109,8 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
             "varies"
         )
     cases = tuple(_case(plain, axes, values, folder) for values in _combinations(axes, mode))
-    return Study(cases[0].name or cases[0].kind, mode, axes, cases, _with_values(plain, axes, _first(axes)))
+    _put(plain, axes, [axis.values[0] for axis in axes])
+    return Study(cases[0].name or cases[0].kind, mode, axes, cases, plain)
 
 
 def _mode(section: Any) -> str:
@@ -159,8 +159,17 @@ def _is_signal(place: Place, value: Sequence[Any]) -> bool:
 
 
 def _check_differing(what: str, values: Sequence[Any]) -> None:
-    if any(value in values[:number] for number, value in enumerate(values)):
+    if len({_hashable(value) for value in values}) < len(values):
         raise ConfigError(f"{what} = {show(list(values))}: the values must differ from each other")
+
+
+def _hashable(value: Any) -> Any:
+    """What equals its like among other values where the value does; a set finds it at once."""
+    if isinstance(value, Mapping):
+        return dict, frozenset((key, _hashable(item)) for key, item in value.items())
+    if isinstance(value, list):
+        return list, *map(_hashable, value)
+    return value if isinstance(value, Hashable) else id(value)  # which is no value of a case, as will be said
 
 
 def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
@@ -217,24 +226,19 @@ def _combinations(axes: Sequence[Axis], mode: str) -> Iterator[tuple[Any, ...]]:
     return product(*lists) if mode == "product" else zip(*lists, strict=True)
 
 
-def _case(data: Mapping[str, Any], axes: Sequence[Axis], values: Sequence[Any], folder: str | Path) -> Case:
+def _case(data: dict[str, Any], axes: Sequence[Axis], values: Sequence[Any], folder: str | Path) -> Case:
+    _put(data, axes, values)
     try:
-        return parse_case(_with_values(data, axes, values), folder)
+        return parse_case(data, folder)
     except ConfigError as error:
         where = ", ".join(f"{axis.field} = {show(value)}" for axis, value in zip(axes, values, strict=True))
         raise ConfigError(f"{error} (in the case with {where})") from error
 
 
-def _with_values(data: Mapping[str, Any], axes: Sequence[Axis], values: Sequence[Any]) -> dict[str, Any]:
-    """A copy of the data with one value at each place."""
-    found: dict[str, Any] = deepcopy(dict(data))
+def _put(data: dict[str, Any], axes: Sequence[Axis], values: Sequence[Any]) -> None:
+    """Put one value at each place, into the data themselves: a copy for each case would hold all values of all axes."""
     for axis, value in zip(axes, values, strict=True):
-        table: Any = found
+        table: Any = data
         for part in axis.place[:-1]:
             table = table[part]
         table[axis.place[-1]] = value
-    return found
-
-
-def _first(axes: Sequence[Axis]) -> list[Any]:
-    return [axis.values[0] for axis in axes]

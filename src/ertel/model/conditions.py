@@ -175,7 +175,7 @@ class Conditions:
         checked(self, "contact")
         if self.entrainment_angle is not None and not abs(self.entrainment_angle) <= HALF_TURN:
             raise ValueError(f"{self.entry('entrainment_angle')}: must be from -180 deg to 180 deg")
-        route = self._route()
+        route = self._route
         if route in (MOES, BARS):
             return
         for alternatives in NEEDED[self.kind]:
@@ -200,13 +200,14 @@ class Conditions:
     @property
     def is_physical(self) -> bool:
         """Whether the contact is given in SI, so that results are available in SI."""
-        return self._route() not in (MOES, BARS)
+        return self._route not in (MOES, BARS)
 
     def entry(self, key: str) -> str:
         """A field as it is written in messages: contact.radius = "0.01 m"."""
         value, mark = getattr(self, key), marks(type(self)).get(key)
         return f"contact.{key} = {show(f'{value!r} {mark.unit}' if isinstance(mark, Unit) else value)}"
 
+    @cached_property
     def _route(self) -> Keys:
         """MOES, BARS or PHYSICAL: the one way in which the contact is given."""
         for key, instead in FOREIGN[self.kind].items():
@@ -312,7 +313,7 @@ class Conditions:
         """lambda_bar and alpha_bar; alpha_bar is zero if the viscosity does not depend on pressure."""
         if self.scales:
             return _following(scales.parameters, self.scales, oil.eta0, 0.0 if oil.is_isoviscous else oil.alpha)
-        first, second = route = self._route()
+        first, second = route = self._route
         value = getattr(self, second)
         if oil.is_isoviscous and value:
             raise ValueError(f'{self.entry(second)}: must be 0 or left out with lubricant.viscosity = "isoviscous"')

@@ -8,6 +8,7 @@ import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass, replace
+from functools import cache
 from math import inf, log10
 from typing import Any, TypeVar, get_type_hints
 
@@ -150,11 +151,13 @@ def law_of(data: Any, laws: Registry, place: str) -> Any:
 
 def checked_law(law: T, place: str) -> T:
     """The same law of shear thinning; see `checked`, also for a law inside of it."""
-    for name in law_fields(type(law)):
+    kind: Any = type(law)
+    for name in law_fields(kind):
         checked_law(getattr(law, name), f"{place}.{name}")
     return checked(law, place)
 
 
+@cache
 def law_fields(record: Any) -> tuple[str, ...]:
     """The fields of a law (a class) that are laws of shear thinning themselves."""
     return tuple(name for name, hint in get_type_hints(record).items() if hint is Fluidity)
@@ -193,6 +196,8 @@ def map_fields(record: Any) -> set[str]:
 
 def with_own_numbers(value: Any) -> Any:
     """A record, or what stands in one, with Python's numbers in the place of NumPy's scalars."""
+    if value is None or type(value) in (float, int, str):  # most of what stands in one
+        return value
     if isinstance(value, np.generic):
         return value.item()
     if type(value) is tuple:

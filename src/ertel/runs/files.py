@@ -24,9 +24,12 @@ except ImportError:  # not on Windows
 
 CHECKSUM = "checksum"  # the key of it in a JSON file
 LENGTH = 2 * sha256().digest_size  # of a checksum, in hexadecimal digits
-ASKING = 0.2  # s: `is_locked` holds a directory for much less
+LOCK = ".lock"  # the file in a directory that is locked
+ASKING = 0.2  # s: `is_locked` holds the lock for much less
 LARGEST = 64 * 10**6  # bytes: a summary has some kB, the metadata of all arrays some 100 kB
 UNABLE = (errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS)  # of a file system that cannot sync
+FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)  # to make a file, or to write to it
+NO_FILE = (errno.EINVAL, errno.EISDIR, errno.ELOOP, errno.EMLINK, errno.ENXIO)  # a pipe, directory, link or socket
 
 
 class StoreError(ValueError):
@@ -92,9 +95,9 @@ def require_regular(path: Path, most: int = LARGEST) -> None:
         raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
 
 
-def content_of(path: Path) -> bytes:
+def content_of(path: Path, most: int = LARGEST) -> bytes:
     """The content of a regular file.  Raises OSError, see `require_regular`."""
-    require_regular(path)
+    require_regular(path, most)
     return path.read_bytes()
 
 
@@ -166,14 +169,21 @@ def _one_line(error: Exception) -> str:
 
 @contextmanager
 def locked(directory: Path) -> Iterator[None]:
-    """Keep other processes out of a block on this directory.  Raises StoreError where one is in it.
+    """Keep other processes, on other machines too, out of a block on this directory.
 
-    On a file system without locks the block runs after a warning.
+    Raises StoreError where one is in it, or where something else than a file has the name of the lock file, OSError
+    where the file cannot be made.  On a file system without locks, and in a directory that may only be read, the block
+    runs after a warning.
+
+    What is locked is an empty file in the directory.  It stays there, and says nothing by being there: whoever deleted
+    it could delete one that another process has just locked.  A file, because Linux passes `flock` on a file to an NFS
+    server, on a directory not.  `flock`, because a lock of `fcntl` or `lockf` is lost when this process closes the
+    file anywhere, as `is_locked` does.
     """
-    if fcntl is None:
+    handle = None if fcntl is None else _lock_file(directory)
+    if handle is None:
         yield
         return
-    handle = os.open(directory, os.O_RDONLY)
     try:
         _lock(handle, directory)
         yield
@@ -184,13 +194,13 @@ def locked(directory: Path) -> Iterator[None]:
 def is_locked(directory: Path) -> bool:
     """Whether a process is in a `locked` block on this directory; False where that cannot be seen.
 
-    For the moment of asking the directory is held itself, together with others that ask.  A process that begins waits
-    for them.
+    For the moment of asking the lock is held itself, together with others that ask.  A process that begins waits for
+    them.  Nothing is written.
     """
     if fcntl is None:
         return False
     try:
-        handle = os.open(directory, os.O_RDONLY)
+        handle = _opened(directory / LOCK, os.O_RDONLY)
     except OSError:
         return False
     try:
@@ -204,15 +214,40 @@ def is_locked(directory: Path) -> bool:
     return False
 
 
+def _lock_file(directory: Path) -> int | None:
+    """The open lock file of a directory, made if it is not there; None, after a warning, where that is forbidden."""
+    path = directory / LOCK
+    try:
+        return _opened(path, os.O_RDWR | os.O_CREAT)  # NFS locks for one process only what is open for writing
+    except OSError as error:
+        if error.errno in NO_FILE:
+            raise StoreError(f"{path}: is no regular file, so that the run cannot be locked; delete it") from error
+        if error.errno not in FORBIDDEN:
+            raise
+        refused = error
+    try:
+        return _opened(path, os.O_RDONLY)  # of another user: enough on a local disk
+    except OSError:
+        _warn_of(refused, directory)
+        return None
+
+
+def _opened(path: Path, access: int) -> int:
+    """A regular file, opened without following a link and without waiting for the other end of a pipe."""
+    handle = os.open(path, access | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+    if S_ISREG(os.fstat(handle).st_mode):
+        return handle
+    os.close(handle)
+    raise OSError(errno.EINVAL, "not a regular file", str(path))
+
+
 def _lock(handle: int, directory: Path) -> None:
     try:
         _hold(handle)
     except BlockingIOError as error:
         raise StoreError(f"{directory}: another process is computing this run") from error
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        said = f"{directory}: cannot be locked ({reason}); see to it that no other process computes this run"
-        _warn_once(said)
+        _warn_of(error, directory)
 
 
 def _hold(handle: int) -> None:
@@ -226,6 +261,11 @@ def _hold(handle: int) -> None:
             if time.monotonic() > deadline:
                 raise
         time.sleep(ASKING / 10)
+
+
+def _warn_of(error: OSError, directory: Path) -> None:
+    reason = (error.strerror or str(error)).lower()
+    _warn_once(f"{directory}: cannot be locked ({reason}); see to it that no other process computes this run")
 
 
 @cache

@@ -10,7 +10,7 @@ from the pace so far, null before there is one, among others while programs are 
 The file is renewed at most once a second, under another name and then renamed, so that readers find the old content or
 the new one.  It is not part of the data of the run: without checksum, not waited for until it is on the disk, and
 nothing is computed from it.  A run that was killed leaves "running" behind, until another process takes it over; the
-lock of the directory tells.  `process` is a number on the machine of the run, and is never signalled.
+lock tells.  `process` is a number on the machine of the run, and is never signalled.
 
 This module does not import JAX, so that programs that only watch a run stay small.
 """

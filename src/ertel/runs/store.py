@@ -8,6 +8,7 @@ checkpoint.npz          the state to go on from, and how much of run.zarr belong
 summary.json            the outcome
 progress.json           how far the run is, for programs that watch it; not part of the data, see `progress_file`
 stop                    made by whoever wants the run to stop, see `stop_file`
+.lock                   empty; the process that computes the run holds a lock on it, see `files.locked`
 ======================  =========================================================================================
 
 A flush writes to run.zarr, then renews its metadata: now readers see the new rows; then replaces the checkpoint: now a
@@ -45,11 +46,12 @@ from ertel.runs.directories import Taken as Taken
 from ertel.runs.drive import Observer, drive, warn
 from ertel.runs.files import Damaged as Damaged
 from ertel.runs.files import StoreError as StoreError
-from ertel.runs.files import checked, locked, reading, replace, sealed, unchecked, unsealed
+from ertel.runs.files import checked, content_of, locked, reading, replace, sealed, unchecked, unsealed
 from ertel.runs.progress import progress_bar
 from ertel.runs.progress_file import ProgressFile
 
 DATA, CHECKPOINT, SUMMARY = "run.zarr", "checkpoint.npz", "summary.json"
+LARGEST_CHECKPOINT = 4 * 10**9  # bytes: of 4097 x 4097 nodes a map has 0.13 GB, and there are several
 
 
 class RunStore:
@@ -210,7 +212,7 @@ class RunStore:
     def _read_checkpoint(self) -> dict[str, Any]:
         """What `_write_checkpoint` was given and more, nothing where the run is still at its very start."""
         try:
-            content = (self.directory / CHECKPOINT).read_bytes()
+            content = content_of(self.directory / CHECKPOINT, LARGEST_CHECKPOINT)
         except FileNotFoundError:
             return {}
         with self._reading_checkpoint(), np.load(BytesIO(unchecked(content)), allow_pickle=False) as file:
@@ -241,7 +243,7 @@ class RunStore:
         """The summary as it is stored, None where there is none yet.  Raises Damaged."""
         path = self.directory / SUMMARY
         try:
-            text = path.read_bytes()
+            text = content_of(path)
         except FileNotFoundError:
             return None
         with reading(path, "it is written again when the run is continued"):

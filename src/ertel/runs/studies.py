@@ -6,6 +6,7 @@ sweep.zarr              the numbers of all runs over what varies; `xarray.open_z
 sweep.csv               the same as a table
 sweep.png               and as a figure
 stop                    made by whoever wants the study to stop, see `stop_file`
+.lock                   empty; the process at the study holds a lock on it, see `files.locked`
 ======================  =========================================================================================
 
 Nothing else is remembered: what is missing or unfinished in runs/ is done, so that a study can be stopped, killed,
@@ -55,7 +56,7 @@ def _is_done(directory: Path) -> bool:
         return False
     try:
         return RunStore.open(directory).outcome() is not None
-    except StoreError:
+    except (StoreError, OSError):
         return False
 
 
@@ -99,7 +100,7 @@ def _ran(case: Case, directory: Path, said: Mapping[str, str]) -> Ran:
         if not status.startswith(FAILED):
             summary = RunStore.open(place).summary() if (place / CASE).exists() else None
             status = summary["status"] if summary else _standing(place)
-    except StoreError as error:
+    except (StoreError, OSError) as error:
         status = f"{FAILED}{error}"
     return Ran(case, summary, status, str(place.relative_to(directory)))
 

@@ -5,6 +5,7 @@ case.toml               the resolved case; `ertel run` of it is the contact with
 traction.json           what varies, the version, and the points so far
 traction.csv            the points as a table
 traction.png            the curve
+.lock                   empty; the process that computes the curve holds a lock on it, see `files.locked`
 ======================  =========================================================================================
 
 After each point traction.json is replaced in one stroke, with its checksum.  The other two are written at the end, and
@@ -22,7 +23,7 @@ from ertel.results.traction_curve import TractionCurve
 from ertel.runs import directories
 from ertel.runs.curves import Curve
 from ertel.runs.directories import Taken
-from ertel.runs.files import locked, reading, replace, sealed, unsealed
+from ertel.runs.files import content_of, locked, reading, replace, sealed, unsealed
 from ertel.version import installed_version, own_sources
 
 POINTS, TABLE, PICTURE = "traction.json", "traction.csv", "traction.png"
@@ -99,7 +100,7 @@ def _points(directory: Path, curve: Curve) -> tuple[Point, ...]:
     """The points in a directory.  Raises Taken where they are of another curve, Damaged."""
     path = directory / POINTS
     with reading(path, "choose another directory"):
-        content = unsealed(path.read_bytes())
+        content = unsealed(content_of(path))
         points = tuple(content.pop("points"))
     if said := directories.changes(content, _identity(curve)):
         said = "another version of ertel" if said.startswith(OF_VERSION) else said
