@@ -18,10 +18,11 @@ os.environ.setdefault("JAX_ENABLE_X64", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small dense solves wait for their threads where cores are busy
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA calls it an error when it loads code that it compiled itself
 
-# A script that starts pytest in its background has it ignore SIGINT, and so would all that the tests start: ertel
-# respects that, as under nohup
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+# A script that starts pytest in its background has it ignore SIGINT, and nohup SIGHUP; so would all that the tests
+# start, because ertel respects that
+for number, handler in ((signal.SIGINT, signal.default_int_handler), (getattr(signal, "SIGHUP", None), signal.SIG_DFL)):
+    if number is not None and signal.getsignal(number) is signal.SIG_IGN:
+        signal.signal(number, handler)
 
 # Most tests run for less time than their programs take to optimise: a third of the time to compile (measured)
 QUICK_TO_COMPILE = (

@@ -265,15 +265,22 @@ def test_resume_of_a_finished_run_shows_it(ball):
 
 LISTENING = """
 from ertel.__main__ import main
-from ertel.apps import running
+from ertel.apps import cli
 
-watch = running.watch
+app = cli.app
 
-def tell(*arguments):
-    print("listening", flush=True)
-    return watch(*arguments)
+def told():
+    from ertel.apps import running  # brings JAX, which reads the settings of main
+    watch = running.watch
 
-running.watch = tell
+    def tell(*arguments):
+        print("listening", flush=True)
+        return watch(*arguments)
+
+    running.watch = tell
+    app()
+
+cli.app = told
 main()
 """
 

@@ -81,11 +81,9 @@ class Equations(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """One BDF step, ready to be solved.
+    """One BDF step, ready to be solved; see `transient.StepProblem`.
 
-    past: fields of the last three levels, newest first.  predict_P, predict_H, rates: weights of the predicted pressure
-    and film, and of the time derivative (for the new level, and the last two), of shape (3,).  around: the oil outside.
-    tolerance: of the film left over in a step.
+    predict_P, predict_H: weights of the predicted pressure and film.  tolerance: of the film left over in a step.
     """
 
     mesh: Mesh
@@ -277,10 +275,7 @@ _step_program = Program(solve_step)
 
 
 def film_error(volume: Array, H: Array, predicted: Array, P: Array) -> Array:
-    """Relative difference of two films, root mean square over the load that P carries.
-
-    The films are means over `RINGS` rings at most (see `transient.film_error`).  volume: of the ring around each node.
-    """
+    """Relative difference of two films as in `transient.film_error`, by means over at most `RINGS` rings."""
     width = -(-len(H) // RINGS)
     rings = jnp.pad(jnp.stack([P, H, predicted]) * volume, ((0, 0), (0, -len(H) % width)))
     pressed, film, expected = rings.reshape(3, -1, width).sum(axis=2)
@@ -341,16 +336,14 @@ class RadialImpact(Method):
         velocity = self.closure.velocity(T, rates, approach, approaches)
         load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
         terms = budget.terms(found, velocity, Around(around.load, around.uplift, load_rate), CIRCLE.hertz_load)
-        coefficients = {name: found[name] for name in friction.NUMBERS}
         status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED  # stalled too if NaN
-        work = Work(int(found["newton"]))
-        new = State(T, approach, velocity, solution.fields, status, work, around.load, load, found["error"])
-        return replace(new, record={**self.measure(new), **terms, **coefficients})
+        work, error = Work(int(found["newton"])), found["error"]
+        new = State(T, approach, velocity, solution.fields, status, work, around.load, load, error)
+        return replace(new, record={**self.measure(new), **terms, **{name: found[name] for name in friction.NUMBERS}})
 
     def solve(self, problem: Problem) -> StepSolution:
         """The step's solution, on this device."""
-        found: StepSolution = _step_program(problem)
-        return found
+        return _step_program(problem)
 
     def carried(self, level: State) -> float:
         """F, with the load of the oil outside, in units of the dry maximum load."""
@@ -370,8 +363,7 @@ class RadialImpact(Method):
     def friction(self, level: State) -> Friction:
         """See `Method.friction`: that of the account, as if the film did not change."""
         eq = self.equations([level], np.zeros(2), ClosureLine(1.0, 0.0, level.approach))
-        found: Account = _program(self.disc, eq, jnp.asarray(level.P), jnp.asarray(level.H), level.approach)
-        return found.friction
+        return _program(self.disc, eq, jnp.asarray(level.P), jnp.asarray(level.H), level.approach).friction
 
     def equations(self, levels: Sequence[State], rates: bdf.Weights, line: ClosureLine) -> Equations:
         """The equations of the level after `levels`."""

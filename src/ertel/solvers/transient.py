@@ -225,8 +225,7 @@ class Transient2D(Method):
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
-        found: StepSolution = _step_program(problem)
-        return found
+        return _step_program(problem)
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
