@@ -22,6 +22,7 @@ import ertel
 from ertel.inputs.case_files import parse_case
 from ertel.model.case import Case
 from ertel.runs import checked_zarr
+from ertel.runs.files import LOCK
 from ertel.runs.store import Damaged, RunStore, StoreError, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
@@ -120,9 +121,10 @@ def flip(file: Path, chance: random.Random) -> bytes:
 
 
 def any_file(directory: Path, chance: random.Random) -> Path:
-    """Any file of a run, of each kind equally often."""
+    """Any file of a run that has content, of each kind equally often."""
     kinds = ("*.*", "run.zarr/zarr.json", "run.zarr/*/zarr.json", "run.zarr/*/c/**/*")
-    return chance.choice([file for file in sorted(directory.glob(chance.choice(kinds))) if file.is_file()])
+    found = sorted(directory.glob(chance.choice(kinds)))
+    return chance.choice([file for file in found if file.is_file() and file.name != LOCK])  # which is empty
 
 
 # -- any bit of any file ----------------------------------------------------------------------------------------------
