@@ -134,8 +134,9 @@ def test_runs_of_other_programs_are_told_by_their_lock(tmp_path, monkeypatch, nu
     """A killed run leaves "running" behind; only the lock tells whether a process computes it.
 
     It is asked to stop by a file.  No process is signalled: the number may be that of another one by now, or one on
-    another machine.
+    another machine.  A file with a number that no process has counts as none.
     """
+    running = Phase.COMPILING if number in (0, -1) else Phase.RUNNING
     run, processes = make_run(tmp_path / "run", finished=False), Processes(Folder.at(tmp_path))
     signalled = []
     monkeypatch.setattr(os, "kill", lambda *arguments: signalled.append(arguments))
@@ -143,7 +144,7 @@ def test_runs_of_other_programs_are_told_by_their_lock(tmp_path, monkeypatch, nu
         write_progress(run, process={"another": other.pid, "own": os.getpid()}.get(number, number))
         assert processes.standing(run).phase is Phase.INTERRUPTED
         with locked(run):
-            assert processes.standing(run).phase is Phase.RUNNING
+            assert processes.standing(run).phase is running
             processes.stop(run)
             assert processes.standing(run).phase is Phase.STOPPING
             assert stop_file.is_asked(run)

@@ -34,6 +34,7 @@ if TYPE_CHECKING:  # it brings JAX, which readers do not need
 
 PROGRESS = "progress.json"
 INTERVAL = 1.0  # s
+LARGEST_PROCESS = 2**31  # numbers of processes are below it
 
 
 class _Content(BaseModel, strict=True, extra="allow", allow_inf_nan=False):
@@ -46,7 +47,7 @@ class _Content(BaseModel, strict=True, extra="allow", allow_inf_nan=False):
     seconds: float
     seconds_left: float | None
     written: str
-    process: int
+    process: int = Field(gt=0, lt=LARGEST_PROCESS)
 
 
 class ProgressFile:
