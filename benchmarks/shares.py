@@ -124,7 +124,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     now = levels[0]
     rate, line = Rate(1.5 / STEP, 0.0 * now.H), balanced()
     how = nonlinear.bordered, preconditioner.point_preconditioner, transient.OPTIONS
-    problem = nonlinear.Problem(method.contact, method.elastic, rate, line, 1.0, 1.0, *how)
+    problem = nonlinear.Problem(method.contact, method.setting.elastic, rate, line, 1.0, 1.0, *how)
     parts = _parts(problem, now.P, now.H)
     return {
         "seconds": whole,
