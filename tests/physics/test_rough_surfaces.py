@@ -1,6 +1,8 @@
 """Rough surfaces: measured maps and self-affine sums of waves, what a grid keeps of them, and how they end."""
 
+from contextlib import suppress
 from dataclasses import replace
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.physics.band_limit import kept_share, smooth_step
-from ertel.physics.height_map import HeightMap
+from ertel.physics.height_map import HeightMap, array_in
 from ertel.physics.measured import Measured
 from ertel.physics.motion import STEADY_ROLLING
 from ertel.physics.self_affine import SelfAffine
@@ -304,3 +306,15 @@ def test_the_size_is_that_of_the_shortest_wave() -> None:
     assert measured(NOISE, 4.0, 2.4).size == pytest.approx(0.2)
     assert measured(NOISE, 4.0, 2.4, cutoff=0.5).size == 0.5
     assert measured(NOISE, 4.0, 2.4, taper=0.2).covered == pytest.approx((3.6, 2.0))
+
+
+def test_any_bit_of_the_header_of_an_array_may_be_wrong() -> None:
+    """NumPy evaluates the header as Python, which fails in several ways."""
+    stream = BytesIO()
+    np.save(stream, np.ones((16, 16)))
+    content = stream.getvalue()
+    for bit in range(8 * 128):
+        changed = bytearray(content)
+        changed[bit // 8] ^= 1 << bit % 8
+        with suppress(ValueError):
+            array_in(bytes(changed))

@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 from io import BytesIO
+from tokenize import TokenError
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,7 @@ def array_in(content: bytes) -> NDArray[Any]:
     stream = BytesIO(content)
     try:
         shape, kind = _header(stream)
-    except (ValueError, KeyError) as error:
+    except (ValueError, TypeError, KeyError, SyntaxError, TokenError) as error:  # NumPy evaluates the header as Python
         raise ValueError(f"is no array of numbers, {error}") from error
     check_shape(shape)
     bytes_left = len(content) - stream.tell()
