@@ -23,6 +23,11 @@ class Status(Enum):
         return self is Status.CONVERGED
 
     @property
+    def is_solved(self) -> bool:
+        """Whether the equations are solved, be the film above zero or not."""
+        return self in (Status.CONVERGED, Status.FILM_VANISHED)
+
+    @property
     def failed(self) -> bool:
         return self not in (Status.CONVERGED, Status.RUNNING, Status.INTERRUPTED)
 

@@ -116,7 +116,7 @@ def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
 
 def steady_failure(case: Case, solution: GridSolution) -> str:
     """Why a steady solution is none, with a remedy; "" where it is one."""
-    if not solution.status.ok and solution.status is not Status.FILM_VANISHED:
+    if not solution.status.is_solved:
         return (
             f"the solution failed (residual {solution.residual:.2g}, {case.solver.tolerance:g} is allowed), and the "
             f"run has no result; {solution.status.advice}"

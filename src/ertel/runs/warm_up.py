@@ -12,6 +12,7 @@ from typing import Any
 from ertel.inputs.case_files import parse_case
 from ertel.model.case import Case
 from ertel.runs import compiling
+from ertel.runs.courses import course_of
 from ertel.runs.store import RunStore, compute
 
 STEPS = 4  # the first three have histories of different length
@@ -40,8 +41,14 @@ def warm_up(case: Case) -> int:
     steps = iter(range(STEPS))
 
     def enough(item: Any) -> bool:
-        return not case.is_steady and next(steps, None) is None
+        if method is None or next(steps, None) is not None:
+            return False
+        method.measure(item.state.levels[0])  # as at the moments of which maps are kept
+        method.friction(item.state.levels[0])
+        return True
 
+    course: Any = course_of(case)
+    method = None if case.is_steady else course.method
     with TemporaryDirectory() as directory:
-        compute(RunStore.create(Path(directory) / "run", case), [enough])
+        compute(RunStore.create(Path(directory) / "run", case, course), [enough])
     return compiling.count() - before
