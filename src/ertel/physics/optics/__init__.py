@@ -11,7 +11,7 @@ are seen as oil.  The layers, their indices and the oil's index are parameters, 
 
 from ertel.physics.optics.chart import Chart
 from ertel.physics.optics.colour import BlackBody, Daylight, Lamp
-from ertel.physics.optics.inverse import film_of_intensity
+from ertel.physics.optics.inverse import DoubtfulFilm, film_of_intensity
 from ertel.physics.optics.light import Light, Monochromatic, White
 from ertel.physics.optics.media import BK7, CHROMIUM, SILICA, STEEL, Constant, JohnsonChristy, Medium, Sellmeier
 from ertel.physics.optics.rig import Fringes, Layer, Rig, TwoBeams, lorentz_lorenz, reflection
@@ -25,6 +25,7 @@ __all__ = [
     "Chart",
     "Constant",
     "Daylight",
+    "DoubtfulFilm",
     "Fringes",
     "JohnsonChristy",
     "Lamp",

@@ -1,16 +1,38 @@
 """Back from fringes to films: the film along a profile of intensity, by unwrapping its phase."""
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ertel.physics.optics.fringe_orders import Nodes, likeliest, phase_on
 from ertel.physics.optics.rig import Rig
 
 Array = NDArray[np.float64]
-BESIDE, ON_FRINGE = 0.93, 0.57  # rad from the brightest or the darkest phase: 20 % and 8 % of the contrast
-ENOUGH = 15  # points beside a fringe from which the way of the phase is told
-CLEARLY = 1.3  # times as smooth is the way of a film that turns on a fringe as that of one that goes on
+ON_FRINGE = 0.57  # rad from the brightest or the darkest phase: 8 % of the contrast
+CERTAIN = 10.0  # log of the odds from which on a film is not doubtful; a film is no random walk, so they must be high
+
+
+class DoubtfulFilm(UserWarning):
+    """Another film is nearly as likely at some points.
+
+    Attributes
+    ----------
+    points : array of bool
+        Where, along the profile.
+    odds : float
+        Log of how much likelier the film is than the other one where that is least.
+    """
+
+    def __init__(self, points: NDArray[np.bool_], odds: float):
+        where = np.flatnonzero(points)
+        super().__init__(
+            f"the film is doubtful at {len(where)} of {len(points)} points, from {where[0]} to {where[-1]}: another "
+            f"film, that turns where this one passes a fringe or the reverse, is only {np.exp(odds):.0f} times less "
+            "likely; compare with a profile that crosses this one, or with more points"
+        )
+        self.points, self.odds = points, odds
 
 
 @dataclass(frozen=True)
@@ -18,10 +40,15 @@ class Phases:
     """The phases 4 pi n h/wavelength at which a rig reflects a given share: middle + spread and middle - spread.
 
     |top + w|^2 of a Moebius map of w = exp(i phase) is solved for the phase: A cos(phase) + B sin(phase) = E.
+
+    cosine: of the spread; beyond -1 and 1 where the rig does not reach the reflectance.  weight: of its errors, so that
+    they are those of the reflectance, up to a factor.
     """
 
     middle: Array
     spread: Array
+    cosine: Array
+    weight: Array
 
     @classmethod
     def of(cls, reflectance: Array, rig: Rig, wavelength: float, index: Array) -> "Phases":
@@ -30,13 +57,12 @@ class Phases:
         far = second - top * ratio  # r = (top + far z)/(1 - ratio z)
         coefficient = 2.0 * (np.conj(top) * far + reflectance * ratio)
         constant = reflectance * (1.0 + np.abs(ratio) ** 2) - np.abs(top) ** 2 - np.abs(far) ** 2
-        share = np.clip(constant / np.abs(coefficient), -1.0, 1.0)
+        size = np.abs(coefficient)
+        cosine = constant / size
+        slope = (1.0 + np.abs(ratio) ** 2 - 2.0 * cosine * np.real(np.conj(coefficient) * ratio) / size) / size
         first = coefficient.flat[0]  # the middle hardly changes along a profile, and must not jump by a period
-        return cls(-np.angle(first) - np.angle(coefficient / first), np.arccos(share))
-
-    def at(self, points: slice, side: int, order: float) -> Array:
-        """The phases of some points, on a side of the middle and of an order."""
-        return self.middle[points] + side * self.spread[points] + 2.0 * np.pi * order
+        middle = -np.angle(first) - np.angle(coefficient / first)
+        return cls(middle, np.arccos(np.clip(cosine, -1.0, 1.0)), cosine, np.mean(slope) / slope)
 
 
 def film_of_intensity(
@@ -50,9 +76,8 @@ def film_of_intensity(
     """The film thickness along a profile of monochromatic intensity.
 
     Every intensity belongs to two phases in each period, exactly, with all beams of the rig.  The film begins with the
-    phase nearest to `start`.  At every bright or dark fringe it passes to the other branch; or, where that makes the
-    phase smoother, it turns and stays on its branch, or passes, turns and passes back.  Where the intensity turns away
-    from fringes, the film itself turns.
+    phase nearest to `start`.  At every bright or dark fringe it passes to the other branch, or turns and stays on its
+    branch: the smooth film that is the likeliest with the noise of the profile, see `fringe_orders`.
 
     Parameters
     ----------
@@ -78,11 +103,12 @@ def film_of_intensity(
 
     Raises ValueError if the profile is no row of finite numbers or begins on a bright or dark fringe.
 
-    Limits: there must be eight points at least from a fringe to the next like it, and noise with a standard deviation
-    of 1 % of the contrast at most.  With so much noise about one film in ten that turns on a fringe itself is taken to
-    go on, and is wrong from there; with 0.3 % none is.  A film that lies flat on a fringe does not tell its way.  An
-    error e of the intensity, as a share of the contrast, moves the film by about wavelength e/(2 pi n), and by
-    wavelength sqrt(e)/(2 pi n) on a bright or dark fringe.
+    Warns with `DoubtfulFilm`, which says where, if another film is nearly as likely.
+
+    Limits: there must be eight points at least from a fringe to the next like it.  A film that lies flat on a fringe,
+    or has a kink there, does not tell its way; most of them are reported as doubtful.  An error e of the intensity, as
+    a share of the contrast, moves the film by about wavelength e/(2 pi n), and by wavelength sqrt(e)/(2 pi n) on a
+    bright or dark fringe.
     """
     measured = np.asarray(intensity, dtype=float)
     if measured.ndim != 1 or len(measured) < 3 or not np.isfinite(measured).all():
@@ -92,13 +118,14 @@ def film_of_intensity(
     index = np.broadcast_to(rig.index(density), measured.shape)
     reflectance = measured if limits is None else _calibrated(measured, rig, wavelength, limits)
     phases = Phases.of(reflectance, rig, wavelength, index)
-    if _from_fringe(phases.spread)[0] < ON_FRINGE:
+    nodes = Nodes.of(phases.cosine, phases.weight)
+    if 1.0 - abs(nodes.cosine[0]) - 1.5 * nodes.noise[0] < 1.0 - np.cos(ON_FRINGE):
         raise ValueError(
-            f"intensity[0] = {measured[0]:.4g}: is on a bright or dark fringe, where the film may grow or fall; "
-            "begin the profile beside it"
+            f"intensity[0] = {measured[0]:.4g}: is on a bright or dark fringe, or no further from it than the noise, "
+            "where the film may grow or fall; begin the profile beside it"
         )
     length = wavelength / (4.0 * np.pi * index)  # m per radian
-    return length * _unwrapped(phases, start / length[0])
+    return length * _unwrapped(phases, nodes, start / length[0])
 
 
 def _calibrated(intensity: Array, rig: Rig, wavelength: float, limits: tuple[float, float]) -> Array:
@@ -114,66 +141,12 @@ def _calibrated(intensity: Array, rig: Rig, wavelength: float, limits: tuple[flo
     return low + (intensity - dark) / (bright - dark) * (high - low)
 
 
-def _from_fringe(spread: Array) -> Array:
-    """How far the phase is from the nearest bright or dark fringe, in rad."""
-    return np.minimum(spread, np.pi - spread)
-
-
-def _unwrapped(phases: Phases, start: float) -> Array:
-    """The phase along the profile: middle + side spread + 2 pi order, on one side between two fringes.
-
-    start: the phase at the first point, about.
-    """
-    sides = np.array([-1, 1])
-    first = phases.middle[0] + sides * phases.spread[0]
-    orders = np.round((start - first) / (2.0 * np.pi))
-    chosen = int(np.argmin(np.abs(first + 2.0 * np.pi * orders - start)))
-    side, order, begin = int(sides[chosen]), float(orders[chosen]), 0
-    phase = np.empty(len(phases.spread))
-    for turn in _fringes_passed(phases.spread):
-        phase[begin:turn] = phases.at(slice(begin, turn), side, order)
-        order += side * (phases.spread[turn] > np.pi / 2)  # from pi on one side to pi on the other, a period on
-        side, begin = -side, turn
-    phase[begin:] = phases.at(slice(begin, None), side, order)
-    return phase
-
-
-def _fringes_passed(spread: Array) -> list[int]:
-    """The first point behind every bright or dark fringe that the film passes."""
-    distance, passed = _from_fringe(spread), []
-    near = np.flatnonzero(np.diff(np.concatenate([[False], distance < BESIDE, [False]])))  # begin, end, begin, ...
-    for begin, end in near.reshape(-1, 2):
-        if distance[begin:end].min() < ON_FRINGE:
-            passed += _passages(distance, begin, end)
-    return passed
-
-
-def _passages(distance: Array, begin: int, end: int) -> list[int]:
-    """The points behind one fringe, near it: one, none where the film turns, or two where it comes back."""
-    once = [_behind(distance, begin, end)]
-    if end - begin < ENOUGH:
-        return once
-    on = begin + np.flatnonzero(distance[begin:end] < ON_FRINGE)
-    middle = max(on[0] + int(distance[on[0] : on[-1] + 1].argmax()), begin + 1)
-    twice = [_behind(distance, begin, middle), _behind(distance, middle, end)]
-    back = min([], twice, key=lambda passed: _roughness(distance, begin, end, passed))
-    clearly = CLEARLY * _roughness(distance, begin, end, back) < _roughness(distance, begin, end, once)
-    return back if clearly else once
-
-
-def _behind(distance: Array, begin: int, end: int) -> int:
-    """The first point behind the fringe: the nearest to it, or the next, so that the steps are more even."""
-    nearest = begin + int(distance[begin:end].argmin())
-    if not 0 < nearest < len(distance) - 1:
-        return nearest
-    uneven = distance[nearest - 1] - distance[nearest + 1]
-    return nearest if abs(uneven + 2.0 * distance[nearest]) < abs(uneven - 2.0 * distance[nearest]) else nearest + 1
-
-
-def _roughness(distance: Array, begin: int, end: int, passed: list[int]) -> float:
-    """How far the phase is from a parabola, as the intensity shows it."""
-    points, way = np.arange(begin, end), distance[begin:end].copy()
-    for point in passed:
-        way[points >= point] *= -1.0
-    parabola = np.polynomial.Polynomial.fit(points, way, 2, w=np.maximum(np.sin(distance[begin:end]), 0.1))
-    return float(np.sum((np.cos(way) - np.cos(parabola(points))) ** 2))
+def _unwrapped(phases: Phases, nodes: Nodes, start: float) -> Array:
+    """The phase along the profile.  start: the phase at the first point, about.  Warns as `film_of_intensity`."""
+    orders = 2 * np.round(0.5 * (start - phases.middle[0]) / np.pi).astype(int) + np.arange(-2, 3)
+    first = phase_on(orders, phases.spread[0])
+    nearest = int(orders[np.argmin(np.abs(phases.middle[0] + first - start))])
+    branch, odds = likeliest(nodes, phases.cosine, nearest)
+    if (doubtful := odds < CERTAIN).any():
+        warnings.warn(DoubtfulFilm(doubtful, float(odds.min())), stacklevel=3)
+    return phases.middle + phase_on(branch, phases.spread)
