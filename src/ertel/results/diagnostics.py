@@ -9,7 +9,6 @@ import xarray as xr
 from ertel.model.case import Case
 from ertel.model.sections import MOST_NODES, WIDEST_HALF_WIDTH
 from ertel.model.state import GridSolution, Rolling
-from ertel.model.status import Status
 from ertel.numerics.grid import allowed_nodes
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
