@@ -234,3 +234,15 @@ def test_a_data_sheet_with_a_known_alpha():
 def test_what_a_data_sheet_cannot_have(change, message):
     with pytest.raises(ConfigError, match=message):
         oils.data_sheet(**SHEET | change)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [({"k" * 3000: 1.0}, "unknown key; a data sheet has"), ({"nu40": 10**400}, "nu40 = .an integer of about 400 digits")],
+    ids=["a long key", "a large integer"],
+)
+def test_a_data_sheet_that_makes_no_sense_is_one_short_sentence(changed, said):
+    oil = {"nu40": "68 mm^2/s", "nu100": "8.5 mm^2/s", "density": 880, **changed}
+    with pytest.raises(ConfigError, match=said) as caught:
+        ertel.parse_case({"contact": {"M": 100, "L": 5}, "lubricant": {"oil": oil, "temperature": "40 degC"}})
+    assert len(str(caught.value)) < 500

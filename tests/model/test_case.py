@@ -751,6 +751,16 @@ def test_the_default_domain_of_rolling_widens_at_low_loads(M: float, wider: floa
     assert half_width({"kind": "rolling", "M": M, "L": 5}, half_width=9.0) == 9.0
 
 
+@pytest.mark.parametrize("across", [None, 2.00001, 2.11])
+def test_the_side_along_y_of_an_ellipse_reads_back(across: float | None) -> None:
+    """A side that ends as long as that along x is not the default, which follows the ellipse."""
+    contact = {"kind": "rolling", "M": 5.26, "L": 0.5, "radius_ratio": 2.5}
+    case = Case.from_data(
+        {"contact": contact, "solver": {"method": "transient"} | ({"half_width_y": across} if across else {})}
+    )
+    assert Case.from_data(case.to_data()) == case
+
+
 def test_a_default_domain_depends_on_the_load_however_it_is_given() -> None:
     p = Parameters.from_moes(30.0, 5.0)
     assert half_width({"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar}) == half_width({"M": 30, "L": 5}) > 2

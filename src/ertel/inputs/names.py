@@ -20,7 +20,7 @@ from typing import Any
 from ertel.inputs import library, oils
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.oil_rheology import completed
-from ertel.model.records import oil_data, show
+from ertel.model.records import oil_data, show, show_key
 from ertel.physics.oils import RHEOLOGY, NamedOil
 from ertel.physics.units import DENSITY, STRESS
 
@@ -85,7 +85,7 @@ def oil_of(written: Any) -> NamedOil:
         return oils.get(written)
     known = signature(oils.sheet).parameters
     if unknown := [key for key in written if key not in known]:
-        raise ConfigError(f"oil.{unknown[0]}: unknown key; a data sheet has {', '.join(known)}")
+        raise ConfigError(f"oil.{show_key(unknown[0])}: unknown key; a data sheet has {', '.join(known)}")
     if missing := [key for key, value in known.items() if value.default is Parameter.empty and key not in written]:
         raise ConfigError(f'oil.{missing[0]}: missing; a data sheet has nu40, nu100 ("68 mm^2/s") and density')
     try:

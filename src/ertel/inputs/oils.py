@@ -131,7 +131,7 @@ def _si(name: str, value: Number, unit: Unit) -> float:
     try:
         text = f"{float(value)!r} {unit.unit}" if isinstance(value, int | float) else value
         found = parse_quantity(text, unit)
-    except ValueError as error:
+    except (ValueError, OverflowError) as error:  # an integer may be too large for a number
         raise ConfigError(f"{name} = {show(value)}: {error}") from error
     if found is None:
         raise ConfigError(f'{name}: missing; for example "{unit.example}"')
