@@ -238,7 +238,10 @@ def test_what_a_data_sheet_cannot_have(change, message):
 
 @pytest.mark.parametrize(
     ("changed", "said"),
-    [({"k" * 3000: 1.0}, "unknown key; a data sheet has"), ({"nu40": 10**400}, "nu40 = .an integer of about 400 digits")],
+    [
+        ({"k" * 3000: 1.0}, "unknown key; a data sheet has"),
+        ({"nu40": 10**400}, "nu40 = .an integer of about 400 digits"),
+    ],
     ids=["a long key", "a large integer"],
 )
 def test_a_data_sheet_that_makes_no_sense_is_one_short_sentence(changed, said):
