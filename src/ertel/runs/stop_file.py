@@ -1,7 +1,7 @@
 """The file `stop` in a run directory, or in that of a study: whoever makes it asks the run to stop, from any machine.
 
 The run ends after its current step or grid, as after Ctrl-C, and can be resumed.  It deletes the file then, and also
-when it begins: a wish that nobody heard is over.
+when it begins: a file that is left over from before does not stop it.
 """
 
 from collections.abc import Iterator
