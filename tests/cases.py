@@ -23,6 +23,7 @@ from ertel.runs.courses import ImpactCourse, RollingCourse
 from ertel.runs.drive import drive
 from ertel.runs.stepping import Step
 
+OIL = Oil()  # where the laws do not matter: others on the same grid are programs of their own, five seconds each
 ISOVISCOUS = Oil("isoviscous", "incompressible")
 BARUS = Oil("barus", "incompressible")
 SMALL_IMPACT = """

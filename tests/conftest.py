@@ -47,6 +47,12 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("filterwarnings", r"ignore:.*(use solver\.|there is no error estimate):UserWarning")
 
 
+def pytest_collection_finish() -> None:
+    """What was imported stays: nothing looks through it for garbage again (NiceGUI's tests collect all, twice each)."""
+    gc.collect()
+    gc.freeze()
+
+
 def _xla_knows(flags: str) -> bool:
     """Whether this version of XLA knows these flags; it ends a process that is started with others."""
     command = [sys.executable, "-c", "import jax; jax.devices()"]

@@ -255,7 +255,7 @@ def artist():
 def test_what_is_known_of_a_run(tmp_path, artist):
     told = asyncio.run(artist.tell(make_run(tmp_path / "run")))
     assert told.figures == ("maps", "profiles", "history", "front", "friction", "interferogram", "overview")
-    assert len(told.T) == len(told.times) == 78
+    assert len(told.T) == len(told.times) == 13
     assert told.T[told.events["max-approach"]] == pytest.approx(2.45)
     assert {symbol for _, symbol, _ in told.news} == {"H_c", "H_min", "P_max", "F"}
 

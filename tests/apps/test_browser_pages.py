@@ -141,15 +141,15 @@ async def test_a_case_is_run_stopped_and_resumed(user, site):
     await until(lambda: one(user, "phase").text == "finished")
     await user.should_see("coefficient of restitution")
     os.utime(run / "run.zarr" / "zarr.json")  # the last maps are written
-    await until(lambda: one(user, "slider").value == 48)  # the page has followed the run: to maximum approach
+    await until(lambda: one(user, "slider").value == 8)  # the page has followed the run: to maximum approach
 
 
 async def test_the_slider_chooses_the_map(user, site):
     await user.open("/run?name=runs/ball")
     await until(lambda: "src" in one(user, "picture").props)
     slider, first = one(user, "slider"), one(user, "picture").props["src"]
-    assert (slider.value, slider.props["max"]) == (48, 77)  # begins at maximum approach
-    slider.set_value(30)
+    assert (slider.value, slider.props["max"]) == (8, 12)  # begins at maximum approach
+    slider.set_value(5)
     await user.should_see("T = 1.550")
     await until(lambda: one(user, "picture").props["src"] != first)
     picture = await user.http_client.get(one(user, "picture").props["src"])
@@ -302,7 +302,7 @@ async def test_two_runs_are_compared_at_one_time(user, site):
     await user.open("/compare?a=runs/ball&b=runs/other")
     pictures = all_of(user, "picture")
     await until(lambda: all("src" in picture.props for picture in pictures))
-    assert one(user, "slider").value == 126  # at maximum approach
+    assert one(user, "slider").value == 134  # at maximum approach
     before = {picture.props["src"] for picture in pictures}
     one(user, "slider").set_value(60)
     await until(lambda: not before & {picture.props["src"] for picture in pictures})

@@ -14,7 +14,7 @@ import ertel
 from ertel.runs.store import RunStore
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no signals and no /dev/full")
-BALL = SMALL_IMPACT + "until = 0.1\n"
+BALL = SMALL_IMPACT.replace("nodes = 33", 'method = "radial"\nnodes = 33') + "until = 0.1\n"
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
 ERTEL = [sys.executable, "-m", "ertel"]
 PARAMS = [*ERTEL, "params", "--M", "1000", "--L", "10"]
@@ -172,6 +172,7 @@ def children(process):
     return [child for task in Path(f"/proc/{process}/task").glob("*/children") for child in task.read_text().split()]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no list of children")
 def test_sigterm_ends_the_workers_of_the_paper(here):
     with started([*ERTEL, "paper", "fig1", "--quick", "--jobs", "2"]) as process:
@@ -202,6 +203,7 @@ step = 1e-3
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no list of children")
 def test_ctrl_c_stops_the_runs_of_a_study_so_that_they_go_on(here):
     """A terminal sends it to the workers too."""

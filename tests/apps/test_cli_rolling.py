@@ -16,7 +16,7 @@ from ertel.runs.drive import drive, simulate
 from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, compute
 
-OIL = {"viscosity": "barus", "density": "incompressible", "eta0": "40 mPa*s", "alpha": "22 / GPa"}
+OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
 CONTACT = {  # of reference/rolling.json, M = 20, L = 10
     **{"kind": "rolling", "radius": "10 mm", "E_prime": "219.7802 GPa"},
     **{"load": "3.888524 N", "mean_speed": "0.502636 m/s"},
@@ -71,7 +71,16 @@ def test_run_show_and_plot(here):
 
 
 def test_traction_without_meaning_is_warned_of(here):
-    more = ("--set", 'contact.load="40 N"', "--set", "contact.slide_to_roll=0.1", "--set", "solver.tolerance=0.01")
+    more = (
+        "--set",
+        'contact.load="40 N"',
+        "--set",
+        "contact.slide_to_roll=0.1",
+        "--set",
+        "lubricant.viscosity=barus",
+        "--set",
+        "solver.tolerance=0.01",
+    )
     assert "lubricant.viscosity" in "".join(ertel_("run", "steady.toml", *more).stdout.split("\n"))
     assert any(
         said.startswith('lubricant.viscosity = "barus"')

@@ -86,6 +86,7 @@ def test_studies_load(path: Path) -> None:
     assert len(load_study(path).cases) == 10
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:H_min is uncertain:UserWarning")
 def test_squalane() -> None:
     """An oil and materials by name give a film near Nijenbanning, Venner and Moes' formula, which has its M and L."""
@@ -103,6 +104,7 @@ def test_own_lubricant() -> None:
     assert 0.5 * roelands < power < roelands
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_thinning_film() -> None:
     """The Newtonian film does not depend on sliding; that of squalane, which thins, falls with it."""
@@ -139,7 +141,10 @@ def test_elliptical_examples(name: str, nodes: int) -> None:
     assert 0.6 * formula < result.summary["H_c"] < 1.1 * formula
 
 
-@pytest.mark.parametrize(("name", "nodes", "until"), [("rough_impact", 33, 0.2), ("rough_rolling", 33, 0.05)])
+@pytest.mark.parametrize(
+    ("name", "nodes", "until"),
+    [("rough_impact", 33, 0.2), pytest.param("rough_rolling", 33, 0.05, marks=pytest.mark.slow)],
+)
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_rough_examples(name: str, nodes: int, until: float) -> None:
     """They begin as they should: the film feels the hills, and nothing touches."""

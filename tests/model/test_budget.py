@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from cases import BARUS, BARUS_LIMIT, rolled, steady_solver
+from cases import BARUS, BARUS_LIMIT, OIL, rolled, steady_solver
 
 from ertel.model import budget, contact, discretise
 from ertel.model.case import Case
@@ -16,17 +16,15 @@ from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.solvers import steady
 
-COMPRESSIBLE = replace(BARUS, density="dowson-higginson")
 
-
-def case_of(speed: float = 1.0, nodes: int = 129, oil: Oil = COMPRESSIBLE, L: float = 5) -> Case:
+def case_of(speed: float = 1.0, nodes: int = 129, oil: Oil = OIL, L: float = 5) -> Case:
     """A resolved rolling contact on a centred grid."""
     solver = steady_solver(nodes, inlet=None, half_width=4.0)
     return rolled(Parameters.from_moes(20, L), oil, solver, Drive(entrainment=constant(speed)))
 
 
 @cache
-def film(speed: float = 1.0, L: float = 5, oil: Oil = COMPRESSIBLE) -> tuple[Case, Rolling]:
+def film(speed: float = 1.0, L: float = 5, oil: Oil = OIL) -> tuple[Case, Rolling]:
     case = case_of(speed, oil=oil, L=L)
     return case, steady.steady(case)
 
@@ -59,9 +57,9 @@ def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
 @pytest.mark.parametrize(
     ("speed", "L", "oil"),
     [
-        (1.0, 5, COMPRESSIBLE),
-        (-1.0, 5, COMPRESSIBLE),
-        (1.0, BARUS_LIMIT, COMPRESSIBLE),
+        (1.0, 5, OIL),
+        (-1.0, 5, OIL),
+        (1.0, BARUS_LIMIT, OIL),
         pytest.param(1.0, 5, BARUS, marks=pytest.mark.slow),
     ],
 )

@@ -1,6 +1,7 @@
 import itertools
 from functools import partial
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -80,6 +81,7 @@ def test_mass_is_conserved_by_the_fluxes(seed: int) -> None:
     assert net == pytest.approx(through, abs=1e-12)
 
 
+@jax.jit
 def residual_in_any_flow(c: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """As the solver takes it: X along the flow, and back again."""
     turned = partial(nonlinear.along_the_flow, rate)

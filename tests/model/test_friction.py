@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import BARUS, parse_case, rolled, steady_solver
+from cases import BARUS, OIL, parse_case, rolled, steady_solver
 from jax import Array
 from numpy.testing import assert_allclose
 
@@ -175,7 +175,7 @@ pressure_only_inside = pytest.mark.usefixtures("nothing_outside")
 def films(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[Case, tuple[GridSolution, ...]]:
     """A contact on grids of 33 and 65 nodes."""
     drive = Drive(entrainment=constant(speed), slide_to_roll=slide_to_roll)
-    case = rolled(Parameters.from_moes(20, 5), BARUS, steady_solver(65, inlet=None, half_width=4.0), drive)
+    case = rolled(Parameters.from_moes(20, 5), OIL, steady_solver(65, inlet=None, half_width=4.0), drive)
     return case, solver.steady(case).solutions
 
 

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import BARUS, free_ball
+from cases import OIL, free_ball
 
 from ertel.model.case import Case
 from ertel.model.measure import measure
@@ -27,7 +27,7 @@ def found(case: Case, P: np.ndarray, H: np.ndarray) -> dict[str, float]:
 
 
 def a_ball(*features: Feature) -> Case:
-    return free_ball(P20, BARUS, Solver(nodes=33), None, *features)
+    return free_ball(P20, OIL, Solver(nodes=33), None, *features)
 
 
 def dip(at_x: float, at_y: float) -> np.ndarray:

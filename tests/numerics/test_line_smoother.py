@@ -39,7 +39,7 @@ def _contraction(elastic: tuple[Elasticity, ...], c: Coefficients, e: jax.Array)
     return jnp.linalg.norm(jax.lax.fori_loop(0, 15, cycle, e))
 
 
-@pytest.mark.parametrize("nodes", [33, 65, 129])
+@pytest.mark.parametrize("nodes", [33, 65, pytest.param(129, marks=pytest.mark.slow)])
 def test_a_v_cycle_contracts_whatever_the_grid(nodes: int) -> None:
     assert contraction(nodes, rolling_like(nodes)) < 0.8
 

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import BARUS, free_ball, rolled, steady_solver
+from cases import OIL, free_ball, rolled, steady_solver
 from numpy.testing import assert_allclose
 
 from ertel.model import contact, discretise
@@ -20,7 +20,7 @@ from ertel.solvers import steady
 from ertel.solvers.transient import Transient2D
 
 PARAMETERS = Parameters.from_moes(50, 5)
-OIL = Lubricant(Barus(5.0), DowsonHigginson(1.0))
+LAWS = Lubricant(Barus(5.0), DowsonHigginson(1.0))
 every_symmetry = pytest.mark.parametrize("even", [WHOLE, Even(y=True), Even(x=True), Even(True, True)], ids=str)
 
 
@@ -75,7 +75,7 @@ def test_the_residual_is_that_of_the_whole_plane(even) -> None:
     whole, U = bump(even), 0.0 if even.x else 1.0
     results = []
     for g in (grid(), grid(even)):
-        c = contact.ball_on_plane(g, 0.1, OIL)
+        c = contact.ball_on_plane(g, 0.1, LAWS)
         P = jnp.asarray(folded(whole, g.even))
         H = contact.film_thickness(c, P, -0.2)
         r = contact.residual(c, P, H, Rate(3.0, 0.1 * P, U))
@@ -96,7 +96,7 @@ TIGHT = {"nodes": 33, "tolerance": 1e-11}
 
 def impact(fold: bool, *features: Feature) -> tuple[Transient2D, State]:
     solver = Solver("2d", half_width=2.0, fold=fold, **TIGHT)
-    method = Transient2D(free_ball(PARAMETERS, BARUS, solver, Time(start_approach=-0.5), *features))
+    method = Transient2D(free_ball(PARAMETERS, OIL, solver, Time(start_approach=-0.5), *features))
     levels = [method.start()]
     for _ in range(20):
         levels.insert(0, method.advance(levels[:3], 0.05))
@@ -125,13 +125,13 @@ def test_a_symmetric_impact_on_a_quarter_of_the_plane(features) -> None:
 )
 def test_what_is_not_symmetric_is_not_folded(features, shape) -> None:
     solver = Solver("2d", **TIGHT)
-    assert discretise.grid_of(free_ball(PARAMETERS, BARUS, solver, None, *features)).shape == shape
+    assert discretise.grid_of(free_ball(PARAMETERS, OIL, solver, None, *features)).shape == shape
 
 
 def test_steady_rolling_on_half_the_plane() -> None:
     results = []
     for fold in (False, True):
-        results.append(steady.steady(rolled(PARAMETERS, BARUS, steady_solver(fold=fold, **TIGHT))).finest)
+        results.append(steady.steady(rolled(PARAMETERS, OIL, steady_solver(fold=fold, **TIGHT))).finest)
     whole, half = results
     assert half.P.shape == (17, 33)
     assert_allclose(unfolded(half.H, half.grid.even), whole.H, atol=1e-10)

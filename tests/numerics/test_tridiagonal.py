@@ -12,6 +12,11 @@ from ertel.numerics.tridiagonal import SHORT
 Bands = tuple[jax.Array, jax.Array, jax.Array]  # lower, diagonal, upper
 
 
+@jax.jit
+def solved(bands: Bands, b: jax.Array) -> jax.Array:
+    return tridiagonal.solve(tridiagonal.factorise(*bands), b)
+
+
 def dominant(seed: int, lines: int, n: int) -> Bands:
     """Random matrices whose diagonal outweighs the rest of its row."""
     rng = np.random.default_rng(seed)
@@ -32,7 +37,7 @@ def reference(bands: Bands, b: np.ndarray) -> np.ndarray:
 @given(st.integers(0, 10**6), st.integers(2, 300))
 def test_lines_of_any_length_are_solved(seed: int, n: int) -> None:
     bands, b = dominant(seed, 3, n), np.random.default_rng(seed).standard_normal((3, n))
-    x = tridiagonal.solve(tridiagonal.factorise(*bands), jnp.asarray(b))
+    x = solved(bands, jnp.asarray(b))
     np.testing.assert_allclose(np.asarray(x), reference(bands, b), rtol=1e-9, atol=1e-9)
 
 
@@ -48,8 +53,8 @@ def test_single_precision_is_kept_whatever_the_size(size: float) -> None:
     bands = dominant(3, 4, 129)
     rows = 10.0 ** np.random.default_rng(4).uniform(-6, 6, (4, 129))
     b = np.random.default_rng(5).standard_normal((4, 129)) * rows
-    single = (jnp.asarray(band * rows, "float32") for band in bands)
-    x = tridiagonal.solve(tridiagonal.factorise(*single), jnp.asarray(b * size, "float32"))
+    single = tuple(jnp.asarray(band * rows, "float32") for band in bands)
+    x = solved(single, jnp.asarray(b * size, "float32"))
     assert x.dtype == jnp.float32
     expected = reference(bands, b / rows)
     np.testing.assert_allclose(np.asarray(x, float) / size, expected, atol=2e-5 * np.abs(expected).max())

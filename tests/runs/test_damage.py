@@ -40,7 +40,7 @@ IMPACT = parse_case(
 ROLLING = parse_case(
     {
         "contact": {"kind": "rolling", **BALL, "load": "3.9 N", "mean_speed": "0.5 m/s"},
-        "lubricant": {"eta0": "40 mPa*s", "alpha": "22 / GPa", "viscosity": "barus", "density": "incompressible"},
+        "lubricant": {"eta0": "40 mPa*s", "alpha": "22 / GPa"},
         "solver": {"nodes": 65},
     }
 )

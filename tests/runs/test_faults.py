@@ -13,9 +13,10 @@ ALL = ["radial", "2d", "rolling", "steady", "ellipse", "thinning", "thinning in 
 FAULTS = Path(__file__).parents[2] / "validation" / "faults" / "faults.py"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kinds", "count"),
-    [(["radial", "study"], 8), pytest.param(ALL, 4 * len(ALL), marks=pytest.mark.slow)],
+    [(["radial", "study"], 8), (ALL, 4 * len(ALL))],
     ids=["radial", "all"],
 )
 def test_nothing_is_silent_and_no_flushed_step_is_lost(tmp_path: Path, kinds: list[str], count: int):

@@ -36,12 +36,12 @@ class OfJax:
         return jnp.exp(self.slope * p)
 
 
-IMPACT = {"M": 20, "L": 5, "nodes": 33, "half_width": 4.0, "time_tolerance": 0.05, "until": "max-approach"}
-ROLLING = {"M": 20, "L": 5, "nodes": 33}
+IMPACT = {"M": 20, "L": 5, "nodes": 17, "half_width": 4.0, "time_tolerance": 0.05, "until": "max-approach"}
+ROLLING = {"M": 20, "L": 5, "nodes": 17}
 
 
 def final(result):
-    return result.dataset.H.values.ravel()[-1089:].tolist()
+    return result.dataset.H.values.ravel()[-289:].tolist()
 
 
 def on_the_plane():

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
-from cases import BARUS, SMALL_IMPACT, impact, rolled, steady_solver
+from cases import OIL, SMALL_IMPACT, impact, rolled, steady_solver
 
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import quantity
@@ -113,7 +113,7 @@ TURN = 1.5  # wavelength: 8 nodes
 
 
 def rolling(drive: Drive | None = None) -> Case:
-    return rolled(Parameters.from_moes(20, 5), BARUS, steady_solver(33), drive)
+    return rolled(Parameters.from_moes(20, 5), OIL, steady_solver(33), drive)
 
 
 def test_amplitude_and_phase_are_those_of_the_film_at_any_time() -> None:
@@ -173,6 +173,6 @@ def test_what_does_not_repeat_has_no_periodic_response(features: list[Shape], me
 
 
 def test_only_a_steady_case_has_a_periodic_response() -> None:
-    case = rolled(Parameters.from_moes(20, 5), BARUS, SOLVERS["transient"])
+    case = rolled(Parameters.from_moes(20, 5), OIL, SOLVERS["transient"])
     with pytest.raises(ValueError, match=r'^solver\.method = "transient": must be "steady"'):
         respond_in_rolling(case, [[Feature(Waviness(0.01, 0.5))]])

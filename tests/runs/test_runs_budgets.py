@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import BARUS, impact, rolled
+from cases import OIL, impact, rolled
 from numpy.testing import assert_allclose
 
 from ertel.model import discretise
@@ -74,7 +74,7 @@ def rolling(direction: float = 1.0, load: float = 0.0, wave: bool = True) -> Res
     solver = replace(SOLVERS["transient"], nodes=33, tolerance=1e-8, fold=False, inlet=None, half_width=4.0)
     drive = Drive(Oscillation(1.0, load, 2.0), constant(direction), slide_to_roll=1.0)
     features = [Feature(Waviness(0.1, 2.0))] if wave else []
-    return simulate(rolled(P20, BARUS, solver, drive, *features, time=Time(until=1.0, step=0.05)))
+    return simulate(rolled(P20, OIL, solver, drive, *features, time=Time(until=1.0, step=0.05)))
 
 
 @pytest.mark.parametrize("load", [0.0, 0.3])

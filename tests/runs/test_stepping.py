@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import BARUS, course_with, rolled, steps_of
+from cases import OIL, course_with, rolled, steps_of
 
 from ertel.model.case import Case
 from ertel.model.friction import Friction
@@ -57,7 +57,7 @@ class LikeTheLoad(Method):
 
 
 def rolling(time: Time, output: Output | None = None, load: Signal | None = None, speed: Signal | None = None) -> Case:
-    case = rolled(Parameters.from_moes(20, 5), BARUS, SOLVERS["transient"], Drive(load, speed), time=time)
+    case = rolled(Parameters.from_moes(20, 5), OIL, SOLVERS["transient"], Drive(load, speed), time=time)
     return case if output is None else Case(case.contact, case.oil, case.solver, case.drive, (), time, output)
 
 

@@ -23,7 +23,7 @@ from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, StoreError, Taken, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
-DATA = {"name": "small", "contact": {"M": 200, "L": 10}, "solver": {"nodes": 33}}
+DATA = {"name": "small", "contact": {"M": 200, "L": 10}, "solver": {"method": "radial", "nodes": 33}}
 CASE = parse_case({**DATA, "time": {"tolerance": 0.01, "until": 0.15}, "output": {"interval": 0.05}})
 
 
@@ -297,7 +297,7 @@ def test_all_is_on_the_disk_before_the_checkpoint_counts_on_it(tmp_path, monkeyp
     inode = {path: path.stat().st_ino for path in (tmp_path / "run").rglob("*")}
     checkpoint = last[inode[tmp_path / "run" / "checkpoint.npz"]]
     chunks = [path for path in inode if path.is_file() and "c" in path.parts]
-    assert {"H_c", "H", "X"} <= {path.relative_to(tmp_path / "run" / "run.zarr").parts[0] for path in chunks}
+    assert {"H_c", "H", "r"} <= {path.relative_to(tmp_path / "run" / "run.zarr").parts[0] for path in chunks}
     for chunk in chunks:
         assert last[inode[chunk]] < checkpoint
         assert inode[chunk.parent] in synced

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import BARUS, march, rolled, steady_solver
+from cases import OIL, march, rolled, steady_solver
 
 from ertel.inputs.python import rolling
 from ertel.model import contact, discretise
@@ -38,7 +38,7 @@ WAVE = 1.5  # wavelength: 8 nodes on the small grid
 
 def smooth(drive: Drive | None = None, *features: Feature) -> Case:
     """The small case, of 33 nodes a side."""
-    return rolled(P20, BARUS, steady_solver(33), drive, *features)
+    return rolled(P20, OIL, steady_solver(33), drive, *features)
 
 
 @cache
@@ -104,7 +104,7 @@ def test_time_steps_of_one_cell_come_to_the_same_film(slide: float) -> None:
 
     def after(height: float):
         feature = Feature(Waviness(height, WAVE, WAVE))
-        return march(Transient2D(rolled(P20, BARUS, solver, Drive(slide_to_roll=slide), feature)), h, steps)[0]
+        return march(Transient2D(rolled(P20, OIL, solver, Drive(slide_to_roll=slide), feature)), h, steps)[0]
 
     high, low = after(A), after(-A)
     case = smooth(Drive(slide_to_roll=slide))

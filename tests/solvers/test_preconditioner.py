@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import BARUS, rolled, steady_solver
+from cases import OIL, rolled, steady_solver
 
 from ertel.model import discretise
 from ertel.model.approach import balanced
@@ -17,7 +17,7 @@ from ertel.solvers.nonlinear import Problem
 
 def test_the_diagonal_knows_how_the_viscosity_changes() -> None:
     """At the foot of a spike it is larger than with the viscosity held fixed; the film is held fixed here."""
-    case = rolled(Parameters.from_moes(20, 10), BARUS, steady_solver(33))
+    case = rolled(Parameters.from_moes(20, 10), OIL, steady_solver(33))
     grid = discretise.grid_of(case)
     film = steady.steady(case).finest
     problem = Problem(

@@ -9,7 +9,7 @@ from math import pi
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import BARUS, free_ball, rolled, steps_of
+from cases import OIL, free_ball, rolled, steps_of
 from cases import march as levels_of
 
 from ertel.model import contact
@@ -33,7 +33,7 @@ def rolling(
     drive: Drive | None = None, *features: Feature, nodes: int = 33, time: Time | None = None, **solver
 ) -> Case:
     grid = replace(SOLVERS["transient"], **{"nodes": nodes, "tolerance": TIGHT, "fold": False, **solver})
-    return rolled(P20, BARUS, grid, drive, *features, time=time)
+    return rolled(P20, OIL, grid, drive, *features, time=time)
 
 
 def march(case: Case, step: float, steps: int) -> list[State]:
@@ -81,7 +81,7 @@ def impact_on_a_track(speed: float) -> State:
 
 def impact_over(speed: float) -> Case:
     solver = replace(SOLVERS["2d"], nodes=33, tolerance=TIGHT, fold=False)
-    case = free_ball(P20, BARUS, solver, Time(start_approach=-0.5))
+    case = free_ball(P20, OIL, solver, Time(start_approach=-0.5))
     return replace(case, drive=Drive(entrainment=Polyline(((0.0, speed),))))
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import BARUS, free_ball, impact, march, rolled, steps_of
+from cases import OIL, free_ball, impact, march, rolled, steps_of
 
 from ertel.inputs.case_files import parse_case
 from ertel.model import contact, discretise
@@ -293,7 +293,7 @@ def test_a_step_reads_the_device_once_and_asks_the_roughness_for_its_height_as_o
 
     case = rolled(
         Parameters.from_moes(20, 5),
-        BARUS,
+        OIL,
         replace(SOLVERS["transient"], nodes=33),
         Drive(slide_to_roll=slide_to_roll),
         Feature(Ridges()),
@@ -330,7 +330,7 @@ def test_the_time_error_is_that_of_the_film_and_not_of_single_nodes() -> None:
 def test_the_time_error_sees_the_contact_and_the_roughness(nodes: int, size: float | None, coarsenings: int) -> None:
     """16 cells in the contact's radius and 8 in the finest detail of the surfaces."""
     features = () if size is None else (Feature(RingWaviness(1e-3, size)),)
-    case = free_ball(Parameters.from_moes(200, 5), BARUS, Solver(nodes=nodes, half_width=2.0), None, *features)
+    case = free_ball(Parameters.from_moes(200, 5), OIL, Solver(nodes=nodes, half_width=2.0), None, *features)
     assert discretise.coarsenings(case, 4 / (nodes - 1), 6) == coarsenings
 
 

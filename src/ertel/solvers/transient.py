@@ -38,7 +38,7 @@ from ertel.solvers.preconditioner import PRECISION, point_preconditioner
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
-LARGEST_REST = 20.0  # tolerances of time, may be left over in the film of a step: more would rule the size of the steps
+LARGEST_REST = 10.0  # tolerances of time, may be left over in the film of a step: more would rule the size of the steps
 # Krylov: 3 or 4 are needed, and each has its two fields
 OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
 
@@ -196,7 +196,8 @@ class Transient2D(Method):
             self.flow(T, [*times, times[-1]][:2]),
             self.case.motion.sliding(T),
             discretise.roughness_change(self.case, self.grid, T),
-            nonlinear.eliminated if line.approach_weight else nonlinear.bordered,
+            # of a light ball Delta is the small difference of large numbers
+            nonlinear.eliminated if self.case.starts_apart else nonlinear.bordered,
         )
         numbers = np.asarray(solution.numbers).tolist()
         found = dict(zip(NUMBERS, numbers, strict=False))
