@@ -54,9 +54,7 @@ def _made() -> Path:
     place = Path(mkdtemp(prefix="ertel-"))
     atexit.register(shutil.rmtree, place, ignore_errors=True)
     (place / "case.toml").write_text(to_toml(parse_case(CASE)))
-    few = dry_impact(CASE, radial=True).isel(
-        frame=slice(None, None, 6)
-    )  # a map is two files, and each test copies them
+    few = dry_impact(CASE, radial=True).isel(frame=slice(None, None, 6))  # files that each test copies
     checked_zarr.write(LocalStore(place / "run.zarr"), few)
     return place
 

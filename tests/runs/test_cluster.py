@@ -375,6 +375,7 @@ def rest_of_output(parent: subprocess.Popen[str]) -> str:
         raise
 
 
+@pytest.mark.slow
 def test_workers_end_with_a_parent_that_is_killed(tmp_path):
     parent = started(tmp_path / "killed.py", KILLED)
     assert parent.stdout and parent.stdout.readline() == "running\n"
