@@ -11,6 +11,7 @@ import socket
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -22,10 +23,10 @@ from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.processes import Phase, Processes
 
 pytest.importorskip("nicegui", reason="the app needs nicegui")
-webdriver = pytest.importorskip("selenium.webdriver", reason="the browser is driven by selenium")
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.skipif(find_spec("selenium") is None, reason="the browser is driven by selenium"),
     pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs Debian's chromium and chromium-driver"),
     pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the memory is read from /proc"),
 ]
@@ -65,6 +66,8 @@ def server(folder):
 @pytest.fixture
 def driver(tmp_path):
     """Chromium without a window."""
+    from selenium import webdriver  # here: each worker imports this file
+
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
     for flag in (*FLAGS, f"--user-data-dir={tmp_path / 'chromium'}"):
@@ -178,7 +181,9 @@ def test_a_session(server, driver, folder):
     first = page.until(page.picture)
     page.keep("finished")
     (track,) = page.all(".q-slider__track-container")
-    webdriver.ActionChains(page.driver).move_to_element_with_offset(track, -200, 0).click().perform()
+    from selenium.webdriver import ActionChains
+
+    ActionChains(page.driver).move_to_element_with_offset(track, -200, 0).click().perform()
     page.until(lambda: page.picture() not in ("", first))
     for word in ("Mid-line", "Motion", "Front", "Friction", "Interferogram", "Overview"):
         before = page.until(page.picture)
