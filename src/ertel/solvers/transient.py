@@ -39,8 +39,10 @@ THIN = 0.1  # of the film scale: below this the time error of a film is not take
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 LARGEST_REST = 20.0  # tolerances of time, may be left over in the film of a step: more would rule the size of the steps
-# Krylov: 3 or 4 are needed, and each has its two fields
-OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
+# Krylov: 2 to 4 are needed, and each has its two fields
+OPTIONS = newton.Options(newton_limit=100, krylov_limit=10, first_reduction=0.1)
+# without inertia V is a mere difference of the films of two steps: what a step leaves over swings up in short ones
+BALANCED = replace(OPTIONS, first_reduction=0.01)
 
 
 @register_dataclass
@@ -105,7 +107,7 @@ class StepProblem:
     flow: Flow | None
     roughness_change: Array | float
     close: Close = field(metadata={"static": True})
-    options: newton.Options = field(default=OPTIONS, metadata={"static": True})
+    options: newton.Options = field(metadata={"static": True})
 
 
 class StepSolution(NamedTuple):
@@ -214,7 +216,7 @@ class Transient2D(Method):
             around.edge,
             self.flow(T, [*times, times[-1]][:2]),
             discretise.roughness_change(self.case, self.grid, T),
-            nonlinear.eliminated if line.approach_weight else nonlinear.bordered,
+            *((nonlinear.eliminated, OPTIONS) if line.approach_weight else (nonlinear.bordered, BALANCED)),
         )
         numbers = np.asarray(solution.numbers).tolist()
         found = dict(zip(NUMBERS, numbers, strict=False))
