@@ -39,10 +39,10 @@ THIN = 0.1  # of the film scale: below this the time error of a film is not take
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 LARGEST_REST = 20.0  # tolerances of time, may be left over in the film of a step: more would rule the size of the steps
-# Krylov: 2 to 4 are needed, and each has its two fields
-OPTIONS = newton.Options(newton_limit=100, krylov_limit=10, first_reduction=0.1)
+# Krylov: 2 or 3 are needed, and each has its two fields
+OPTIONS = newton.Options(newton_limit=100, krylov_limit=6, first_reduction=0.1)
 # without inertia V is a mere difference of the films of two steps: what a step leaves over swings up in short ones
-BALANCED = replace(OPTIONS, first_reduction=0.01)
+BALANCED = replace(OPTIONS, krylov_limit=10, first_reduction=0.01)
 
 
 @register_dataclass
