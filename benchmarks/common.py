@@ -49,7 +49,7 @@ def timed(work: Callable[[], Any]) -> tuple[float, Any]:
 
 
 def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
-    """The last time levels of an impact at T = until, newest first, interpolated from a run on 65 nodes."""
+    """The last time levels of an impact at T = until, newest first, interpolated from a run on at most 65 nodes."""
     from dataclasses import replace
 
     import jax.numpy as jnp
@@ -59,7 +59,8 @@ def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
     from ertel.runs.courses import course_of
     from ertel.runs.drive import drive
 
-    coarse = impact(method.case.parameters.M, 65, method.case.parameters.L, time={"until": until})
+    p, nodes = method.case.parameters, min(65, method.grid.nodes_x)
+    coarse = impact(p.M, nodes, p.L, time={"until": until})
     levels = []
     for level in drive(course_of(coarse)).state.levels:
         P = jnp.asarray(level.P)

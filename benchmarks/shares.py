@@ -1,19 +1,22 @@
-"""Where the time of an impact step and of a steady rolling contact goes.  Prints two tables.
+"""Where the time of an impact step and of a steady rolling contact goes.  Prints three tables.
 
-    python benchmarks/shares.py [nodes ...] [--compile]     (129 257 513 1025 unless said; five minutes)
+    python benchmarks/shares.py [nodes ...] [--compile] [--outside]     (129 257 513 1025 unless said; five minutes)
 
 M = 1000, L = 10.  A part's time is that of the part alone, compiled, times how often it is needed; so the parts need
 not add up to the whole, and "rest" is what is left: data moved between operations, and, below zero, what XLA merges.
 Rolling: the parts are of the finest grid.  "Python" is what a step (or the solution on the finest grid) takes outside
 the compiled program.  "A flush" writes the steps of five seconds (here nine), a map and the checkpoint; of a steady
-contact it is all that storing a run adds to it.  With --compile: a first call without a cache, in a process of its own
-(half a minute more for each row).
+contact it is all that storing a run adds to it.  The first table (33 65 129 257 unless said; alone with --outside) has
+the processor time of a step in the loop of a run, and what of it is spent outside the solve: the account of the film,
+the way into the program and back, the error, the record.  With --compile: a first call without a cache, in a process of
+its own (half a minute more for each row).
 """
 
 import itertools
 import statistics
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -34,7 +37,7 @@ from common import (
     timed,
 )
 
-STEP, SETTLE, TIMED = 0.005, 4, 8
+STEP, SETTLE, TIMED, COUNTED = 0.005, 4, 8, 100
 PARTS = {
     "fft": "FFT",
     "smoother": "smoother",
@@ -49,6 +52,14 @@ COLUMNS = ["nodes", "seconds", *PARTS.values(), "rest", "coarser grids", "compil
 
 
 def main() -> None:
+    print("Impact, one step: what is outside its solve\n")
+    header(["nodes", "CPU, ms", "the solve alone, ms", "outside"])
+    for nodes in grids((33, 65, 129, 257)):
+        whole, alone = child("shares", f"measure_outside({nodes})")
+        row(f"{nodes}²", 1e3 * whole, 1e3 * alone, f"{1 - alone / whole:.0%}")
+    print()
+    if "--outside" in sys.argv:
+        return
     for kind, title in (("impact", "Impact, one step"), ("rolling", "Steady rolling, the finest grid")):
         print(f"{title}\n", flush=True)
         header(COLUMNS if kind == "rolling" else [c for c in COLUMNS if c != "coarser grids"])
@@ -82,6 +93,51 @@ def compile_seconds(kind: str, nodes: int) -> float:
 
 
 # -- impact ------------------------------------------------------------------------------------------------------------
+
+
+def measure_outside(nodes: int) -> tuple[float, float]:
+    """Processor time of a step in the loop of a run, and of the solve alone: medians, taken in turns."""
+    import jax
+
+    from ertel.model.state import solved
+    from ertel.numerics.programs import Program
+    from ertel.solvers import transient
+
+    keep_compiled()
+    course, item = _run_of_steps(nodes)
+    alone = Program(jax.jit(lambda problem: transient.solve_step(problem).fields))
+    asked: list[Any] = []
+
+    def solve(problem: Any) -> Any:
+        asked.append(problem)
+        return course.solve(problem)
+
+    times = []
+    for _ in range(SETTLE + COUNTED):
+        start = time.process_time()
+        item = solved(course.following(item), solve)
+        jax.block_until_ready(item.state.levels[0].H)
+        whole = time.process_time() - start
+        program = alone.ready(asked[-1])
+        start = time.process_time()
+        jax.block_until_ready(program(asked[-1]))
+        times.append((whole, time.process_time() - start))
+    whole, solve_alone = (statistics.median(each) for each in zip(*times[SETTLE:], strict=True))
+    return whole, solve_alone
+
+
+def _run_of_steps(nodes: int) -> tuple[Any, Any]:
+    """A course of fixed steps of an impact, and its item in the middle of the impact."""
+    from ertel.model.status import Status
+    from ertel.runs.courses import ImpactCourse
+    from ertel.runs.stepping import RunState, Step
+    from ertel.solvers.transient import Transient2D
+
+    case = impact(1000, nodes, time={"step": STEP})
+    method = Transient2D(case)
+    levels, _, _ = march(method, impact_levels(method), STEP, SETTLE, 1)
+    frame = int(levels[0].T / case.schedule.interval) + 1
+    return ImpactCourse(case, method), Step(RunState(tuple(levels), STEP, next_frame=frame), {}, (), Status.RUNNING)
 
 
 def measure_impact(nodes: int) -> dict[str, float]:
@@ -250,7 +306,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
         return [(level.coefficients, level.smoother) for level in levels_at(P, H)]
 
     def residual(P: Any, H: Any) -> Any:
-        return contact.residual(c, P, H, problem.rate, problem.entrainment)
+        return contact.residual(c, P, H, problem.rate)
 
     r = clock(jax.jit(residual), P, H)
     jvp = clock(jax.jit(jax.linearize(residual, P, H)[1]), P, H)

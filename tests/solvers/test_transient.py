@@ -202,8 +202,8 @@ def test_work_per_step_is_bounded(oil: str) -> None:
     assert s["status"] == "converged"
     assert s["steps"] <= 120
     assert s["newton_iterations"] <= 1.25 * s["steps"]
-    assert s["krylov_iterations"] <= 4.2 * s["steps"]
-    assert s["convolutions"] <= 10 * s["steps"]
+    assert s["krylov_iterations"] <= 2.9 * s["steps"]
+    assert s["convolutions"] <= 7 * s["steps"]
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ Everything follows from a polynomial through the last time levels.  Times are gi
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ def derivative_weights(times: Sequence[float]) -> Weights:
     w[0] = sum(1.0 / (t0 - t) for t in earlier)
     for k, tk in enumerate(earlier, start=1):
         others = [t for t in earlier if t != tk]
-        w[k] = np.prod([t0 - t for t in others]) / np.prod([tk - t for t in [t0, *others]])
+        w[k] = prod(t0 - t for t in others) / prod(tk - t for t in [t0, *others])
     return w
 
 

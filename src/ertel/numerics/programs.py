@@ -187,7 +187,8 @@ class _Loaded:
     example: Any
 
     def __call__(self, *arguments: Any) -> Any:
-        results = self.executable.execute_sharded(jax.device_put(tree.leaves(arguments)))
+        leaves = [leaf if isinstance(leaf, jax.Array) else jax.device_put(leaf) for leaf in tree.leaves(arguments)]
+        results = self.executable.execute_sharded(leaves)
         values = [np.asarray(array) for (array,) in results.disassemble_into_single_device_arrays()]
         # as of a jitted function: not bound to this device, or what they enter would be compiled once more
         return tree.unflatten(tree.structure(self.example), jax.device_put(values))

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.tree_util import register_dataclass
+from numpy.typing import NDArray
 
 from ertel.model import budget, contact, discretise, friction, measure, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
@@ -20,7 +21,6 @@ from ertel.model.contact import Contact
 from ertel.model.flow import Flow, Rate, rate_in_time
 from ertel.model.friction import Friction
 from ertel.model.measure import Axes
-from ertel.model.outside import Surroundings
 from ertel.model.state import Method, State, Stepping, Work, padded
 from ertel.model.status import Status
 from ertel.numerics import bdf, multigrid, newton, stencils
@@ -39,8 +39,10 @@ THIN = 0.1  # of the film scale: below this the time error of a film is not take
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 LARGEST_REST = 10.0  # tolerances of time, may be left over in the film of a step: more would rule the size of the steps
-# Krylov: 3 or 4 are needed, and each has its two fields
-OPTIONS = newton.Options(newton_limit=100, krylov_limit=10)
+# Krylov: 2 or 3 are needed, and each has its two fields
+OPTIONS = newton.Options(newton_limit=100, krylov_limit=6, first_reduction=0.1)
+# with little inertia or none V is a mere difference of the films of two steps, and what a step leaves over swings up
+BALANCED = replace(OPTIONS, krylov_limit=10, first_reduction=0.01)
 
 
 @register_dataclass
@@ -63,30 +65,49 @@ class Setting:
     coarsenings: int = field(metadata={"static": True})
 
 
+class Known(NamedTuple):
+    """What is known of a new level as numbers.
+
+    predict, rates: weights of the prediction and of the time derivative (for the new level, and the last two), both of
+    shape (3,).  approach: the predicted Delta.  sliding: u1 - u2 in a/t0.  around: load and uplift of the oil outside.
+    """
+
+    predict: Weights
+    rates: Weights
+    line: ClosureLine
+    approach: float
+    sliding: float
+    load_around: float
+    uplift: float
+
+    def packed(self) -> Weights:
+        """One array: each one that goes to the device costs the same time, however small."""
+        return np.hstack(self)
+
+    @classmethod
+    def of(cls, packed: Array | Weights) -> "Known":
+        return cls(packed[:3], packed[3:6], ClosureLine(*packed[6:9]), *packed[9:])  # type: ignore[arg-type]
+
+
 @register_dataclass
 @dataclass(frozen=True)
 class StepProblem:
     """One BDF step, ready to be solved.
 
-    past: fields of the last three levels, newest first.  predict, rates: weights of the prediction and of the time
-    derivative (for the new level, and the last two), both of shape (3,).  flow: how the oil moves, None where it stays.
-    approach: the predicted Delta.  around: the oil outside.  sliding: u1 - u2 in a/t0.  roughness_change: the rate of
-    change of the roughness following the flow, shape (n, n) or a number.
+    past: fields of the last three levels, newest first.  known: from `Known.packed`.  edge: P on the edge.  flow: how
+    the oil moves, None where it stays.  roughness_change: the rate of change of the roughness following the flow, shape
+    (n, n) or a number.
     """
 
     setting: Setting
     contact: Contact
     past: tuple[Mapping[str, Array], ...]
-    approach: float
-    around: Surroundings
-    predict: Weights
-    rates: Weights
-    line: ClosureLine
+    known: Weights
+    edge: Array | NDArray[np.float64]
     flow: Flow | None
-    sliding: float
     roughness_change: Array | float
     close: Close = field(metadata={"static": True})
-    options: newton.Options = field(default=OPTIONS, metadata={"static": True})
+    options: newton.Options = field(metadata={"static": True})
 
 
 class StepSolution(NamedTuple):
@@ -117,7 +138,7 @@ class Transient2D(Method):
         self.grid = discretise.grid_of(case)
         check_grid(self.grid)
         self.geometry = case.geometry
-        self.contact = discretise.smooth_contact(case, self.grid)
+        self.contact = jax.device_put(discretise.smooth_contact(case, self.grid))
         self.outside = discretise.outside_of(case, self.grid)
         self.closure = closure or NewtonsLaw.of(case.motion, self.geometry.hertz_load)
         elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
@@ -125,7 +146,7 @@ class Transient2D(Method):
         tolerance = case.solver.tolerance
         if not case.schedule.step:
             tolerance = min(tolerance, LARGEST_REST * case.schedule.tolerance)
-        self.setting = Setting(
+        setting = Setting(
             elastic,
             Plane.of(self.grid),
             Axes.of(self.grid),
@@ -135,6 +156,7 @@ class Transient2D(Method):
             self.geometry.hertz_load,
             discretise.coarsenings(case, self.grid.spacing, len(elastic) - 1),
         )
+        self.setting: Setting = jax.device_put(setting)
 
     def start(self) -> State:
         """The separated bodies approaching with unit speed, the oil squeezed; or the steady film at T = 0."""
@@ -183,21 +205,19 @@ class Transient2D(Method):
         approaches = [level.approach for level in levels]
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
         predict = bdf.interpolation_weights(T, times)
-        around = self.outside.at(self.motion(levels, T))
+        around, sliding = self.outside.at(self.motion(levels, T)), self.case.motion.sliding(T)
+        ahead = float(predict @ approaches)
+        known = Known(bdf.three(predict), bdf.three(rates), line, ahead, sliding, around.load, around.uplift)
         solution: StepSolution = yield StepProblem(
             self.setting,
             self.contact_at(T),
             tuple(level.fields for level in padded(levels)),
-            float(predict @ approaches),
-            around,
-            bdf.three(predict),
-            bdf.three(rates),
-            line,
+            known.packed(),
+            around.edge,
             self.flow(T, [*times, times[-1]][:2]),
-            self.case.motion.sliding(T),
             discretise.roughness_change(self.case, self.grid, T),
-            # of a light ball Delta is the small difference of large numbers
-            nonlinear.eliminated if self.case.starts_apart else nonlinear.bordered,
+            # also where a ball that rolls has inertia: of a light one Delta is a small difference of large numbers
+            *((nonlinear.eliminated, OPTIONS) if self.case.starts_apart else (nonlinear.bordered, BALANCED)),
         )
         numbers = np.asarray(solution.numbers).tolist()
         found = dict(zip(NUMBERS, numbers, strict=False))
@@ -277,42 +297,44 @@ def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, eve
 @jax.jit
 def solve_step(p: StepProblem) -> StepSolution:
     """The fields and the numbers after one step."""
-    s, masses = p.setting, [level["mass"] for level in p.past]
-    rate = rate_in_time(p.rates, masses[:2], p.flow, p.contact.spacing)
-    P, P_old, H_old = _weighted(p.predict, [level["P"] for level in p.past]), p.past[0]["P"], p.past[0]["H"]
+    s, known, masses = p.setting, Known.of(p.known), [level["mass"] for level in p.past]
+    rate = rate_in_time(known.rates, masses[:2], p.flow, p.contact.spacing)
+    P, P_old, H_old = _weighted(known.predict, [level["P"] for level in p.past]), p.past[0]["P"], p.past[0]["H"]
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # So the prediction limits the fall.
-    P = stencils.edged(jnp.maximum(P, STEEPEST_FALL * P_old), jnp.asarray(p.around.edge), p.contact.even)
+    P = stencils.edged(jnp.maximum(P, STEEPEST_FALL * P_old), jnp.asarray(p.edge), p.contact.even)
     # a residual r leaves the mass r/rate.new over in this step
     allowed = s.tolerance * rate.new * (s.film_scale + jnp.abs(H_old))
     problem = Problem(
-        replace(p.contact, gap=p.contact.gap + p.around.uplift),
+        replace(p.contact, gap=p.contact.gap + known.uplift),
         s.elastic,
         rate,
-        p.line.less(p.around.load),
+        known.line.less(known.load_around),
         allowed,
         LOAD_SHARE * s.tolerance,
         p.close,
         point_preconditioner,
         p.options,
     )
-    solution, approach = nonlinear.solve(problem, P, p.approach)
+    solution, approach = nonlinear.solve(problem, P, known.approach)
     fields = _fields(p.contact, solution.P, solution.H, solution.left / rate.new)
-    return StepSolution(fields, _numbers(p, rate, solution, fields, approach))
+    return StepSolution(fields, _numbers(p, known, rate, solution, fields, approach))
 
 
 _step_program = Program(solve_step)
 
 
-def _numbers(p: StepProblem, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array) -> Array:
+def _numbers(
+    p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
+) -> Array:
     """The numbers of `NUMBERS` and of `measure.numbers`."""
     c, mass, setting = p.contact, fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
-    load = (contact.load(c, s.P) + p.around.load) / setting.hertz_load
+    load = (contact.load(c, s.P) + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
-    moment = Moment(approach, U, p.sliding, gap_change, load, setting.hertz_load)
+    moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
     found = budget.account(setting.space, c, s.P, s.H, moment, rate.of(mass, c.spacing))
-    predicted = _weighted(p.predict, [level["mass"] for level in p.past])
+    predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     error = film_error(mass, predicted, s.P, THIN * setting.film_scale, c.even, setting.coarsenings)
     values = approach, s.converged, s.newton, s.krylov, error, *(found.terms[name] for name in budget.INTEGRALS)
     plain = [*values, *friction.numbers(found.friction)]
