@@ -19,7 +19,7 @@ from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, Ne
 
 jax.config.update("jax_enable_x64", True)
 FLOW = jax.jit(shear)
-MOBILITIES = jax.jit(secant_mobility), jax.jit(tangent_mobility)
+SECANT = jax.jit(secant_mobility)
 EYRING = traceable_law(ReeEyring(1.0))
 CARREAU = traceable_law(Carreau(1.0, 0.5))
 NEWTON = traceable_law(NewtonianOil())
@@ -299,10 +299,10 @@ def test_reversed_gradients_reverse_the_flux_and_keep_the_stress(name: str, s: t
 def test_mobilities_are_positive_and_the_secant_gives_the_flux(name: str, s: tuple, g: tuple) -> None:
     law, pressure, gradient = LAWS[name], jnp.zeros(10), column([g] * 10)
     found = FLOW(law, pressure, column([s] * 10), gradient)
-    for mobility in MOBILITIES:
-        xx, xy, yy = mobility(law, pressure, found, gradient)
+    secant = SECANT(law, pressure, found.stress, gradient)
+    for xx, xy, yy in (secant, tangent_mobility(found)):
         assert np.all(xx >= 1.0 - 1e-9) and np.all(yy >= 1.0 - 1e-9) and np.all(xx * yy - xy**2 > 0.9)
-    xx, xy, yy = MOBILITIES[0](law, pressure, found, gradient)
+    xx, xy, yy = secant
     by_secant = np.stack([xx * g[0] + xy * g[1], xy * g[0] + yy * g[1]]) / 12.0
     assert_allclose(by_secant[:, :1], found.flux[:, :1], rtol=1e-3, atol=1e-6)
 

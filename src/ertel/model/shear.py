@@ -25,6 +25,7 @@ where the stress at the walls just comes to the limit.  Nothing is claimed where
 Vectors have the shape (2, ...): along X and along Y, then the shape of the fields.
 """
 
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -44,17 +45,21 @@ PLAIN = 1e-6  # a spread that stands for none
 TOLERANCE = 1e-7  # of the last change of tau_m in units of the stress at the walls; the error is about its square
 CLOSE = 1e-3  # a change after which the next one is the last
 LIMIT = 40  # of Newton iterations
+SERIES_ERROR, SERIES_END = 1e-9, 1e-2  # largest error of a series of phi that replaces the law, and largest phi - 1
+NO_STRESS = 1e-60  # Pa
 
 
 class Shear(NamedTuple):
     """The flow across the film.
 
     stress: tau_m, shape (2, ...), in Pa.  flux: Q, shape (2, ...), in Pa; the volume flux is u_m h - (h^2/eta) Q.
-    iterations: Newton iterations that were needed, the largest of all nodes.
+    by_gradient: dQ/dg at constant sliding, positive definite.  iterations: Newton iterations that were needed, the
+    largest of all nodes; 0 where the series is enough.
     """
 
     stress: Array
     flux: Array
+    by_gradient: Tensor
     iterations: Array
 
 
@@ -66,8 +71,9 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, acros
     them and in the numbers of the law, which must be a JAX pytree (`pytrees.traceable_law`).
     """
     law_, *fields = jax.lax.stop_gradient((law, pressure, sliding, gradient))
-    stress, nodes, iterations = in_blocks(partial(_solved, law_, across), pressure.shape, *fields)
-    return Shear(*_attached((law, pressure), sliding, gradient, stress, nodes), jnp.max(iterations))
+    found = in_blocks(partial(_solved, law_, across), ~_series(law_, *fields).holds, _of_series(law_, *fields), *fields)
+    stress, flux = _attached((law, pressure), sliding, gradient, found)
+    return Shear(stress, flux, found.by_gradient, jnp.max(found.iterations))
 
 
 def dissipation(found: Shear, sliding: Array, gradient: Array) -> Array:
@@ -83,7 +89,7 @@ class Mobility(NamedTuple):
     yy: Array
 
 
-def secant_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Array, across: int = NODES) -> Mobility:
+def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Array, across: int = NODES) -> Mobility:
     """The tensor K with Q = K g/12 and the axes of the stress: smaller across tau_m, larger along it.
 
         K/12 = S_2 + tau_m tau_m S_1/(tau_m . g)
@@ -91,7 +97,9 @@ def secant_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Arra
     It has a limit where tau_m . g = 0.  In a small gradient it is phi across and d(phi tau)/dtau along tau_m.  The
     off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
     """
-    mobility: Mobility = in_blocks(partial(_secant, law, across), pressure.shape, pressure, found.stress, gradient)
+    series = _series(law, pressure, stress, gradient)
+    simple, exact = _series_secant(series, stress, gradient), partial(_secant, law, across)
+    mobility: Mobility = in_blocks(exact, ~series.holds, simple, pressure, stress, gradient)
     return mobility
 
 
@@ -105,16 +113,80 @@ def _secant(law: Fluidity, across: int, pressure: Array, t: Array, gradient: Arr
     apart = jnp.abs(difference) > 1e-6 * size
     quotient = (phi[0] - phi[1]) / jnp.where(apart, difference, 1.0)
     by_square = jnp.where(apart, quotient, 0.25 * (slope[0] + slope[1]))
-    along = 12.0 * jnp.sum(weight * 4.0 * zeta**2 * by_square, axis=0)
-    even = 12.0 * jnp.sum(weight * zeta**2 * (phi[0] + phi[1]), axis=0)
-    return Mobility(even + along * t[0] ** 2, along * t[0] * t[1], even + along * t[1] ** 2)
+    along = jnp.sum(weight * 4.0 * zeta**2 * by_square, axis=0)
+    return _along_stress(jnp.sum(weight * zeta**2 * (phi[0] + phi[1]), axis=0), along, t)
 
 
-def tangent_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Array, across: int = NODES) -> Mobility:
+def _along_stress(even: Array, along: Array, t: Array) -> Mobility:
+    """12 (even + along t t)."""
+    return Mobility(12.0 * (even + along * t[0] ** 2), 12.0 * along * t[0] * t[1], 12.0 * (even + along * t[1] ** 2))
+
+
+def tangent_mobility(found: Shear) -> Mobility:
     """The tensor dQ/dg times 12 at constant sliding, positive definite: of the flux's exact derivative."""
-    nodes = in_blocks(partial(_nodes, law, across), pressure.shape, pressure, found.stress, gradient)
-    by_gradient = _derivative((law, pressure), found.stress, gradient, nodes).by_gradient
-    return Mobility(*(12.0 * component for component in by_gradient))
+    return Mobility(*(12.0 * component for component in found.by_gradient))
+
+
+# -- where the oil hardly thins ---------------------------------------------------------------------------------------
+
+
+class _Series(NamedTuple):
+    """phi = 1 + first |tau|^2 + second |tau|^4, and where it is as good as the law."""
+
+    first: Array
+    second: Array
+    holds: Array
+
+
+def _series(law: Fluidity, pressure: Array, stress: Array, gradient: Array) -> _Series:
+    """The series through phi at the largest stress T that there can be, and at T/sqrt(2); it is checked at T/2."""
+    T = jax.lax.stop_gradient(jnp.maximum(length(stress) + 0.5 * length(gradient), NO_STRESS))  # without influence
+    end, middle, check = (law.fluidity(T * share**0.5, pressure) - 1.0 for share in (1.0, 0.5, 0.25))
+    second = 2.0 * end - 4.0 * middle
+    first = end - second
+    holds = (jnp.abs(first / 4.0 + second / 16.0 - check) <= SERIES_ERROR) & (end <= SERIES_END)
+    return _Series(first / T**2, second / T**4, holds)
+
+
+def _series_moments(series: _Series, t: Array, g: Array) -> "_Moments":
+    """The same integrals as `_moments`, exact."""
+    a, b, c, (first, second, _) = square(t), dot(t, g), square(g), series  # |tau|^2 = a + 2 b zeta + c zeta^2
+    phi = (
+        1.0 + a * (first + second * a),
+        2.0 * b * (first + 2.0 * second * a),
+        first * c + second * (2.0 * a * c + 4.0 * b**2),
+        4.0 * second * b * c,
+        second * c**2,
+    )
+    slope = 2.0 * first + 4.0 * second * a, 8.0 * second * b, 4.0 * second * c
+
+    def integral(of: tuple[Array, ...], k: int) -> Array:
+        """The integral of zeta^k times a polynomial."""
+        return sum(
+            (part / ((j + k + 1) * 2 ** (j + k)) for j, part in enumerate(of) if (j + k) % 2 == 0), jnp.zeros(())
+        )
+
+    return _assembled([integral(phi, k) for k in range(3)], [integral(slope, k) for k in range(5)], t, g)
+
+
+def _of_series(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> "_Solution":
+    """The solution by the series: two iterations from the stress of a Newtonian oil."""
+
+    def moments(pressure: Array) -> _Moments:
+        return _series_moments(_series(law, pressure, sliding, gradient), t, gradient)
+
+    t = sliding
+    for _ in range(2):
+        m = moments(pressure)
+        t = t + divided(m.A, sliding - (m.s0 * t + m.s1 * gradient))
+    return _solution(moments, pressure, t, gradient, jnp.zeros(pressure.shape, jnp.int32))
+
+
+def _series_secant(series: _Series, t: Array, gradient: Array) -> Mobility:
+    """As `_secant`."""
+    a, c, (first, second, _) = square(t), square(gradient), series
+    along = (first + 2.0 * second * a) / 6.0 + second * c / 20.0
+    return _along_stress(_series_moments(series, t, gradient).s2, along, t)
 
 
 # -- integrals across the film ----------------------------------------------------------------------------------------
@@ -172,7 +244,11 @@ def _moments(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -
     phi, slope = _both(law, pressure, t, g, zeta)
     weights = [weight, weight * zeta, weight * zeta**2, weight * zeta**3, weight * zeta**4]
     s = [_paired(w, phi, k) for k, w in enumerate(weights[:3])]
-    r = [_paired(w, slope, k) for k, w in enumerate(weights)]
+    return _assembled(s, [_paired(w, slope, k) for k, w in enumerate(weights)], t, g)
+
+
+def _assembled(s: Sequence[Array], r: Sequence[Array], t: Array, g: Array) -> _Moments:
+    """From the sums with phi and with phi'/|tau|, by the power of zeta."""
     A, C, D = (_tensor(s[k], r[k], r[k + 1], r[k + 2], t, g) for k in range(3))
     return _Moments(s[0], s[1], s[2], A, C, D)
 
@@ -216,8 +292,8 @@ class _Iterate(NamedTuple):
     iterations: Array
 
 
-def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradient: Array) -> tuple[Array, Nodes, Array]:
-    """tau_m, the nodes of its integrals, and the number of iterations, the same at each point.
+def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradient: Array) -> "_Solution":
+    """The solution, with the number of iterations, the same at each point.
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
     equation is psi(sliding(tau_m)/F) = psi(s/F).  For Eyring's law and sliding along the gradient its left side is
@@ -248,7 +324,9 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradien
     far = jnp.full_like(pressure, jnp.inf)
     first = _Iterate(aim, jnp.zeros_like(aim), far, jnp.max(far), jnp.zeros((), jnp.int32))
     last = jax.lax.while_loop(unsolved, improve, first)
-    return last.stress + last.change, nodes, jnp.full(pressure.shape, last.iterations)
+    t = last.stress + last.change
+    count = jnp.full(pressure.shape, last.iterations)
+    return _solution(lambda p: _moments(law, p, t, gradient, nodes), pressure, t, gradient, count)
 
 
 def _resting(law: Fluidity, across: int, pressure: Array, gradient: Array) -> Array:
@@ -276,70 +354,76 @@ def _bent(law: Fluidity, pressure: Array, v: Array) -> tuple[Array, Any]:
 # -- its derivative ---------------------------------------------------------------------------------------------------
 
 
-@jax.custom_jvp
-def _attached(oil: Any, sliding: Array, gradient: Array, stress: Array, nodes: Nodes) -> tuple[Array, Array]:
-    """tau_m and Q.  oil: the law and the pressure.  stress: the solution for these arguments, whose changes follow."""
-    return stress, _derivative(oil, stress, gradient, nodes).flux
+class _Solution(NamedTuple):
+    """tau_m, Q and the iterations; A, C A^-1 and D - C A^-1 C; the changes of the sliding and of the flux of a given
+    middle stress with the pressure."""
 
-
-@partial(_attached.defjvp, symbolic_zeros=True)
-def _change(primals: Any, tangents: Any) -> Any:
-    oil, _, gradient, t, nodes = primals
-    flux, A, by_sliding, by_gradient = _derivative(oil, t, gradient, nodes)
-    ds, dg = (_given(part) for part in tangents[1:3])
-    slid, extra = _by_oil(oil, tangents[0], t, gradient, nodes)
-    missing = ds - slid
-    d_stress = divided(A, missing) - product(transposed(by_sliding), dg)
-    d_flux = product(by_sliding, missing) + times(by_gradient, dg) + extra
-    return (t, flux), (d_stress, d_flux)
-
-
-def _by_oil(oil: Any, change: Any, t: Array, gradient: Array, nodes: Nodes) -> tuple[Array, Array]:
-    """The change of the sliding and of the flux of a given middle stress, from what changes of the law and pressure."""
-    numbers, structure = jax.tree.flatten(oil)
-    changes = enumerate(jax.tree.leaves(change, is_leaf=_is_zero))
-    moving = {k: number for k, number in changes if not _is_zero(number)}
-
-    def flow(moved: dict[int, Array]) -> tuple[Array, Array]:
-        values = [moved.get(k, number) for k, number in enumerate(numbers)]
-        return _integrals(jax.tree.unflatten(structure, values), t, gradient, nodes)
-
-    _, found = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
-    return found
-
-
-def _integrals(oil: Any, t: Array, gradient: Array, nodes: Nodes) -> tuple[Array, Array]:
-    """The sliding and the flux of a given middle stress."""
-    zeta, weight = nodes
-    law, pressure = oil
-    phi, _ = _both(law, pressure, t, gradient, zeta)
-    s0, s1, s2 = (_paired(weight * zeta**k, phi, k) for k in range(3))
-    return s0 * t + s1 * gradient, s1 * t + s2 * gradient
-
-
-class _Derivative(NamedTuple):
-    """The flux Q, A, C A^-1 and D - C A^-1 C."""
-
+    stress: Array
     flux: Array
+    iterations: Array
     A: Tensor
     by_sliding: Matrix
     by_gradient: Tensor
+    by_pressure: tuple[Array, Array]
 
 
-def _derivative(oil: Any, t: Array, g: Array, nodes: Nodes) -> _Derivative:
-    law, pressure = oil
-    found: _Derivative = in_blocks(partial(_derived, law), pressure.shape, pressure, t, g, nodes)
-    return found
+def _solution(
+    moments: Callable[[Array], _Moments], pressure: Array, t: Array, g: Array, iterations: Array
+) -> _Solution:
+    """moments: by the pressure, for the middle stress t."""
 
+    def flow(pressure: Array) -> Any:
+        m = moments(pressure)
+        return _flow(m, t, g), m
 
-def _derived(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> _Derivative:
-    m = _moments(law, pressure, t, g, nodes)
+    (_, flux), by_pressure, m = jax.jvp(flow, (pressure,), (jnp.ones_like(pressure),), has_aux=True)
     columns = divided(m.A, jnp.stack(m.C[:2])), divided(m.A, jnp.stack(m.C[1:]))  # of A^-1 C
     share = columns[0][0], columns[0][1], columns[1][0], columns[1][1]  # its transpose C A^-1, row by row
     xx = m.D[0] - (share[0] * m.C[0] + share[1] * m.C[1])
     xy = m.D[1] - (share[0] * m.C[1] + share[1] * m.C[2])
     yy = m.D[2] - (share[2] * m.C[1] + share[3] * m.C[2])
-    return _Derivative(m.s1 * t + m.s2 * g, m.A, share, (xx, xy, yy))
+    return _Solution(t, flux, iterations, m.A, share, (xx, xy, yy), by_pressure)
+
+
+def _flow(m: _Moments, t: Array, g: Array) -> tuple[Array, Array]:
+    """The sliding and the flux of a given middle stress."""
+    return m.s0 * t + m.s1 * g, m.s1 * t + m.s2 * g
+
+
+@jax.custom_jvp
+def _attached(oil: Any, sliding: Array, gradient: Array, found: _Solution) -> tuple[Array, Array]:
+    """tau_m and Q.  oil: the law and the pressure.  found: the solution for these arguments, whose changes follow."""
+    return found.stress, found.flux
+
+
+@partial(_attached.defjvp, symbolic_zeros=True)
+def _change(primals: Any, tangents: Any) -> Any:
+    (law, pressure), _, gradient, found = primals
+    (d_law, dp), ds, dg = tangents[0], *map(_given, tangents[1:3])
+    dp = _given(dp)
+    by_law = _by_law(law, d_law, pressure, gradient, found.stress)
+    slid, extra = (by_p * dp + more for by_p, more in zip(found.by_pressure, by_law, strict=True))
+    missing = ds - slid
+    d_stress = divided(found.A, missing) - product(transposed(found.by_sliding), dg)
+    d_flux = product(found.by_sliding, missing) + times(found.by_gradient, dg) + extra
+    return (found.stress, found.flux), (d_stress, d_flux)
+
+
+def _by_law(law: Fluidity, change: Any, pressure: Array, gradient: Array, t: Array) -> Any:
+    """The change of the sliding and of the flux of a given middle stress, from what changes of the law's numbers."""
+    numbers, structure = jax.tree.flatten(law)
+    changes = enumerate(jax.tree.leaves(change, is_leaf=_is_zero))
+    moving = {k: number for k, number in changes if not _is_zero(number)}
+    if not moving:
+        return 0.0, 0.0
+    nodes = _nodes(law, NODES, pressure, t, gradient)
+
+    def flow(moved: dict[int, Array]) -> tuple[Array, Array]:
+        values = [moved.get(k, number) for k, number in enumerate(numbers)]
+        return _flow(_moments(jax.tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
+
+    _, found = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
+    return found
 
 
 def _is_zero(tangent: Any) -> bool:
