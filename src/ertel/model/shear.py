@@ -19,6 +19,8 @@ where the stress at the walls just comes to the limit.  Nothing is claimed where
 * The integrals are sums over NODES nodes.  With the sums S_k of zeta^k phi they are S_0 tau_m + S_1 g and S_1 tau_m +
   S_2 g.  The nodes lie in pairs, so that a Newtonian oil gets exactly S_1 = 0.
 * tau_m comes from Newton's iteration in a variable in which the equations are nearly linear: Eyring's asinh.
+* Where the oil hardly thins, a series of two terms stands for phi, and the sums are exact integrals of it.  It is
+  checked against the law at every point: phi has an error of `SERIES_ERROR`.  So it is at nine of ten points.
 * The derivative is that of an implicit function, from the moments A, C, D = integrals of (1, zeta, zeta^2) d(phi
   tau)/dtau:  A dtau_m = ds - C dg,  dQ = C dtau_m + D dg.  These are symmetric, and D - C A^-1 C is positive definite.
 
@@ -41,7 +43,7 @@ from ertel.physics.fluidity import Fluidity
 
 NODES = 8  # across the film, even
 SPREAD = 10.0  # growth of ln(phi) towards a wall over half the film at which the nodes begin to move to the walls
-PLAIN = 1e-6  # a spread that stands for none
+PLAIN = 1e-3  # a spread that stands for none
 TOLERANCE = 1e-7  # of the last change of tau_m in units of the stress at the walls; the error is about its square
 CLOSE = 1e-3  # a change after which the next one is the last
 LIMIT = 40  # of Newton iterations
@@ -205,8 +207,10 @@ def _nodes(law: Fluidity, across: int, pressure: Array, stress: Array, gradient:
     growth = slope / phi * jnp.abs(dot(wall, gradient)) / 2.0
     c = jnp.maximum(growth / SPREAD, PLAIN)[None]
     z, w = _gauss(across, pressure.ndim)
-    moved = z * jnp.sinh(c)
-    return jnp.asinh(moved) / (2.0 * c), w * jnp.sinh(c) / (2.0 * c * jnp.sqrt(1.0 + moved**2))
+    stretch = jnp.sinh(c)
+    moved = z * stretch
+    root = jnp.sqrt(1.0 + moved**2)
+    return jnp.log(moved + root) / (2.0 * c), w * stretch / (2.0 * c * root)  # asinh, in half the time
 
 
 def _gauss(across: int, ndim: int) -> tuple[Any, Any]:
@@ -355,8 +359,7 @@ def _bent(law: Fluidity, pressure: Array, v: Array) -> tuple[Array, Any]:
 
 
 class _Solution(NamedTuple):
-    """tau_m, Q and the iterations; A, C A^-1 and D - C A^-1 C; the changes of the sliding and of the flux of a given
-    middle stress with the pressure."""
+    """tau_m, Q and the iterations; A, C A^-1 and D - C A^-1 C; the derivatives of tau_m and of Q by the pressure."""
 
     stress: Array
     flux: Array
@@ -376,12 +379,13 @@ def _solution(
         m = moments(pressure)
         return _flow(m, t, g), m
 
-    (_, flux), by_pressure, m = jax.jvp(flow, (pressure,), (jnp.ones_like(pressure),), has_aux=True)
+    (_, flux), (slid, extra), m = jax.jvp(flow, (pressure,), (jnp.ones_like(pressure),), has_aux=True)
     columns = divided(m.A, jnp.stack(m.C[:2])), divided(m.A, jnp.stack(m.C[1:]))  # of A^-1 C
     share = columns[0][0], columns[0][1], columns[1][0], columns[1][1]  # its transpose C A^-1, row by row
     xx = m.D[0] - (share[0] * m.C[0] + share[1] * m.C[1])
     xy = m.D[1] - (share[0] * m.C[1] + share[1] * m.C[2])
     yy = m.D[2] - (share[2] * m.C[1] + share[3] * m.C[2])
+    by_pressure = -divided(m.A, slid), extra - product(share, slid)
     return _Solution(t, flux, iterations, m.A, share, (xx, xy, yy), by_pressure)
 
 
@@ -399,13 +403,13 @@ def _attached(oil: Any, sliding: Array, gradient: Array, found: _Solution) -> tu
 @partial(_attached.defjvp, symbolic_zeros=True)
 def _change(primals: Any, tangents: Any) -> Any:
     (law, pressure), _, gradient, found = primals
-    (d_law, dp), ds, dg = tangents[0], *map(_given, tangents[1:3])
-    dp = _given(dp)
-    by_law = _by_law(law, d_law, pressure, gradient, found.stress)
-    slid, extra = (by_p * dp + more for by_p, more in zip(found.by_pressure, by_law, strict=True))
+    (d_law, dp), ds, dg, _ = tangents
+    ds, dg, dp = map(_given, (ds, dg, dp))
+    stress_by_pressure, flux_by_pressure = found.by_pressure
+    slid, extra = _by_law(law, d_law, pressure, gradient, found.stress)
     missing = ds - slid
-    d_stress = divided(found.A, missing) - product(transposed(found.by_sliding), dg)
-    d_flux = product(found.by_sliding, missing) + times(found.by_gradient, dg) + extra
+    d_stress = divided(found.A, missing) - product(transposed(found.by_sliding), dg) + stress_by_pressure * dp
+    d_flux = product(found.by_sliding, missing) + times(found.by_gradient, dg) + flux_by_pressure * dp + extra
     return (found.stress, found.flux), (d_stress, d_flux)
 
 
