@@ -14,6 +14,8 @@ from scipy.integrate import quad_vec
 from scipy.optimize import root
 
 from ertel.model.pytrees import traceable_law
+from ertel.model import across
+from ertel.model.across import series_of
 from ertel.model.shear import LIMIT, Shear, dissipation, secant_mobility, shear, tangent_mobility
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
 
@@ -324,6 +326,26 @@ def test_heat_is_work(name: str, s: tuple, g: tuple) -> None:
     tau = np.asarray(found.stress) + 0.5 * z * np.asarray(g)[:, None]
     square = tau[0] ** 2 + tau[1] ** 2
     assert heat == pytest.approx(np.sum(0.5 * w * law.fluidity(np.sqrt(square), 0.0) * square), rel=1e-3, abs=1e-12)
+
+
+@pytest.mark.parametrize("law", [EYRING, CARREAU, traceable_law(Limited(Carreau(1.0, 0.5), 0.05, 4.0))], ids=str)
+def test_the_series_agrees_with_the_nodes(law: Fluidity, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Flux, stress and their changes, where the oil hardly thins: some points have the series, others have not."""
+    draw = np.random.default_rng(5)
+    sizes = 10.0 ** draw.uniform(-4, 0, (2, 1, 400))
+    s, g = jnp.asarray(sizes * draw.normal(size=(2, 2, 400)))
+    pressure, one = jnp.ones(400), jnp.ones(400)
+
+    def found() -> list[jax.Array]:
+        return jax.tree.leaves(jax.jit(lambda *p: jax.jvp(partial(values, law), p, (one, s, g)))(pressure, s, g))
+
+    by_series = found()
+    share = float(jnp.mean(series_of(law, pressure, s, g).holds))
+    monkeypatch.setattr(across, "SERIES_END", -1.0)
+    assert 0.3 < share < 0.9 and not jnp.any(series_of(law, pressure, s, g).holds)
+    walls = jnp.linalg.norm(s, axis=0) + jnp.linalg.norm(g, axis=0)
+    for ours, by_nodes in zip(by_series, found(), strict=True):
+        assert np.all(np.abs(ours - by_nodes) <= 2e-9 * walls)
 
 
 # -- the iteration ----------------------------------------------------------------------------------------------------

@@ -27,28 +27,35 @@ where the stress at the walls just comes to the limit.  Nothing is claimed where
 Vectors have the shape (2, ...): along X and along Y, then the shape of the fields.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 from jax.custom_derivatives import SymbolicZero
 
+from ertel.model.across import (
+    Moments,
+    Series,
+    both_sides,
+    gauss,
+    gauss_nodes,
+    moments_by_nodes,
+    series_moments,
+    series_of,
+    sliding_moments,
+    with_slope,
+)
 from ertel.numerics.blocks import in_blocks
-from ertel.numerics.pointwise import TINY, Matrix, Tensor, divided, dot, length, product, square, times, transposed
+from ertel.numerics.pointwise import Matrix, Tensor, divided, dot, length, product, square, times, transposed
 from ertel.physics.fluidity import Fluidity
 
 NODES = 8  # across the film, even
-SPREAD = 10.0  # growth of ln(phi) towards a wall over half the film at which the nodes begin to move to the walls
-PLAIN = 1e-3  # a spread that stands for none
 TOLERANCE = 1e-7  # of the last change of tau_m in units of the stress at the walls; the error is about its square
 CLOSE = 1e-3  # a change after which the next one is the last
 LIMIT = 40  # of Newton iterations
-SERIES_ERROR, SERIES_END = 1e-9, 1e-2  # largest error of a series of phi that replaces the law, and largest phi - 1
-NO_STRESS = 1e-60  # Pa
 
 
 class Shear(NamedTuple):
@@ -73,7 +80,9 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, acros
     them and in the numbers of the law, which must be a JAX pytree (`pytrees.traceable_law`).
     """
     law_, *fields = jax.lax.stop_gradient((law, pressure, sliding, gradient))
-    found = in_blocks(partial(_solved, law_, across), ~_series(law_, *fields).holds, _of_series(law_, *fields), *fields)
+    found = in_blocks(
+        partial(_solved, law_, across), ~series_of(law_, *fields).holds, _of_series(law_, *fields), *fields
+    )
     stress, flux = _attached((law, pressure), sliding, gradient, found)
     return Shear(stress, flux, found.by_gradient, jnp.max(found.iterations))
 
@@ -99,15 +108,16 @@ def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Arr
     It has a limit where tau_m . g = 0.  In a small gradient it is phi across and d(phi tau)/dtau along tau_m.  The
     off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
     """
-    series = _series(law, pressure, stress, gradient)
+    series = series_of(law, pressure, stress, gradient)
     simple, exact = _series_secant(series, stress, gradient), partial(_secant, law, across)
     mobility: Mobility = in_blocks(exact, ~series.holds, simple, pressure, stress, gradient)
     return mobility
 
 
 def _secant(law: Fluidity, across: int, pressure: Array, t: Array, gradient: Array) -> Mobility:
-    zeta, weight = jax.lax.stop_gradient(_nodes(law, across, pressure, t, gradient))  # where they lie has no influence
-    phi, slope = _both(law, pressure, t, gradient, zeta)
+    # where the nodes lie has no influence
+    zeta, weight = jax.lax.stop_gradient(gauss_nodes(law, across, pressure, t, gradient))
+    phi, slope = both_sides(law, pressure, t, gradient, zeta)
     along_it = dot(t, gradient)
     # |tau+|^2 - |tau-|^2 = 4 zeta tau_m . g; where it is too small for a quotient, the mean slope by |tau|^2 serves
     difference = 4.0 * zeta * along_it
@@ -132,50 +142,11 @@ def tangent_mobility(found: Shear) -> Mobility:
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
 
 
-class _Series(NamedTuple):
-    """phi = 1 + first |tau|^2 + second |tau|^4, and where it is as good as the law."""
-
-    first: Array
-    second: Array
-    holds: Array
-
-
-def _series(law: Fluidity, pressure: Array, stress: Array, gradient: Array) -> _Series:
-    """The series through phi at the largest stress T that there can be, and at T/sqrt(2); it is checked at T/2."""
-    T = jax.lax.stop_gradient(jnp.maximum(length(stress) + 0.5 * length(gradient), NO_STRESS))  # without influence
-    end, middle, check = (law.fluidity(T * share**0.5, pressure) - 1.0 for share in (1.0, 0.5, 0.25))
-    second = 2.0 * end - 4.0 * middle
-    first = end - second
-    holds = (jnp.abs(first / 4.0 + second / 16.0 - check) <= SERIES_ERROR) & (end <= SERIES_END)
-    return _Series(first / T**2, second / T**4, holds)
-
-
-def _series_moments(series: _Series, t: Array, g: Array) -> "_Moments":
-    """The same integrals as `_moments`, exact."""
-    a, b, c, (first, second, _) = square(t), dot(t, g), square(g), series  # |tau|^2 = a + 2 b zeta + c zeta^2
-    phi = (
-        1.0 + a * (first + second * a),
-        2.0 * b * (first + 2.0 * second * a),
-        first * c + second * (2.0 * a * c + 4.0 * b**2),
-        4.0 * second * b * c,
-        second * c**2,
-    )
-    slope = 2.0 * first + 4.0 * second * a, 8.0 * second * b, 4.0 * second * c
-
-    def integral(of: tuple[Array, ...], k: int) -> Array:
-        """The integral of zeta^k times a polynomial."""
-        return sum(
-            (part / ((j + k + 1) * 2 ** (j + k)) for j, part in enumerate(of) if (j + k) % 2 == 0), jnp.zeros(())
-        )
-
-    return _assembled([integral(phi, k) for k in range(3)], [integral(slope, k) for k in range(5)], t, g)
-
-
 def _of_series(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> "_Solution":
     """The solution by the series: two iterations from the stress of a Newtonian oil."""
 
-    def moments(pressure: Array) -> _Moments:
-        return _series_moments(_series(law, pressure, sliding, gradient), t, gradient)
+    def moments(pressure: Array) -> Moments:
+        return series_moments(series_of(law, pressure, sliding, gradient), t, gradient)
 
     t = sliding
     for _ in range(2):
@@ -184,100 +155,11 @@ def _of_series(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) 
     return _solution(moments, pressure, t, gradient, jnp.zeros(pressure.shape, jnp.int32))
 
 
-def _series_secant(series: _Series, t: Array, gradient: Array) -> Mobility:
+def _series_secant(series: Series, t: Array, gradient: Array) -> Mobility:
     """As `_secant`."""
     a, c, (first, second, _) = square(t), square(gradient), series
     along = (first + 2.0 * second * a) / 6.0 + second * c / 20.0
-    return _along_stress(_series_moments(series, t, gradient).s2, along, t)
-
-
-# -- integrals across the film ----------------------------------------------------------------------------------------
-
-Nodes = tuple[Array, Array]  # zeta > 0 and weight of each pair, shape (NODES/2, ...)
-
-
-def _nodes(law: Fluidity, across: int, pressure: Array, stress: Array, gradient: Array) -> Nodes:
-    """Gauss nodes for the middle stress and gradient, near the walls where the fluidity grows steeply there.
-
-    zeta = asinh(z sinh c)/(2 c) with Gauss nodes z in (-1, 1): Gauss's own for c = 0.  c grows with the rate of growth
-    of ln(phi) at the wall with the larger stress.
-    """
-    wall = stress + jnp.where(dot(stress, gradient) >= 0.0, 0.5, -0.5) * gradient
-    phi, slope = _fluidity(law, pressure, length(wall))
-    growth = slope / phi * jnp.abs(dot(wall, gradient)) / 2.0
-    c = jnp.maximum(growth / SPREAD, PLAIN)[None]
-    z, w = _gauss(across, pressure.ndim)
-    stretch = jnp.sinh(c)
-    moved = z * stretch
-    root = jnp.sqrt(1.0 + moved**2)
-    return jnp.log(moved + root) / (2.0 * c), w * stretch / (2.0 * c * root)  # asinh, in half the time
-
-
-def _gauss(across: int, ndim: int) -> tuple[Any, Any]:
-    """Gauss's nodes in (0, 1) and weights, for fields of so many dimensions."""
-    z, weight = (both[across // 2 :].reshape(-1, *[1] * ndim) for both in np.polynomial.legendre.leggauss(across))
-    return z, weight
-
-
-def _fluidity(law: Fluidity, pressure: Array, size: Array) -> tuple[Array, Array]:
-    """phi and phi'/|tau| at |tau|."""
-    phi, slope = jax.jvp(lambda x: law.fluidity(x, pressure), (size,), (jnp.ones_like(size),))
-    return phi, slope / size
-
-
-def _both(law: Fluidity, pressure: Array, t: Array, g: Array, zeta: Array) -> tuple[Array, Array]:
-    """phi and phi'/|tau| at + zeta and at - zeta, each of shape (2, NODES/2, ...)."""
-    mean, along = square(t) + zeta**2 * square(g), 2.0 * zeta * dot(t, g)
-    size = jnp.sqrt(jnp.maximum(jnp.stack([mean + along, mean - along]), TINY**2))
-    return _fluidity(law, pressure, size)
-
-
-class _Moments(NamedTuple):
-    """The sums over the nodes with phi (s0, s1, s2), and A, C, D."""
-
-    s0: Array
-    s1: Array
-    s2: Array
-    A: Tensor
-    C: Tensor
-    D: Tensor
-
-
-def _moments(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> _Moments:
-    zeta, weight = nodes
-    phi, slope = _both(law, pressure, t, g, zeta)
-    weights = [weight, weight * zeta, weight * zeta**2, weight * zeta**3, weight * zeta**4]
-    s = [_paired(w, phi, k) for k, w in enumerate(weights[:3])]
-    return _assembled(s, [_paired(w, slope, k) for k, w in enumerate(weights)], t, g)
-
-
-def _assembled(s: Sequence[Array], r: Sequence[Array], t: Array, g: Array) -> _Moments:
-    """From the sums with phi and with phi'/|tau|, by the power of zeta."""
-    A, C, D = (_tensor(s[k], r[k], r[k + 1], r[k + 2], t, g) for k in range(3))
-    return _Moments(s[0], s[1], s[2], A, C, D)
-
-
-def _slid(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> tuple[Array, Array, Tensor]:
-    """Of the moments, those that the sliding needs: s0, s1 and A."""
-    zeta, weight = nodes
-    phi, slope = _both(law, pressure, t, g, zeta)
-    weights = [weight, weight * zeta, weight * zeta**2]
-    s0, s1 = (_paired(w, phi, k) for k, w in enumerate(weights[:2]))
-    r0, r1, r2 = (_paired(w, slope, k) for k, w in enumerate(weights))
-    return s0, s1, _tensor(s0, r0, r1, r2, t, g)
-
-
-def _paired(weight: Array, values: Array, power: int) -> Array:
-    """The sum over the nodes of weight * values, odd in zeta if the power is."""
-    both = values[0] - values[1] if power % 2 else values[0] + values[1]
-    return jnp.sum(weight * both, axis=0)
-
-
-def _tensor(s: Array, r0: Array, r1: Array, r2: Array, t: Array, g: Array) -> Tensor:
-    """Integral of zeta^k (phi + tau tau phi'/|tau|) with tau = t + zeta g."""
-    xx = s + (r0 * t[0] ** 2 + 2.0 * r1 * t[0] * g[0] + r2 * g[0] ** 2)
-    yy = s + (r0 * t[1] ** 2 + 2.0 * r1 * t[1] * g[1] + r2 * g[1] ** 2)
-    return xx, r0 * t[0] * t[1] + r1 * (t[0] * g[1] + t[1] * g[0]) + r2 * g[0] * g[1], yy
+    return _along_stress(series_moments(series, t, gradient).s2, along, t)
 
 
 # -- the stress in the middle -----------------------------------------------------------------------------------------
@@ -306,7 +188,7 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradien
     """
     resting = _resting(law, across, pressure, gradient)
     aim, _ = _bent(law, pressure, sliding / resting)
-    nodes = _nodes(law, across, pressure, aim, gradient)
+    nodes = gauss_nodes(law, across, pressure, aim, gradient)
 
     def unsolved(it: _Iterate) -> Array:
         return (it.left > 1.0) & (it.iterations < LIMIT)
@@ -314,7 +196,7 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradien
     def improve(it: _Iterate) -> _Iterate:
         """Try the change; where it does not reduce the residual, try half of it next."""
         t = it.stress + it.change
-        s0, s1, A = _slid(law, pressure, t, gradient, nodes)
+        s0, s1, A = sliding_moments(law, pressure, t, gradient, nodes)
         now, unbent = _bent(law, pressure, (s0 * t + s1 * gradient) / resting)
         residual = length(aim - now)
         better = residual < it.residual
@@ -330,14 +212,14 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradien
     last = jax.lax.while_loop(unsolved, improve, first)
     t = last.stress + last.change
     count = jnp.full(pressure.shape, last.iterations)
-    return _solution(lambda p: _moments(law, p, t, gradient, nodes), pressure, t, gradient, count)
+    return _solution(lambda p: moments_by_nodes(law, p, t, gradient, nodes), pressure, t, gradient, count)
 
 
 def _resting(law: Fluidity, across: int, pressure: Array, gradient: Array) -> Array:
     """The integral of d(phi tau)/dtau along the gradient, without sliding: (sinh Sigma)/Sigma for Eyring's law."""
-    z, weight = _gauss(across, pressure.ndim)
+    z, weight = gauss(across, pressure.ndim)
     size = 0.5 * z * length(gradient)
-    phi, slope = _fluidity(law, pressure, size)
+    phi, slope = with_slope(law, pressure, size)
     resting: Array = jnp.sum(weight * (phi + slope * size**2), axis=0)
     return resting
 
@@ -370,9 +252,7 @@ class _Solution(NamedTuple):
     by_pressure: tuple[Array, Array]
 
 
-def _solution(
-    moments: Callable[[Array], _Moments], pressure: Array, t: Array, g: Array, iterations: Array
-) -> _Solution:
+def _solution(moments: Callable[[Array], Moments], pressure: Array, t: Array, g: Array, iterations: Array) -> _Solution:
     """moments: by the pressure, for the middle stress t."""
 
     def flow(pressure: Array) -> Any:
@@ -389,7 +269,7 @@ def _solution(
     return _Solution(t, flux, iterations, m.A, share, (xx, xy, yy), by_pressure)
 
 
-def _flow(m: _Moments, t: Array, g: Array) -> tuple[Array, Array]:
+def _flow(m: Moments, t: Array, g: Array) -> tuple[Array, Array]:
     """The sliding and the flux of a given middle stress."""
     return m.s0 * t + m.s1 * g, m.s1 * t + m.s2 * g
 
@@ -420,11 +300,11 @@ def _by_law(law: Fluidity, change: Any, pressure: Array, gradient: Array, t: Arr
     moving = {k: number for k, number in changes if not _is_zero(number)}
     if not moving:
         return 0.0, 0.0
-    nodes = _nodes(law, NODES, pressure, t, gradient)
+    nodes = gauss_nodes(law, NODES, pressure, t, gradient)
 
     def flow(moved: dict[int, Array]) -> tuple[Array, Array]:
         values = [moved.get(k, number) for k, number in enumerate(numbers)]
-        return _flow(_moments(jax.tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
+        return _flow(moments_by_nodes(jax.tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
 
     _, found = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
     return found
