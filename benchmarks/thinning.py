@@ -1,6 +1,6 @@
 """What an oil that thins costs: steps in time and steady solves beside those of a Newtonian oil.  Prints two tables.
 
-    python benchmarks/thinning.py [nodes]           (257 unless said; some minutes)
+    python benchmarks/thinning.py [nodes]           (129 unless said; some minutes)
 
 A ball of 20 mm under 20 N and 1 m/s with S = 0.5, M = 61, L = 11, p_h = 0.79 GPa; the steps are those of a load that
 rises.  All oils are measured in the same run: only the ratios tell.
@@ -76,7 +76,7 @@ def steady(rheology: Any, nodes: int) -> tuple[float, ...]:
 def main() -> None:
     """Print the tables."""
     keep_compiled()
-    for nodes in grids((257,)):
+    for nodes in grids((129,)):
         for what, work, columns in (("step", steps, ("first call, s",)), ("steady solve", steady, ())):
             header((f"{what}, {nodes}²", "Newton", "Krylov", "wall, s", "CPU, s", *columns, "wall ratio", "CPU ratio"))
             newtonian = None

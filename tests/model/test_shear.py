@@ -14,12 +14,14 @@ from scipy.integrate import quad_vec
 from scipy.optimize import root
 
 from ertel.model.pytrees import traceable_law
+from ertel.model import across
+from ertel.model.across import series_of
 from ertel.model.shear import LIMIT, Shear, dissipation, secant_mobility, shear, tangent_mobility
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
 
 jax.config.update("jax_enable_x64", True)
 FLOW = jax.jit(shear)
-MOBILITIES = jax.jit(secant_mobility), jax.jit(tangent_mobility)
+SECANT = jax.jit(secant_mobility)
 EYRING = traceable_law(ReeEyring(1.0))
 CARREAU = traceable_law(Carreau(1.0, 0.5))
 NEWTON = traceable_law(NewtonianOil())
@@ -300,10 +302,10 @@ def test_reversed_gradients_reverse_the_flux_and_keep_the_stress(name: str, s: t
 def test_mobilities_are_positive_and_the_secant_gives_the_flux(name: str, s: tuple, g: tuple) -> None:
     law, pressure, gradient = LAWS[name], jnp.zeros(10), column([g] * 10)
     found = FLOW(law, pressure, column([s] * 10), gradient)
-    for mobility in MOBILITIES:
-        xx, xy, yy = mobility(law, pressure, found, gradient)
+    secant = SECANT(law, pressure, found.stress, gradient)
+    for xx, xy, yy in (secant, tangent_mobility(found)):
         assert np.all(xx >= 1.0 - 1e-9) and np.all(yy >= 1.0 - 1e-9) and np.all(xx * yy - xy**2 > 0.9)
-    xx, xy, yy = MOBILITIES[0](law, pressure, found, gradient)
+    xx, xy, yy = secant
     by_secant = np.stack([xx * g[0] + xy * g[1], xy * g[0] + yy * g[1]]) / 12.0
     assert_allclose(by_secant[:, :1], found.flux[:, :1], rtol=1e-3, atol=1e-6)
 
@@ -325,6 +327,26 @@ def test_heat_is_work(name: str, s: tuple, g: tuple) -> None:
     tau = np.asarray(found.stress) + 0.5 * z * np.asarray(g)[:, None]
     square = tau[0] ** 2 + tau[1] ** 2
     assert heat == pytest.approx(np.sum(0.5 * w * law.fluidity(np.sqrt(square), 0.0) * square), rel=1e-3, abs=1e-12)
+
+
+@pytest.mark.parametrize("law", [EYRING, CARREAU, traceable_law(Limited(Carreau(1.0, 0.5), 0.05, 4.0))], ids=str)
+def test_the_series_agrees_with_the_nodes(law: Fluidity, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Flux, stress and their changes, where the oil hardly thins: some points have the series, others have not."""
+    draw = np.random.default_rng(5)
+    sizes = 10.0 ** draw.uniform(-4, 0, (2, 1, 400))
+    s, g = jnp.asarray(sizes * draw.normal(size=(2, 2, 400)))
+    pressure, one = jnp.ones(400), jnp.ones(400)
+
+    def found() -> list[jax.Array]:
+        return jax.tree.leaves(jax.jit(lambda *p: jax.jvp(partial(values, law), p, (one, s, g)))(pressure, s, g))
+
+    by_series = found()
+    share = float(jnp.mean(series_of(law, pressure, s, g).holds))
+    monkeypatch.setattr(across, "SERIES_END", -1.0)
+    assert 0.3 < share < 0.9 and not jnp.any(series_of(law, pressure, s, g).holds)
+    walls = jnp.linalg.norm(s, axis=0) + jnp.linalg.norm(g, axis=0)
+    for ours, by_nodes in zip(by_series, found(), strict=True):
+        assert np.all(np.abs(ours - by_nodes) <= 2e-9 * walls)
 
 
 # -- the iteration ----------------------------------------------------------------------------------------------------

@@ -19,28 +19,40 @@ where the stress at the walls just comes to the limit.  Nothing is claimed where
 * The integrals are sums over NODES nodes.  With the sums S_k of zeta^k phi they are S_0 tau_m + S_1 g and S_1 tau_m +
   S_2 g.  The nodes lie in pairs, so that a Newtonian oil gets exactly S_1 = 0.
 * tau_m comes from Newton's iteration in a variable in which the equations are nearly linear: Eyring's asinh.
+* Where the oil hardly thins, a series of two terms stands for phi, and the sums are exact integrals of it.  It is
+  checked against the law at every point: phi has an error of `SERIES_ERROR`.  So it is at nine of ten points.
 * The derivative is that of an implicit function, from the moments A, C, D = integrals of (1, zeta, zeta^2) d(phi
   tau)/dtau:  A dtau_m = ds - C dg,  dQ = C dtau_m + D dg.  These are symmetric, and D - C A^-1 C is positive definite.
 
 Vectors have the shape (2, ...): along X and along Y, then the shape of the fields.
 """
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 from jax.custom_derivatives import SymbolicZero
 
+from ertel.model.across import (
+    Moments,
+    Series,
+    both_sides,
+    gauss,
+    gauss_nodes,
+    moments_by_nodes,
+    series_moments,
+    series_of,
+    sliding_moments,
+    with_slope,
+)
 from ertel.numerics.blocks import in_blocks
-from ertel.numerics.pointwise import TINY, Matrix, Tensor, divided, dot, length, product, square, times, transposed
+from ertel.numerics.pointwise import Matrix, Tensor, divided, dot, length, product, square, times, transposed
 from ertel.physics.fluidity import Fluidity
 
 NODES = 8  # across the film, even
-SPREAD = 10.0  # growth of ln(phi) towards a wall over half the film at which the nodes begin to move to the walls
-PLAIN = 1e-6  # a spread that stands for none
 TOLERANCE = 1e-7  # of the last change of tau_m in units of the stress at the walls; the error is about its square
 CLOSE = 1e-3  # a change after which the next one is the last
 LIMIT = 40  # of Newton iterations
@@ -50,11 +62,13 @@ class Shear(NamedTuple):
     """The flow across the film.
 
     stress: tau_m, shape (2, ...), in Pa.  flux: Q, shape (2, ...), in Pa; the volume flux is u_m h - (h^2/eta) Q.
-    iterations: Newton iterations that were needed, the largest of all nodes.
+    by_gradient: dQ/dg at constant sliding, positive definite.  iterations: Newton iterations that were needed, the
+    largest of all nodes; 0 where the series is enough.
     """
 
     stress: Array
     flux: Array
+    by_gradient: Tensor
     iterations: Array
 
 
@@ -66,8 +80,11 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, acros
     them and in the numbers of the law, which must be a JAX pytree (`pytrees.traceable_law`).
     """
     law_, *fields = jax.lax.stop_gradient((law, pressure, sliding, gradient))
-    stress, nodes, iterations = in_blocks(partial(_solved, law_, across), pressure.shape, *fields)
-    return Shear(*_attached((law, pressure), sliding, gradient, stress, nodes), jnp.max(iterations))
+    found = in_blocks(
+        partial(_solved, law_, across), ~series_of(law_, *fields).holds, _of_series(law_, *fields), *fields
+    )
+    stress, flux = _attached((law, pressure), sliding, gradient, found)
+    return Shear(stress, flux, found.by_gradient, jnp.max(found.iterations))
 
 
 def dissipation(found: Shear, sliding: Array, gradient: Array) -> Array:
@@ -83,7 +100,7 @@ class Mobility(NamedTuple):
     yy: Array
 
 
-def secant_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Array, across: int = NODES) -> Mobility:
+def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Array, across: int = NODES) -> Mobility:
     """The tensor K with Q = K g/12 and the axes of the stress: smaller across tau_m, larger along it.
 
         K/12 = S_2 + tau_m tau_m S_1/(tau_m . g)
@@ -91,13 +108,16 @@ def secant_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Arra
     It has a limit where tau_m . g = 0.  In a small gradient it is phi across and d(phi tau)/dtau along tau_m.  The
     off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
     """
-    mobility: Mobility = in_blocks(partial(_secant, law, across), pressure.shape, pressure, found.stress, gradient)
+    series = series_of(law, pressure, stress, gradient)
+    simple, exact = _series_secant(series, stress, gradient), partial(_secant, law, across)
+    mobility: Mobility = in_blocks(exact, ~series.holds, simple, pressure, stress, gradient)
     return mobility
 
 
 def _secant(law: Fluidity, across: int, pressure: Array, t: Array, gradient: Array) -> Mobility:
-    zeta, weight = jax.lax.stop_gradient(_nodes(law, across, pressure, t, gradient))  # where they lie has no influence
-    phi, slope = _both(law, pressure, t, gradient, zeta)
+    # where the nodes lie has no influence
+    zeta, weight = jax.lax.stop_gradient(gauss_nodes(law, across, pressure, t, gradient))
+    phi, slope = both_sides(law, pressure, t, gradient, zeta)
     along_it = dot(t, gradient)
     # |tau+|^2 - |tau-|^2 = 4 zeta tau_m . g; where it is too small for a quotient, the mean slope by |tau|^2 serves
     difference = 4.0 * zeta * along_it
@@ -105,99 +125,41 @@ def _secant(law: Fluidity, across: int, pressure: Array, t: Array, gradient: Arr
     apart = jnp.abs(difference) > 1e-6 * size
     quotient = (phi[0] - phi[1]) / jnp.where(apart, difference, 1.0)
     by_square = jnp.where(apart, quotient, 0.25 * (slope[0] + slope[1]))
-    along = 12.0 * jnp.sum(weight * 4.0 * zeta**2 * by_square, axis=0)
-    even = 12.0 * jnp.sum(weight * zeta**2 * (phi[0] + phi[1]), axis=0)
-    return Mobility(even + along * t[0] ** 2, along * t[0] * t[1], even + along * t[1] ** 2)
+    along = jnp.sum(weight * 4.0 * zeta**2 * by_square, axis=0)
+    return _along_stress(jnp.sum(weight * zeta**2 * (phi[0] + phi[1]), axis=0), along, t)
 
 
-def tangent_mobility(law: Fluidity, pressure: Array, found: Shear, gradient: Array, across: int = NODES) -> Mobility:
+def _along_stress(even: Array, along: Array, t: Array) -> Mobility:
+    """12 (even + along t t)."""
+    return Mobility(12.0 * (even + along * t[0] ** 2), 12.0 * along * t[0] * t[1], 12.0 * (even + along * t[1] ** 2))
+
+
+def tangent_mobility(found: Shear) -> Mobility:
     """The tensor dQ/dg times 12 at constant sliding, positive definite: of the flux's exact derivative."""
-    nodes = in_blocks(partial(_nodes, law, across), pressure.shape, pressure, found.stress, gradient)
-    by_gradient = _derivative((law, pressure), found.stress, gradient, nodes).by_gradient
-    return Mobility(*(12.0 * component for component in by_gradient))
+    return Mobility(*(12.0 * component for component in found.by_gradient))
 
 
-# -- integrals across the film ----------------------------------------------------------------------------------------
-
-Nodes = tuple[Array, Array]  # zeta > 0 and weight of each pair, shape (NODES/2, ...)
+# -- where the oil hardly thins ---------------------------------------------------------------------------------------
 
 
-def _nodes(law: Fluidity, across: int, pressure: Array, stress: Array, gradient: Array) -> Nodes:
-    """Gauss nodes for the middle stress and gradient, near the walls where the fluidity grows steeply there.
+def _of_series(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> "_Solution":
+    """The solution by the series: two iterations from the stress of a Newtonian oil."""
 
-    zeta = asinh(z sinh c)/(2 c) with Gauss nodes z in (-1, 1): Gauss's own for c = 0.  c grows with the rate of growth
-    of ln(phi) at the wall with the larger stress.
-    """
-    wall = stress + jnp.where(dot(stress, gradient) >= 0.0, 0.5, -0.5) * gradient
-    phi, slope = _fluidity(law, pressure, length(wall))
-    growth = slope / phi * jnp.abs(dot(wall, gradient)) / 2.0
-    c = jnp.maximum(growth / SPREAD, PLAIN)[None]
-    z, w = _gauss(across, pressure.ndim)
-    moved = z * jnp.sinh(c)
-    return jnp.asinh(moved) / (2.0 * c), w * jnp.sinh(c) / (2.0 * c * jnp.sqrt(1.0 + moved**2))
+    def moments(pressure: Array) -> Moments:
+        return series_moments(series_of(law, pressure, sliding, gradient), t, gradient)
+
+    t = sliding
+    for _ in range(2):
+        m = moments(pressure)
+        t = t + divided(m.A, sliding - (m.s0 * t + m.s1 * gradient))
+    return _solution(moments, pressure, t, gradient, jnp.zeros(pressure.shape, jnp.int32))
 
 
-def _gauss(across: int, ndim: int) -> tuple[Any, Any]:
-    """Gauss's nodes in (0, 1) and weights, for fields of so many dimensions."""
-    z, weight = (both[across // 2 :].reshape(-1, *[1] * ndim) for both in np.polynomial.legendre.leggauss(across))
-    return z, weight
-
-
-def _fluidity(law: Fluidity, pressure: Array, size: Array) -> tuple[Array, Array]:
-    """phi and phi'/|tau| at |tau|."""
-    phi, slope = jax.jvp(lambda x: law.fluidity(x, pressure), (size,), (jnp.ones_like(size),))
-    return phi, slope / size
-
-
-def _both(law: Fluidity, pressure: Array, t: Array, g: Array, zeta: Array) -> tuple[Array, Array]:
-    """phi and phi'/|tau| at + zeta and at - zeta, each of shape (2, NODES/2, ...)."""
-    mean, along = square(t) + zeta**2 * square(g), 2.0 * zeta * dot(t, g)
-    size = jnp.sqrt(jnp.maximum(jnp.stack([mean + along, mean - along]), TINY**2))
-    return _fluidity(law, pressure, size)
-
-
-class _Moments(NamedTuple):
-    """The sums over the nodes with phi (s0, s1, s2), and A, C, D."""
-
-    s0: Array
-    s1: Array
-    s2: Array
-    A: Tensor
-    C: Tensor
-    D: Tensor
-
-
-def _moments(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> _Moments:
-    zeta, weight = nodes
-    phi, slope = _both(law, pressure, t, g, zeta)
-    weights = [weight, weight * zeta, weight * zeta**2, weight * zeta**3, weight * zeta**4]
-    s = [_paired(w, phi, k) for k, w in enumerate(weights[:3])]
-    r = [_paired(w, slope, k) for k, w in enumerate(weights)]
-    A, C, D = (_tensor(s[k], r[k], r[k + 1], r[k + 2], t, g) for k in range(3))
-    return _Moments(s[0], s[1], s[2], A, C, D)
-
-
-def _slid(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> tuple[Array, Array, Tensor]:
-    """Of the moments, those that the sliding needs: s0, s1 and A."""
-    zeta, weight = nodes
-    phi, slope = _both(law, pressure, t, g, zeta)
-    weights = [weight, weight * zeta, weight * zeta**2]
-    s0, s1 = (_paired(w, phi, k) for k, w in enumerate(weights[:2]))
-    r0, r1, r2 = (_paired(w, slope, k) for k, w in enumerate(weights))
-    return s0, s1, _tensor(s0, r0, r1, r2, t, g)
-
-
-def _paired(weight: Array, values: Array, power: int) -> Array:
-    """The sum over the nodes of weight * values, odd in zeta if the power is."""
-    both = values[0] - values[1] if power % 2 else values[0] + values[1]
-    return jnp.sum(weight * both, axis=0)
-
-
-def _tensor(s: Array, r0: Array, r1: Array, r2: Array, t: Array, g: Array) -> Tensor:
-    """Integral of zeta^k (phi + tau tau phi'/|tau|) with tau = t + zeta g."""
-    xx = s + (r0 * t[0] ** 2 + 2.0 * r1 * t[0] * g[0] + r2 * g[0] ** 2)
-    yy = s + (r0 * t[1] ** 2 + 2.0 * r1 * t[1] * g[1] + r2 * g[1] ** 2)
-    return xx, r0 * t[0] * t[1] + r1 * (t[0] * g[1] + t[1] * g[0]) + r2 * g[0] * g[1], yy
+def _series_secant(series: Series, t: Array, gradient: Array) -> Mobility:
+    """As `_secant`."""
+    a, c, (first, second, _) = square(t), square(gradient), series
+    along = (first + 2.0 * second * a) / 6.0 + second * c / 20.0
+    return _along_stress(series_moments(series, t, gradient).s2, along, t)
 
 
 # -- the stress in the middle -----------------------------------------------------------------------------------------
@@ -216,8 +178,8 @@ class _Iterate(NamedTuple):
     iterations: Array
 
 
-def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradient: Array) -> tuple[Array, Nodes, Array]:
-    """tau_m, the nodes of its integrals, and the number of iterations, the same at each point.
+def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradient: Array) -> "_Solution":
+    """The solution, with the number of iterations, the same at each point.
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
     equation is psi(sliding(tau_m)/F) = psi(s/F).  For Eyring's law and sliding along the gradient its left side is
@@ -226,7 +188,7 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradien
     """
     resting = _resting(law, across, pressure, gradient)
     aim, _ = _bent(law, pressure, sliding / resting)
-    nodes = _nodes(law, across, pressure, aim, gradient)
+    nodes = gauss_nodes(law, across, pressure, aim, gradient)
 
     def unsolved(it: _Iterate) -> Array:
         return (it.left > 1.0) & (it.iterations < LIMIT)
@@ -234,7 +196,7 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradien
     def improve(it: _Iterate) -> _Iterate:
         """Try the change; where it does not reduce the residual, try half of it next."""
         t = it.stress + it.change
-        s0, s1, A = _slid(law, pressure, t, gradient, nodes)
+        s0, s1, A = sliding_moments(law, pressure, t, gradient, nodes)
         now, unbent = _bent(law, pressure, (s0 * t + s1 * gradient) / resting)
         residual = length(aim - now)
         better = residual < it.residual
@@ -248,14 +210,16 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradien
     far = jnp.full_like(pressure, jnp.inf)
     first = _Iterate(aim, jnp.zeros_like(aim), far, jnp.max(far), jnp.zeros((), jnp.int32))
     last = jax.lax.while_loop(unsolved, improve, first)
-    return last.stress + last.change, nodes, jnp.full(pressure.shape, last.iterations)
+    t = last.stress + last.change
+    count = jnp.full(pressure.shape, last.iterations)
+    return _solution(lambda p: moments_by_nodes(law, p, t, gradient, nodes), pressure, t, gradient, count)
 
 
 def _resting(law: Fluidity, across: int, pressure: Array, gradient: Array) -> Array:
     """The integral of d(phi tau)/dtau along the gradient, without sliding: (sinh Sigma)/Sigma for Eyring's law."""
-    z, weight = _gauss(across, pressure.ndim)
+    z, weight = gauss(across, pressure.ndim)
     size = 0.5 * z * length(gradient)
-    phi, slope = _fluidity(law, pressure, size)
+    phi, slope = with_slope(law, pressure, size)
     resting: Array = jnp.sum(weight * (phi + slope * size**2), axis=0)
     return resting
 
@@ -276,70 +240,74 @@ def _bent(law: Fluidity, pressure: Array, v: Array) -> tuple[Array, Any]:
 # -- its derivative ---------------------------------------------------------------------------------------------------
 
 
-@jax.custom_jvp
-def _attached(oil: Any, sliding: Array, gradient: Array, stress: Array, nodes: Nodes) -> tuple[Array, Array]:
-    """tau_m and Q.  oil: the law and the pressure.  stress: the solution for these arguments, whose changes follow."""
-    return stress, _derivative(oil, stress, gradient, nodes).flux
+class _Solution(NamedTuple):
+    """tau_m, Q and the iterations; A, C A^-1 and D - C A^-1 C; the derivatives of tau_m and of Q by the pressure."""
 
-
-@partial(_attached.defjvp, symbolic_zeros=True)
-def _change(primals: Any, tangents: Any) -> Any:
-    oil, _, gradient, t, nodes = primals
-    flux, A, by_sliding, by_gradient = _derivative(oil, t, gradient, nodes)
-    ds, dg = (_given(part) for part in tangents[1:3])
-    slid, extra = _by_oil(oil, tangents[0], t, gradient, nodes)
-    missing = ds - slid
-    d_stress = divided(A, missing) - product(transposed(by_sliding), dg)
-    d_flux = product(by_sliding, missing) + times(by_gradient, dg) + extra
-    return (t, flux), (d_stress, d_flux)
-
-
-def _by_oil(oil: Any, change: Any, t: Array, gradient: Array, nodes: Nodes) -> tuple[Array, Array]:
-    """The change of the sliding and of the flux of a given middle stress, from what changes of the law and pressure."""
-    numbers, structure = jax.tree.flatten(oil)
-    changes = enumerate(jax.tree.leaves(change, is_leaf=_is_zero))
-    moving = {k: number for k, number in changes if not _is_zero(number)}
-
-    def flow(moved: dict[int, Array]) -> tuple[Array, Array]:
-        values = [moved.get(k, number) for k, number in enumerate(numbers)]
-        return _integrals(jax.tree.unflatten(structure, values), t, gradient, nodes)
-
-    _, found = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
-    return found
-
-
-def _integrals(oil: Any, t: Array, gradient: Array, nodes: Nodes) -> tuple[Array, Array]:
-    """The sliding and the flux of a given middle stress."""
-    zeta, weight = nodes
-    law, pressure = oil
-    phi, _ = _both(law, pressure, t, gradient, zeta)
-    s0, s1, s2 = (_paired(weight * zeta**k, phi, k) for k in range(3))
-    return s0 * t + s1 * gradient, s1 * t + s2 * gradient
-
-
-class _Derivative(NamedTuple):
-    """The flux Q, A, C A^-1 and D - C A^-1 C."""
-
+    stress: Array
     flux: Array
+    iterations: Array
     A: Tensor
     by_sliding: Matrix
     by_gradient: Tensor
+    by_pressure: tuple[Array, Array]
 
 
-def _derivative(oil: Any, t: Array, g: Array, nodes: Nodes) -> _Derivative:
-    law, pressure = oil
-    found: _Derivative = in_blocks(partial(_derived, law), pressure.shape, pressure, t, g, nodes)
-    return found
+def _solution(moments: Callable[[Array], Moments], pressure: Array, t: Array, g: Array, iterations: Array) -> _Solution:
+    """moments: by the pressure, for the middle stress t."""
 
+    def flow(pressure: Array) -> Any:
+        m = moments(pressure)
+        return _flow(m, t, g), m
 
-def _derived(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> _Derivative:
-    m = _moments(law, pressure, t, g, nodes)
+    (_, flux), (slid, extra), m = jax.jvp(flow, (pressure,), (jnp.ones_like(pressure),), has_aux=True)
     columns = divided(m.A, jnp.stack(m.C[:2])), divided(m.A, jnp.stack(m.C[1:]))  # of A^-1 C
     share = columns[0][0], columns[0][1], columns[1][0], columns[1][1]  # its transpose C A^-1, row by row
     xx = m.D[0] - (share[0] * m.C[0] + share[1] * m.C[1])
     xy = m.D[1] - (share[0] * m.C[1] + share[1] * m.C[2])
     yy = m.D[2] - (share[2] * m.C[1] + share[3] * m.C[2])
-    return _Derivative(m.s1 * t + m.s2 * g, m.A, share, (xx, xy, yy))
+    by_pressure = -divided(m.A, slid), extra - product(share, slid)
+    return _Solution(t, flux, iterations, m.A, share, (xx, xy, yy), by_pressure)
+
+
+def _flow(m: Moments, t: Array, g: Array) -> tuple[Array, Array]:
+    """The sliding and the flux of a given middle stress."""
+    return m.s0 * t + m.s1 * g, m.s1 * t + m.s2 * g
+
+
+@jax.custom_jvp
+def _attached(oil: Any, sliding: Array, gradient: Array, found: _Solution) -> tuple[Array, Array]:
+    """tau_m and Q.  oil: the law and the pressure.  found: the solution for these arguments, whose changes follow."""
+    return found.stress, found.flux
+
+
+@partial(_attached.defjvp, symbolic_zeros=True)
+def _change(primals: Any, tangents: Any) -> Any:
+    (law, pressure), _, gradient, found = primals
+    (d_law, dp), ds, dg, _ = tangents
+    ds, dg, dp = map(_given, (ds, dg, dp))
+    stress_by_pressure, flux_by_pressure = found.by_pressure
+    slid, extra = _by_law(law, d_law, pressure, gradient, found.stress)
+    missing = ds - slid
+    d_stress = divided(found.A, missing) - product(transposed(found.by_sliding), dg) + stress_by_pressure * dp
+    d_flux = product(found.by_sliding, missing) + times(found.by_gradient, dg) + flux_by_pressure * dp + extra
+    return (found.stress, found.flux), (d_stress, d_flux)
+
+
+def _by_law(law: Fluidity, change: Any, pressure: Array, gradient: Array, t: Array) -> Any:
+    """The change of the sliding and of the flux of a given middle stress, from what changes of the law's numbers."""
+    numbers, structure = jax.tree.flatten(law)
+    changes = enumerate(jax.tree.leaves(change, is_leaf=_is_zero))
+    moving = {k: number for k, number in changes if not _is_zero(number)}
+    if not moving:
+        return 0.0, 0.0
+    nodes = gauss_nodes(law, NODES, pressure, t, gradient)
+
+    def flow(moved: dict[int, Array]) -> tuple[Array, Array]:
+        values = [moved.get(k, number) for k, number in enumerate(numbers)]
+        return _flow(moments_by_nodes(jax.tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
+
+    _, found = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
+    return found
 
 
 def _is_zero(tangent: Any) -> bool:

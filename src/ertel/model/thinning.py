@@ -60,13 +60,12 @@ class ThinningFlow:
         all_P, slope = jnp.concatenate([faces.P, P.ravel()]), jnp.concatenate([faces.slope, slope], axis=1)
         whole, gradient = replace(self, sliding=sliding)._shear(contact, all_P, film, viscosity, slope)
         in_X, in_Y = faces.fluxes(self._force(whole, film)[:, :n])
-        nodes = [field[:, n:].reshape(2, *P.shape) for field in (whole.stress, whole.flux, gradient)]
-        found, gradient = Shear(nodes[0], nodes[1], whole.iterations), nodes[2]
+        stress, gradient = (field[:, n:].reshape(2, *P.shape) for field in (whole.stress, gradient))
         return Details(
-            carried(self.law, found.stress, self.p_h * P) / self.unit,
+            carried(self.law, stress, self.p_h * P) / self.unit,
             plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], contact.lubricant.enthalpy(P)),
             _gain(in_X, in_Y, contact.spacing),
-            self._secant(contact, P, H, found, gradient),
+            self._secant(contact, P, H, stress, gradient),
         )
 
     def mobilities(self, contact: Contact, P: Array, H: Array, across: int = ROUGHLY) -> Mobilities:
@@ -74,12 +73,14 @@ class ThinningFlow:
         slope = jax.lax.stop_gradient(_slope(contact, P))
         found, gradient = self._shear(contact, P, H, contact.lubricant.viscosity(P), slope, across)
         eps = NEWTONIAN_FLOW.mobility(contact, P, H).x
-        tangent = tangent_mobility(self.law, self.p_h * P, found, gradient, across)
-        return Mobilities(self._secant(contact, P, H, found, gradient, across), _thinned(eps, tangent))
+        tangent = tangent_mobility(found)
+        return Mobilities(self._secant(contact, P, H, found.stress, gradient, across), _thinned(eps, tangent))
 
-    def _secant(self, contact: Contact, P: Array, H: Array, found: Shear, gradient: Array, across: int = NODES) -> Pair:
+    def _secant(
+        self, contact: Contact, P: Array, H: Array, stress: Array, gradient: Array, across: int = NODES
+    ) -> Pair:
         """The mobilities at the nodes from the flow across the film there."""
-        factor = secant_mobility(self.law, self.p_h * P, found, gradient, across)
+        factor = secant_mobility(self.law, self.p_h * P, stress, gradient, across)
         return _thinned(NEWTONIAN_FLOW.mobility(contact, P, H).x, factor)
 
     def _force(self, found: Shear, film: Array) -> Array:

@@ -113,7 +113,8 @@ class Carreau:
 
     def stress(self, rate: Array, pressure: Array) -> Array:
         """The form in the shear rate."""
-        return rate * (1.0 + (rate / self.G) ** 2) ** (0.5 * (self.n - 1.0))
+        xp = _of_arrays(rate)
+        return rate * xp.exp(0.5 * (self.n - 1.0) * xp.log(1.0 + (rate / self.G) ** 2))
 
 
 @FLUIDITY_LAWS.register("carreau-yasuda")
@@ -184,7 +185,7 @@ class Limited:
         u = xp.clip(stress / self.limit(pressure), ALMOST_ZERO, end + LARGEST_EXPONENT / growth)
         below = xp.minimum(u, end)
         above = u - below
-        slip = xp.atanh(below) - below + xp.expm1(growth * above) / (2.0 * end) - above
+        slip = 0.5 * xp.log1p(2.0 * below / (1.0 - below)) - below + xp.expm1(growth * above) / (2.0 * end) - above
         return self.base.fluidity(stress, pressure) + xp.maximum(slip, 0.0) / u
 
     def stress(self, rate: Array, pressure: Array) -> Array:
@@ -196,7 +197,7 @@ class Limited:
         slipping = limit * (xp.minimum(xp.tanh(y), end) + xp.log1p(2.0 * end * above) / growth)
         steep = xp.maximum(rate, NO_STRESS)
         thinning = steep / xp.maximum(self.base.stress(rate, pressure), NO_STRESS)
-        return rate * (thinning**4 + (steep / xp.maximum(slipping, NO_STRESS)) ** 4 - 1.0) ** -0.25
+        return rate / xp.sqrt(xp.sqrt(thinning**4 + (steep / xp.maximum(slipping, NO_STRESS)) ** 4 - 1.0))
 
     def _end(self, xp: Any) -> tuple[Array, Array]:
         """u1, where the exponential begins, and its growth k."""
