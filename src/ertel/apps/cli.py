@@ -315,7 +315,7 @@ def film(
     """
     from ertel.apps import tables
     from ertel.inputs.case_files import load_case
-    from ertel.results.summary import films
+    from ertel.results.parameters import films
 
     with bad_input():
         if case_file and given:

@@ -1,8 +1,7 @@
-"""The grid of a case and the contact on it: the surfaces at a given time, and the oil."""
+"""The contact of a case on a grid: the surfaces at a given time, and the oil."""
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import floor, inf, log2
 
 import jax.numpy as jnp
 from jax import Array
@@ -10,38 +9,16 @@ from jax import Array
 from ertel.model import contact, outside
 from ertel.model.case import Case
 from ertel.model.contact import NEWTONIAN_FLOW, Contact, PressureFlow
+from ertel.model.grids import coarsenings as coarsenings
+from ertel.model.grids import grid_of as grid_of
 from ertel.model.outside import Outside
 from ertel.model.pytrees import traceable_law
 from ertel.model.thinning import ThinningFlow
-from ertel.numerics.grid import WHOLE, Even, Grid, nodes_across
+from ertel.numerics.grid import Grid
 from ertel.physics import surfaces
 from ertel.physics.surfaces import CELLS_KEPT, Feature
 
-CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
 INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
-
-
-def grid_of(case: Case) -> Grid:
-    """The grid of a case; the inlet is on the upstream side at T = 0."""
-    s = case.solver
-    nodes_y = nodes_across(s.nodes, (s.half_width_y or s.half_width) / s.half_width)
-    centre = 0.0 if s.inlet is None else s.half_width - s.inlet
-    upstream_is_left = case.motion.entrainment(0.0) >= 0
-    centre_x = centre if upstream_is_left else -centre
-    return Grid(s.nodes, nodes_y, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
-
-
-def _symmetry(case: Case, centre_x: float) -> Even:
-    """The axes about which a case is symmetric; the flow is along X."""
-    in_y, in_x = (a and b for a, b in zip(surfaces.even(case.features), case.geometry.even, strict=True))
-    return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
-
-
-def coarsenings(case: Case, spacing: float, most: int) -> int:
-    """How often a grid can be coarsened, at most `most` times, and still show the contact and the roughness."""
-    finest = min((getattr(f.shape, "size", 0.0) for f in case.features), default=inf)
-    widest = min(case.geometry.smaller / CELLS_SHOWN, finest / CELLS_OF_DETAIL)
-    return min(most, max(0, floor(log2(widest / spacing) + 1e-9))) if widest > 0 else 0
 
 
 def outside_of(case: Case, grid: Grid) -> Outside:

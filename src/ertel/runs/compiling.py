@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache as once
 from importlib import import_module
-from importlib.metadata import version
+from importlib.metadata import entry_points, version
+from importlib.util import find_spec
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -63,6 +64,11 @@ def check_jax(tell: Callable[[str], object] | None = None) -> None:
 
 class NoDevice(RuntimeError):
     """JAX finds no device to compute on."""
+
+
+def may_use_accelerator() -> bool:
+    """Whether JAX may find another device than the CPU: a plugin for one is installed.  It does not import JAX."""
+    return os.environ.get("JAX_PLATFORMS") != "cpu" and bool(entry_points(group="jax_plugins") or find_spec("libtpu"))
 
 
 def devices() -> list[Any]:

@@ -24,6 +24,7 @@ from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.model.budget import Account, Around, Film
 from ertel.model.case import Case
 from ertel.model.friction import ANY_SIZE, Friction
+from ertel.model.grids import radii
 from ertel.model.outside import Surroundings
 from ertel.model.pytrees import traceable
 from ertel.model.state import Method, State, Stepping, Work, padded
@@ -40,9 +41,6 @@ from ertel.physics.rheology import NEWTONIAN, Rheology
 
 Floats = NDArray[np.float64]
 
-EDGE = 1.0  # maximum radius of the dry contact: the grid is finest here, where the film is thinnest
-WIDENING_INSIDE = 1.5  # the spacing at distance d from the edge is 1 + widening * d times that at the edge
-WIDENING_OUTSIDE = 8.0
 NEWTON_LIMIT = 15
 RINGS = 65  # on which the error in time is taken
 LARGEST_CHANGE = 0.3  # of P in one Newton iteration
@@ -116,25 +114,6 @@ class Solution(NamedTuple):
     H: Array
     size: Array
     newton: Array
-
-
-def radii(nodes: int, half_width: float) -> Floats:
-    """Nodes from 0 to half_width, finest at the edge of the contact; the spacing grows linearly to both sides."""
-
-    s = np.linspace(-_evenly(EDGE, WIDENING_INSIDE), _evenly(half_width - EDGE, WIDENING_OUTSIDE), nodes)
-    inside = EDGE - np.expm1(-WIDENING_INSIDE * np.minimum(s, 0.0)) / WIDENING_INSIDE
-    r = inside + np.expm1(WIDENING_OUTSIDE * np.maximum(s, 0.0)) / WIDENING_OUTSIDE
-    r[0], r[-1] = 0.0, half_width  # free of round-off
-    return r
-
-
-def _evenly(distance: float, widening: float) -> float:
-    return float(np.log1p(widening * distance)) / widening
-
-
-def extent(half_width: float) -> float:
-    """The distance from 0 to half_width in units in which the nodes are evenly spaced."""
-    return _evenly(EDGE, WIDENING_INSIDE) + _evenly(half_width - EDGE, WIDENING_OUTSIDE)
 
 
 def mesh(r: Floats) -> Mesh:
