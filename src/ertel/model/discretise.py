@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import jax.numpy as jnp
+import jax
+import numpy as np
 from jax import Array
+from numpy.typing import NDArray
 
 from ertel.model import contact, outside
 from ertel.model.case import Case
@@ -62,18 +64,19 @@ def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Ar
     not mistake them for longer ones.
     """
     X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
-    return jnp.asarray(surfaces.height(features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing))
+    return _on_device(surfaces.height(features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing))
 
 
 def gap_slope(case: Case, grid: Grid) -> Array:
     """dG/dX of the smooth gap G, which is a parabola: the central difference is exact."""
     X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
-    return jnp.asarray((case.geometry.gap(X + 1.0, Y) - case.geometry.gap(X - 1.0, Y)) / 2.0)
+    return _on_device((case.geometry.gap(X + 1.0, Y) - case.geometry.gap(X - 1.0, Y)) / 2.0)
 
 
 def gap_change(case: Case, grid: Grid, T: float) -> Array:
     """The rate of change of the undeformed gap, roughness included, following the flow."""
-    return case.motion.entrainment(T) * gap_slope(case, grid) - roughness_change(case, grid, T)
+    slope, change = np.asarray(gap_slope(case, grid)), np.asarray(roughness_change(case, grid, T))
+    return _on_device(case.motion.entrainment(T) * slope - change)
 
 
 def roughness_change(case: Case, grid: Grid, T: float) -> Array | float:
@@ -83,9 +86,15 @@ def roughness_change(case: Case, grid: Grid, T: float) -> Array | float:
         return 0.0
     drift, Y = motion.entrainment.integral, grid.kept_y[:, None]
 
-    def at(T_near: float) -> Array:
+    def at(T_near: float) -> NDArray[np.float64]:
         X = grid.kept_x[None, :] + drift(T_near) - drift(T)
-        found: Array = surfaces.height(case.features, motion, T_near, X, Y, CELLS_KEPT * grid.spacing)
+        found: NDArray[np.float64] = surfaces.height(case.features, motion, T_near, X, Y, CELLS_KEPT * grid.spacing)
         return found
 
-    return jnp.asarray((at(T + INSTANT) - at(T - INSTANT)) / (2.0 * INSTANT))
+    return _on_device((at(T + INSTANT) - at(T - INSTANT)) / (2.0 * INSTANT))
+
+
+def _on_device(field: NDArray[np.float64]) -> Array:
+    """Unlike `jnp.asarray`, this has nothing to compile."""
+    found: Array = jax.device_put(field)
+    return found

@@ -23,7 +23,7 @@ from ertel.model import budget, friction, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.model.budget import Account, Around, Film
 from ertel.model.case import Case
-from ertel.model.friction import ANY_SIZE, Friction
+from ertel.model.friction import Friction
 from ertel.model.grids import radii
 from ertel.model.outside import Surroundings
 from ertel.model.pytrees import traceable
@@ -32,7 +32,7 @@ from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc, disc_weights
 from ertel.numerics.precision import require_double
-from ertel.numerics.programs import Program
+from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.stencils import Pair
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
