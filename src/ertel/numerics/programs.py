@@ -21,10 +21,8 @@ from typing import Any
 from uuid import uuid4
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jax import tree
-from jax.extend.backend import get_backend
 from jax.sharding import SingleDeviceSharding
 
 from ertel.numerics.precision import require_double
@@ -211,9 +209,9 @@ def _read(place: Path) -> Compiled | None:
         if stamp != _stamp:
             return None
         _prepare_lapack()
-        backend = get_backend()
-        devices = SingleDeviceSharding(backend.devices()[0])._internal_device_list
-        return _Loaded(backend.deserialize_executable(code, executable_devices=devices), _example(outline))
+        device = jax.devices()[0]
+        devices = SingleDeviceSharding(device)._internal_device_list
+        return _Loaded(device.client.deserialize_executable(code, executable_devices=devices), _example(outline))
     except Exception:  # not there, of another version, ...: it is compiled and written again
         return None
 
@@ -262,4 +260,4 @@ def _example(outline: Any) -> Any:
 @cache
 def _prepare_lapack() -> None:
     """Load LAPACK.  JAX does so when it lowers a linear solve; a program from the disk is not lowered."""
-    jax.jit(jnp.linalg.inv).lower(np.eye(2))
+    jax.jit(jax.lax.linalg.lu).lower(np.eye(2))

@@ -13,9 +13,12 @@ from importlib.metadata import entry_points, version
 from importlib.util import find_spec
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ertel.version import own_sources
+
+if TYPE_CHECKING:
+    from ertel.model.case import Case
 
 # JAX is imported inside the functions, so that its version can be read and judged without it.
 
@@ -165,6 +168,21 @@ def start_at_once() -> Path | None:
     if directory and "://" not in str(_jax_directory()) and _is_safe(directory / "ertel"):
         parts = own_sources(), version("jax"), version("jaxlib"), _processor(), os.environ.get("XLA_FLAGS", "")
         programs.keep(directory / "ertel", hashlib.sha256("\0".join(parts).encode()).hexdigest())
+    return directory
+
+
+def prepare(case: "Case | None" = None) -> Path | None:
+    """Check that JAX computes here, and let a command load what is compiled, from the directory named.
+
+    What a steady case needs is loaded, or compiled, in the background from now on.  Raises NoDevice.
+    """
+    check_jax()
+    devices()
+    directory = start_at_once()
+    if case and case.is_steady:
+        from ertel.solvers.steady import compile_ahead
+
+        compile_ahead(case)
     return directory
 
 

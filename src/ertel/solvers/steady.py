@@ -65,15 +65,11 @@ def nested(
     The case's tolerance bounds the residual of Reynolds' equation where its method is "steady".  Raises ValueError
     where there is no load or no entrainment at T = 0, and so no steady film.
     """
-    grids = [discretise.grid_of(case)]
-    check_grid(grids[0])
+    grids, tolerance = grids_of(case), tolerance_of(case)
     check_motion(case)
-    tolerance = case.solver.tolerance if case.is_steady else TOLERANCE
-    while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
-        grids.append(coarser)
     solutions = list(done)
     if not done:
-        _compile_ahead(case, grids[:-1], tolerance, precision)  # the finest first: the coarse ones are needed at once
+        compile_ahead(case, precision)
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = discretise.contact_of(case, grid)
         if solutions:
@@ -84,6 +80,20 @@ def nested(
         solution = solve(case, grid, c, *guess, tolerance, precision)
         solutions.append(_judged(solution) if grid is grids[0] else solution)
         yield solutions[-1]
+
+
+def grids_of(case: Case) -> list[Grid]:
+    """The case's own grid and its coarser ones.  Raises ValueError for a grid that cannot be coarsened."""
+    grids = [discretise.grid_of(case)]
+    check_grid(grids[0])
+    while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
+        grids.append(coarser)
+    return grids
+
+
+def tolerance_of(case: Case) -> float:
+    """The tolerance of the residual: the case's own where it is that of the steady film."""
+    return case.solver.tolerance if case.is_steady else TOLERANCE
 
 
 def _judged(finest: GridSolution) -> GridSolution:
@@ -185,15 +195,15 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: fl
     )
 
 
-def _compile_ahead(case: Case, grids: Sequence[Grid], tolerance: float, precision: str) -> None:
-    """Compile the programs of some grids in the background, one after the other."""
+def compile_ahead(case: Case, precision: str = preconditioner.PRECISION) -> None:
+    """Compile the programs of a steady film, or load them, in the background: the finest grid's takes the longest."""
 
     @double_precision()  # it holds for one thread
     def compile_all() -> None:
-        for grid in grids:
-            with suppress(Exception):  # the run itself meets the error, and says so
+        with suppress(Exception):  # the run itself meets the error, and says so
+            for grid in grids_of(case)[:-1]:  # the coarsest one's is needed at once
                 c = discretise.contact_of(case, grid)
-                problem = problem_of(case, grid, c, 0.0, tolerance, precision)
+                problem = problem_of(case, grid, c, 0.0, tolerance_of(case), precision)
                 _program.ready(problem, np.zeros(grid.shape), 0.0)
 
     Thread(target=compile_all).start()
