@@ -6,7 +6,7 @@ import platform
 import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache as once
 from importlib import import_module
 from importlib.metadata import entry_points, version
@@ -171,19 +171,29 @@ def start_at_once() -> Path | None:
     return directory
 
 
-def prepare(case: "Case | None" = None) -> Path | None:
-    """Check that JAX computes here, and let a command load what is compiled, from the directory named.
-
-    What a steady case needs is loaded, or compiled, in the background from now on.  Raises NoDevice.
-    """
+def prepare() -> Path | None:
+    """Check that JAX computes here, and let it load what is compiled, from the directory named.  Raises NoDevice."""
     check_jax()
     devices()
-    directory = start_at_once()
-    if case and case.is_steady:
-        from ertel.solvers.steady import compile_ahead
+    return start_at_once()
 
+
+@contextmanager
+def prepared(case: "Case") -> Iterator[None]:
+    """In this block one case is run.  What a steady one needs is loaded, or compiled in a hurry, in the background.
+
+    Raises NoDevice.
+    """
+    prepare()
+    if not case.is_steady:
+        yield
+        return
+    from ertel.numerics.programs import in_a_hurry
+    from ertel.solvers.steady import compile_ahead
+
+    with in_a_hurry():
         compile_ahead(case)
-    return directory
+        yield
 
 
 def cache_directory() -> Path | None:
