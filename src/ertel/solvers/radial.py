@@ -8,7 +8,7 @@ symbols are those of `contact`.
     H = -Delta + r^2/2 + (2/pi^2) double integral of P/distance                                     eqs. (1), (3)
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -184,13 +184,30 @@ def newton_change(eq: Equations, P: Array, H: Array) -> Array:
     """Newton's change of P, with the exact Jacobian; -P where P is held at zero, none on the outer node.
 
     The residual is local in P and H: its Jacobian is the sum of d/dP (three diagonals) and d/dH (three diagonals) times
-    stiffness.  Pushing all columns of (identity, stiffness) through the linearised residual gives just that.
+    stiffness.
     """
     r, change_of_r = jax.linearize(lambda P, H: residual(eq, P, H), P, H)
-    identity = jnp.eye(len(P))
-    jacobian = jax.vmap(change_of_r, in_axes=1, out_axes=1)(identity, eq.stiffness)
+    zero, identity = jnp.zeros_like(P), jnp.eye(len(P))
+    by_P, by_H = (diagonals(part, len(P)) for part in (lambda d: change_of_r(d, zero), lambda d: change_of_r(zero, d)))
+    jacobian = times(by_P, identity) + times(by_H, eq.stiffness)
     holds = free(P, r)
     return jnp.linalg.solve(jnp.where(holds[:, None], jacobian, identity), -jnp.where(holds, r, P.at[-1].set(0.0)))
+
+
+def diagonals(change: Callable[[Array], Array], n: int) -> Array:
+    """The three diagonals (3, n) of a linear map whose matrix has no others: entries (i, i - 1), (i, i) and (i, i + 1).
+
+    Every third column is looked at together.
+    """
+    i, shift = jnp.arange(n), jnp.arange(-1, 2)[:, None]
+    answers = jax.vmap(change)(jnp.where(i % 3 == jnp.arange(3)[:, None], 1.0, 0.0))
+    return answers[(i + shift) % 3, i]
+
+
+def times(diagonals: Array, matrix: Array) -> Array:
+    """The matrix of three diagonals times another one."""
+    lower, middle, upper = diagonals[:, :, None]
+    return lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)
 
 
 @jax.jit
