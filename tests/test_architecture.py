@@ -2,6 +2,7 @@
 
 import ast
 import importlib.util
+import os
 import subprocess
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator
@@ -152,6 +153,24 @@ def test_command_line_starts_light():
     path = str(PACKAGE.parent)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=path)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_check_needs_no_jax(tmp_path):
+    """`ertel check` estimates memory and time without the two seconds that JAX takes to import."""
+    check = """
+import sys
+from pathlib import Path
+from ertel.apps.cases import check
+Path("case.toml").write_text('[contact]\\nkind = "{kind}"\\nM = 200\\nL = 10\\n[solver]\\nmethod = "{method}"')
+check(Path("case.toml"))
+print([name for name in ("jax", "xarray", "matplotlib", "zarr") if name in sys.modules])
+"""
+    for kind, method in (("rolling", "steady"), ("impact", "radial")):
+        code, environment = check.format(kind=kind, method=method), {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment, cwd=tmp_path
+        )
+        assert "memory" in done.stdout and done.stdout.splitlines()[-1] == "[]"
 
 
 def test_package_is_typed():

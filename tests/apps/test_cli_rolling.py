@@ -102,7 +102,7 @@ def test_interrupt_and_resume(here, monkeypatch, case):
 
     with monkeypatch.context() as patch:
         patch.setattr(RunStore, "_write_checkpoint", write)
-        result = ertel_("run", "steady.toml", "--out", "cut", code=130)
+        result = ertel_("run", "steady.toml", "--out", "cut", "--flush", "0", code=130)
     assert "interrupted; to continue: ertel resume cut" in result.stderr
     assert json.loads(ertel_("show", "cut", "--json").stdout)["nodes"] == 33
     ertel_("resume", "cut", "-q")

@@ -162,6 +162,29 @@ def test_a_directory_that_cannot_be_written_does_no_harm(kept):
     assert_right(new_process()(3.0, X))
 
 
+def test_a_program_compiled_in_a_hurry_is_kept_optimised(kept, monkeypatch):
+    compiled, compile_ = [], programs._compile
+
+    def note(lowered, options):
+        compiled.append(options["xla_backend_optimization_level"])
+        return compile_(lowered, options)
+
+    monkeypatch.setattr(programs, "_compile", note)
+    with programs.in_a_hurry():
+        assert_right(new_process()(3.0, X))
+        assert (programs.hurried(), compiled, list(kept.iterdir())) == (1, [programs.LEVEL_OF_SMALL], [])
+    assert (programs.hurried(), compiled) == (0, [programs.LEVEL_OF_SMALL, programs.LEVEL])
+    assert_right(new_process()(3.0, X))
+    assert len(compiled) == 2 and traced == ["scaled"]
+
+
+def test_a_failure_leaves_nothing_to_compile_and_no_hurry(kept):
+    with pytest.raises(KeyError), programs.in_a_hurry():
+        new_process()(3.0, X)
+        raise KeyError
+    assert programs.hurried() == programs._hurried == 0 and not list(kept.iterdir())
+
+
 def test_flags_that_the_user_set_are_left_as_they_are(monkeypatch):
     class Lowered:
         def compile(self, compiler_options):

@@ -112,7 +112,7 @@ def check(case_file: CaseFile, set_: Set = None, as_json: Json = False) -> None:
 
 def _print_outlook(case: "Case", found: dict[str, Any]) -> None:
     from ertel.apps import tables
-    from ertel.results.summary import films
+    from ertel.results.parameters import films
 
     out = tables.console()
     out.print(f"{case.name or case.kind}: {case.kind}, {case.solver.method}", style="bold")

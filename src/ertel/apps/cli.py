@@ -7,6 +7,7 @@ Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing wr
 """
 
 import os
+import sys
 from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
@@ -64,6 +65,7 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the small dense solves lose more than they gain by threads
     os.environ["JAX_ENABLE_X64"] = "1"  # for all that a command computes, also in the processes that it starts
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # or XLA calls code that it compiled itself an error
+    sys.modules["dask.array"] = None  # type: ignore[assignment]  # or xarray imports it, for arrays that ertel never makes
     freed_memory.keep()
     with output.never_failing():
         app()
@@ -100,12 +102,18 @@ def run(
     ] = False,
 ) -> None:
     """Run a case and store the results."""
-    from ertel.apps import running
     from ertel.inputs.case_files import load_case
+    from ertel.runs import compiling
 
     with bad_input():
         case = load_case(case_file, set_ or [])
-    running.run(case, out, running.Wishes(as_json, error, quiet, flush))
+    with compiling.prepared(case):
+        from ertel.apps import running  # while programs are loaded
+        from ertel.numerics import programs
+
+        running.run(case, out, running.Wishes(as_json, error, quiet, flush))
+        if programs.hurried() and not quiet:
+            output.say("The run is done; compiling faster programs for later runs, which Ctrl-C ends")
 
 
 @app.command()
@@ -315,7 +323,7 @@ def film(
     """
     from ertel.apps import tables
     from ertel.inputs.case_files import load_case
-    from ertel.results.summary import films
+    from ertel.results.parameters import films
 
     with bad_input():
         if case_file and given:

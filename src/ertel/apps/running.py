@@ -14,6 +14,7 @@ from ertel.apps.paths import in_shell, shown
 from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.runs import beforehand, compiling, memory, store
+from ertel.runs.compiling import prepare as prepare
 from ertel.runs.courses import Course, course_of
 from ertel.runs.drive import Gathering, drive
 from ertel.runs.progress import bars, watch
@@ -35,10 +36,9 @@ class Wishes:
 
 
 def run(case: Case, directory: Path | None, wishes: Wishes) -> None:
-    """Run a case in a new directory: that one, or runs/NAME."""
+    """Run a case in a new directory: that one, or runs/NAME; `prepare` comes first."""
     if not wishes.quiet:
         say_before([case])
-    prepare()
     with within_memory(case):
         course = course_of(case)
         others = _compared(course, wishes)
@@ -93,13 +93,6 @@ def say_before(cases: Sequence[Case]) -> None:
     """Say what follows from cases before they are computed, each sentence once."""
     for sentence in dict.fromkeys(sentence for case in cases for sentence in beforehand.warnings_of(case)):
         say(f"ertel: warning: {sentence}")
-
-
-def prepare() -> Path | None:
-    """Check that JAX computes here, and let it load what is compiled, from the directory named.  Raises NoDevice."""
-    compiling.check_jax()
-    compiling.devices()
-    return compiling.start_at_once()
 
 
 # -- directories ------------------------------------------------------------------------------------------------------

@@ -72,7 +72,7 @@ def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
 
 def _print_formulas(out: Console, case: "Case", values: Mapping[str, float], errors: Errors) -> None:
     """The film formulas next to the computed films, where the formulas have a meaning."""
-    from ertel.results.summary import films
+    from ertel.results.parameters import films
     from ertel.results.variables import FILMS
 
     T = values.get("T", 0.0)

@@ -45,10 +45,10 @@ from ertel.model import discretise, friction
 from ertel.model.case import Case
 from ertel.model.contact import Contact, mass
 from ertel.model.flow import wedge
-from ertel.model.friction import ANY_SIZE, Friction
+from ertel.model.friction import Friction
 from ertel.model.state import GridSolution
 from ertel.numerics.integrals import Plane, Space
-from ertel.numerics.programs import Program
+from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.stencils import Pair, inside
 from ertel.physics.far_field import Motion
 from ertel.physics.lubricant import Lubricant
@@ -152,7 +152,7 @@ def steady(case: Case, s: GridSolution) -> tuple[dict[str, float], Friction]:
     c, m, scale = discretise.contact_of(case, s.grid), case.motion, case.geometry.hertz_load
     U, load = m.entrainment(0.0), m.load(0.0)
     moment = Moment(s.approach, U, m.sliding(0.0), discretise.gap_change(case, s.grid, 0.0), load, scale)
-    found: Account = _steady_program(Plane.of(s.grid), c, jnp.asarray(s.P), jnp.asarray(s.H), moment)
+    found: Account = _steady_program(Plane.of(s.grid), c, s.P, s.H, moment)
     around = discretise.outside_of(case, s.grid).at(Motion(s.approach, 0.0, load, U))
     plain = jax.device_get(found.terms)
     return terms(plain, 0.0, Around(s.outside, around.uplift), scale), found.friction

@@ -1,47 +1,26 @@
-"""The grid of a case and the contact on it: the surfaces at a given time, and the oil."""
+"""The contact of a case on a grid: the surfaces at a given time, and the oil."""
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import floor, inf, log2
 
-import jax.numpy as jnp
+import jax
+import numpy as np
 from jax import Array
+from numpy.typing import NDArray
 
 from ertel.model import contact, outside
 from ertel.model.case import Case
 from ertel.model.contact import NEWTONIAN_FLOW, Contact, PressureFlow
+from ertel.model.grids import coarsenings as coarsenings
+from ertel.model.grids import grid_of as grid_of
 from ertel.model.outside import Outside
 from ertel.model.pytrees import traceable_law
 from ertel.model.thinning import ThinningFlow
-from ertel.numerics.grid import WHOLE, Even, Grid, nodes_across
+from ertel.numerics.grid import Grid
 from ertel.physics import surfaces
 from ertel.physics.surfaces import CELLS_KEPT, Feature
 
-CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
 INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
-
-
-def grid_of(case: Case) -> Grid:
-    """The grid of a case; the inlet is on the upstream side at T = 0."""
-    s = case.solver
-    nodes_y = nodes_across(s.nodes, (s.half_width_y or s.half_width) / s.half_width)
-    centre = 0.0 if s.inlet is None else s.half_width - s.inlet
-    upstream_is_left = case.motion.entrainment(0.0) >= 0
-    centre_x = centre if upstream_is_left else -centre
-    return Grid(s.nodes, nodes_y, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
-
-
-def _symmetry(case: Case, centre_x: float) -> Even:
-    """The axes about which a case is symmetric; the flow is along X."""
-    in_y, in_x = (a and b for a, b in zip(surfaces.even(case.features), case.geometry.even, strict=True))
-    return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
-
-
-def coarsenings(case: Case, spacing: float, most: int) -> int:
-    """How often a grid can be coarsened, at most `most` times, and still show the contact and the roughness."""
-    finest = min((getattr(f.shape, "size", 0.0) for f in case.features), default=inf)
-    widest = min(case.geometry.smaller / CELLS_SHOWN, finest / CELLS_OF_DETAIL)
-    return min(most, max(0, floor(log2(widest / spacing) + 1e-9))) if widest > 0 else 0
 
 
 def outside_of(case: Case, grid: Grid) -> Outside:
@@ -85,18 +64,19 @@ def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Ar
     not mistake them for longer ones.
     """
     X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
-    return jnp.asarray(surfaces.height(features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing))
+    return _on_device(surfaces.height(features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing))
 
 
 def gap_slope(case: Case, grid: Grid) -> Array:
     """dG/dX of the smooth gap G, which is a parabola: the central difference is exact."""
     X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
-    return jnp.asarray((case.geometry.gap(X + 1.0, Y) - case.geometry.gap(X - 1.0, Y)) / 2.0)
+    return _on_device((case.geometry.gap(X + 1.0, Y) - case.geometry.gap(X - 1.0, Y)) / 2.0)
 
 
 def gap_change(case: Case, grid: Grid, T: float) -> Array:
     """The rate of change of the undeformed gap, roughness included, following the flow."""
-    return case.motion.entrainment(T) * gap_slope(case, grid) - roughness_change(case, grid, T)
+    slope, change = np.asarray(gap_slope(case, grid)), np.asarray(roughness_change(case, grid, T))
+    return _on_device(case.motion.entrainment(T) * slope - change)
 
 
 def roughness_change(case: Case, grid: Grid, T: float) -> Array | float:
@@ -106,9 +86,15 @@ def roughness_change(case: Case, grid: Grid, T: float) -> Array | float:
         return 0.0
     drift, Y = motion.entrainment.integral, grid.kept_y[:, None]
 
-    def at(T_near: float) -> Array:
+    def at(T_near: float) -> NDArray[np.float64]:
         X = grid.kept_x[None, :] + drift(T_near) - drift(T)
-        found: Array = surfaces.height(case.features, motion, T_near, X, Y, CELLS_KEPT * grid.spacing)
+        found: NDArray[np.float64] = surfaces.height(case.features, motion, T_near, X, Y, CELLS_KEPT * grid.spacing)
         return found
 
-    return jnp.asarray((at(T + INSTANT) - at(T - INSTANT)) / (2.0 * INSTANT))
+    return _on_device((at(T + INSTANT) - at(T - INSTANT)) / (2.0 * INSTANT))
+
+
+def _on_device(field: NDArray[np.float64]) -> Array:
+    """Unlike `jnp.asarray`, this has nothing to compile."""
+    found: Array = jax.device_put(field)
+    return found

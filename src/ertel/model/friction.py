@@ -31,11 +31,10 @@ from ertel.model.case import Case
 from ertel.model.contact import Contact, Details
 from ertel.model.state import GridSolution
 from ertel.numerics.integrals import Plane
-from ertel.numerics.programs import Program
+from ertel.numerics.programs import ANY_SIZE, Program
 
 Number = Array | float
 NUMBERS = ("mu_sliding", "mu_sliding_y", "mu_rolling", "power_loss")
-ANY_SIZE = 2**62  # the program is not optimised on any grid: it runs once a step, and compiles in a fifth of the time
 
 
 class Friction(NamedTuple):
@@ -100,7 +99,7 @@ def numbers(found: Friction) -> tuple[Array, ...]:
 
 def coefficients(found: Friction) -> dict[str, float]:
     """The numbers of `NUMBERS` by name."""
-    return dict(zip(NUMBERS, (float(value) for value in jax.device_get(numbers(found))), strict=True))
+    return dict(zip(NUMBERS, map(float, numbers(jax.device_get(found))), strict=True))
 
 
 def steady(case: Case, s: GridSolution) -> Friction:

@@ -33,7 +33,7 @@ from ertel.model.thermal import Inlet
 from ertel.numerics import halfspace
 from ertel.numerics.grid import Even, Grid
 from ertel.numerics.integrals import Plane
-from ertel.numerics.programs import Program
+from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.stencils import central_slopes, inside
 from ertel.numerics.symmetry import extended
 from ertel.physics import flash
@@ -42,7 +42,6 @@ from ertel.physics.lubricant import Lubricant
 from ertel.physics.thermal import Exponential, Houpert, Solid, WarmViscosity
 from ertel.physics.warming import Real, Rise, warmed
 
-ANY_SIZE = 2**62  # the program is not optimised on any grid: it runs some ten times
 for _law in (Houpert, Exponential):
     register_dataclass(_law)
 

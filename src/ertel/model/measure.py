@@ -10,7 +10,7 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.numerics.grid import Even, Grid
-from ertel.numerics.precision import require_double
+from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.symmetry import extended, total
 
 TIE = 1e-6  # relative difference of two extremes that mirror each other
@@ -23,7 +23,6 @@ def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
     much lower the mean of the four next nodes is, as a share of it.  load: integral of P.  Of two extremes that mirror
     each other about an axis, the one on its positive side is named.
     """
-    require_double()
     return named(grid, np.asarray(_numbers(Axes.of(grid), P, H)).tolist())
 
 
@@ -55,7 +54,8 @@ class Axes:
     @classmethod
     def of(cls, grid: Grid) -> "Axes":
         row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
-        return cls(jnp.asarray(grid.kept_y[:, None]), jnp.asarray(grid.kept_x), row * grid.shape[1] + column, grid.even)
+        y, x = jax.device_put((grid.kept_y[:, None], grid.kept_x))
+        return cls(y, x, row * grid.shape[1] + column, grid.even)
 
 
 def numbers(axes: Axes, P: Array, H: Array) -> Array:
@@ -72,4 +72,4 @@ def numbers(axes: Axes, P: Array, H: Array) -> Array:
     return jnp.stack([number.astype(P.dtype) for number in found])
 
 
-_numbers = jax.jit(numbers)
+_numbers = Program(jax.jit(numbers), ANY_SIZE)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -174,8 +175,11 @@ class GridSolution:
 
     def measure(self) -> dict[str, float]:
         """Films, pressures and load, see `measure.measure`, and Delta."""
-        values = measure(self.grid, self.P, self.H)
-        return {"Delta": self.approach, **values, "load": values["load"] + self.outside}
+        return {"Delta": self.approach, **self._values, "load": self._values["load"] + self.outside}
+
+    @cached_property
+    def _values(self) -> dict[str, float]:
+        return measure(self.grid, self.P, self.H)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """A field on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only.

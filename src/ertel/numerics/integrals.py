@@ -7,6 +7,7 @@ edge.  `Plane` is a rectangle of square cells, `Disc` a radial grid.  Both end a
 from dataclasses import dataclass, field
 from typing import Protocol
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -61,7 +62,7 @@ class Plane:
     def of(cls, grid: Grid) -> "Plane":
         """The rectangle of a grid."""
         along_y, along_x = (_weights(n, even) * grid.spacing for n, even in zip(grid.shape, grid.even, strict=True))
-        return cls(jnp.asarray(along_x), jnp.asarray(along_y), grid.spacing, grid.even)
+        return cls(jax.device_put(along_x), jax.device_put(along_y), grid.spacing, grid.even)
 
     def total(self, f: Array) -> Array:
         return jnp.sum(self.wy[:, None] * f * self.wx)

@@ -8,9 +8,9 @@ find an entry it traces the function again in every process, which takes longer 
 import hashlib
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache, partial
 from importlib import import_module
@@ -21,10 +21,8 @@ from typing import Any
 from uuid import uuid4
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jax import tree
-from jax.extend.backend import get_backend
 from jax.sharding import SingleDeviceSharding
 
 from ertel.numerics.precision import require_double
@@ -33,11 +31,18 @@ from ertel.numerics.precision import require_double
 # programs are equally fast (measured on 65 to 513 nodes per side).  Level 0: a fifth to compile, two to three times
 # as long to run.
 LEVEL, LEVEL_OF_SMALL = 1, 0
+ANY_SIZE = (
+    2**62
+)  # of a program that is optimised on no grid: it runs once or twice, and compiles in a fifth of the time
+HURRIED = 2 * 513 * 513  # entries of the largest array, up to which a film is solved sooner than its program optimised
 OPTIONS = {"xla_cpu_use_fusion_emitters": False}
 KNOWN = ("ertel", "jax", "jaxlib", "numpy", "functools", "builtins")  # the stamp covers the code of these packages
 CHECKSUM = hashlib.sha256().digest_size  # bytes at the beginning of a file
 
 Compiled = Callable[..., Any]
+
+_hurried = 0  # entries up to which programs are compiled in a hurry
+_later: list[tuple[Path, Any]] = []  # what is then to be compiled for later processes: its file and the lowered program
 
 
 class Program:
@@ -77,11 +82,37 @@ class Program:
         place = _place(self.function, level, arguments)
         if place and (kept := _read(place)):
             return kept
-        function = _renamed(self.function) if place else self.function
-        compiled = _compile(function.lower(*arguments), {**OPTIONS, "xla_backend_optimization_level": level})
+        lowered = (_renamed(self.function) if place else self.function).lower(*arguments)
+        if place and level == LEVEL and largest <= _hurried:
+            _later.append((place, lowered))
+            return _compile(lowered, _options(LEVEL_OF_SMALL))
+        compiled = _compile(lowered, _options(level))
         if place:
             _write(place, compiled)
         return compiled
+
+
+@contextmanager
+def in_a_hurry() -> Iterator[None]:
+    """In this block programs to be kept are first compiled without optimising them, up to `HURRIED` entries.
+
+    After it they are compiled for later processes.  So one steady film is there sooner.
+    """
+    global _hurried
+    _hurried = HURRIED
+    try:
+        yield
+        with suppress(KeyboardInterrupt):  # what this process is for is done
+            for place, lowered in _later:
+                _write(place, _compile(lowered, _options(LEVEL)))
+    finally:
+        _hurried = 0
+        _later.clear()
+
+
+def hurried() -> int:
+    """The number of programs that are to be compiled for later processes."""
+    return len(_later)
 
 
 def _renamed(function: Any) -> Any:
@@ -95,6 +126,10 @@ def _renamed(function: Any) -> Any:
 
     renamed.__name__ = f"{function.__name__}_{uuid4().hex}"
     return jax.jit(renamed, keep_unused=True)
+
+
+def _options(level: int) -> dict[str, Any]:
+    return {**OPTIONS, "xla_backend_optimization_level": level}
 
 
 def _compile(lowered: Any, options: dict[str, Any]) -> Compiled:
@@ -209,9 +244,9 @@ def _read(place: Path) -> Compiled | None:
         if stamp != _stamp:
             return None
         _prepare_lapack()
-        backend = get_backend()
-        devices = SingleDeviceSharding(backend.devices()[0])._internal_device_list
-        return _Loaded(backend.deserialize_executable(code, executable_devices=devices), _example(outline))
+        device = jax.devices()[0]
+        devices = SingleDeviceSharding(device)._internal_device_list
+        return _Loaded(device.client.deserialize_executable(code, executable_devices=devices), _example(outline))
     except Exception:  # not there, of another version, ...: it is compiled and written again
         return None
 
@@ -260,4 +295,4 @@ def _example(outline: Any) -> Any:
 @cache
 def _prepare_lapack() -> None:
     """Load LAPACK.  JAX does so when it lowers a linear solve; a program from the disk is not lowered."""
-    jax.jit(jnp.linalg.inv).lower(np.eye(2))
+    jax.jit(jax.lax.linalg.lu).lower(np.eye(2))

@@ -18,12 +18,15 @@ back, is less exact than the budget: by the ratio of the two.  All is dimensionl
 """
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.model.case import Case
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Values = NDArray[np.float64]
 Budgets = Mapping[str, Mapping[str, float | None]]
@@ -35,7 +38,7 @@ AMOUNTS = {"mass": ("oil", "m3"), "momentum": ("momentum", "N_s"), "energy": ("e
 RATES = {"mass": ("oil_flow", "m3_per_s"), "momentum": ("load", "N"), "energy": ("power", "W")}
 
 
-def in_time(case: Case, data: xr.Dataset) -> dict[str, dict[str, float | None]]:
+def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]]:
     """The budgets from the first step of a run to its last, by name; empty with fewer than two steps.
 
     Each has its terms and `imbalance`, None where nothing was turned over.

@@ -2,19 +2,24 @@
 
 from collections.abc import Sequence
 from math import cbrt, ceil, inf
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from ertel.model.case import Case
 from ertel.model.sections import MOST_NODES, WIDEST_HALF_WIDTH
-from ertel.model.state import GridSolution, Rolling
 from ertel.numerics.grid import allowed_nodes
+from ertel.numerics.richardson import extrapolate
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_KEPT, Measured, has_waves
 from ertel.results import domain, variables
 from ertel.results.budgets import Budgets
+
+if TYPE_CHECKING:  # these bring JAX or xarray with them
+    import xarray as xr
+
+    from ertel.model.state import GridSolution
 
 CELLS_IN_FRONT = 10.0  # wanted across the length of the front's pressure sweep, `front_length`
 ISOVISCOUS_SWEEP = 2.0  # that length over (lambda_bar dA/dT)^{2/5} where the oil is isoviscous
@@ -35,13 +40,13 @@ BARUS_PRESSURE = 0.7e9  # Pa, above which Barus' law says nothing about traction
 CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 
-def impact_warnings(case: Case, data: xr.Dataset) -> list[str]:
+def impact_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid, domain or initial gap of an impact; an empty list if there are none."""
     said = [_film_warning(case, data), _front_warning(case, data), _domain_warning(case, data)]
     return _spoken([*said, *case_warnings(case)])
 
 
-def rolling_warnings(case: Case, data: xr.Dataset) -> list[str]:
+def rolling_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid and inlet of a transient rolling contact; an empty list if there are none."""
     said = [_film_warning(case, data)]
     if not said[0]:
@@ -104,7 +109,7 @@ def _spoken(said: Sequence[str]) -> list[str]:
     return [sentence for sentence in said if sentence]
 
 
-def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
+def steady_warnings(case: Case, solutions: Sequence["GridSolution"]) -> list[str]:
     """Warnings about grid and domain of a steady contact; an empty list if there are none."""
     finest = solutions[-1]
     outside = _outside_warning(case, finest.outside / case.geometry.hertz_load / case.motion.load(0.0))
@@ -113,7 +118,7 @@ def steady_warnings(case: Case, solutions: Sequence[GridSolution]) -> list[str]:
     return _spoken([*said, outside, *case_warnings(case)])
 
 
-def steady_failure(case: Case, solution: GridSolution) -> str:
+def steady_failure(case: Case, solution: "GridSolution") -> str:
     """Why a steady solution is none, with a remedy; "" where it is one."""
     if not solution.status.is_solved:
         return (
@@ -137,7 +142,7 @@ def no_film(case: Case) -> str:
 # -- rolling ----------------------------------------------------------------------------------------------------------
 
 
-def _share_outside(case: Case, data: xr.Dataset) -> float:
+def _share_outside(case: Case, data: "xr.Dataset") -> float:
     """The share of the load that the oil outside the grid carries at the last map of a run in time."""
     if not data.sizes["frame"]:
         return 0.0
@@ -164,7 +169,7 @@ def _outside_warning(case: Case, share: float) -> str:
     )
 
 
-def _sweep_warning(case: Case, data: xr.Dataset) -> str:
+def _sweep_warning(case: Case, data: "xr.Dataset") -> str:
     """The length of the pressure sweep in the inlet, sqrt(alpha_bar lambda_bar U), with the mean speed of the run.
 
     With ten cells across it the steady films for M = 20 to 1000 and L = 5 to 10 are 4 to 7 % too thin in the centre and
@@ -175,7 +180,7 @@ def _sweep_warning(case: Case, data: xr.Dataset) -> str:
     return sweep_warning(case, _speed(data))
 
 
-def _speed(data: xr.Dataset) -> float:
+def _speed(data: "xr.Dataset") -> float:
     """The mean entrainment of a run in time."""
     return float(np.average(np.abs(data["U"]), weights=data["dT"]))
 
@@ -207,14 +212,14 @@ def _resolve(case: Case, cells: float) -> str:
     return _use((case.solver.nodes - 1) * CELLS_IN_FRONT / cells + 1)
 
 
-def _error_warning(case: Case, solutions: Sequence[GridSolution]) -> str:
+def _error_warning(case: Case, solutions: Sequence["GridSolution"]) -> str:
     if len(solutions) < 2:
         return "there is no error estimate, because there is no coarser grid; use solver.nodes >= 65"
     if not solutions[-2].status.ok:
         nodes = solutions[-2].grid.nodes
         return f"there is no error estimate, because the grid of {nodes} x {nodes} nodes did not converge"
-    rolling = Rolling(tuple(solutions))
-    found = {name: rolling.extrapolate(name) for name in variables.FILMS}
+    coarse, fine = (s.measure() for s in solutions[-2:])
+    found = {name: extrapolate(coarse[name], fine[name]) for name in variables.FILMS}
     shares = {name: e.error / abs(e.value) for name, e in found.items() if e.value}
     worst = max(shares, key=lambda name: shares[name])
     if shares[worst] <= LARGE_ERROR:
@@ -222,7 +227,7 @@ def _error_warning(case: Case, solutions: Sequence[GridSolution]) -> str:
     return f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; {_use(_doubled(case))}"
 
 
-def _spike_warning(solutions: Sequence[GridSolution]) -> str:
+def _spike_warning(solutions: Sequence["GridSolution"]) -> str:
     if len(solutions) < 2:
         return ""
     coarse, fine = (s.measure()["P_max"] for s in solutions[-2:])
@@ -303,7 +308,7 @@ def _size_warning(case: Case) -> str:
     )
 
 
-def _film_warning(case: Case, data: xr.Dataset) -> str:
+def _film_warning(case: Case, data: "xr.Dataset") -> str:
     gone = np.flatnonzero(data["H_min"].values <= 0.0)
     if gone.size == 0:
         return ""
@@ -314,7 +319,7 @@ def _film_warning(case: Case, data: xr.Dataset) -> str:
     )
 
 
-def _cells(case: Case, data: xr.Dataset) -> float:
+def _cells(case: Case, data: "xr.Dataset") -> float:
     """Cells across the pressure sweep of a run in time, at the front or in the inlet."""
     return front_length(case) / _spacing_at_front(data) if case.starts_apart else _cells_in_sweep(case, _speed(data))
 
@@ -337,11 +342,11 @@ def front_length(case: Case) -> float:
     return float(max(np.sqrt(p.alpha_bar * viscous), ISOVISCOUS_SWEEP * viscous**0.4))
 
 
-def _front_warning(case: Case, data: xr.Dataset) -> str:
+def _front_warning(case: Case, data: "xr.Dataset") -> str:
     return front_warning(case, _spacing_at_front(data))
 
 
-def _spacing_at_front(data: xr.Dataset) -> float:
+def _spacing_at_front(data: "xr.Dataset") -> float:
     axis = data["X"] if "X" in data.coords else data["r"]
     near = int(np.abs(axis.values - FRONT_POSITION).argmin())
     return float(axis[near + 1] - axis[near])
@@ -369,7 +374,7 @@ def _gap_warning(case: Case) -> str:
     )
 
 
-def _domain_warning(case: Case, data: xr.Dataset) -> str:
+def _domain_warning(case: Case, data: "xr.Dataset") -> str:
     if data.sizes["frame"] == 0:
         return ""
     share = domain.uncertain_momentum(case, data)

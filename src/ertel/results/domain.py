@@ -1,13 +1,16 @@
 """What the oil outside the domain means for an impact: its load and momentum, from the flow of oil through the edge."""
 
 from math import ceil
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.model.case import Case
 from ertel.physics.ellipse import hertz_ellipse
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Values = NDArray[np.float64]
 
@@ -15,7 +18,7 @@ UNCERTAIN_MOMENTUM = 5e-3  # share of the ball's momentum that may depend on whe
 FAR_FIELD_ERROR = 0.1  # of the load outside, which is known in closed form (`physics.far_field`) but not exactly
 
 
-def uncertain_momentum(case: Case, data: xr.Dataset) -> float:
+def uncertain_momentum(case: Case, data: "xr.Dataset") -> float:
     """Share of the ball's first momentum that is uncertain because the domain ends: a tenth of `outer_load` over time.
 
     With the radial method, half width 2 against 30 and M = 20, 100 the load at maximum approach was off by 2.8 and
@@ -26,7 +29,7 @@ def uncertain_momentum(case: Case, data: xr.Dataset) -> float:
     return float(impulse) / case.motion.inertia
 
 
-def outer_load(data: xr.Dataset) -> xr.DataArray:
+def outer_load(data: "xr.Dataset") -> "xr.DataArray":
     """Load that the film would not carry if P were 0 at the edge, in units of the dry maximum load, at each map.
 
     Far out the film is thick and rigid, H = H_w + (r^2 - w^2)/2, and the oil that it displaces flows outwards,
@@ -35,6 +38,8 @@ def outer_load(data: xr.Dataset) -> xr.DataArray:
     too low by P_w everywhere, because an even pressure drives no flow.  For an ellipse 4 is 2 (1 + D), and the load
     beyond the edge is D^(-1/2) times as large.
     """
+    import xarray as xr
+
     displaced, H, area = _through_the_edge(data)
     D = float(data.attrs.get("radius_ratio", 1.0))
     P_w = displaced / (2 * (1 + D)) * np.mean(H**-2.0, axis=1)
@@ -42,7 +47,7 @@ def outer_load(data: xr.Dataset) -> xr.DataArray:
     return xr.DataArray(P_w * (area + 2 * np.pi * H_w / D**0.5) / hertz_ellipse(D).load, dims="frame")
 
 
-def _through_the_edge(data: xr.Dataset) -> tuple[Values, Values, float]:
+def _through_the_edge(data: "xr.Dataset") -> tuple[Values, Values, float]:
     """Flow through the edge over the area within (frame,), H on the edge (frame, n), area of the domain."""
     P, H = data["P"].values, data["H"].values
     if "r" in data.dims:

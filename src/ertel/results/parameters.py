@@ -1,14 +1,17 @@
-"""Parameters and scales of a case, known before it is run.
+"""Parameters and scales of a case, and films by formulas, known before it is run.
 
 This module imports neither JAX nor xarray, so that `ertel params` is fast.
 """
 
+from math import cbrt
 from typing import TYPE_CHECKING, Any
 
 from ertel.model.records import law_data, show
+from ertel.physics import film_formulas
+from ertel.physics.film_formulas import Film
 from ertel.physics.oils import RHEOLOGY
 from ertel.physics.registry import FLUIDITY_LAWS
-from ertel.physics.scales import HamrockDowson, hamrock_dowson
+from ertel.physics.scales import HamrockDowson, Parameters, hamrock_dowson
 from ertel.results.kinds import KINDS
 
 if TYPE_CHECKING:  # the case brings JAX with it
@@ -65,3 +68,33 @@ def scales_of(case: "Case") -> dict[str, float]:
     across = {} if s.radius_ratio == 1.0 else {"a_y_m": s.a_y}
     named = {"R_m": s.R, "E_prime_Pa": s.E_prime, "a_m": s.a, **across, "p_h_Pa": s.p_h, "delta_m": s.approach}
     return named | {"F_N": s.load, "t0_s": s.t0} | KINDS[case.kind].speed(s)
+
+
+def films(case: "Case", load: float = 1.0, entrainment: float = 1.0) -> list[Film]:
+    """Film thickness of a rolling contact by every formula of `physics.film_formulas`, in the case's own a^2/R.
+
+    Parameters
+    ----------
+    case : Case
+        A rolling contact.
+    load, entrainment : float
+        Load w in F* and speed U in u_m of the moment.
+
+    Returns
+    -------
+    list of Film
+        Empty for an impact, and without load or without speed, where the formulas have no meaning.
+    """
+    speed = abs(entrainment)
+    if case.starts_apart or load <= 0 or speed == 0:
+        return []
+    p = case.parameters
+    at = Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25, p.radius_ratio)
+    ugw = ugw_of(case) if case.scales else None
+    found = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load), case.contact.angle)
+    unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
+
+    def own(film: float | None) -> float | None:
+        return None if film is None else film * unit
+
+    return [film._replace(central=own(film.central), minimum=own(film.minimum)) for film in found]

@@ -1,7 +1,7 @@
 """The summary of a run as plain data: values, restitution, error estimates, work, warnings, film formulas."""
 
 from collections.abc import Mapping, Sequence
-from math import cbrt, inf
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -13,12 +13,9 @@ from ertel.model.friction import coefficients
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics.richardson import Extrapolation
-from ertel.physics import film_formulas
-from ertel.physics.film_formulas import Film
-from ertel.physics.scales import HamrockDowson, Parameters
 from ertel.results import budgets, diagnostics, errors, variables
 from ertel.results.extremes import extremes, in_si
-from ertel.results.parameters import parameters_of, scales_of, ugw_of
+from ertel.results.parameters import parameters_of, scales_of
 from ertel.results.temperatures import thermal_summary
 
 OWN_NAMES = {"delta_m": "approach_m"}  # in SI, beside the scales, of which delta_m is one
@@ -259,36 +256,6 @@ def si_summary(case: Case, max_approach: Mapping[str, float | None] | None) -> d
         "approach_m" if key == "delta_m" else key: value for key, value in (values or {}).items() if key not in TIMED
     }
     return {**scales_of(case), **own, "max_approach": values}
-
-
-def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]:
-    """Film thickness of a rolling contact by every formula of `physics.film_formulas`, in the case's own a^2/R.
-
-    Parameters
-    ----------
-    case : Case
-        A rolling contact.
-    load, entrainment : float
-        Load w in F* and speed U in u_m of the moment.
-
-    Returns
-    -------
-    list of Film
-        Empty for an impact, and without load or without speed, where the formulas have no meaning.
-    """
-    speed = abs(entrainment)
-    if case.starts_apart or load <= 0 or speed == 0:
-        return []
-    p = case.parameters
-    at = Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25, p.radius_ratio)
-    ugw = ugw_of(case) if case.scales else None
-    found = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load), case.contact.angle)
-    unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
-
-    def own(film: float | None) -> float | None:
-        return None if film is None else film * unit
-
-    return [film._replace(central=own(film.central), minimum=own(film.minimum)) for film in found]
 
 
 def _heading(case: Case) -> dict[str, Any]:

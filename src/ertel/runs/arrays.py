@@ -119,16 +119,18 @@ class AppendedData:
 
 
 class ReplacedData:
-    """Scalars of every grid and the maps on the finest one so far: written after every grid."""
+    """Scalars of every grid and the maps on the finest one so far."""
 
-    flush_interval = 0.0
+    flush_interval = 5.0
     advice = "it is written again when the run is continued"
 
     def __init__(self, course: Course):
         self._course = course
+        self._new = False  # whether the data on disk are those that this object wrote of the run before its start
 
     def create(self, path: Path) -> None:
         self._write(path, self._course.begin())
+        self._new = True
 
     def _write(self, path: Path, item: Any) -> None:
         data = self._course.dataset([], [], item).assign_attrs(status=Status.RUNNING.value)
@@ -142,6 +144,7 @@ class ReplacedData:
 
     def after_checkpoint(self, path: Path, item: Any) -> None:
         """Write the data again; the old data remain readable between the two renames."""
+        self._new = False
         old, draft = zarrs.old_of(path), path.with_name(f"{path.name}.partial")
         shutil.rmtree(draft, ignore_errors=True)
         self._write(draft, item)
@@ -152,4 +155,5 @@ class ReplacedData:
         shutil.rmtree(old, ignore_errors=True)
 
     def restore(self, path: Path, checkpoint: Mapping[str, Any], item: Any) -> None:
-        self.after_checkpoint(path, item or self._course.begin())
+        if item or not self._new:
+            self.after_checkpoint(path, item or self._course.begin())

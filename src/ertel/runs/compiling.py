@@ -6,15 +6,19 @@ import platform
 import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache as once
 from importlib import import_module
-from importlib.metadata import version
+from importlib.metadata import entry_points, version
+from importlib.util import find_spec
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ertel.version import own_sources
+
+if TYPE_CHECKING:
+    from ertel.model.case import Case
 
 # JAX is imported inside the functions, so that its version can be read and judged without it.
 
@@ -63,6 +67,11 @@ def check_jax(tell: Callable[[str], object] | None = None) -> None:
 
 class NoDevice(RuntimeError):
     """JAX finds no device to compute on."""
+
+
+def may_use_accelerator() -> bool:
+    """Whether JAX may find another device than the CPU: a plugin for one is installed.  It does not import JAX."""
+    return os.environ.get("JAX_PLATFORMS") != "cpu" and bool(entry_points(group="jax_plugins") or find_spec("libtpu"))
 
 
 def devices() -> list[Any]:
@@ -160,6 +169,31 @@ def start_at_once() -> Path | None:
         parts = own_sources(), version("jax"), version("jaxlib"), _processor(), os.environ.get("XLA_FLAGS", "")
         programs.keep(directory / "ertel", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     return directory
+
+
+def prepare() -> Path | None:
+    """Check that JAX computes here, and let it load what is compiled, from the directory named.  Raises NoDevice."""
+    check_jax()
+    devices()
+    return start_at_once()
+
+
+@contextmanager
+def prepared(case: "Case") -> Iterator[None]:
+    """In this block one case is run.  What a steady one needs is loaded, or compiled in a hurry, in the background.
+
+    Raises NoDevice.
+    """
+    prepare()
+    if not case.is_steady:
+        yield
+        return
+    from ertel.numerics.programs import in_a_hurry
+    from ertel.solvers.steady import compile_ahead
+
+    with in_a_hurry():
+        compile_ahead(case)
+        yield
 
 
 def cache_directory() -> Path | None:

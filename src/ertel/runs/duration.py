@@ -9,8 +9,8 @@ Steps: 178 to maximum approach (M = 1000), 259 and 417 to the rebound (M = 100, 
 
 from math import isfinite, prod
 
-from ertel.model import discretise
 from ertel.model.case import Case
+from ertel.model.grids import grid_of
 from ertel.model.sections import Time
 
 STEPS = 75.0  # for each t0, at the default tolerance
@@ -41,7 +41,7 @@ def seconds(case: Case) -> float:
     if case.solver.method == "radial":
         start, each = SECONDS_A_RADIAL_STEP
         return SECONDS_TO_START + steps(case) * (start + each * nodes**2)
-    kept = prod(discretise.grid_of(case).shape)
+    kept = prod(grid_of(case).shape)
     film = 0.0 if case.starts_apart else SECONDS_STEADY * kept
     start, each = SECONDS_A_STEP
     more, slower = (1.0, 1.0) if case.oil.is_newtonian else TIMES_OF_THINNING

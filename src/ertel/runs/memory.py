@@ -10,8 +10,8 @@ steady rolling 115 (57 of the plane): `benchmarks/scaling.py`.
 import os
 from contextlib import suppress
 
-from ertel.model import discretise
 from ertel.model.case import Case
+from ertel.model.grids import grid_of
 from ertel.results.variables import FIELDS
 from ertel.runs import compiling
 
@@ -27,7 +27,7 @@ def needed(case: Case) -> float:
     if case.solver.method == "radial":
         return BASE + 8.0 * MATRICES * nodes**2
     arrays = ARRAYS if case.starts_apart else ARRAYS_WITH_STEADY
-    return BASE + 8.0 * (arrays * discretise.grid_of(case).size + _maps(case) * nodes**2)
+    return BASE + 8.0 * (arrays * grid_of(case).size + _maps(case) * nodes**2)
 
 
 def _maps(case: Case) -> float:
@@ -38,7 +38,7 @@ def _maps(case: Case) -> float:
 
 def available() -> float:
     """The memory in bytes of the device that JAX computes on; 0 where it is not known."""
-    if limit := (compiling.devices()[0].memory_stats() or {}).get("bytes_limit"):
+    if compiling.may_use_accelerator() and (limit := (compiling.devices()[0].memory_stats() or {}).get("bytes_limit")):
         return float(limit)
     with suppress(AttributeError, ValueError, OSError):  # not on Windows
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))

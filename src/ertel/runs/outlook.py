@@ -4,13 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from ertel.model import discretise
 from ertel.model.case import Case
+from ertel.model.grids import grid_of, radii
 from ertel.results import diagnostics
-from ertel.results.parameters import parameter_summary, rheology_of
-from ertel.results.summary import films
+from ertel.results.parameters import films, parameter_summary, rheology_of
 from ertel.runs import beforehand, duration, memory
-from ertel.solvers.radial import radii
 
 
 def outlook(case: Case) -> dict[str, Any]:
@@ -51,7 +49,7 @@ def _case_warnings(case: Case) -> list[str]:
 def _grid(case: Case) -> dict[str, float | int]:
     spacing, sweep = _spacing(case), _sweep(case)
     nodes = case.solver.nodes
-    across = 1 if case.solver.method == "radial" else discretise.grid_of(case).nodes_y
+    across = 1 if case.solver.method == "radial" else grid_of(case).nodes_y
     found = {"nodes": nodes, "nodes_across": across, "spacing": spacing}
     in_si = {"spacing_m": spacing * case.scales.a} if case.scales else {}
     return {**found, **in_si, "sweep": sweep, "cells_in_sweep": sweep / spacing}
@@ -60,7 +58,7 @@ def _grid(case: Case) -> dict[str, float | int]:
 def _spacing(case: Case) -> float:
     """The spacing in a; of a radial grid where the front is looked at."""
     if case.solver.method != "radial":
-        return discretise.grid_of(case).spacing
+        return grid_of(case).spacing
     r = radii(case.solver.nodes, case.solver.half_width)
     near = int(np.abs(r - diagnostics.FRONT_POSITION).argmin())
     return float(r[near + 1] - r[near])

@@ -8,7 +8,7 @@ symbols are those of `contact`.
     H = -Delta + r^2/2 + (2/pi^2) double integral of P/distance                                     eqs. (1), (3)
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -23,7 +23,8 @@ from ertel.model import budget, friction, outside
 from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.model.budget import Account, Around, Film
 from ertel.model.case import Case
-from ertel.model.friction import ANY_SIZE, Friction
+from ertel.model.friction import Friction
+from ertel.model.grids import radii
 from ertel.model.outside import Surroundings
 from ertel.model.pytrees import traceable
 from ertel.model.state import Method, State, Stepping, Work, padded
@@ -31,7 +32,7 @@ from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc, disc_weights
 from ertel.numerics.precision import require_double
-from ertel.numerics.programs import Program
+from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.stencils import Pair
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
@@ -40,9 +41,6 @@ from ertel.physics.rheology import NEWTONIAN, Rheology
 
 Floats = NDArray[np.float64]
 
-EDGE = 1.0  # maximum radius of the dry contact: the grid is finest here, where the film is thinnest
-WIDENING_INSIDE = 1.5  # the spacing at distance d from the edge is 1 + widening * d times that at the edge
-WIDENING_OUTSIDE = 8.0
 NEWTON_LIMIT = 15
 RINGS = 65  # on which the error in time is taken
 LARGEST_CHANGE = 0.3  # of P in one Newton iteration
@@ -118,25 +116,6 @@ class Solution(NamedTuple):
     newton: Array
 
 
-def radii(nodes: int, half_width: float) -> Floats:
-    """Nodes from 0 to half_width, finest at the edge of the contact; the spacing grows linearly to both sides."""
-
-    s = np.linspace(-_evenly(EDGE, WIDENING_INSIDE), _evenly(half_width - EDGE, WIDENING_OUTSIDE), nodes)
-    inside = EDGE - np.expm1(-WIDENING_INSIDE * np.minimum(s, 0.0)) / WIDENING_INSIDE
-    r = inside + np.expm1(WIDENING_OUTSIDE * np.maximum(s, 0.0)) / WIDENING_OUTSIDE
-    r[0], r[-1] = 0.0, half_width  # free of round-off
-    return r
-
-
-def _evenly(distance: float, widening: float) -> float:
-    return float(np.log1p(widening * distance)) / widening
-
-
-def extent(half_width: float) -> float:
-    """The distance from 0 to half_width in units in which the nodes are evenly spaced."""
-    return _evenly(EDGE, WIDENING_INSIDE) + _evenly(half_width - EDGE, WIDENING_OUTSIDE)
-
-
 def mesh(r: Floats) -> Mesh:
     """The grid with nodes r, from 0 outwards, and its elastic kernel."""
     require_double()
@@ -205,13 +184,30 @@ def newton_change(eq: Equations, P: Array, H: Array) -> Array:
     """Newton's change of P, with the exact Jacobian; -P where P is held at zero, none on the outer node.
 
     The residual is local in P and H: its Jacobian is the sum of d/dP (three diagonals) and d/dH (three diagonals) times
-    stiffness.  Pushing all columns of (identity, stiffness) through the linearised residual gives just that.
+    stiffness.
     """
     r, change_of_r = jax.linearize(lambda P, H: residual(eq, P, H), P, H)
-    identity = jnp.eye(len(P))
-    jacobian = jax.vmap(change_of_r, in_axes=1, out_axes=1)(identity, eq.stiffness)
+    zero, identity = jnp.zeros_like(P), jnp.eye(len(P))
+    by_P, by_H = (diagonals(part, len(P)) for part in (lambda d: change_of_r(d, zero), lambda d: change_of_r(zero, d)))
+    jacobian = times(by_P, identity) + times(by_H, eq.stiffness)
     holds = free(P, r)
     return jnp.linalg.solve(jnp.where(holds[:, None], jacobian, identity), -jnp.where(holds, r, P.at[-1].set(0.0)))
+
+
+def diagonals(change: Callable[[Array], Array], n: int) -> Array:
+    """The three diagonals (3, n) of a linear map whose matrix has no others: entries (i, i - 1), (i, i) and (i, i + 1).
+
+    Every third column is looked at together.
+    """
+    i, shift = jnp.arange(n), jnp.arange(-1, 2)[:, None]
+    answers = jax.vmap(change)(jnp.where(i % 3 == jnp.arange(3)[:, None], 1.0, 0.0))
+    return answers[(i + shift) % 3, i]
+
+
+def times(diagonals: Array, matrix: Array) -> Array:
+    """The matrix of three diagonals times another one."""
+    lower, middle, upper = diagonals[:, :, None]
+    return lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)
 
 
 @jax.jit

@@ -7,7 +7,6 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from math import inf
 from threading import Thread
 
@@ -15,6 +14,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from numpy.typing import NDArray
 
 from ertel.model import discretise
 from ertel.model.approach import balanced
@@ -24,14 +24,16 @@ from ertel.model.flow import steady_rate
 from ertel.model.state import GridSolution, Rolling
 from ertel.model.status import Status
 from ertel.numerics import multigrid, newton, richardson, stencils
-from ertel.numerics.grid import Even, Grid, check_grid
+from ertel.numerics.grid import Grid, check_grid
 from ertel.numerics.precision import double_precision
-from ertel.numerics.programs import Program
-from ertel.numerics.symmetry import folded, total, unfolded
+from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.symmetry import folded, unfolded
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear, preconditioner
 from ertel.solvers.nonlinear import Problem
+
+Floats = NDArray[np.float64]
 
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
@@ -63,15 +65,11 @@ def nested(
     The case's tolerance bounds the residual of Reynolds' equation where its method is "steady".  Raises ValueError
     where there is no load or no entrainment at T = 0, and so no steady film.
     """
-    grids = [discretise.grid_of(case)]
-    check_grid(grids[0])
+    grids, tolerance = grids_of(case), tolerance_of(case)
     check_motion(case)
-    tolerance = case.solver.tolerance if case.is_steady else TOLERANCE
-    while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
-        grids.append(coarser)
     solutions = list(done)
     if not done:
-        _compile_ahead(case, grids[:-1], tolerance, precision)  # the finest first: the coarse ones are needed at once
+        compile_ahead(case, precision)
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = discretise.contact_of(case, grid)
         if solutions:
@@ -82,6 +80,20 @@ def nested(
         solution = solve(case, grid, c, *guess, tolerance, precision)
         solutions.append(_judged(solution) if grid is grids[0] else solution)
         yield solutions[-1]
+
+
+def grids_of(case: Case) -> list[Grid]:
+    """The case's own grid and its coarser ones.  Raises ValueError for a grid that cannot be coarsened."""
+    grids = [discretise.grid_of(case)]
+    check_grid(grids[0])
+    while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
+        grids.append(coarser)
+    return grids
+
+
+def tolerance_of(case: Case) -> float:
+    """The tolerance of the residual: the case's own where it is that of the steady film."""
+    return case.solver.tolerance if case.is_steady else TOLERANCE
 
 
 def _judged(finest: GridSolution) -> GridSolution:
@@ -114,22 +126,18 @@ def check_motion(case: Case) -> None:
         raise ValueError(f"motion.entrainment = {entrainment} at T = 0: must not be zero, a steady film needs a flow")
 
 
-def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Array, float]:
+def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, float]:
     """Pressure and approach of the dry contact under a load in units F*; the pressure is scaled to carry it exactly."""
     P = geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None])
-    return _carrying(P, load * geometry.hertz_load / grid.spacing**2, grid.even), geometry.dry_approach(load)
+    wanted = load * geometry.hertz_load / grid.spacing**2
+    return P * (wanted / unfolded(P, grid.even).sum()), geometry.dry_approach(load)
 
 
-@partial(jax.jit, static_argnames="even")
-def _carrying(P: Array, load: float, even: Even) -> Array:
-    return P * (load / total(P, even))
-
-
-def _rough_guess(case: Case, grid: Grid) -> tuple[Array, float]:
+def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
     """Pressure and approach: those of the dry contact, or of rigid bodies where the film is far thicker than that."""
     outside, dry = discretise.outside_of(case, grid), case.geometry.dry_approach(case.motion.load(0.0))
     if case.film_scale > THICK * dry:
-        return jnp.asarray(outside.at_first(motion_of(case, -case.film_scale))), -case.film_scale
+        return outside.at_first(motion_of(case, -case.film_scale)), -case.film_scale
     P, approach = dry_guess(case.geometry, grid, case.motion.load(0.0))
     return P + outside.guess(motion_of(case, approach)), approach
 
@@ -143,22 +151,26 @@ def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Arra
     """Pressure from the coarser grid, and the approach, reduced if the surfaces would overlap."""
     H_min = coarse.measure()["H_min"]
     least, thinnest = LEAST_FILM * max(H_min, 0.0), H_min + coarse.approach - approach
-    return _from_coarse(c, coarse.P), approach - max(least - thinnest, 0.0)
+    return _refined(c, coarse.P), approach - max(least - thinnest, 0.0)
 
 
-@jax.jit
 def _from_coarse(c: Contact, coarse: Array) -> Array:
     # linear interpolation has steps in the slope, which cause a large residual in the inlet
     P = folded(multigrid.prolong_smooth(unfolded(coarse, c.even)), c.even)
     return stencils.inside(jnp.maximum(P, 0.0), c.even)
 
 
+_refined = Program(jax.jit(_from_coarse), ANY_SIZE)
+
+
 def solve(
-    case: Case, grid: Grid, c: Contact, P: Array, approach: float, tolerance: float, precision: str
+    case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float, tolerance: float, precision: str
 ) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside."""
-    around = discretise.outside_of(case, grid).at(motion_of(case, approach))
-    c, P = replace(c, gap=c.gap + around.uplift), stencils.edged(P, jnp.asarray(around.edge), c.even)
+    outside = discretise.outside_of(case, grid)
+    around = outside.at(motion_of(case, approach))
+    gap = jax.device_put(np.asarray(c.gap) + around.uplift)  # NumPy has nothing to compile
+    c, P = replace(c, gap=gap), np.where(outside.is_edge, around.edge, P)
     s, Delta = _program(problem_of(case, grid, c, around.load, tolerance, precision), P, float(approach))
     status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)
@@ -183,15 +195,15 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: fl
     )
 
 
-def _compile_ahead(case: Case, grids: Sequence[Grid], tolerance: float, precision: str) -> None:
-    """Compile the programs of some grids in the background, one after the other."""
+def compile_ahead(case: Case, precision: str = preconditioner.PRECISION) -> None:
+    """Compile the programs of a steady film, or load them, in the background: the finest grid's takes the longest."""
 
     @double_precision()  # it holds for one thread
     def compile_all() -> None:
-        for grid in grids:
-            with suppress(Exception):  # the run itself meets the error, and says so
+        with suppress(Exception):  # the run itself meets the error, and says so
+            for grid in grids_of(case)[:-1]:  # the coarsest one's is needed at once
                 c = discretise.contact_of(case, grid)
-                problem = problem_of(case, grid, c, 0.0, tolerance, precision)
+                problem = problem_of(case, grid, c, 0.0, tolerance_of(case), precision)
                 _program.ready(problem, np.zeros(grid.shape), 0.0)
 
     Thread(target=compile_all).start()
