@@ -112,7 +112,7 @@ def of_film(
     plane: Plane, contact: Contact, P: Array, H: Array, sliding: Number, load: Number, hertz_load: Number
 ) -> Friction:
     """The same as `friction`, compiled."""
-    found: Friction = _program(plane, contact, jnp.asarray(P), jnp.asarray(H), sliding, load, hertz_load)
+    found: Friction = _program(plane, contact, *jax.device_put((P, H)), sliding, load, hertz_load)
     return found
 
 

@@ -122,7 +122,7 @@ def mesh(r: Floats) -> Mesh:
     face = (r[1:] + r[:-1]) / 2
     ends = np.concatenate([r[:1], face, r[-1:]])
     fields = r, face, np.diff(ends**2) / 2, elastic_kernel(r), disc_weights(r)
-    return Mesh(*(jnp.asarray(f) for f in fields))
+    return Mesh(*jax.device_put(fields))
 
 
 def disc(r: Floats, b: Floats) -> Floats:
@@ -300,10 +300,11 @@ class RadialImpact(Method):
     def start(self) -> State:
         """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
         motion = Motion(self.start_approach, 1.0, 0.0, 0.0)
-        around, P = self.outside.at(motion), jnp.asarray(self.outside.at_first(motion))
-        H = CIRCLE.gap(self.mesh.r, 0.0) - self.start_approach + self.mesh.kernel @ P + around.uplift
-        load = float(self.mesh.load @ P)
-        return State(0.0, self.start_approach, 1.0, {"P": P, "H": H}, outside=around.load, load=load)
+        around, P = self.outside.at(motion), np.asarray(self.outside.at_first(motion))
+        r, kernel, weights = (np.asarray(each) for each in (self.mesh.r, self.mesh.kernel, self.mesh.load))
+        H = CIRCLE.gap(r, 0.0) - self.start_approach + kernel @ P + around.uplift
+        fields = jax.device_put({"P": P, "H": H})
+        return State(0.0, self.start_approach, 1.0, fields, outside=around.load, load=float(weights @ P))
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         """One BDF step (BDF1 from one level, BDF2 from more), newest level first: yields one `Problem`."""
@@ -358,8 +359,9 @@ class RadialImpact(Method):
 
     def friction(self, level: State) -> Friction:
         """See `Method.friction`: that of the account, as if the film did not change."""
-        eq = self.equations([level], np.zeros(2), ClosureLine(1.0, 0.0, level.approach))
-        return _program(self.disc, eq, jnp.asarray(level.P), jnp.asarray(level.H), level.approach).friction
+        P, H = jax.device_put((level.P, level.H))
+        found: Friction = _program(self.mesh, self.disc, self.oil, self.lambda_bar, P, H, level.approach)
+        return found
 
     def equations(self, levels: Sequence[State], rates: bdf.Weights, line: ClosureLine) -> Equations:
         """The equations of the level after `levels`."""
@@ -382,7 +384,15 @@ def account(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> A
     return Account(budget.integrals(disc, eq.oil, film), found)
 
 
-_program = Program(jax.jit(account), ANY_SIZE)
+def friction_at_rest(
+    mesh: Mesh, disc: Disc, oil: Lubricant, lambda_bar: float, P: Array, H: Array, approach: float
+) -> Friction:
+    """The friction of a film that does not change."""
+    eq = equations(mesh, oil, lambda_bar, [(P, H)], (0.0, 0.0), ClosureLine(1.0, 0.0, approach))
+    return account(disc, eq, P, H, approach).friction
+
+
+_program = Program(jax.jit(friction_at_rest), ANY_SIZE)
 
 
 def lowest_point(r: Floats, H: Floats) -> tuple[float, float]:

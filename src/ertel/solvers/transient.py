@@ -169,14 +169,13 @@ class Transient2D(Method):
             rolling = steady.settled(self.case)
             s = rolling.finest
             work = Work(s.newton, s.krylov, rolling.convolutions)
-            fields, load = _fields(c, s.P, s.H), float(contact.load(c, s.P))
-            return State(0.0, s.approach, 0.0, fields, s.status, work, s.outside, load)
+            fields, load = _first_fields(c, s.P, s.H)
+            return State(0.0, s.approach, 0.0, fields, s.status, work, s.outside, float(load))
         motion = Motion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
-        around, P = self.outside.at(motion), jnp.asarray(self.outside.at_first(motion))
-        H = contact.film_thickness(c, P, motion.approach) + around.uplift
+        around, P = self.outside.at(motion), jax.device_put(self.outside.at_first(motion))
+        fields, load = _squeezed(c, P, motion.approach, around.uplift)
         work = Work(convolutions=1.0)
-        fields, load = _fields(c, P, H), float(contact.load(c, P))
-        return State(0.0, motion.approach, 1.0, fields, work=work, outside=around.load, load=load)
+        return State(0.0, motion.approach, 1.0, fields, work=work, outside=around.load, load=float(load))
 
     def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
@@ -193,9 +192,7 @@ class Transient2D(Method):
     @cached_property
     def start_mass(self) -> Array:
         """The mass of the film from which the run starts: the steady film of rolling, the smooth gap of an impact."""
-        if self.case.starts_apart:
-            return self.contact.gap
-        return contact.mass(self.contact, self._first.P, self._first.H)
+        return self.contact.gap if self.case.starts_apart else self._first.fields["mass"]
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         """One BDF step (BDF1 from one level, BDF2 from more): yields one `StepProblem`."""
@@ -280,6 +277,18 @@ def _fields(c: Contact, P: Array, H: Array, left: Array | float = 0.0) -> dict[s
     steps: they bring the rest into the film, and it does not add up from step to step.
     """
     return {"P": P, "H": H, "mass": contact.mass(c, P, H) - left}
+
+
+@jax.jit
+def _first_fields(c: Contact, P: Array, H: Array) -> tuple[dict[str, Array], Array]:
+    """The fields of the first level, and its load."""
+    return _fields(c, P, H), contact.load(c, P)
+
+
+@jax.jit
+def _squeezed(c: Contact, P: Array, approach: float, uplift: float) -> tuple[dict[str, Array], Array]:
+    """The same of a ball that comes near."""
+    return _first_fields(c, P, contact.film_thickness(c, P, approach) + uplift)
 
 
 def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Even, coarsenings: int) -> Array:
