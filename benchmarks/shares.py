@@ -193,13 +193,12 @@ def measure_impact(nodes: int) -> dict[str, float]:
 def _flush_seconds(course: Any, steps: list[Any]) -> float:
     from dataclasses import replace
 
-    from ertel.runs.stepping import Frame
+    from ertel.runs.stepping import frame_of
     from ertel.runs.store import RunStore
 
     with tempfile.TemporaryDirectory() as directory:
         store = RunStore.create(Path(directory) / "run", course.case, course)
-        last = steps[-1].state.levels[0]
-        frame = Frame(last.T, {name: course.method.whole(field) for name, field in last.fields.items()}, "")
+        frame = frame_of(course.method, steps[-1].state.levels[0], "")
         for step in steps:
             store(replace(step, frames=()))
         store(replace(steps[-1], frames=(frame,)))
@@ -223,13 +222,13 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     keep_compiled()
     case = rolling(1000, nodes)
     steady.steady(case)
-    solve, on_device = nonlinear.solve, [0.0]
+    solve, on_device = steady._program, [0.0]
 
     def solve_and_wait(*fields: Any) -> Any:
         on_device[0], answer = timed(lambda: jax.block_until_ready(solve(*fields)))
         return answer
 
-    with mock.patch.object(nonlinear, "solve", solve_and_wait):
+    with mock.patch.object(steady, "_program", solve_and_wait):
         walls, solutions = zip(*_each(steady.nested(case)), strict=True)
     last = solutions[-1]
     c = discretise.contact_of(case, last.grid)
