@@ -17,7 +17,8 @@ from ertel.physics.fluidity import Fluidity
 
 SPREAD = 10.0  # growth of ln(phi) towards a wall over half the film at which the nodes begin to move to the walls
 PLAIN = 1e-3  # a spread that stands for none
-SERIES_ERROR, SERIES_END = 1e-9, 1e-2  # largest error of a series of phi that replaces the law, and largest phi - 1
+# largest error of a series of phi that replaces the law (of its slope by ln |tau|: twenty times that), largest phi - 1
+SERIES_ERROR, SERIES_END = 1e-9, 1e-2
 NO_STRESS = 1e-60  # Pa
 
 Nodes = tuple[Array, Array]  # zeta > 0 and weight of each pair, shape (NODES/2, ...)
