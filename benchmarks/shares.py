@@ -179,7 +179,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     newton, krylov = (statistics.mean(getattr(level.work, name) for level in found) for name in ("newton", "krylov"))
     now = levels[0]
     rate, line = Rate(1.5 / STEP, 0.0 * now.H), balanced()
-    how = nonlinear.bordered, preconditioner.point_preconditioner, transient.OPTIONS
+    how = nonlinear.bordered, preconditioner.point_preconditioner, transient.FALLING
     problem = nonlinear.Problem(method.contact, method.setting.elastic, rate, line, 1.0, 1.0, *how)
     parts = _parts(problem, now.P, now.H)
     return {

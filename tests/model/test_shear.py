@@ -190,7 +190,7 @@ def test_derivatives_are_those_of_the_slow_twin(law: Fluidity) -> None:
         assert_allclose(change[:, 0], (up - down) / (2 * step), rtol=1e-5)
 
 
-@pytest.mark.parametrize("law", [EYRING, SQUALANE, LIMITED], ids=str)
+@pytest.mark.parametrize("law", [EYRING, pytest.param(SQUALANE, marks=pytest.mark.slow), LIMITED], ids=str)
 def test_derivatives_are_those_of_differences(law: Fluidity) -> None:
     """In all arguments and in the numbers of the law, in many points."""
     draw = np.random.default_rng(1)
@@ -329,7 +329,15 @@ def test_heat_is_work(name: str, s: tuple, g: tuple) -> None:
     assert heat == pytest.approx(np.sum(0.5 * w * law.fluidity(np.sqrt(square), 0.0) * square), rel=1e-3, abs=1e-12)
 
 
-@pytest.mark.parametrize("law", [EYRING, CARREAU, traceable_law(Limited(Carreau(1.0, 0.5), 0.05, 4.0))], ids=str)
+@pytest.mark.parametrize(
+    "law",
+    [
+        EYRING,
+        pytest.param(CARREAU, marks=pytest.mark.slow),
+        traceable_law(Limited(Carreau(1.0, 0.5), 0.05, 4.0)),
+    ],
+    ids=str,
+)
 def test_the_series_agrees_with_the_nodes(law: Fluidity, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stress and flux, then their changes, where the oil hardly thins: at some points the series holds."""
     draw = np.random.default_rng(5)

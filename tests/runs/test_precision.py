@@ -97,7 +97,7 @@ said = {{
 }}
 sys.stdout.write(json.dumps([said, found]))
 """
-NAMES = ["on_the_plane", "radial", "steady", "batch", "respond", "respond_in_rolling"]
+QUICK, SLOW = ("on_the_plane", "radial", "steady"), ("batch", "respond", "respond_in_rolling")
 
 
 def plain_environment() -> dict[str, str]:
@@ -114,14 +114,15 @@ def in_a_process(code: str) -> str:
 
 
 @cache
-def alone() -> tuple[dict, dict]:
+def alone(names: tuple[str, ...]) -> tuple[dict, dict]:
     """What a process of its own has changed, and what it computes, in single precision but for ertel."""
-    said, found = json.loads(in_a_process(IN_A_PROCESS.format(runs=RUNS, names=NAMES)))
+    said, found = json.loads(in_a_process(IN_A_PROCESS.format(runs=RUNS, names=names)))
     return said, found
 
 
-def test_no_setting_of_the_process_is_changed():
-    assert alone()[0] == {"jax": [], "environment": [], "filters": False, "x64": False}
+@pytest.mark.parametrize("names", [QUICK, pytest.param(SLOW, marks=pytest.mark.slow)])
+def test_no_setting_of_the_process_is_changed(names):
+    assert alone(names)[0] == {"jax": [], "environment": [], "filters": False, "x64": False}
 
 
 @cache
@@ -132,12 +133,15 @@ def here() -> dict:
     return found
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_a_run_is_that_of_double_precision(name):
+EACH = [*((name, QUICK) for name in QUICK), *(pytest.param(name, SLOW, marks=pytest.mark.slow) for name in SLOW)]
+
+
+@pytest.mark.parametrize(("name", "names"), EACH)
+def test_a_run_is_that_of_double_precision(name, names):
     """To round-off: single precision would leave 1e-7 at best."""
     with warnings.catch_warnings():
         expected = np.array(here()[name]())
-    assert np.abs(np.array(alone()[1][name]) - expected).max() < 1e-12 * np.abs(expected).max()
+    assert np.abs(np.array(alone(names)[1][name]) - expected).max() < 1e-12 * np.abs(expected).max()
 
 
 SINGLE = """

@@ -143,7 +143,8 @@ class Disc:
         h = np.diff(r)
         faces = np.pi * (r[1:] + r[:-1]) / h
         slope = derivative_weights(r[:-5:-1].tolist())
-        return cls(*jax.device_put((disc_weights(r), faces, slope)), length=float(2 * np.pi * r[-1]))
+        weights, faces, slope = jax.device_put((disc_weights(r), faces, slope))
+        return cls(weights, faces, slope, float(2 * np.pi * r[-1]))
 
     def total(self, f: Array) -> Array:
         return jnp.sum(self.weights * f)

@@ -27,7 +27,7 @@ from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
 from ertel.solvers.nonlinear import Problem
 from ertel.solvers.preconditioner import point_preconditioner
-from ertel.solvers.transient import OPTIONS, Transient2D, stacked
+from ertel.solvers.transient import FALLING, Transient2D, stacked
 
 REDUCTION, LIMIT = 1e-6, 40  # of the linear solve
 
@@ -107,7 +107,7 @@ def solve(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
 
     _, change_of_r = jax.linearize(residual, P, H, jnp.zeros_like(P))
     problem = Problem(
-        c, p.elastic, Rate(new, past), line, 1.0, 1.0, nonlinear.eliminated, point_preconditioner, OPTIONS
+        c, p.elastic, Rate(new, past), line, 1.0, 1.0, nonlinear.eliminated, point_preconditioner, FALLING
     )
     closed = nonlinear.eliminated(problem, P, 0.0)
     inverse = point_preconditioner(problem, P, H, free)

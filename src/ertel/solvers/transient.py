@@ -38,11 +38,11 @@ from ertel.solvers.preconditioner import PRECISION, point_preconditioner
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
-LARGEST_REST = 10.0  # tolerances of time, may be left over in the film of a step: more would rule the size of the steps
+# What may be left over in the film of a step, in tolerances of time: more would rule the size of the steps.
 # Krylov: 2 or 3 are needed, and each has its two fields
-OPTIONS = newton.Options(newton_limit=100, krylov_limit=6, first_reduction=0.1)
+FALLING_REST, FALLING = 20.0, newton.Options(newton_limit=100, krylov_limit=6, first_reduction=0.1)
 # with little inertia or none V is a mere difference of the films of two steps, and what a step leaves over swings up
-BALANCED = replace(OPTIONS, krylov_limit=10, first_reduction=0.01)
+ROLLING_REST, ROLLING = 10.0, replace(FALLING, krylov_limit=10, first_reduction=0.01)
 
 
 @register_dataclass
@@ -145,7 +145,8 @@ class Transient2D(Method):
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
         tolerance = case.solver.tolerance
         if not case.schedule.step:
-            tolerance = min(tolerance, LARGEST_REST * case.schedule.tolerance)
+            rest = FALLING_REST if case.starts_apart else ROLLING_REST
+            tolerance = min(tolerance, rest * case.schedule.tolerance)
         setting = Setting(
             elastic,
             Plane.of(self.grid),
@@ -214,7 +215,7 @@ class Transient2D(Method):
             self.flow(T, [*times, times[-1]][:2]),
             discretise.roughness_change(self.case, self.grid, T),
             # also where a ball that rolls has inertia: of a light one Delta is a small difference of large numbers
-            *((nonlinear.eliminated, OPTIONS) if self.case.starts_apart else (nonlinear.bordered, BALANCED)),
+            *((nonlinear.eliminated, FALLING) if self.case.starts_apart else (nonlinear.bordered, ROLLING)),
         )
         numbers = np.asarray(solution.numbers).tolist()
         found = dict(zip(NUMBERS, numbers, strict=False))
