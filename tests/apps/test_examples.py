@@ -14,7 +14,7 @@ from ertel.inputs.studies import load_study
 from ertel.model import discretise
 from ertel.model.sections import METHODS
 from ertel.results.diagnostics import case_warnings
-from ertel.results.summary import films
+from ertel.results.parameters import films
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -3,7 +3,7 @@
 import pytest
 
 from ertel.inputs.case_files import parse_case
-from ertel.results import summary, variables
+from ertel.results import parameters, variables
 from ertel.results.summary import si_summary
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
@@ -40,7 +40,7 @@ def test_films_of_another_load_and_speed():
     other = {"load": f"{2 * 3.888524!r} N", "mean_speed": f"{3 * 0.502636!r} m/s"}
     b = parse_case({"contact": ROLLING | other, "lubricant": ROLLING_OIL})
     assert a.scales is not None and b.scales is not None
-    for one, two in zip(summary.films(a, 2.0, -3.0), summary.films(b), strict=True):
+    for one, two in zip(parameters.films(a, 2.0, -3.0), parameters.films(b), strict=True):
         for p, q in ((one.central, two.central), (one.minimum, two.minimum)):
             assert (p is None and q is None) or p * a.scales.film == pytest.approx(q * b.scales.film)
-    assert summary.films(a, 1.0, 0.0) == []
+    assert parameters.films(a, 1.0, 0.0) == []

@@ -81,6 +81,7 @@ def test_the_direction_of_rolling_does_not_matter():
     assert_allclose(np.asarray(backwards.H)[:, ::-1], film(ReeEyring(2e6), 0.5).finest.H, rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_steady_film_stays_as_it_is():
     case = rolled(ReeEyring(2e6), 1.0, method="transient", until=1.0)
     method = Transient2D(case)

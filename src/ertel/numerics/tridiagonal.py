@@ -7,7 +7,7 @@ are not exchanged, so the diagonal must not be small compared with the rest of i
 Source: Hockney RW. A fast direct solution of Poisson's equation using Fourier analysis. J ACM 1965;12:95.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jax
@@ -84,3 +84,20 @@ def _before(odd: Array) -> Array:
 
 def _after(odd: Array) -> Array:
     return jnp.pad(odd, ((0, 0), (0, 1)))
+
+
+def diagonals(change: Callable[[Array], Array], n: int) -> Array:
+    """The three diagonals (3, n) of a linear map whose matrix has no others: entries (i, i - 1), (i, i) and (i, i + 1).
+
+    Every third column is looked at together.
+    """
+    i, shift = jnp.arange(n), jnp.arange(-1, 2)[:, None]
+    answers = jax.vmap(change)(jnp.where(i % 3 == jnp.arange(3)[:, None], 1.0, 0.0))
+    found: Array = answers[(i + shift) % 3, i]
+    return found
+
+
+def times(diagonals: Array, matrix: Array) -> Array:
+    """The matrix of three diagonals times another one."""
+    lower, middle, upper = diagonals[:, :, None]
+    return lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)

@@ -8,7 +8,7 @@ symbols are those of `contact`.
     H = -Delta + r^2/2 + (2/pi^2) double integral of P/distance                                     eqs. (1), (3)
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -34,6 +34,7 @@ from ertel.numerics.integrals import Disc, disc_weights
 from ertel.numerics.precision import require_double
 from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.stencils import Pair
+from ertel.numerics.tridiagonal import diagonals, times
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
@@ -192,22 +193,6 @@ def newton_change(eq: Equations, P: Array, H: Array) -> Array:
     jacobian = times(by_P, identity) + times(by_H, eq.stiffness)
     holds = free(P, r)
     return jnp.linalg.solve(jnp.where(holds[:, None], jacobian, identity), -jnp.where(holds, r, P.at[-1].set(0.0)))
-
-
-def diagonals(change: Callable[[Array], Array], n: int) -> Array:
-    """The three diagonals (3, n) of a linear map whose matrix has no others: entries (i, i - 1), (i, i) and (i, i + 1).
-
-    Every third column is looked at together.
-    """
-    i, shift = jnp.arange(n), jnp.arange(-1, 2)[:, None]
-    answers = jax.vmap(change)(jnp.where(i % 3 == jnp.arange(3)[:, None], 1.0, 0.0))
-    return answers[(i + shift) % 3, i]
-
-
-def times(diagonals: Array, matrix: Array) -> Array:
-    """The matrix of three diagonals times another one."""
-    lower, middle, upper = diagonals[:, :, None]
-    return lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)
 
 
 @jax.jit
