@@ -16,7 +16,7 @@ from ertel.runs.progress import watch
 
 ROLLING = '[contact]\nkind = "rolling"\nM = 100\nL = 5\n[solver]\nnodes = 17\n'
 IMPACT = (
-    '[contact]\nM = 200\nL = 10\n[solver]\nmethod = "2d"\nnodes = 33\n[time]\ntolerance = 0.01\nuntil = "rebound"\n'
+    '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "2d"\nnodes = 17\n[time]\ntolerance = 0.01\nuntil = "max-approach"\n'
 )
 RUN = """
 import json, sys
@@ -53,7 +53,7 @@ def test_a_run_after_the_warm_up_compiles_nothing_and_traces_no_solver(tmp_path)
     assert "cache_misses" not in events
     assert [event for event in events if event.startswith("backend_compile") and "solve" in event] == []
     optimised = ertel.open(tmp_path / "impact.toml.run").summary["max_approach"]
-    plain = ertel.simulate(ertel.load_case(tmp_path / "impact.toml", ["time.until=max-approach"]))
+    plain = ertel.simulate(ertel.load_case(tmp_path / "impact.toml"))
     assert plain.summary["max_approach"] == pytest.approx(optimised, rel=1e-8)
 
 

@@ -100,4 +100,5 @@ def diagonals(change: Callable[[Array], Array], n: int) -> Array:
 def times(diagonals: Array, matrix: Array) -> Array:
     """The matrix of three diagonals times another one."""
     lower, middle, upper = diagonals[:, :, None]
-    return lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)
+    product: Array = lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)
+    return product
