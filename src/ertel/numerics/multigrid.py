@@ -15,7 +15,7 @@ Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 200
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 from typing import NamedTuple, Protocol
 
 import jax
@@ -226,6 +226,7 @@ def in_precision(precision: DTypeLike, values: Array | complex) -> DTypeLike:
     return jnp.promote_types(precision, "complex64") if jnp.iscomplexobj(values) else precision
 
 
+@cache
 def v_cycle_convolutions(grid: Grid) -> float:
     """The work of a V-cycle in convolutions; each counts as the nodes of its grid over those of the finest grid."""
     return sum(2.0 * g.size / grid.size for g in grid.hierarchy()[1:])
