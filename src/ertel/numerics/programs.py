@@ -31,9 +31,8 @@ from ertel.numerics.precision import require_double
 # programs are equally fast (measured on 65 to 513 nodes per side).  Level 0: a fifth to compile, two to three times
 # as long to run.
 LEVEL, LEVEL_OF_SMALL = 1, 0
-ANY_SIZE = (
-    2**62
-)  # of a program that is optimised on no grid: it runs once or twice, and compiles in a fifth of the time
+# of a program that is optimised on no grid: it runs once or twice, and compiles in a fifth of the time
+ANY_SIZE = 2**62
 HURRIED = 2 * 513 * 513  # entries of the largest array, up to which a film is solved sooner than its program optimised
 OPTIONS = {"xla_cpu_use_fusion_emitters": False}
 KNOWN = ("ertel", "jax", "jaxlib", "numpy", "functools", "builtins")  # the stamp covers the code of these packages
