@@ -95,13 +95,59 @@ def test_the_discrete_solution_is_the_references(key, nodes) -> None:
         assert [found[n][name] for name in NAMES] == pytest.approx(values, rel=1e-4), n
 
 
-@pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="H_min is 0.0238028 from any start: 1.02e-4 off; who is right is not settled")
-def test_the_one_grid_that_misses_the_reference() -> None:
-    """The reference's row of barus (100, 0) on 65 nodes, at the same four digits."""
-    found = {s.grid.nodes: s.measure() for s in rolling(("barus", 100, 0), 129).solutions}
-    values = (0.94484499, 0.0342022, 0.02380523, 0.982435)
-    assert [found[65][name] for name in NAMES] == pytest.approx(values, rel=1e-4)
+def dense_film(M: float, n: int) -> tuple[np.ndarray, np.ndarray, float]:
+    """P, H and Delta of an isoviscous oil on n x n nodes, those with Y >= 0: the reference's discretisation once more.
+
+    Nothing of ertel is used: Newton's iteration with NumPy's dense matrices, to a residual of 1e-12.  u holds P inside
+    the edge, Delta and, always one, the factor of the gap, so that H and P at all nodes are matrices times u.
+    """
+    h, lambda_bar = 6 / (n - 1), (128 * np.pi**3 / (3 * M**4)) ** (1 / 3)
+    i, j = np.divmod(np.arange((n // 2 + 1) * n), n)
+    X, Y = -4.5 + h * j, h * i
+    a, b = h * (np.arange(n + 1) - 0.5), h * (np.arange(n + 1)[:, None] - 0.5)  # the corners of a cell, from a node
+    love = np.diff(np.diff(a * np.arcsinh(b / abs(a)) + b * np.arcsinh(a / abs(b))), axis=0) * 2 / np.pi**2
+    along = abs(j - j[:, None])
+    deformation = love[abs(i - i[:, None]), along] + np.where(i > 0, love[i + i[:, None], along], 0.0)
+    k = np.flatnonzero((j > 0) & (j < n - 1) & (i < n // 2))
+    around = k - 1, k + 1, k + n, np.where(i[k] > 0, k - n, k + n)
+    gap = (X**2 + Y**2) / 2
+    film = np.column_stack([deformation[:, k], -np.ones(i.size), gap])
+    pressure = np.zeros_like(film)
+    pressure[k, range(k.size)] = 1.0
+    second = np.where(j[k] > 1, 0.5, 0.0)[:, None]  # the first node has but one upstream
+    wedge = (film[k] - film[k - 1] + second * (film[k] - 2 * film[k - 1] + film[k - 2])) / h
+    load = np.append(h**2 * np.where(i[k] > 0, 2.0, 1.0), [0.0, 0.0])
+    u = np.append(np.sqrt(np.maximum(1 - 2 * gap[k], 0.0)), [0.9, 1.0])  # Hertz' pressure, and a gap
+    for _ in range(20):
+        H, P = film @ u, pressure @ u
+        eps, rise = H**3 / lambda_bar, 3 * H**2 / lambda_bar
+        residual, jacobian = wedge @ u, wedge.copy()
+        for q in around:
+            mean, slope = (eps[q] + eps[k]) / (2 * h**2), (P[q] - P[k]) / (2 * h**2)
+            residual -= mean * (P[q] - P[k])
+            jacobian -= mean[:, None] * (pressure[q] - pressure[k])
+            jacobian -= (slope * rise[q])[:, None] * film[q] + (slope * rise[k])[:, None] * film[k]
+        free = np.append((P[k] > 0) | (residual < 0), True)
+        left = np.append(residual, load @ u - 2 * np.pi / 3)[free]
+        if abs(left).max() < 1e-12:
+            return P.reshape(-1, n), H.reshape(-1, n), u[-2]
+        u[:-1][free] -= np.linalg.solve(np.vstack([jacobian, load])[free, :-1][:, free], left)
+        u[:-2] = np.maximum(u[:-2], 0.0)
+    raise AssertionError(f"not solved: {abs(left).max()}")
+
+
+@pytest.mark.parametrize(("M", "nodes"), [(30, 33), pytest.param(100, 65, marks=pytest.mark.slow)])
+def test_a_dense_newton_iteration_finds_the_same_film(M: float, nodes: int) -> None:
+    """At every node.  The second is a row of the reference that is not exact, and so not among `GRIDS`.
+
+    Its H_min, 0.02380523, is 1.02e-4 (relative) above the 0.02380280 that both programs find.  A residual of 6e-5 left
+    at the thinnest film would move H_min as far.  Its Delta, H_c and P_c agree to 1e-5, its row of 129 nodes to 3e-7.
+    """
+    s = rolling(("barus", M, 0), nodes).finest
+    P, H, approach = dense_film(M, nodes)
+    np.testing.assert_allclose(np.asarray(s.P), P, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(np.asarray(s.H), H, rtol=0, atol=1e-8)
+    assert s.approach == pytest.approx(approach, abs=1e-8)
 
 
 @every_case
@@ -262,12 +308,9 @@ def test_the_preconditioner_loses_nothing_in_single_precision(key, nodes) -> Non
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("M", "L", "bound"),
-    [(20, 10, 60), pytest.param(300, 20, 85, marks=pytest.mark.xfail(strict=True, reason="86; 71 when it was set"))],
-)
+@pytest.mark.parametrize(("M", "L", "bound"), [(20, 10, 49), (300, 20, 77)])
 def test_the_sharpest_spikes_converge_on_a_fine_grid(M: float, L: float, bound: int) -> None:
-    """Barus on 513 nodes a side; Krylov iterations there: 45 and 86."""
+    """Barus on 513 nodes a side; Krylov iterations there: 44 and 70, and a tenth more is allowed."""
     assert solved_to(1e-6, M, 513, L, "barus").finest.krylov <= bound
 
 
