@@ -31,7 +31,7 @@ QUICK_TO_COMPILE = (
 
 MOST_MEMORY = 1.2e9  # bytes at the end of a test file from which on compiled programs are forgotten
 
-settings.register_profile("ertel", deadline=None, derandomize=True, max_examples=30)
+settings.register_profile("ertel", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ertel")
 
 

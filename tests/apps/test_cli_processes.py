@@ -85,9 +85,9 @@ def test_a_terminal_without_greek_letters(here):
 def test_figures_for_nobody(here):
     ertel_("run", "ball.toml", "-q", "--out", "a")
     with deaf() as stdout:
-        ended = done([sys.executable, "-u", "-m", "ertel", "plot", "a", "--what", "history"], stdout=stdout)
+        ended = done([sys.executable, "-u", "-m", "ertel", "plot", "a"], stdout=stdout)
     assert (ended.returncode, ended.stderr) == (0, "")
-    assert names(here / "a" / "plots") == {"history.png"}
+    assert names(here / "a" / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png", "friction.png"}
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no directory in which even root cannot write")
@@ -95,9 +95,10 @@ def test_a_cache_that_cannot_be_written(here):
     """As for a home directory that may only be read; the programs are compiled in silence."""
     code = "\n".join(
         [
-            "from ertel.apps import faults, running",
+            "from ertel.apps import faults",
+            "from ertel.runs import compiling",
             "with faults.warnings_said():",
-            "    running.prepare()",
+            "    compiling.prepare()",
             "    import jax",
             "    print(jax.jit(lambda x: x + 1)(1))",
         ]

@@ -87,10 +87,10 @@ def test_the_version_is_known_without_jax():
 # -- the cache --------------------------------------------------------------------------------------------------------
 
 COMMAND = """
-from ertel.apps import running
+from ertel.runs import compiling
 from ertel.apps.faults import warnings_said
 with warnings_said():
-    running.prepare()
+    compiling.prepare()
     import jax
     hits = []
     jax.monitoring.register_event_listener(

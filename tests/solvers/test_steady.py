@@ -269,7 +269,8 @@ def test_the_work_to_a_residual_of_a_millionth(M: float, nodes: int) -> None:
 @pytest.mark.parametrize("M", [20, 200, 1000])
 def test_the_work_to_what_the_grid_is_worth(M: float, nodes: int) -> None:
     """In convolutions on the finest grid, all grids together: 26, 25 and 26 on 129 nodes, 31, 30 and 26 on 257."""
-    assert solved_to(steady.AS_EXACT_AS_THE_GRID, M, nodes).convolutions <= (29 if nodes == 129 else 34)
+    most = 28 if nodes == 129 else {20: 34, 200: 33, 1000: 28}[M]
+    assert solved_to(steady.AS_EXACT_AS_THE_GRID, M, nodes).convolutions <= most
 
 
 @pytest.mark.parametrize("nodes", ON_129_AND_257)
@@ -293,6 +294,7 @@ def test_every_load_and_lubricant_converges(fluid: str, M: float) -> None:
 
 SHARP = [
     (("barus", 3000, 20), 33),
+    pytest.param(("barus", 3000, 20), 65, marks=pytest.mark.slow),
     *(pytest.param(key, 129, marks=pytest.mark.slow) for key in (("barus", 3000, 20), ("roelands", 1000, 10))),
 ]
 
@@ -321,15 +323,14 @@ def test_the_krylov_iterations_do_not_grow_with_the_grid() -> None:
 
 
 @pytest.mark.slow
-def test_the_krylov_iterations_do_not_grow_on_fine_grids() -> None:
-    """M = 1000, to 1e-6, from 65 nodes a side to 1025: 23, 19, 19, 22, 26; on 2049 it is 30.
-
-    The aim is 1.3 times the count on 257 nodes on every finer grid; on 1025 it is 1.37.
-    """
-    *_, second, third, fourth, fifth, finest = (s.krylov for s in solved_to(1e-6, 1000, 1025).solutions)
-    assert 0.7 * fourth <= min(second, third) <= max(second, third) <= 1.3 * fourth
-    assert fifth <= 1.3 * fourth
-    assert finest <= 1.4 * fourth
+@pytest.mark.parametrize(
+    "nodes", [513, pytest.param(1025, marks=pytest.mark.xfail(strict=True, reason="26, 1.37 times the 19 on 257"))]
+)
+def test_the_krylov_iterations_do_not_grow_on_fine_grids(nodes: int) -> None:
+    """M = 1000, to 1e-6, from 65 nodes a side to 1025: 23, 19, 19, 22, 26; on 2049 it is 30."""
+    found = {s.grid.nodes: s.krylov for s in solved_to(1e-6, 1000, nodes).solutions}
+    assert 0.7 * found[257] <= min(found[65], found[129]) <= max(found[65], found[129]) <= 1.3 * found[257]
+    assert found[nodes] <= 1.3 * found[257]
 
 
 def test_the_isoviscous_film_grows_with_the_speed_to_three_fifths() -> None:

@@ -53,11 +53,11 @@ def paper(
 
 def _make_page(names: list[str], quick: bool, out: Path, engine: "Engine", quiet: bool) -> tuple[Path, dict[str, str]]:
     """Run what is missing and write the page: its path, and why figures are missing."""
-    from ertel.apps import running
     from ertel.apps.boundary_layers import figures
+    from ertel.runs import compiling
     from ertel.runs.progress import bars
 
-    running.prepare()  # or no run can begin
+    compiling.prepare()  # or no run can begin
     runs, done, seconds = figures.expected(names, quick, out, engine.processes)
     if not quiet:
         output.say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")

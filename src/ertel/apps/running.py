@@ -14,7 +14,6 @@ from ertel.apps.paths import in_shell, shown
 from ertel.model.case import Case
 from ertel.model.status import Status
 from ertel.runs import beforehand, compiling, memory, store
-from ertel.runs.compiling import prepare as prepare
 from ertel.runs.courses import Course, course_of
 from ertel.runs.drive import Gathering, drive
 from ertel.runs.progress import bars, watch
@@ -36,7 +35,7 @@ class Wishes:
 
 
 def run(case: Case, directory: Path | None, wishes: Wishes) -> None:
-    """Run a case in a new directory: that one, or runs/NAME; `prepare` comes first."""
+    """Run a case in a new directory: that one, or runs/NAME; `compiling.prepare` comes first."""
     if not wishes.quiet:
         say_before([case])
     with within_memory(case):
@@ -52,7 +51,7 @@ def resume(directory: Path, wishes: Wishes) -> None:
         if done and (not wishes.error or done.get("error_estimate")):
             report(found, done, wishes)
             return
-        prepare()
+        compiling.prepare()
         with within_memory(found.case):
             _finish(found, _compared(found.course, wishes), wishes)
 
@@ -79,7 +78,7 @@ def warm_up_all(cases: Sequence[Case]) -> None:
     """Compile ahead for all cases, with a line for each on stderr."""
     if compiling.cache_directory() is None:
         leave(BAD_INPUT, "compiled programs cannot be kept without a home directory; set XDG_CACHE_HOME to a directory")
-    directory = prepare()
+    directory = compiling.prepare()
     if directory is None:
         leave(BAD_INPUT, f"compiled programs cannot be kept in {compiling.cache_directory()}")
     for number, case in enumerate(cases, start=1):

@@ -4,13 +4,14 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from ertel.apps import output, running, tables
+from ertel.apps import output, tables
 from ertel.apps.exits import ASKED, FAILED, bad_input, leave, reason_of
 from ertel.apps.interrupts import interruptible
 from ertel.apps.paths import in_shell, shown
 from ertel.inputs.studies import Study
 from ertel.model.status import Status
 from ertel.results.study_result import StudyResult
+from ertel.runs import compiling
 from ertel.runs.progress import bars
 from ertel.runs.studies import EVERY, Part, alone, gather, left_of, run_study, write
 from ertel.runs.sweep import Engine as Engine
@@ -32,7 +33,7 @@ def part_of(text: str | None) -> Part:
 
 def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bool, quiet: bool) -> None:
     """Do what is left of a study, write and print what all its runs say."""
-    running.prepare()
+    compiling.prepare()
     left = left_of(study, directory, part)
     if not quiet:
         output.say(f"{len(study.cases)} runs, {len(left)} of them to do{_in_part(part)}")

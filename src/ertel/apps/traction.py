@@ -11,6 +11,7 @@ from ertel.apps.paths import shown
 from ertel.model.case import Case
 from ertel.model.estimates import newtonian_stress
 from ertel.results.traction_curve import TractionCurve
+from ertel.runs import compiling
 from ertel.runs.curves import Curve, curve_of
 from ertel.runs.files import StoreError
 from ertel.runs.progress import bars
@@ -28,7 +29,7 @@ def traction(
         curve = curve_of(case, given, film)
     if not quiet:
         running.say_before([max(curve.cases, key=newtonian_stress)])
-    running.prepare()
+    compiling.prepare()
     with running.within_memory(case), interruptible() as stop:
         store = _store(curve, directory)
         try:

@@ -38,10 +38,10 @@ from ertel.solvers.preconditioner import PRECISION, point_preconditioner
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
 LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
-# What may be left over in the film of a step, in tolerances of time: more would rule the size of the steps.
-# Krylov: 2 or 3 are needed, and each has its two fields
+# REST: what may be left over in the film of a step, in tolerances of time; more would rule the size of the steps.
+# A step needs 2 or 3 Krylov iterations, and each has its two fields
 FALLING_REST, FALLING = 20.0, newton.Options(newton_limit=100, krylov_limit=6, first_reduction=0.1)
-# with little inertia or none V is a mere difference of the films of two steps, and what a step leaves over swings up
+# With little inertia or none V is a mere difference of the films of two steps, and what a step leaves over swings up
 ROLLING_REST, ROLLING = 10.0, replace(FALLING, krylov_limit=10, first_reduction=0.01)
 
 
@@ -206,6 +206,8 @@ class Transient2D(Method):
         around, sliding = self.outside.at(self.motion(levels, T)), self.case.motion.sliding(T)
         ahead = float(predict @ approaches)
         known = Known(bdf.three(predict), bdf.three(rates), line, ahead, sliding, around.load, around.uplift)
+        # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
+        falls = self.case.starts_apart and line.approach_weight
         solution: StepSolution = yield StepProblem(
             self.setting,
             self.contact_at(T),
@@ -214,8 +216,7 @@ class Transient2D(Method):
             around.edge,
             self.flow(T, [*times, times[-1]][:2]),
             discretise.roughness_change(self.case, self.grid, T),
-            # also where a ball that rolls has inertia: of a light one Delta is a small difference of large numbers
-            *((nonlinear.eliminated, FALLING) if self.case.starts_apart else (nonlinear.bordered, ROLLING)),
+            *((nonlinear.eliminated, FALLING) if falls else (nonlinear.bordered, ROLLING)),
         )
         numbers = np.asarray(solution.numbers).tolist()
         found = dict(zip(NUMBERS, numbers, strict=False))
