@@ -9,13 +9,14 @@ from typing import Annotated, Any, ClassVar
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import course_with, impact, steps_of
+from cases import course_with, impact, march, steps_of
 
-from ertel.model.approach import PrescribedApproach
+from ertel.model.approach import NewtonsLaw, PrescribedApproach
 from ertel.model.case import Case
 from ertel.model.state import Method, State, Stepping
 from ertel.model.status import Status
 from ertel.physics.lubricant import Oil
+from ertel.physics.motion import constant
 from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.units import COMPLIANCE
 from ertel.results import summary
@@ -193,6 +194,13 @@ def test_a_rig_may_prescribe_the_approach(method: type[Transient2D] | type[Radia
     H_c = float(data.H_c[-1])
     assert H_c > 0.1
     assert 0.5**1.5 < float(data.F[-1]) < (0.5 + H_c) ** 1.5
+
+
+def test_a_rig_may_press_with_a_given_load() -> None:
+    """A law in which Delta has no weight, for bodies that start apart."""
+    method = Transient2D(impact(20, 5, 33, time={"start_approach": -0.3}), NewtonsLaw(0.0, constant(0.3)))
+    for level in march(method, 0.1, 2)[:2]:
+        assert method.measure(level)["F"] == pytest.approx(0.3, rel=1e-5)
 
 
 def test_the_summary_has_the_promised_keys() -> None:
