@@ -54,7 +54,7 @@ def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
 
     import jax.numpy as jnp
 
-    from ertel.model import contact
+    from ertel.equations import contact
     from ertel.numerics import multigrid
     from ertel.runs.courses import course_of
     from ertel.runs.drive import drive

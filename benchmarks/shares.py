@@ -99,7 +99,7 @@ def measure_outside(nodes: int) -> tuple[float, float]:
     """Processor time of a step in the loop of a run, and of the solve alone: medians, taken in turns."""
     import jax
 
-    from ertel.model.state import solved
+    from ertel.equations.state import solved
     from ertel.numerics.programs import Program
     from ertel.solvers import transient
 
@@ -128,7 +128,7 @@ def measure_outside(nodes: int) -> tuple[float, float]:
 
 def _run_of_steps(nodes: int) -> tuple[Any, Any]:
     """A course of fixed steps of an impact, and its item in the middle of the impact."""
-    from ertel.model.status import Status
+    from ertel.case.status import Status
     from ertel.runs.courses import ImpactCourse
     from ertel.runs.stepping import RunState, Step
     from ertel.solvers.transient import Transient2D
@@ -144,10 +144,10 @@ def measure_impact(nodes: int) -> dict[str, float]:
     """Seconds of a step, of its parts, and of a flush."""
     import jax
 
-    from ertel.model.approach import balanced
-    from ertel.model.flow import Rate
-    from ertel.model.state import solved
-    from ertel.model.status import Status
+    from ertel.case.status import Status
+    from ertel.equations.approach import balanced
+    from ertel.equations.flow import Rate
+    from ertel.equations.state import solved
     from ertel.runs.courses import ImpactCourse
     from ertel.runs.stepping import RunState, Step
     from ertel.solvers import nonlinear, preconditioner, transient
@@ -212,9 +212,9 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     """Seconds of the solution on the finest grid, of its parts, of the coarser grids, and of a flush."""
     import jax
 
-    from ertel.model import discretise
-    from ertel.model.approach import balanced
-    from ertel.model.flow import steady_rate
+    from ertel.equations import discretise
+    from ertel.equations.approach import balanced
+    from ertel.equations.flow import steady_rate
     from ertel.numerics import multigrid
     from ertel.physics.geometry import COMPLIANCE
     from ertel.solvers import nonlinear, preconditioner, steady
@@ -274,7 +274,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
     import jax
     import jax.numpy as jnp
 
-    from ertel.model import contact
+    from ertel.equations import contact
     from ertel.numerics import halfspace, krylov, multigrid, stencils
 
     call = seconds(jax.jit(lambda x: x + 1), 0.0)  # which parts in one program do not need

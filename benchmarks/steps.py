@@ -29,7 +29,7 @@ def measure(nodes: int) -> dict[str, float]:
     """All figures of one grid but the cached compile time."""
     import jax
 
-    from ertel.model import contact
+    from ertel.equations import contact
     from ertel.solvers.transient import Transient2D
 
     keep_compiled()

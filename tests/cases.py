@@ -10,11 +10,11 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from ertel.apps.cli import app
+from ertel.case.case import Case
+from ertel.case.conditions import Conditions
+from ertel.case.sections import SOLVERS, Drive, Solver, Time
+from ertel.equations.state import Method, State
 from ertel.inputs.case_files import parse_case
-from ertel.model.case import Case
-from ertel.model.conditions import Conditions
-from ertel.model.sections import SOLVERS, Drive, Solver, Time
-from ertel.model.state import Method, State
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature

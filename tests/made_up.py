@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
+from ertel.case.case import Case
+from ertel.case.sections import SOLVERS
+from ertel.case.status import Status
+from ertel.equations.discretise import grid_of
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import Oil, rolling
-from ertel.model.case import Case
-from ertel.model.discretise import grid_of
-from ertel.model.sections import SOLVERS
-from ertel.model.status import Status
 from ertel.numerics.grid import Grid
 from ertel.physics import hertz
 from ertel.results import variables

@@ -12,6 +12,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ertel import optics as optics
+    from ertel import plots as plots
+    from ertel.case.case import Case as Case
+    from ertel.case.sections import Output as Output
+    from ertel.case.sections import Solver as Solver
+    from ertel.case.sections import Time as Time
+    from ertel.case.status import Status as Status
     from ertel.inputs import materials as materials
     from ertel.inputs import oils as oils
     from ertel.inputs.case_files import ConfigError as ConfigError
@@ -22,15 +29,9 @@ if TYPE_CHECKING:
     from ertel.inputs.python import impact as impact
     from ertel.inputs.python import quantity as quantity
     from ertel.inputs.python import rolling as rolling
-    from ertel.model.case import Case as Case
-    from ertel.model.sections import Output as Output
-    from ertel.model.sections import Solver as Solver
-    from ertel.model.sections import Time as Time
-    from ertel.model.status import Status as Status
     from ertel.physics import amplitude_reduction as amplitude_reduction
     from ertel.physics import film_formulas as formulas
     from ertel.physics import hertz as hertz
-    from ertel.physics import optics as optics
     from ertel.physics import units as units
     from ertel.physics.lubricant import Lubricant as Lubricant
     from ertel.physics.motion import Motion as Motion
@@ -48,7 +49,6 @@ if TYPE_CHECKING:
     from ertel.physics.surfaces import Waviness as Waviness
     from ertel.results import accessor as accessor
     from ertel.results import fronts as fronts
-    from ertel.results import plots as plots
     from ertel.results import waves as waves
     from ertel.results.result import Result as Result
     from ertel.results.study_result import StudyResult as StudyResult
@@ -77,11 +77,11 @@ _HOMES = {  # name: module, or module:name there
     "impact": "inputs.python",
     "quantity": "inputs.python",
     "rolling": "inputs.python",
-    "Case": "model.case",
-    "Output": "model.sections",
-    "Solver": "model.sections",
-    "Time": "model.sections",
-    "Status": "model.status",
+    "Case": "case.case",
+    "Output": "case.sections",
+    "Solver": "case.sections",
+    "Time": "case.sections",
+    "Status": "case.status",
     "Lubricant": "physics.lubricant",
     "Motion": "physics.motion",
     "density_laws": "physics.registry:DENSITY_LAWS",
@@ -117,15 +117,15 @@ _MODULES = {
     "hertz": "physics.hertz",
     "materials": "inputs.materials",
     "oils": "inputs.oils",
-    "optics": "physics.optics",
+    "optics": "optics",
     "units": "physics.units",
     "accessor": "results.accessor",
     "fronts": "results.fronts",
-    "plots": "results.plots",
+    "plots": "plots",
     "waves": "results.waves",
     "tasks": "runs.tasks",
 }
-_ROOMS = ("physics", "numerics", "model", "inputs", "results", "solvers", "runs", "apps")
+_ROOMS = ("physics", "numerics", "case", "equations", "inputs", "results", "plots", "solvers", "runs", "apps")
 __all__ = ["__version__", *_HOMES, *_MODULES]
 
 

@@ -159,7 +159,7 @@ PUBLIC = {  # what it may import of ertel
     "ertel.results",
     "ertel.results.fronts",
     "ertel.results.waves",
-    "ertel.results.plots.drawing",
+    "ertel.plots.drawing",
     "ertel.runs.response",
     "ertel.runs.tasks",
     "ertel.runs.workers",

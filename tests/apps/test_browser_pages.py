@@ -18,7 +18,7 @@ from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.pictures import Artist
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.site import Site, address_of
-from ertel.model.rules import plain_name
+from ertel.case.rules import plain_name
 from ertel.runs.directories import CASE
 
 pytestmark = [

@@ -13,8 +13,8 @@ from cases import LEFT, SMALL_IMPACT, ertel_, names
 from matplotlib.figure import Figure
 
 import ertel
+from ertel import plots
 from ertel.apps import about, running
-from ertel.results import plots
 from ertel.runs import compiling, stop_file, store
 from ertel.runs.store import RunStore
 

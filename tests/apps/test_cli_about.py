@@ -10,10 +10,10 @@ from cases import ertel_, names
 from typer.testing import CliRunner
 
 import ertel
+from ertel import plots
 from ertel.apps import completion
 from ertel.apps.cli import app
 from ertel.inputs.case_files import load_case
-from ertel.results import plots
 from ertel.runs import drive, progress_file, store
 from ertel.runs.courses import course_of
 from ertel.runs.progress_file import PROGRESS, ProgressFile

@@ -9,11 +9,11 @@ import jsonschema
 import pytest
 from cases import ertel_, names
 
+from ertel.case.sections import SOLVERS
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.inputs.json_schema import json_schema
 from ertel.inputs.keys import places
 from ertel.inputs.templates import SCHEMA_FILE, template
-from ertel.model.sections import SOLVERS
 from ertel.runs import duration
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -10,7 +10,7 @@ from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, dry_impact, steady
 from PIL import Image
 
 from ertel.apps import running
-from ertel.results.plots import interferograms as page
+from ertel.plots import interferograms as page
 
 
 @pytest.fixture

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import ertel
+from ertel.case.sections import METHODS
+from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
 from ertel.inputs.studies import load_study
-from ertel.model import discretise
-from ertel.model.sections import METHODS
 from ertel.results.diagnostics import case_warnings
 from ertel.results.parameters import films
 

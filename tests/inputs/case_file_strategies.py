@@ -18,14 +18,14 @@ import numpy as np
 import tomli_w
 from hypothesis import strategies as st
 
+from ertel.case.conditions import BARS, KINDS, MOES, NEEDED, OPTIONAL, Conditions
+from ertel.case.records import law_fields
+from ertel.case.sections import METHODS, STOPS, Drive, Output, Solver, Time
+from ertel.case.thermal import Thermal
 from ertel.inputs.case_files import ConfigError, load_case, parse_case, to_toml
 from ertel.inputs.library import material_names, oil_names
 from ertel.inputs.named import DataSheet, Materials, MeasuredFile, NamedLubricant
 from ertel.inputs.schema import case_file, keys_of
-from ertel.model.conditions import BARS, KINDS, MOES, NEEDED, OPTIONAL, Conditions
-from ertel.model.records import law_fields
-from ertel.model.sections import METHODS, STOPS, Drive, Output, Solver, Time
-from ertel.model.thermal import Thermal
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS

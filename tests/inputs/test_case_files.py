@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ertel.case.case import Case
+from ertel.case.records import show
+from ertel.case.sections import Output, Solver, Time
 from ertel.inputs.case_files import ConfigError, apply_overrides, load_case, parse_case, to_toml
-from ertel.model.case import Case
-from ertel.model.records import show
-from ertel.model.sections import Output, Solver, Time
 from ertel.physics import lubricant, scales
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

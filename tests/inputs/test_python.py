@@ -8,10 +8,10 @@ import pint
 import pytest
 
 import ertel
+from ertel.case.conditions import FOREIGN, Conditions
+from ertel.case.sections import Output, Solver, Time
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.inputs.messages import NOT_THERE
-from ertel.model.conditions import FOREIGN, Conditions
-from ertel.model.sections import Output, Solver, Time
 from ertel.physics.lubricant import Roelands
 from ertel.physics.units import Quantity
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ertel.case.case import Case
+from ertel.case.sections import ROLLING_UNTIL, SOLVERS, Time
 from ertel.inputs.case_files import ConfigError, apply_overrides, parse_case, to_toml
-from ertel.model.case import Case
-from ertel.model.sections import ROLLING_UNTIL, SOLVERS, Time
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
 from ertel.physics.registry import DENSITY_LAWS
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from ertel.case.sections import SOLVERS
 from ertel.inputs import keys, oils
 from ertel.inputs.library import parse_temperature
 from ertel.inputs.named import DataSheet
 from ertel.inputs.quantities import parse_quantity
 from ertel.inputs.schema import SECTIONS, case_file, keys_of
-from ertel.model.sections import SOLVERS
 from ertel.physics.lubricant import DENSITY_PRESSURE, P0_ROELANDS
 from ertel.physics.units import STRESS, TEMPERATURE, Unit, marks, meanings
 

@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
+from ertel.case.case import Case
 from ertel.inputs import oils
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.inputs.python import Oil, impact, rolling
-from ertel.model.case import Case
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
 from ertel.runs.batch import check_alike
 

@@ -6,10 +6,10 @@ import pytest
 from cases import OIL, free_ball, rolled, steady_solver
 from numpy.testing import assert_allclose
 
-from ertel.model import contact, discretise
-from ertel.model.flow import Rate
-from ertel.model.sections import Solver, Time
-from ertel.model.state import State
+from ertel.case.sections import Solver, Time
+from ertel.equations import contact, discretise
+from ertel.equations.flow import Rate
+from ertel.equations.state import State
 from ertel.numerics import halfspace
 from ertel.numerics.grid import WHOLE, Even, Grid
 from ertel.numerics.symmetry import extended, folded, total, unfolded

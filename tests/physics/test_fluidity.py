@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ertel.model.pytrees import traceable_law
-from ertel.model.shear import shear
+from ertel.equations.pytrees import traceable_law
+from ertel.equations.shear import shear
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.units import STRESS, marks

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ertel.case.height_map import HeightMap, array_in
 from ertel.physics.band_limit import kept_share, smooth_step
-from ertel.physics.height_map import HeightMap, array_in
 from ertel.physics.measured import Measured
 from ertel.physics.motion import STEADY_ROLLING
 from ertel.physics.self_affine import SelfAffine

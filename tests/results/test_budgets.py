@@ -6,9 +6,9 @@ import xarray as xr
 from cases import impact
 from made_up import BALL_FALLS, BALL_ROLLS, solutions
 
+from ertel.case.case import Case
+from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
-from ertel.model.case import Case
-from ertel.model.status import Status
 from ertel.results import budgets, diagnostics, variables
 from ertel.results.dataset import assemble
 from ertel.results.key_numbers import budget_lines

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from made_up import BALL_ROLLS, C1, MOES_ROLLS, as_in_time, in_time
 
-from ertel.model.status import Status
+from ertel.case.status import Status
 from ertel.results.extremes import extremes
 from ertel.results.key_numbers import extreme_lines, lines
 from ertel.results.summary import rolling_summary

@@ -11,8 +11,8 @@ import pytest
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, dry_impact, in_time, solutions, steady
 from matplotlib.figure import Figure
 
+from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
-from ertel.model.status import Status
 from ertel.results.result import Result
 from ertel.results.summary import impact_summary, rolling_summary, steady_summary
 

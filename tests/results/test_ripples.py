@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from ertel.case.case import Case
 from ertel.inputs.python import Oil, rolling
-from ertel.model.case import Case
 from ertel.physics.fluidity import Fluidity, ReeEyring
 from ertel.physics.traction import SlidingWaviness
 from ertel.results import ripples

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import ertel
+from ertel.case.thermal import Inlet
+from ertel.equations.heat import heated
 from ertel.inputs.case_files import parse_case
-from ertel.model.heat import heated
-from ertel.model.thermal import Inlet
 from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
 from ertel.results.dataset import assemble_steady
 from ertel.results.key_numbers import html_table, lines

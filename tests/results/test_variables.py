@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from ertel.case import rules
 from ertel.inputs.case_files import parse_case
-from ertel.model import rules
 from ertel.results import variables
 from ertel.results.dataset import assemble
 from ertel.runs.stepping import Frame

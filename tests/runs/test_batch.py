@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from cases import impact, rolled
 
-from ertel.model.case import Case
-from ertel.model.sections import SOLVERS, Drive
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.sections import SOLVERS, Drive
+from ertel.case.status import Status
 from ertel.physics.lubricant import Oil
 from ertel.physics.registry import DENSITY_LAWS
 from ertel.physics.scales import Parameters

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import ertel
-from ertel.model.estimates import newtonian_stress
+from ertel.case.estimates import newtonian_stress
 from ertel.runs import beforehand
 from ertel.runs.outlook import outlook
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from cases import impact
 
+from ertel.case.case import Case
+from ertel.case.sections import Time
+from ertel.equations import discretise
 from ertel.inputs.case_files import parse_case
-from ertel.model import discretise
-from ertel.model.case import Case
-from ertel.model.sections import Time
 from ertel.physics.units import Quantity
 from ertel.runs.comparisons import comparisons, in_smaller_steps
 from ertel.runs.courses import course_of

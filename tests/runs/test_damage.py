@@ -19,8 +19,8 @@ import zarr
 from cases import physics, stop_after
 
 import ertel
+from ertel.case.case import Case
 from ertel.inputs.case_files import parse_case
-from ertel.model.case import Case
 from ertel.runs import checked_zarr
 from ertel.runs.files import LOCK
 from ertel.runs.store import Damaged, RunStore, StoreError, compute

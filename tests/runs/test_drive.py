@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from cases import course_with, impact, march, steps_of
 
-from ertel.model.approach import NewtonsLaw, PrescribedApproach
-from ertel.model.case import Case
-from ertel.model.state import Method, State, Stepping
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.status import Status
+from ertel.equations.approach import NewtonsLaw, PrescribedApproach
+from ertel.equations.state import Method, State, Stepping
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.registry import VISCOSITY_LAWS

@@ -9,10 +9,10 @@ import pytest
 import xarray as xr
 from cases import OIL, SMALL_IMPACT, impact, rolled, steady_solver
 
+from ertel.case.case import Case
+from ertel.case.sections import SOLVERS, Drive
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import quantity
-from ertel.model.case import Case
-from ertel.model.sections import SOLVERS, Drive
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Shape, Waviness

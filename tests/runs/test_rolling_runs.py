@@ -11,9 +11,9 @@ import pytest
 import xarray as xr
 from cases import LEFT, names, physics, stop_after
 
+from ertel.case.case import Case
+from ertel.case.status import Status
 from ertel.inputs.case_files import load_case, parse_case
-from ertel.model.case import Case
-from ertel.model.status import Status
 from ertel.results import diagnostics, variables
 from ertel.results.provenance import provenance
 from ertel.results.summary import steady_summary

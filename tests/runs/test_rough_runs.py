@@ -15,13 +15,13 @@ import xarray as xr
 from cases import ertel_, impact, names, physics, stop_after
 
 import ertel
+from ertel.case.case import Case
+from ertel.case.height_map import HeightMap
+from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
-from ertel.model import discretise
-from ertel.model.case import Case
-from ertel.physics.height_map import HeightMap
 from ertel.physics.surfaces import Feature, Measured, SelfAffine
+from ertel.plots.stored import roughness_height
 from ertel.results import diagnostics
-from ertel.results.plots.stored import roughness_height
 from ertel.runs import compiling
 from ertel.runs.drive import simulate
 from ertel.runs.store import RunStore, StoreError, compute

@@ -11,9 +11,9 @@ import pytest
 from cases import OIL, impact, rolled
 from numpy.testing import assert_allclose
 
-from ertel.model import discretise
-from ertel.model.friction import friction
-from ertel.model.sections import SOLVERS, Drive, Time
+from ertel.case.sections import SOLVERS, Drive, Time
+from ertel.equations import discretise
+from ertel.equations.friction import friction
 from ertel.numerics.integrals import Plane
 from ertel.physics.motion import Oscillation, constant
 from ertel.physics.scales import Parameters

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from cases import OIL, course_with, rolled, steps_of
 
-from ertel.model.case import Case
-from ertel.model.friction import Friction
-from ertel.model.sections import SOLVERS, Drive, Output, Time
-from ertel.model.state import Method, State, Stepping, combined
+from ertel.case.case import Case
+from ertel.case.sections import SOLVERS, Drive, Output, Time
+from ertel.equations.friction import Friction
+from ertel.equations.state import Method, State, Stepping, combined
 from ertel.numerics import bdf
 from ertel.physics.motion import Oscillation, Polyline, Signal
 from ertel.physics.scales import Parameters

@@ -15,8 +15,8 @@ import xarray as xr
 from cases import physics, stop_after
 
 import ertel
+from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
-from ertel.model.status import Status
 from ertel.runs import checked_zarr, directories, files, store
 from ertel.runs.courses import ImpactCourse, method_of
 from ertel.runs.stepping import StepLimits

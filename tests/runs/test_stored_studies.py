@@ -12,9 +12,9 @@ import xarray as xr
 from cases import names
 
 import ertel
+from ertel.case.case import Case
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.studies import load_study, parse_study
-from ertel.model.case import Case
 from ertel.results.scalars import scalars
 from ertel.results.study_result import StudyResult
 from ertel.runs.store import RunStore

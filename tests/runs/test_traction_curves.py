@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from ertel.case.case import Case
+from ertel.case.sections import Drive
+from ertel.case.status import Status
+from ertel.equations import friction, heat
 from ertel.inputs.case_files import ConfigError, parse_case
-from ertel.model import friction, heat
-from ertel.model.case import Case
-from ertel.model.sections import Drive
-from ertel.model.status import Status
 from ertel.physics.motion import constant
 from ertel.runs.drive import drive
 from ertel.runs.traction import traction

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from cases import march, parse_case
 
-from ertel.model import discretise
-from ertel.model.case import Case
-from ertel.model.conditions import Conditions
-from ertel.model.friction import Friction, friction
-from ertel.model.sections import Drive
-from ertel.model.state import GridSolution, State
+from ertel.case.case import Case
+from ertel.case.conditions import Conditions
+from ertel.case.sections import Drive
+from ertel.equations import discretise
+from ertel.equations.friction import Friction, friction
+from ertel.equations.state import GridSolution, State
 from ertel.numerics.integrals import Plane
 from ertel.numerics.symmetry import unfolded
 from ertel.physics.ellipse import hertz_ellipse

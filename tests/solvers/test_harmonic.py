@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from cases import OIL, march, rolled, steady_solver
 
+from ertel.case.case import Case
+from ertel.case.sections import SOLVERS, Drive
+from ertel.equations import contact, discretise
+from ertel.equations.contact import Rate
+from ertel.equations.state import GridSolution
 from ertel.inputs.python import rolling
-from ertel.model import contact, discretise
-from ertel.model.case import Case
-from ertel.model.contact import Rate
-from ertel.model.sections import SOLVERS, Drive
-from ertel.model.state import GridSolution
 from ertel.numerics.symmetry import folded
 from ertel.physics.fluidity import ReeEyring
 from ertel.physics.geometry import HERTZ_LOAD

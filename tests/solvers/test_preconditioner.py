@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from cases import OIL, rolled, steady_solver
 
-from ertel.model import discretise
-from ertel.model.approach import balanced
-from ertel.model.flow import Rate
+from ertel.equations import discretise
+from ertel.equations.approach import balanced
+from ertel.equations.flow import Rate
 from ertel.numerics import multigrid, newton, stencils
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.scales import Parameters

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.special import ellipkm1
 
-from ertel.model import grids
-from ertel.model.case import Case
-from ertel.model.sections import Solver, Time
-from ertel.model.state import State
-from ertel.model.status import Status
+from ertel.case import grids
+from ertel.case.case import Case
+from ertel.case.sections import Solver, Time
+from ertel.case.status import Status
+from ertel.equations.state import State
 from ertel.numerics import bdf
 from ertel.numerics.integrals import disc_weights
 from ertel.physics import geometry, hertz

@@ -12,11 +12,11 @@ import pytest
 from cases import OIL, free_ball, rolled, steps_of
 from cases import march as levels_of
 
-from ertel.model import contact
-from ertel.model.case import Case
-from ertel.model.flow import Rate
-from ertel.model.sections import SOLVERS, Drive, Time
-from ertel.model.state import State
+from ertel.case.case import Case
+from ertel.case.sections import SOLVERS, Drive, Time
+from ertel.equations import contact
+from ertel.equations.flow import Rate
+from ertel.equations.state import State
 from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.motion import Oscillation, Polyline, constant
 from ertel.physics.scales import Parameters

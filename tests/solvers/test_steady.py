@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from cases import BARUS, BARUS_LIMIT, rolled, steady_solver
 
-from ertel.model import contact, discretise
-from ertel.model.case import Case
-from ertel.model.flow import steady_rate
-from ertel.model.sections import Drive
-from ertel.model.state import Rolling
+from ertel.case.case import Case
+from ertel.case.sections import Drive
+from ertel.equations import contact, discretise
+from ertel.equations.flow import steady_rate
+from ertel.equations.state import Rolling
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant

@@ -7,10 +7,10 @@ import pytest
 from cases import march
 from numpy.testing import assert_allclose
 
+from ertel.case.case import Case
+from ertel.equations import account, friction
+from ertel.equations.state import Rolling
 from ertel.inputs.python import Oil, impact, rolling
-from ertel.model import budget, friction
-from ertel.model.case import Case
-from ertel.model.state import Rolling
 from ertel.physics.fluidity import Carreau, Fluidity, Limited, ReeEyring
 from ertel.results import budgets
 from ertel.solvers import steady
@@ -71,7 +71,7 @@ def test_the_budgets_close_as_well_as_those_of_a_newtonian_oil():
     imbalances = []
     for law, S in (("newtonian", 0.0), (ReeEyring(2e6), 1.9)):
         case = rolled(law, S)
-        found = budgets.steady(case, budget.steady(case, film(law, S).finest)[0], 1.0)
+        found = budgets.steady(case, account.steady(case, film(law, S).finest)[0], 1.0)
         imbalances.append([found[name]["imbalance"] for name in ("mass", "energy")])
     assert np.all(np.array(imbalances[1]) <= imbalances[0])
 

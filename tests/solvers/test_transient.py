@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from cases import OIL, free_ball, impact, march, rolled, steps_of
 
+from ertel.case.case import Case
+from ertel.case.sections import SOLVERS, Drive, Solver, Time
+from ertel.equations import contact, discretise
+from ertel.equations.flow import Rate
 from ertel.inputs.case_files import parse_case
-from ertel.model import contact, discretise
-from ertel.model.case import Case
-from ertel.model.flow import Rate
-from ertel.model.sections import SOLVERS, Drive, Solver, Time
 from ertel.numerics import bdf
 from ertel.numerics.grid import WHOLE
 from ertel.physics.scales import Parameters

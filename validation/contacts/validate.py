@@ -14,7 +14,7 @@ import jax
 import numpy as np
 
 from ertel import Case, parse_case
-from ertel.model.state import GridSolution, Rolling
+from ertel.equations.state import GridSolution, Rolling
 from ertel.physics.film_formulas import expected_film
 from ertel.results import diagnostics, summary
 from ertel.solvers import steady

@@ -19,9 +19,9 @@ import numpy as np
 from typer.testing import CliRunner
 
 from ertel.apps.cli import app
+from ertel.case.case import Case
 from ertel.inputs.case_files import load_case
 from ertel.inputs.studies import load_study
-from ertel.model.case import Case
 from ertel.numerics.programs import Program
 from ertel.runs import arrays, forks
 from ertel.runs.courses import course_of

@@ -8,7 +8,7 @@ prints the table of README.md.  The constants of Carreau's law are those of the 
 import jax
 
 import ertel
-from ertel.model.case import Case
+from ertel.case.case import Case
 from ertel.solvers import steady
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone

@@ -11,11 +11,11 @@ import jax
 import numpy as np
 
 import ertel
-from ertel.model import discretise, heat
-from ertel.model.case import Case
-from ertel.model.friction import friction
-from ertel.model.heat import Heated
-from ertel.model.state import GridSolution
+from ertel.case.case import Case
+from ertel.equations import discretise, heat
+from ertel.equations.friction import friction
+from ertel.equations.heat import Heated
+from ertel.equations.state import GridSolution
 from ertel.numerics.integrals import Plane
 from ertel.physics.flash import flash_temperature
 from ertel.physics.thermal import Solid, gupta_factor, mean_rise, nahme, wilson_sheu_factor

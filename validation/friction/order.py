@@ -11,7 +11,7 @@ from math import log2
 import jax
 
 import ertel
-from ertel.model import friction
+from ertel.equations import friction
 from ertel.physics.fluidity import Carreau, Fluidity, ReeEyring
 from ertel.solvers import steady
 

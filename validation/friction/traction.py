@@ -21,9 +21,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import ertel
-from ertel.model import friction
-from ertel.model.case import Case
-from ertel.model.state import GridSolution
+from ertel.case.case import Case
+from ertel.equations import friction
+from ertel.equations.state import GridSolution
 from ertel.numerics.integrals import Plane
 from ertel.physics.fluidity import cut_off
 from ertel.physics.traction import arana_traction

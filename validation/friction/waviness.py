@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import jax
 
 import ertel
-from ertel.model.case import Case
+from ertel.case.case import Case
 from ertel.physics.fluidity import ReeEyring
 from ertel.results import ripples
 from ertel.runs.response import respond_in_rolling

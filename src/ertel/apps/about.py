@@ -8,7 +8,7 @@ from typing import Any
 
 import ertel
 from ertel.apps.paths import shown
-from ertel.model.status import Status
+from ertel.case.status import Status
 from ertel.runs import compiling, progress_file
 from ertel.runs.store import RunStore
 

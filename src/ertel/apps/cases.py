@@ -13,7 +13,7 @@ from ertel.apps.exits import BAD_INPUT, bad_input, leave
 from ertel.apps.paths import in_shell, local_path, shown
 
 if TYPE_CHECKING:
-    from ertel.model.case import Case
+    from ertel.case.case import Case
 
 WIDTH = 100
 

@@ -31,7 +31,7 @@ def settings(incomplete: str) -> list[str]:
 
 def figures(incomplete: str) -> list[str]:
     """Names of figures that begin so."""
-    from ertel.results import plots
+    from ertel import plots
 
     return [name for name in plots.NAMES if name.startswith(incomplete)]
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ertel.model.conditions import Conditions
+from ertel.case.conditions import Conditions
 from ertel.physics.lubricant import Oil
 from ertel.physics.units import Unit, marks, meanings
 
 if TYPE_CHECKING:
-    from ertel.model.case import Case
+    from ertel.case.case import Case
 
 OF_THE_OIL = ("eta0", "alpha")
 MEANINGS = {**meanings(Conditions), **{name: meanings(Oil)[name] for name in OF_THE_OIL}}

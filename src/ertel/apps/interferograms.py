@@ -16,7 +16,7 @@ from ertel.apps.paths import shown
 if TYPE_CHECKING:  # these take long to import
     import xarray as xr
 
-    from ertel.physics.optics import Light, Rig
+    from ertel.optics import Light, Rig
 
 MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: who writes it
 
@@ -61,7 +61,7 @@ class View:
 
     def optics(self) -> tuple["Light", "Rig"]:
         """The light and the rig.  Raises ValueError for a wavelength that is none."""
-        from ertel.physics.optics import Monochromatic, Rig, TwoBeams, White
+        from ertel.optics import Monochromatic, Rig, TwoBeams, White
 
         rig = TwoBeams() if self.sight is Sight.two_beam else Rig()
         if self.sight is Sight.white:
@@ -91,8 +91,8 @@ def write(data: "xr.Dataset", view: View, target: Path) -> None:
 
 def _drawn(data: "xr.Dataset", view: View) -> Callable[[Path], object]:
     """What saves the picture or the movie.  Raises ValueError where there is nothing to draw."""
+    from ertel import plots
     from ertel.apps.plotting import time_or_event
-    from ertel.results import plots
 
     light, rig = view.optics()
     if view.kind in MOVIES:

@@ -134,7 +134,7 @@ def compare(
 
 
 def _print_differences(differing: Sequence[Any], names: Sequence[str]) -> None:
-    from ertel.model.records import show
+    from ertel.case.records import show
 
     rows = [(field, *("" if value is None else show(value) for value in values)) for field, *values in differing]
     rows = [("case", *names), *rows] if rows else [("The cases are the same.",)]
@@ -154,7 +154,7 @@ def _cells(pair: "Pair") -> tuple[str, ...]:
 
 
 def _draw(data: Sequence[Any], names: Sequence[str], path: Path) -> None:
-    from ertel.results.plots import comparison
+    from ertel.plots import comparison
 
     with bad_input():
         figure = comparison.figure(data, names)

@@ -7,10 +7,10 @@ from typing import Any
 
 import xarray as xr
 
+from ertel import plots
 from ertel.apps.exits import BAD_INPUT, leave
 from ertel.apps.output import printable
 from ertel.apps.paths import shown
-from ertel.results import plots
 
 
 def write_figures(data: xr.Dataset, what: str | None, at: str | None, target: Path, kind: str) -> None:

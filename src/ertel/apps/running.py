@@ -11,8 +11,8 @@ from ertel.apps.exits import ASKED, BAD_INPUT, FAILED, bad_input, leave, reason_
 from ertel.apps.interrupts import Stop, interruptible
 from ertel.apps.output import print_json, say
 from ertel.apps.paths import in_shell, shown
-from ertel.model.case import Case
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.status import Status
 from ertel.runs import beforehand, compiling, memory, store
 from ertel.runs.courses import Course, course_of
 from ertel.runs.drive import Gathering, drive

@@ -8,8 +8,8 @@ from ertel.apps import output, tables
 from ertel.apps.exits import ASKED, FAILED, bad_input, leave, reason_of
 from ertel.apps.interrupts import interruptible
 from ertel.apps.paths import in_shell, shown
+from ertel.case.status import Status
 from ertel.inputs.studies import Study
-from ertel.model.status import Status
 from ertel.results.study_result import StudyResult
 from ertel.runs import compiling
 from ertel.runs.progress import bars

@@ -12,7 +12,7 @@ from ertel.results.kinds import KINDS, Errors
 from ertel.results.parameters import rheology_of
 
 if TYPE_CHECKING:
-    from ertel.model.case import Case
+    from ertel.case.case import Case
     from ertel.physics.film_formulas import Film
 
 

@@ -8,8 +8,8 @@ from ertel.apps.exits import FAILED, bad_input, leave, reason_of
 from ertel.apps.interrupts import interruptible
 from ertel.apps.output import print_json
 from ertel.apps.paths import shown
-from ertel.model.case import Case
-from ertel.model.estimates import newtonian_stress
+from ertel.case.case import Case
+from ertel.case.estimates import newtonian_stress
 from ertel.results.traction_curve import TractionCurve
 from ertel.runs import compiling
 from ertel.runs.curves import Curve, curve_of

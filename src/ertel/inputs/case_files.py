@@ -9,16 +9,16 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from ertel.case.case import Case
+from ertel.case.conditions import Conditions
+from ertel.case.records import shortened, show
+from ertel.case.rules import plain_name
 from ertel.inputs.heat import require_rheology, with_thermal_data
 from ertel.inputs.height_maps import with_maps
 from ertel.inputs.messages import ConfigError, message
 from ertel.inputs.names import without_names
 from ertel.inputs.quantities import plain_data
 from ertel.inputs.schema import case_file, keys_of, plain, section_of
-from ertel.model.case import Case
-from ertel.model.conditions import Conditions
-from ertel.model.records import shortened, show
-from ertel.model.rules import plain_name
 from ertel.physics.units import Unit, marks
 
 __all__ = ["ConfigError", "apply_overrides", "as_case", "load_case", "parse_case", "path_of", "read_toml", "to_toml"]

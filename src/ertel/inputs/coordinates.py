@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ertel.case.records import OIL_LAWS, show
 from ertel.inputs.named import DataSheet
 from ertel.inputs.quantities import parse_quantity
 from ertel.inputs.schema import SECTIONS
 from ertel.inputs.studies import Axis, Place, Study
-from ertel.model.records import OIL_LAWS, show
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import SHAPES
 from ertel.physics.units import Mark, Unit, marks, meanings

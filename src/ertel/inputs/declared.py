@@ -9,7 +9,7 @@ from string import printable
 from typing import IO
 from zipfile import ZipFile, ZipInfo, is_zipfile
 
-from ertel.physics.height_map import MOST
+from ertel.case.height_map import MOST
 
 LARGEST_FILE = 600_000_000  # bytes, also unpacked: four maps of the most points, or one as text
 LARGEST_XML = 10_000_000  # bytes: what stands beside the heights

@@ -10,12 +10,12 @@ A value that is given explicitly wins over that of the library.
 from collections.abc import Mapping
 from typing import Any
 
+from ertel.case.case import Case
+from ertel.case.estimates import LARGEST_NEWTONIAN_STRESS, newtonian_stress
+from ertel.case.records import show
+from ertel.case.thermal import Thermal
 from ertel.inputs import library, names
 from ertel.inputs.messages import ConfigError
-from ertel.model.case import Case
-from ertel.model.estimates import LARGEST_NEWTONIAN_STRESS, newtonian_stress
-from ertel.model.records import show
-from ertel.model.thermal import Thermal
 from ertel.physics.oils import NamedOil
 from ertel.physics.units import CONDUCTIVITY, DENSITY, EXPANSION, HEAT_CAPACITY, TEMPERATURE, Unit, marks
 

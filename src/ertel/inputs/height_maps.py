@@ -23,12 +23,12 @@ import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
+from ertel.case.height_map import HeightMap, array_in, check_shape, check_size
+from ertel.case.records import shortened, show
 from ertel.inputs.declared import LARGEST_FILE, check_declared
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.quantities import parse_quantity
 from ertel.inputs.schema import FILES
-from ertel.model.records import shortened, show
-from ertel.physics.height_map import HeightMap, array_in, check_shape, check_size
 from ertel.physics.units import LENGTH, Quantity
 
 OWN_NAME = re.compile(r"heights-[0-9a-f]{16}\.npy")

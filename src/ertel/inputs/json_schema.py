@@ -9,9 +9,9 @@ from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema
 
+from ertel.case.records import law_fields
 from ertel.inputs.oil_rheology import OF_OILS
 from ertel.inputs.schema import SECTIONS, case_file
-from ertel.model.records import law_fields
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 

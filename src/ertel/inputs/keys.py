@@ -5,13 +5,13 @@ from dataclasses import MISSING, fields
 from math import isfinite
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
+from ertel.case.height_map import HeightMap
+from ertel.case.records import OIL_LAWS, law_fields, show
+from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, STOPS, Solver, Time
+from ertel.case.thermal import Thermal
 from ertel.inputs.named import DataSheet
 from ertel.inputs.schema import FILES, SECTIONS, SURFACE, TOP, first_paragraph
 from ertel.inputs.spellings import kind_of
-from ertel.model.records import OIL_LAWS, law_fields, show
-from ertel.model.sections import ENDS, METHODS, SOLVERS, START_APPROACH, STOPS, Solver, Time
-from ertel.model.thermal import Thermal
-from ertel.physics.height_map import HeightMap
 from ertel.physics.motion import Oscillation, Signal
 from ertel.physics.registry import SHAPES, Registry
 from ertel.physics.units import Bounds, Meaning, Unit, marks, meanings

@@ -6,8 +6,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from ertel.case.records import OIL_LAWS, printable, show, show_key
 from ertel.inputs import schema
-from ertel.model.records import OIL_LAWS, printable, show, show_key
 from ertel.physics.registry import SHAPES
 
 

@@ -17,10 +17,10 @@ from collections.abc import Mapping
 from inspect import Parameter, signature
 from typing import Any
 
+from ertel.case.records import oil_data, show, show_key
 from ertel.inputs import library, oils
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.oil_rheology import completed
-from ertel.model.records import oil_data, show, show_key
 from ertel.physics.oils import RHEOLOGY, NamedOil
 from ertel.physics.units import DENSITY, STRESS
 

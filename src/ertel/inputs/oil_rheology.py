@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from typing import Any, NamedTuple
 
+from ertel.case.records import data_of, law_fields, show
 from ertel.inputs.messages import ConfigError
-from ertel.model.records import data_of, law_fields, show
 from ertel.physics.fluidity import Carreau, Limited
 from ertel.physics.oils import NamedOil, Sourced
 

@@ -13,12 +13,12 @@ All data of an oil, with their sources and ranges, are in `oils.get("squalane")`
 
 from typing import Any
 
+from ertel.case.records import show
 from ertel.inputs.library import oil as get
 from ertel.inputs.library import oil_names as names
 from ertel.inputs.library import parse_temperature
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.quantities import parse_quantity
-from ertel.model.records import show
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.oils import NamedOil, Sourced

@@ -8,15 +8,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
+from ertel.case.case import Case
+from ertel.case.conditions import Conditions
+from ertel.case.records import checked, law_data, oil_data, show
+from ertel.case.sections import Output, Solver, Time
+from ertel.case.thermal import Thermal
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.names import MATERIAL_KEYS
 from ertel.inputs.quantities import parse_quantity, plain_data
-from ertel.model.case import Case
-from ertel.model.conditions import Conditions
-from ertel.model.records import checked, law_data, oil_data, show
-from ertel.model.sections import Output, Solver, Time
-from ertel.model.thermal import Thermal
 from ertel.physics import lubricant
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
@@ -255,7 +255,7 @@ def rolling(
     motion : mapping
         load, entrainment (signals), slide_to_roll, inertia: as [motion] of a case file.
     thermal : mapping
-        Data for the temperatures of a steady contact, as [thermal] of a case file (`ertel.model.thermal.Thermal`); {}
+        Data for the temperatures of a steady contact, as [thermal] of a case file (`ertel.case.thermal.Thermal`); {}
         takes all of them from the oil and the materials that are named.
     nodes, half_width, half_width_y, inlet, tolerance, fold, until, step, time_tolerance, interval
         See `ertel.Solver` and `ertel.Time`.

@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from ertel.case.records import show
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.quantities import parse_number, parse_quantity
-from ertel.model.records import show
 from ertel.physics.units import Bounds, Mark, Unit
 
 LOG = "log"

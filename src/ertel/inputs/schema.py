@@ -24,14 +24,14 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from ertel.case.conditions import Conditions
+from ertel.case.height_map import HeightMap
+from ertel.case.records import OIL_LAWS, law_fields
+from ertel.case.sections import STOPS, Drive, Output, Solver, Time
+from ertel.case.thermal import Thermal
 from ertel.inputs.named import DataSheet, Materials, MeasuredFile, NamedLubricant
 from ertel.inputs.quantities import parse_amount, parse_number, parse_quantity
 from ertel.inputs.spellings import amount_schema, number_schema, quantity_schema
-from ertel.model.conditions import Conditions
-from ertel.model.records import OIL_LAWS, law_fields
-from ertel.model.sections import STOPS, Drive, Output, Solver, Time
-from ertel.model.thermal import Thermal
-from ertel.physics.height_map import HeightMap
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry

@@ -23,14 +23,14 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
+from ertel.case.case import Case
+from ertel.case.records import show
+from ertel.case.rules import plain_name
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
 from ertel.inputs.messages import ConfigError, field_name
 from ertel.inputs.quantities import plain_data
 from ertel.inputs.ranges import LOG, MOST_VALUES, spaced, unit_in
 from ertel.inputs.schema import SECTIONS
-from ertel.model.case import Case
-from ertel.model.records import show
-from ertel.model.rules import plain_name
 
 SWEEP, MODE, MODES = "sweep", "mode", ("product", "zip")
 RANGE = ("from", "to", "number", "spacing")

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping
 from textwrap import wrap
 from typing import Any
 
+from ertel.case.conditions import FOREIGN, Kind
+from ertel.case.records import show
+from ertel.case.sections import ENDS, SOLVERS
 from ertel.inputs.keys import Key, Place, places
-from ertel.model.conditions import FOREIGN, Kind
-from ertel.model.records import show
-from ertel.model.sections import ENDS, SOLVERS
 
 SCHEMA_FILE = "ertel.schema.json"
 WIDTH, MEANING_FROM = 120, 36  # columns

@@ -7,7 +7,7 @@ two methods take the pressure too, in Pa, so that a stress of the law may depend
 
 * fluidity(stress, pressure): phi at |tau| in Pa.  It must be positive and must not fall with the stress.
 * stress(rate, pressure): |tau| at the shear rate du/dz, given as eta du/dz in Pa.  It is only the start and the scale
-  of an iteration (`ertel.model.shear`): errors of half its value cost an iteration or two and no accuracy.
+  of an iteration (`ertel.equations.shear`): errors of half its value cost an iteration or two and no accuracy.
 
 They accept floats, NumPy arrays and JAX arrays.  A user's own law needs no derivative.  It needs a registered name:
 

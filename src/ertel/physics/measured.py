@@ -7,8 +7,8 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ertel.case.height_map import MOST, HeightMap
 from ertel.physics.band_limit import smooth_step
-from ertel.physics.height_map import MOST, HeightMap
 from ertel.physics.registry import SHAPES
 from ertel.physics.units import ANGLE, POSITION, RMS, WIDTH, Amount, Bounds, Meaning, Quantity, plain
 

@@ -11,7 +11,7 @@ The solver's automatic Jacobian makes these assumptions about a law, and no othe
 * A mobility is pointwise.  At a node it depends on P and H at that node (through density, viscosity and film thickness)
   and on numbers.  Its derivatives with respect to P and H are then fields and cost two evaluations.
 * Gradients of P enter only the flux at the faces, and linearly.  An oil that thins under shear has no such law: its
-  flux through a face is that of `ertel.model.thinning`.
+  flux through a face is that of `ertel.equations.thinning`.
 * A mobility is differentiable where H > 0 and zero where H <= 0.  H <= 0 occurs when the surfaces overlap because the
   grid is too coarse for the film; nothing flows there.
 

@@ -1,7 +1,7 @@
 """Closed forms for the flow of an oil of Eyring's kind, and the law of small pressure gradients for any oil.
 
 Symbols: B = eta (u1 - u2)/(h tau0), sliding; Sigma = h |dp/dx|/(2 tau0), pressure gradient; one dimension.  The exact
-flow in two dimensions, of any law, is in `ertel.model.shear`; these serve to check it.
+flow in two dimensions, of any law, is in `ertel.equations.shear`; these serve to check it.
 """
 
 import numpy as np

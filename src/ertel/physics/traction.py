@@ -1,4 +1,4 @@
-"""Traction: formulas to compare with.  The traction of a computed film is in `ertel.model.friction`."""
+"""Traction: formulas to compare with.  The traction of a computed film is in `ertel.equations.friction`."""
 
 from math import asinh, log, pi
 from typing import NamedTuple

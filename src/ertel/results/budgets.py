@@ -1,7 +1,7 @@
 """The budgets of a run: mass, momentum of the ball, and energy, each with its relative imbalance.
 
-In time the terms of `model.budget` are integrated by the trapezium rule over the steps, from the first one on; what is
-stored is a difference.  A steady contact has rates: nothing is stored.  Signs are such that in each budget
+In time the terms of `equations.account` are integrated by the trapezium rule over the steps, from the first one on;
+what is stored is a difference.  A steady contact has rates: nothing is stored.  Signs are such that in each budget
 
     mass        stored + outflow = inflow + cavity_source
     momentum    ball + impulse_of_film = impulse_of_load
@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.model.case import Case
+from ertel.case.case import Case
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -72,7 +72,7 @@ def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]
 def steady(case: Case, rates: Mapping[str, float], film_load: float) -> dict[str, dict[str, float | None]]:
     """The budgets of a steady contact, as rates.  Momentum is the load.
 
-    rates: from `model.budget.steady`.  film_load: what the film carries, in F*.
+    rates: from `equations.account.steady`.  film_load: what the film carries, in F*.
     """
     mass = {name: rates[name] for name in ("inflow", "outflow", "cavity_source")}
     momentum = {"applied_load": case.motion.load(0.0), "film_load": film_load}

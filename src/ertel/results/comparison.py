@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from ertel.model.case import Case
+from ertel.case.case import Case
 from ertel.results.scalars import Scalar, scalars
 
 FREE = ("name", "reference")  # keys that change no result

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from ertel.model.case import Case
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.status import Status
 from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
 from ertel.results import variables
 from ertel.results.provenance import provenance

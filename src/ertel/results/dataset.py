@@ -6,10 +6,10 @@ from typing import Any, Protocol
 import numpy as np
 import xarray as xr
 
-from ertel.model import budget, discretise
-from ertel.model.case import Case
-from ertel.model.friction import Friction, coefficients
-from ertel.model.state import GridSolution
+from ertel.case.case import Case
+from ertel.equations import account, discretise
+from ertel.equations.friction import Friction, coefficients
+from ertel.equations.state import GridSolution
 from ertel.physics.scales import Scales
 from ertel.results.height_maps import variables_of
 from ertel.results.provenance import provenance
@@ -109,7 +109,7 @@ def assemble_steady(
     finest = solutions[-1].grid if solutions else discretise.grid_of(case)
     nothing = np.full((len(finest.y), len(finest.x)), np.nan)
     last = solutions[-1] if solutions else None
-    accounts = [budget.steady(case, s) for s in solutions]
+    accounts = [account.steady(case, s) for s in solutions]
     found = whole_maps(last, last.P, last.H, accounts[-1][1]) if last else dict.fromkeys(FIELDS, nothing)
     found |= temperature_maps(case, last, nothing)
     history = _histories(solutions)

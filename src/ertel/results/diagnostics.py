@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ertel.model.case import Case
-from ertel.model.sections import MOST_NODES, WIDEST_HALF_WIDTH
+from ertel.case.case import Case
+from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
 from ertel.numerics.grid import allowed_nodes
 from ertel.numerics.richardson import extrapolate
 from ertel.physics import hertz
@@ -19,7 +19,7 @@ from ertel.results.budgets import Budgets
 if TYPE_CHECKING:  # these bring JAX or xarray with them
     import xarray as xr
 
-    from ertel.model.state import GridSolution
+    from ertel.equations.state import GridSolution
 
 CELLS_IN_FRONT = 10.0  # wanted across the length of the front's pressure sweep, `front_length`
 ISOVISCOUS_SWEEP = 2.0  # that length over (lambda_bar dA/dT)^{2/5} where the oil is isoviscous

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.model.case import Case
+from ertel.case.case import Case
 from ertel.physics.ellipse import hertz_ellipse
 
 if TYPE_CHECKING:

@@ -4,8 +4,8 @@ from typing import Any
 
 import xarray as xr
 
-from ertel.model.case import Case
-from ertel.physics.height_map import HeightMap
+from ertel.case.case import Case
+from ertel.case.height_map import HeightMap
 
 FILE = "file"  # the attribute with the name that the plain data of the case use
 

@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ertel.model.status import Status
+from ertel.case.status import Status
 from ertel.physics import hertz
 from ertel.physics.scales import Parameters, Scales
 from ertel.results.variables import FILMS, FRICTION, MEASURED
@@ -16,7 +16,7 @@ from ertel.results.variables import FILMS, FRICTION, MEASURED
 if TYPE_CHECKING:  # these bring JAX or xarray with them
     import xarray as xr
 
-    from ertel.model.sections import Solver
+    from ertel.case.sections import Solver
 
 Outcome = Mapping[str, Any]  # of a run, as `results.summary` and `summary.json` have it
 Errors = Mapping[str, tuple[float, float]]  # estimated error and extrapolated value, by name

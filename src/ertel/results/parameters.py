@@ -6,7 +6,7 @@ This module imports neither JAX nor xarray, so that `ertel params` is fast.
 from math import cbrt
 from typing import TYPE_CHECKING, Any
 
-from ertel.model.records import law_data, show
+from ertel.case.records import law_data, show
 from ertel.physics import film_formulas
 from ertel.physics.film_formulas import Film
 from ertel.physics.oils import RHEOLOGY
@@ -15,7 +15,7 @@ from ertel.physics.scales import HamrockDowson, Parameters, hamrock_dowson
 from ertel.results.kinds import KINDS
 
 if TYPE_CHECKING:  # the case brings JAX with it
-    from ertel.model.case import Case
+    from ertel.case.case import Case
 
 
 def parameters_of(case: "Case") -> dict[str, float]:

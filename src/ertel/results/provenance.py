@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
 
-from ertel.model.case import Case
+from ertel.case.case import Case
 from ertel.results.parameters import parameters_of, scales_of
 from ertel.version import installed_version
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ertel.model.case import Case
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.status import Status
 from ertel.results import html
 from ertel.results.key_numbers import Summary, html_table, lines
 from ertel.results.kinds import is_steady
@@ -18,7 +18,7 @@ from ertel.results.variables import to_si
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
-    from ertel.physics.optics import Light, Rig
+    from ertel.optics import Light, Rig
 
 IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history", "friction")
 STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence", "friction")
@@ -29,7 +29,7 @@ class Plot:
     """The pictures of a run, each a matplotlib Figure.
 
     `at` selects the time in a transient run: a time in t0 or an event, "max-approach" or "end"; see
-    `ertel.results.plots`.  Raises ValueError for a picture or a time that the run does not have.
+    `ertel.plots`.  Raises ValueError for a picture or a time that the run does not have.
     """
 
     dataset: xr.Dataset
@@ -78,12 +78,12 @@ class Plot:
         film_scale: float | None = None,
     ) -> "Figure":
         """What an experimenter sees of a physical case: `ertel.plots.interferogram`, with lights of `ertel.optics`."""
-        from ertel.results import plots
+        from ertel import plots
 
         return plots.interferogram(self.dataset, at, light, rig, film_scale)
 
     def _draw(self, name: str, at: float | str | None) -> "Figure":
-        from ertel.results import plots
+        from ertel import plots
 
         figure: Figure = getattr(plots, name)(self.dataset, at)
         return figure

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from ertel.model.case import Case
+from ertel.case.case import Case
 from ertel.physics.lubricant import Oil
 from ertel.physics.shear import small_gradient_mobility
 from ertel.physics.surfaces import Feature, Waviness

@@ -53,7 +53,7 @@ class StudyResult:
 
     def plot(self) -> "Figure":
         """The key numbers over what varies."""
-        from ertel.results.plots import studies
+        from ertel.plots import studies
 
         return studies.figure(self.dataset)
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from ertel.model.case import Case
+from ertel.case.case import Case
 from ertel.results.scalars import scalars
 from ertel.version import installed_version
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ertel.model import budget
-from ertel.model.case import Case
-from ertel.model.friction import coefficients
-from ertel.model.state import GridSolution, Rolling
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.status import Status
+from ertel.equations import account
+from ertel.equations.friction import coefficients
+from ertel.equations.state import GridSolution, Rolling
 from ertel.numerics.richardson import Extrapolation
 from ertel.results import budgets, diagnostics, errors, variables
 from ertel.results.extremes import extremes, in_si
@@ -46,7 +46,7 @@ def impact_summary(
     `budgets` has those of mass, momentum and energy, see `budgets.in_time`.
     The values at maximum approach are under `max_approach`; but T and F they also stand where those of rolling do, None
     before it.  They have the power loss and, where the surfaces move along X, the coefficients of
-    `model.friction`.
+    `equations.friction`.
     All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.  The
     coefficients are plain numbers in a physical case, and in units a/R in a dimensionless one, where a/R is not known.
 
@@ -121,8 +121,9 @@ def steady_summary(
 
     H_c_error and H_min_error estimate the discretisation error, H_c_extrapolated and H_min_extrapolated are without it;
     None with fewer than two grids.  `budgets` has the rates on the finest grid, see `budgets.steady`.
-    mu_sliding, mu_rolling and power_loss are those of `model.friction`; mu_sliding_y is there where it is not zero.  In
-    a physical case the coefficients are plain numbers, in a dimensionless one, where a/R is not known, multiples of it.
+    mu_sliding, mu_rolling and power_loss are those of `equations.friction`; mu_sliding_y is there where it is not zero.
+    In a physical case the coefficients are plain numbers; in a dimensionless one, where a/R is not known, they are
+    multiples of it.
     `thermal` is there with a section [thermal], see `temperatures.thermal_summary`.
     Counts are those of all grids, convolutions in units of one on the finest.
 
@@ -146,7 +147,7 @@ def steady_summary(
             error = _error_of(rolling.extrapolate(name))
             estimates |= {f"{name}_{what}": value for what, value in error.items()}
     values = rolling.finest.measure()
-    rates, friction = budget.steady(case, rolling.finest)
+    rates, friction = account.steady(case, rolling.finest)
     mu = variables.with_coefficients(coefficients(friction), case.scales)
     found = {**{name: values[name] for name in variables.MEASURED}, **_said(mu)}
     measured = {**_nodes(rolling), **found}

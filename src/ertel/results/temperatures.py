@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from ertel.model import heat
-from ertel.model.case import Case
-from ertel.model.heat import Heated
-from ertel.model.state import GridSolution
+from ertel.case.case import Case
+from ertel.equations import heat
+from ertel.equations.heat import Heated
+from ertel.equations.state import GridSolution
 from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
 from ertel.physics.thermal import INLET_FACTORS
 from ertel.results.variables import TEMPERATURES

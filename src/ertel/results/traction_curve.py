@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ertel.model.case import Case
+from ertel.case.case import Case
 from ertel.results import html, text
 from ertel.results.columns import column, with_units
 from ertel.results.curve_points import AXES, SHOWN, SHOWN_WARM, shown_name
@@ -67,7 +67,7 @@ class TractionCurve:
 
     def plot(self) -> "Figure":
         """The curve: traction coefficient and rolling resistance, films, power loss and shear stress."""
-        from ertel.results.plots import traction
+        from ertel.plots import traction
 
         return traction.figure(self.dataset)
 

@@ -93,7 +93,7 @@ AXES: Mapping[str, Variable] = {
     "iteration": Variable("Newton iteration", "k"),
 }
 AMBIENT = "in SI a volume: that of the oil at ambient pressure"
-BUDGET: Mapping[str, Variable] = {  # the terms of the budgets, see `model.budget`
+BUDGET: Mapping[str, Variable] = {  # the terms of the budgets, see `equations.account`
     "mass": Variable("oil on the grid", "m", "rho0 a*^4/R", "oil", "oil_volume", "m3", comment=AMBIENT),
     "inflow": _oil_flow("oil that flows in through the edge of the grid", "m_in", "inflow", AMBIENT),
     "outflow": _oil_flow("oil that flows out through the edge of the grid", "m_out", "outflow", AMBIENT),
@@ -109,7 +109,7 @@ PUSHED = "the force of surface 1 on surface 2 over the load of the film, positiv
 RESISTANCE = (
     "of each surface: (1/2) double integral of H dP/dX over the load of the film, positive against motion along X"
 )
-FRICTION: Mapping[str, Variable] = {  # see `model.friction`
+FRICTION: Mapping[str, Variable] = {  # see `equations.friction`
     "mu_sliding": _coefficient("traction coefficient", "mu_sliding", PUSHED),
     "mu_sliding_y": _coefficient("traction coefficient along y", "mu_sliding_y", PUSHED.replace("X", "Y")),
     "mu_rolling": _coefficient("rolling resistance coefficient", "mu_rolling", RESISTANCE),
@@ -146,7 +146,7 @@ FIELDS: Mapping[str, Variable] = {
     "tau_y": _shear("shear stress in the middle of the film along y", "tau_y"),
     "loss": Variable("power loss per area", "q", "p_h* a*^2/(R t0)", "power_per_area", "loss", "W/m2"),
 }
-TEMPERATURES: Mapping[str, Variable] = {  # maps of a steady contact with [thermal], see `model.heat`
+TEMPERATURES: Mapping[str, Variable] = {  # maps of a steady contact with [thermal], see `equations.heat`
     "T_1": _temperature("surface 1", "T_1"),
     "T_2": _temperature("surface 2", "T_2"),
     "T_film": _temperature("the film", "T_film", "mean across the film"),

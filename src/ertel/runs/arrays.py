@@ -12,8 +12,8 @@ from typing import Any, Protocol
 import numpy as np
 from zarr.storage import LocalStore
 
-from ertel.model.case import Case
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.status import Status
 from ertel.results import dataset
 from ertel.results.provenance import provenance
 from ertel.runs import checked_zarr as zarrs

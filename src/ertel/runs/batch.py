@@ -22,11 +22,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, tree
 
+from ertel.case.case import Case
+from ertel.case.status import Status
+from ertel.equations import discretise
+from ertel.equations.pytrees import traceable, traceable_law
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, written
-from ertel.model import discretise
-from ertel.model.case import Case
-from ertel.model.pytrees import traceable, traceable_law
-from ertel.model.status import Status
 from ertel.numerics.precision import double_precision, require_double
 from ertel.results.result import Result
 from ertel.runs.courses import METHODS, course_of

@@ -6,9 +6,9 @@ What concerns the grid, the domain and the roughness is in `results.diagnostics`
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ertel.case.case import Case
+from ertel.case.estimates import LARGEST_NEWTONIAN_STRESS, film, largest_pressure, newtonian_stress
 from ertel.inputs import materials
-from ertel.model.case import Case
-from ertel.model.estimates import LARGEST_NEWTONIAN_STRESS, film, largest_pressure, newtonian_stress
 from ertel.results import diagnostics
 from ertel.results.kinds import KINDS
 from ertel.results.variables import with_prefix

@@ -6,9 +6,9 @@ Together they cost about 1.2 times the run itself: 1/4 of its nodes, 1/4 in 1.4 
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ertel.model import grids
-from ertel.model.case import Case
-from ertel.model.sections import Solver, Time
+from ertel.case import grids
+from ertel.case.case import Case
+from ertel.case.sections import Solver, Time
 from ertel.numerics.grid import allowed_nodes
 from ertel.physics.units import Quantity
 from ertel.results.errors import SMALLER_STEPS, WIDER_DOMAIN

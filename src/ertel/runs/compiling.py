@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from ertel.version import own_sources
 
 if TYPE_CHECKING:
-    from ertel.model.case import Case
+    from ertel.case.case import Case
 
 # JAX is imported inside the functions, so that its version can be read and judged without it.
 

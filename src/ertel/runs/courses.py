@@ -13,9 +13,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ertel.model.case import Case
-from ertel.model.state import GridSolution, Method, State
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.status import Status
+from ertel.equations.state import GridSolution, Method, State
 from ertel.numerics.grid import Even, Grid
 from ertel.results.dataset import assemble, assemble_steady
 from ertel.results.summary import (

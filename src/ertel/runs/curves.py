@@ -12,11 +12,11 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from ertel.case.case import Case
+from ertel.case.records import show
+from ertel.case.sections import Drive
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.ranges import Given, parse_values
-from ertel.model.case import Case
-from ertel.model.records import show
-from ertel.model.sections import Drive
 from ertel.results.curve_points import AXES
 
 Film = Literal["each", "once"]

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
+from ertel.case.case import Case
+from ertel.case.records import show
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
-from ertel.model.case import Case
-from ertel.model.records import show
 from ertel.runs.files import StoreError, replace, sync_directory
 
 CASE = "case.toml"

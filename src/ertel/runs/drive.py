@@ -12,9 +12,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from ertel.case.status import Status
+from ertel.equations.state import solved
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.model.state import solved
-from ertel.model.status import Status
 from ertel.numerics.precision import double_precision
 from ertel.results import accessor as accessor  # datasets of runs have .ertel
 from ertel.results.result import Result

@@ -9,9 +9,9 @@ Steps: 178 to maximum approach (M = 1000), 259 and 417 to the rebound (M = 100, 
 
 from math import isfinite, prod
 
-from ertel.model.case import Case
-from ertel.model.grids import grid_of
-from ertel.model.sections import Time
+from ertel.case.case import Case
+from ertel.case.grids import grid_of
+from ertel.case.sections import Time
 
 STEPS = 75.0  # for each t0, at the default tolerance
 STEPS_POWER = 0.3  # with which the steps grow with 1/tolerance

@@ -7,8 +7,8 @@ from os.path import lexists
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ertel.model.case import Case
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.status import Status
 from ertel.results.key_numbers import lines
 from ertel.results.kinds import as_now
 from ertel.results.scalars import Scalar, scalars

@@ -10,8 +10,8 @@ steady rolling 115 (57 of the plane): `benchmarks/scaling.py`.
 import os
 from contextlib import suppress
 
-from ertel.model.case import Case
-from ertel.model.grids import grid_of
+from ertel.case.case import Case
+from ertel.case.grids import grid_of
 from ertel.results.variables import FIELDS
 from ertel.runs import compiling
 

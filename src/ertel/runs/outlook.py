@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ertel.model.case import Case
-from ertel.model.grids import grid_of, radii
+from ertel.case.case import Case
+from ertel.case.grids import grid_of, radii
 from ertel.results import diagnostics
 from ertel.results.parameters import films, parameter_summary, rheology_of
 from ertel.runs import beforehand, duration, memory

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, Field
 
-from ertel.model.status import Status
+from ertel.case.status import Status
 from ertel.runs.files import content_of
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need

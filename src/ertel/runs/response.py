@@ -16,13 +16,13 @@ import numpy as np
 import xarray as xr
 from jax import Array
 
+from ertel.case.case import Case
+from ertel.case.records import scaled_all
+from ertel.case.sections import Time
+from ertel.case.status import Status
+from ertel.equations import discretise
+from ertel.equations.state import Rolling, State, combined, interpolated
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.model import discretise
-from ertel.model.case import Case
-from ertel.model.records import scaled_all
-from ertel.model.sections import Time
-from ertel.model.state import Rolling, State, combined, interpolated
-from ertel.model.status import Status
 from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
 from ertel.numerics.precision import double_precision

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.model.case import Case
-from ertel.model.friction import coefficients
-from ertel.model.state import Method, State, Work, combined, interpolated
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.status import Status
+from ertel.equations.friction import coefficients
+from ertel.equations.state import Method, State, Work, combined, interpolated
 from ertel.numerics import bdf
 from ertel.results.dataset import whole_maps
 

@@ -29,9 +29,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ertel.case.case import Case
+from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
-from ertel.model.case import Case
-from ertel.model.status import Status
 from ertel.numerics.precision import double_precision
 from ertel.results.kinds import as_now
 from ertel.results.result import Result

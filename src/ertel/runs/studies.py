@@ -19,9 +19,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
+from ertel.case.case import Case
 from ertel.inputs.coordinates import coordinates
 from ertel.inputs.studies import Study
-from ertel.model.case import Case
 from ertel.results.study_result import StudyResult
 from ertel.results.study_runs import MISSING, RUNNING, UNFINISHED, Ran, assemble
 from ertel.runs import stop_file
@@ -117,7 +117,7 @@ def write(result: StudyResult, directory: Path) -> list[str]:
 
     There is no figure before a run has numbers to draw.
     """
-    from ertel.results.plots.drawing import NoFigure  # here, so that workers need no matplotlib
+    from ertel.plots.drawing import NoFigure  # here, so that workers need no matplotlib
 
     draft = directory / f".{DATA}-{uuid4().hex[:8]}"
     try:

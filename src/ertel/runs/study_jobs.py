@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ertel.model import discretise
-from ertel.model.case import Case
-from ertel.physics.height_map import HeightMap
+from ertel.case.case import Case
+from ertel.case.height_map import HeightMap
+from ertel.equations import discretise
 from ertel.runs.batch import shape_of
 from ertel.runs.courses import Course, Item
 from ertel.runs.store import CASE, RunStore, Taken, compute

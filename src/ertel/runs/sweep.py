@@ -10,9 +10,9 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any
 
+from ertel.case.records import show
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.studies import load_study, parse_study
-from ertel.model.records import show
 from ertel.results.study_result import StudyResult
 from ertel.runs import compiling
 from ertel.runs.progress import bars

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from ertel.case.case import Case
+from ertel.case.estimates import newtonian_stress
+from ertel.case.status import Status
+from ertel.equations import friction, heat
+from ertel.equations.heat import Heated
+from ertel.equations.state import Rolling
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.ranges import Given
-from ertel.model import friction, heat
-from ertel.model.case import Case
-from ertel.model.estimates import newtonian_stress
-from ertel.model.heat import Heated
-from ertel.model.state import Rolling
-from ertel.model.status import Status
 from ertel.numerics.precision import double_precision
 from ertel.results import diagnostics
 from ertel.results.curve_points import WORK, Point, assemble, point

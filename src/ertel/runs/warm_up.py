@@ -9,8 +9,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from ertel.case.case import Case
 from ertel.inputs.case_files import parse_case
-from ertel.model.case import Case
 from ertel.runs import compiling
 from ertel.runs.courses import course_of
 from ertel.runs.store import RunStore, compute

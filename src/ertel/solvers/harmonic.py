@@ -25,12 +25,12 @@ import jax.numpy as jnp
 from jax import Array, tree
 from jax.tree_util import register_dataclass
 
-from ertel.model import contact, discretise
-from ertel.model.approach import ClosureLine, balanced
-from ertel.model.case import Case
-from ertel.model.contact import Contact
-from ertel.model.flow import Rate, steady_rate
-from ertel.model.state import GridSolution
+from ertel.case.case import Case
+from ertel.equations import contact, discretise
+from ertel.equations.approach import ClosureLine, balanced
+from ertel.equations.contact import Contact
+from ertel.equations.flow import Rate, steady_rate
+from ertel.equations.state import GridSolution
 from ertel.numerics import krylov, multigrid
 from ertel.numerics.grid import Even
 from ertel.numerics.line_smoother import LineSmoother, line_smoother

@@ -15,10 +15,10 @@ import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.model import contact
-from ertel.model.approach import ClosureLine
-from ertel.model.contact import Contact
-from ertel.model.flow import Rate
+from ertel.equations import contact
+from ertel.equations.approach import ClosureLine
+from ertel.equations.contact import Contact
+from ertel.equations.flow import Rate
 from ertel.numerics import multigrid, newton
 from ertel.numerics.grid import Grid
 from ertel.numerics.multigrid import Elasticity

@@ -8,9 +8,9 @@ import jax
 import jax.numpy as jnp
 from jax import Array, tree
 
-from ertel.model import contact
-from ertel.model.contact import Contact
-from ertel.model.flow import Rate
+from ertel.equations import contact
+from ertel.equations.contact import Contact
+from ertel.equations.flow import Rate
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.line_smoother import line_smoother
 from ertel.numerics.multigrid import Elasticity

@@ -19,16 +19,16 @@ from jax import Array
 from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
-from ertel.model import budget, friction, outside
-from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
-from ertel.model.budget import Account, Around, Film
-from ertel.model.case import Case
-from ertel.model.friction import Friction
-from ertel.model.grids import radii
-from ertel.model.outside import Surroundings
-from ertel.model.pytrees import traceable
-from ertel.model.state import Method, State, Stepping, Work, padded
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.grids import radii
+from ertel.case.status import Status
+from ertel.equations import account, friction, outside
+from ertel.equations.account import Account, Around, Film
+from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
+from ertel.equations.friction import Friction
+from ertel.equations.outside import Surroundings
+from ertel.equations.pytrees import traceable
+from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc, disc_weights
 from ertel.numerics.precision import require_double
@@ -105,7 +105,7 @@ class StepSolution(NamedTuple):
     numbers: Array
 
 
-NUMBERS = ("approach", "converged", "newton", "load on nodes", "error", *budget.INTEGRALS, *friction.NUMBERS)
+NUMBERS = ("approach", "converged", "newton", "load on nodes", "error", *account.INTEGRALS, *friction.NUMBERS)
 
 
 class Solution(NamedTuple):
@@ -245,9 +245,9 @@ def solve_step(p: Problem) -> StepSolution:
     s = solve(eq, P, tolerance)
     load = p.mesh.load @ s.P
     approach = (line.value - line.load_weight * load) / line.approach_weight
-    found = account(p.disc, eq, s.P, s.H, approach)
+    found = account_of(p.disc, eq, s.P, s.H, approach)
     error = film_error(p.mesh.volume, s.H, jnp.tensordot(p.predict_H, films, axes=1), s.P)
-    terms = (found.terms[name] for name in budget.INTEGRALS)
+    terms = (found.terms[name] for name in account.INTEGRALS)
     values = approach, s.size <= tolerance, s.newton, load, error, *terms, *friction.numbers(found.friction)
     return StepSolution({"P": s.P, "H": s.H}, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
 
@@ -317,7 +317,7 @@ class RadialImpact(Method):
         approach, load = found["approach"], found["load on nodes"]
         velocity = self.closure.velocity(T, rates, approach, approaches)
         load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
-        terms = budget.terms(found, velocity, Around(around.load, around.uplift, load_rate), CIRCLE.hertz_load)
+        terms = account.terms(found, velocity, Around(around.load, around.uplift, load_rate), CIRCLE.hertz_load)
         status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED  # stalled too if NaN
         work, error = Work(int(found["newton"])), found["error"]
         new = State(T, approach, velocity, solution.fields, status, work, around.load, load, error)
@@ -358,7 +358,7 @@ class RadialImpact(Method):
         return field
 
 
-def account(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> Account:
+def account_of(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> Account:
     """The account after a step.  Nothing slides and nothing rolls."""
     eps, _ = eq.flow.mobility(eq.oil.density(P), eq.oil.viscosity(P), H, eq.lambda_bar)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
@@ -366,7 +366,7 @@ def account(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> A
     film = Film(P, H, Pair(eps), heat, deformation, residual(eq, P, H), 0.0, 0.0)
     stress, force = jnp.zeros((2, *P.shape)), jnp.zeros(2)
     found = Friction(stress, heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
-    return Account(budget.integrals(disc, eq.oil, film), found)
+    return Account(account.integrals(disc, eq.oil, film), found)
 
 
 def friction_at_rest(
@@ -374,7 +374,7 @@ def friction_at_rest(
 ) -> Friction:
     """The friction of a film that does not change."""
     eq = equations(mesh, oil, lambda_bar, [(P, H)], (0.0, 0.0), ClosureLine(1.0, 0.0, approach))
-    return account(disc, eq, P, H, approach).friction
+    return account_of(disc, eq, P, H, approach).friction
 
 
 _program = Program(jax.jit(friction_at_rest), ANY_SIZE)

@@ -16,13 +16,13 @@ import numpy as np
 from jax import Array
 from numpy.typing import NDArray
 
-from ertel.model import discretise
-from ertel.model.approach import balanced
-from ertel.model.case import Case
-from ertel.model.contact import Contact
-from ertel.model.flow import steady_rate
-from ertel.model.state import GridSolution, Rolling
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.status import Status
+from ertel.equations import discretise
+from ertel.equations.approach import balanced
+from ertel.equations.contact import Contact
+from ertel.equations.flow import steady_rate
+from ertel.equations.state import GridSolution, Rolling
 from ertel.numerics import multigrid, newton, richardson, stencils
 from ertel.numerics.grid import Grid, check_grid
 from ertel.numerics.precision import double_precision

@@ -13,12 +13,12 @@ import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.model import contact
-from ertel.model.approach import ClosureLine, NewtonsLaw
-from ertel.model.contact import Contact
-from ertel.model.flow import Flow, Rate, rate_in_time
-from ertel.model.state import State, Work
-from ertel.model.status import Status
+from ertel.case.status import Status
+from ertel.equations import contact
+from ertel.equations.approach import ClosureLine, NewtonsLaw
+from ertel.equations.contact import Contact
+from ertel.equations.flow import Flow, Rate, rate_in_time
+from ertel.equations.state import State, Work
 from ertel.numerics import bdf, krylov
 from ertel.numerics.bdf import Weights
 from ertel.numerics.multigrid import Elasticity

@@ -13,16 +13,16 @@ from jax import Array
 from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
-from ertel.model import budget, contact, discretise, friction, measure, outside
-from ertel.model.approach import Closure, ClosureLine, NewtonsLaw
-from ertel.model.budget import Around, Moment
-from ertel.model.case import Case
-from ertel.model.contact import Contact
-from ertel.model.flow import Flow, Rate, rate_in_time
-from ertel.model.friction import Friction
-from ertel.model.measure import Axes
-from ertel.model.state import Method, State, Stepping, Work, padded
-from ertel.model.status import Status
+from ertel.case.case import Case
+from ertel.case.status import Status
+from ertel.equations import account, contact, discretise, friction, measure, outside
+from ertel.equations.account import Around, Moment
+from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
+from ertel.equations.contact import Contact
+from ertel.equations.flow import Flow, Rate, rate_in_time
+from ertel.equations.friction import Friction
+from ertel.equations.measure import Axes
+from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Even, check_grid
@@ -118,7 +118,7 @@ class StepSolution(NamedTuple):
 
 
 SOLVED = ("approach", "converged", "newton", "krylov", "error")
-NUMBERS = (*SOLVED, *budget.INTEGRALS, *friction.NUMBERS)  # of a step, followed by those of `measure.numbers`
+NUMBERS = (*SOLVED, *account.INTEGRALS, *friction.NUMBERS)  # of a step, followed by those of `measure.numbers`
 
 
 def stacked(levels: Sequence[State]) -> dict[str, Array]:
@@ -226,7 +226,7 @@ class Transient2D(Method):
         load = measured.pop("load")
         load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
         beyond = around.load + load - found["load"]  # half a cell around the grid counts as outside
-        terms = budget.terms(found, velocity, Around(beyond, around.uplift, load_rate), self.geometry.hertz_load)
+        terms = account.terms(found, velocity, Around(beyond, around.uplift, load_rate), self.geometry.hertz_load)
         record = {**measured, **terms, **{name: found[name] for name in friction.NUMBERS}}
         status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED
         work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
@@ -344,10 +344,10 @@ def _numbers(
     load = (contact.load(c, s.P) + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
     moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
-    found = budget.account(setting.space, c, s.P, s.H, moment, rate.of(mass, c.spacing))
+    found = account.account(setting.space, c, s.P, s.H, moment, rate.of(mass, c.spacing))
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     error = film_error(mass, predicted, s.P, THIN * setting.film_scale, c.even, setting.coarsenings)
-    values = approach, s.converged, s.newton, s.krylov, error, *(found.terms[name] for name in budget.INTEGRALS)
+    values = approach, s.converged, s.newton, s.krylov, error, *(found.terms[name] for name in account.INTEGRALS)
     plain = [*values, *friction.numbers(found.friction)]
     return jnp.concatenate(
         [jnp.stack([jnp.asarray(v, s.P.dtype) for v in plain]), measure.numbers(setting.axes, s.P, s.H)]

@@ -11,11 +11,11 @@ from pathlib import Path
 import xarray as xr
 from matplotlib.figure import Figure
 
+from ertel import plots
 from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish
-from ertel.results import plots
+from ertel.plots.drawing import is_physical, scale
+from ertel.plots.moments import shown
 from ertel.results.kinds import is_steady
-from ertel.results.plots.drawing import is_physical, scale
-from ertel.results.plots.moments import shown
 from ertel.results.variables import EVENTS, VARIABLES
 from ertel.runs.checked_zarr import RegularStore
 
@@ -74,7 +74,7 @@ def _figure(data: xr.Dataset, wish: Wish) -> Figure:
 
 
 def _interferogram(data: xr.Dataset, wish: Wish) -> Figure:
-    from ertel.physics.optics import Monochromatic, Rig, TwoBeams, White
+    from ertel.optics import Monochromatic, Rig, TwoBeams, White
 
     light = White() if wish.light == "white" else Monochromatic()
     return plots.interferogram(data, wish.at, light, TwoBeams() if wish.light == "two-beam" else Rig())

@@ -10,10 +10,10 @@ from typing import Any, Literal
 
 import tomli_w
 
+from ertel.case.conditions import Kind
 from ertel.inputs.case_files import apply_overrides
 from ertel.inputs.library import material_names, oil_names
 from ertel.inputs.templates import GIVEN
-from ertel.model.conditions import Kind
 
 OWN = "own"  # in place of the name of an oil or a material
 OILS = {OWN: "by its viscosity", **{name: name for name in oil_names()}}

@@ -18,7 +18,7 @@ from typing import IO, Any
 
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.records import fault_of, summary_of
-from ertel.model.status import Status
+from ertel.case.status import Status
 from ertel.runs import files, progress_file, stop_file
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours

@@ -13,9 +13,9 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+from ertel.case.records import show
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.quantities import parse_quantity
-from ertel.model.records import show
 from ertel.physics.fluidity import Carreau
 from ertel.physics.materials import Elasticity, Material, Strength
 from ertel.physics.oils import LimitingStress, NamedOil, Sourced, ThermalData

@@ -1,0 +1,333 @@
+"""The operating conditions of a contact: which input is complete, and the scales that follow from it.
+
+The contact is given in one of three ways: by Moes' M and L, by the paper's lambda_bar and alpha_bar, or by physical
+input in SI.  Each physical quantity must be given in exactly one of the allowed ways.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from math import isclose
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
+
+from ertel.case import radii
+from ertel.case.records import checked, show
+from ertel.physics import bodies, scales
+from ertel.physics.geometry import Geometry, geometry
+from ertel.physics.lubricant import Oil
+from ertel.physics.scales import Parameters, Scales
+from ertel.physics.units import (
+    ABOVE_ZERO,
+    ANGLE,
+    DENSITY,
+    FINITE,
+    LENGTH,
+    LOAD,
+    MASS,
+    MODULUS,
+    NOT_NEGATIVE,
+    RADIUS,
+    SPEED,
+    VELOCITY,
+    Bounds,
+    Meaning,
+    Unit,
+    marks,
+)
+
+T = TypeVar("T")
+Kind = Literal["impact", "rolling"]
+KINDS: tuple[Kind, ...] = ("impact", "rolling")
+POISSON = Bounds(gt=-1, le=0.5)
+REDUCED = LENGTH.between(1e-6, 100.0)
+BODY = LENGTH.between(1e-6, 1e5)  # one of two may be all but plane
+FALL = LENGTH.between(1e-12, 1e5)
+MOES_M = Bounds(gt=0, least=1e-6, most=1e10)
+MOES_L = Bounds(ge=0, most=1e4)
+
+HALF_TURN = 180.0  # degrees
+ROUND_OFF = 1e-12  # by which the radii of a circular contact may differ
+
+Keys = tuple[str, ...]
+MOES: Keys = ("M", "L")
+BARS: Keys = ("lambda_bar", "alpha_bar")
+BALL = (("mass",), ("ball_density",))
+DROP = (("speed",), ("drop_height",))
+TRACK = (("mean_speed",), ("speed_1", "speed_2"))
+ELASTICITY = (("E_prime",), ("E1", "nu1", "E2", "nu2"))
+NEEDED: Mapping[Kind, tuple[tuple[Keys, ...], ...]] = {
+    "impact": (radii.WAYS, BALL, DROP, ELASTICITY),
+    "rolling": (radii.WAYS, (("load",),), TRACK, ELASTICITY),
+}
+OPTIONAL: Mapping[Kind, Keys] = {
+    "impact": ("mean_speed", "slide_to_roll"),
+    "rolling": ("mass", "ball_density", "slide_to_roll"),
+}
+PHYSICAL: Mapping[Kind, Keys] = {
+    kind: (*(key for group in groups for keys in group for key in keys), *OPTIONAL[kind])
+    for kind, groups in NEEDED.items()
+}
+PHYSICAL_TEXT: Mapping[Kind, str] = {
+    "impact": f"{radii.TEXT}, mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
+    "rolling": f"{radii.TEXT}, load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
+}
+FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and what to use instead
+    "impact": {
+        "load": "its load follows from mass and speed; a load that is applied to the ball is motion.load",
+        "speed_1": "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll",
+        "speed_2": "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll",
+    },
+    "rolling": {
+        "speed": "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2",
+        "drop_height": "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2",
+    },
+}
+
+
+class Speeds(NamedTuple):
+    """Mean speed (m/s) of the surfaces along x and slide-to-roll ratio (u1 - u2)/u_m; None if not given."""
+
+    mean: float | None
+    slide_to_roll: float | None
+
+
+@dataclass(frozen=True, repr=False)
+class Conditions:
+    """The two bodies and their operating conditions: the section [contact] of a case file.  Quantities are in SI.
+
+    A contact is given by M and L, by lambda_bar and alpha_bar (eqs. 8, 12), or in SI; what is not given is None.
+
+    Raises ValueError, naming the field, its value and what is allowed, if the input is incomplete or contradictory.
+    """
+
+    kind: Annotated[Kind, Meaning("a ball hits an oiled surface, or rolls and slides on it")] = "impact"
+    M: Annotated[float | None, MOES_M, Meaning("Moes' load parameter, for a contact without dimensions", 1000)] = None
+    L: Annotated[float | None, MOES_L, Meaning("Moes' lubricant parameter; goes with M", 10)] = None
+    lambda_bar: Annotated[float | None, ABOVE_ZERO, Meaning("dimensionless viscosity, in place of M", 1.1e-3)] = None
+    alpha_bar: Annotated[
+        float | None, NOT_NEGATIVE, Meaning("dimensionless pressure-viscosity index; goes with lambda_bar", 36.4)
+    ] = None
+    radius_ratio: Annotated[
+        float | None,
+        radii.RATIO,
+        Meaning("R_x/R_y of an elliptical contact without dimensions; left out: a circle", 0.2),
+    ] = None
+    radius: Annotated[float | None, REDUCED, Meaning("radius of a ball on a plane, or reduced radius")] = None
+    radius_1: Annotated[
+        float | None,
+        BODY,
+        Meaning("radius of the first of two balls, the one that moves in an impact; goes with radius_2"),
+    ] = None
+    radius_2: Annotated[float | None, BODY, Meaning("radius of the second ball", "15 mm")] = None
+    radius_x: Annotated[
+        float | None, REDUCED, Meaning("reduced radius of an elliptical contact along its axis x; goes with radius_y")
+    ] = None
+    radius_y: Annotated[float | None, REDUCED, Meaning("reduced radius along its axis y", "40 mm")] = None
+    radius_x_1: Annotated[
+        float | None, RADIUS, Meaning("radius of body 1 along x; negative: concave, left out: plane", "6 mm")
+    ] = None
+    radius_y_1: Annotated[float | None, RADIUS, Meaning("radius of body 1 along y, as radius_x_1", "6 mm")] = None
+    radius_x_2: Annotated[float | None, RADIUS, Meaning("radius of body 2 along x, as radius_x_1", "20 mm")] = None
+    radius_y_2: Annotated[float | None, RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")] = None
+    entrainment_angle: Annotated[
+        float | None,
+        ANGLE,
+        Meaning("from the axis x of the ellipse to the direction of entrainment, -180 to 180 deg; left out: 0"),
+    ] = None
+    mass: Annotated[
+        float | None, MASS, Meaning("mass of the moving ball; rolling: for its inertia in time, left out: none")
+    ] = None
+    ball_density: Annotated[float | None, DENSITY, Meaning("density of the moving ball, in place of its mass")] = None
+    speed: Annotated[float | None, SPEED, Meaning("impact: speed of the ball at first touch")] = None
+    drop_height: Annotated[
+        float | None, FALL, Meaning("impact: height from which the ball falls, in place of speed", "0.5 mm")
+    ] = None
+    load: Annotated[float | None, LOAD, Meaning("rolling: the static load")] = None
+    speed_1: Annotated[
+        float | None,
+        VELOCITY,
+        Meaning("rolling: speed of surface 1 along x; goes with speed_2, in place of mean_speed"),
+    ] = None
+    speed_2: Annotated[float | None, VELOCITY, Meaning("rolling: speed of surface 2 along x")] = None
+    mean_speed: Annotated[
+        float | None,
+        VELOCITY,
+        Meaning("mean of the speeds of both surfaces along x; impact: of a track that moves, left out: at rest"),
+    ] = None
+    slide_to_roll: Annotated[
+        float | None,
+        FINITE,
+        Meaning("difference of the speeds over their mean, (u1 - u2)/u_m; goes with mean_speed, left out: 0", 0.1),
+    ] = None
+    E_prime: Annotated[
+        float | None, MODULUS, Meaning("reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", "226 GPa")
+    ] = None
+    E1: Annotated[
+        float | None, MODULUS, Meaning("Young's modulus of body 1; with nu1, E2, nu2 in place of E_prime")
+    ] = None
+    nu1: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 1", 0.3)] = None
+    E2: Annotated[float | None, MODULUS, Meaning("Young's modulus of body 2")] = None
+    nu2: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 2", 0.3)] = None
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise ValueError(f"contact.kind = {show(self.kind)}: allowed: 'impact' or 'rolling'")
+        checked(self, "contact")
+        if self.entrainment_angle is not None and not abs(self.entrainment_angle) <= HALF_TURN:
+            raise ValueError(f"{self.entry('entrainment_angle')}: must be from -180 deg to 180 deg")
+        route = self._route
+        if route in (MOES, BARS):
+            return
+        for alternatives in NEEDED[self.kind]:
+            keys = self._only_one(alternatives)
+            if keys != radii.PAIRS:
+                self._complete(keys)
+        radii.check(self)
+        self._check_speeds()
+
+    def __repr__(self) -> str:
+        """Only what is given."""
+        given = ", ".join(f"{name}={getattr(self, name)!r}" for name in ("kind", *self.given))
+        return f"Conditions({given})"
+
+    # -- which keys ---------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def given(self) -> Keys:
+        """The fields that are given, apart from the kind."""
+        return tuple(f.name for f in fields(self) if f.name != "kind" and getattr(self, f.name) is not None)
+
+    @property
+    def is_physical(self) -> bool:
+        """Whether the contact is given in SI, so that results are available in SI."""
+        return self._route not in (MOES, BARS)
+
+    def entry(self, key: str) -> str:
+        """A field as it is written in messages: contact.radius = "0.01 m"."""
+        value, mark = getattr(self, key), marks(type(self)).get(key)
+        return f"contact.{key} = {show(f'{value!r} {mark.unit}' if isinstance(mark, Unit) else value)}"
+
+    @cached_property
+    def _route(self) -> Keys:
+        """MOES, BARS or PHYSICAL: the one way in which the contact is given."""
+        for key, instead in FOREIGN[self.kind].items():
+            if key in self.given:
+                article = "an impact" if self.kind == "impact" else "a rolling contact"
+                raise ValueError(f'{self.entry(key)}: not for {article} (contact.kind = "{self.kind}"): {instead}')
+        if self.radius_ratio is not None and any(key in self.given for key in PHYSICAL[self.kind]):
+            raise ValueError(
+                f"{self.entry('radius_ratio')}: belongs to dimensionless cases; give radius_x and radius_y"
+            )
+        if "slide_to_roll" in self.given and any(key in self.given for key in (*MOES, *BARS)):
+            raise ValueError(f"{self.entry('slide_to_roll')}: in a dimensionless case write motion.slide_to_roll")
+        return self._only_one((MOES, BARS, PHYSICAL[self.kind]), PHYSICAL_TEXT[self.kind])
+
+    def _only_one(self, alternatives: Sequence[Keys], last: str = "") -> Keys:
+        """The one alternative that is given, at least in part.  last: text for the last alternative in messages."""
+        present = [keys for keys in alternatives if any(key in self.given for key in keys)]
+        texts = [" and ".join(keys) for keys in alternatives]
+        allowed = "; or ".join([*texts[:-1], last or texts[-1]])
+        if not present:
+            raise ValueError(f"contact.{alternatives[0][0]}: missing; allowed: {allowed}")
+        if len(present) > 1:
+            pair = [self.entry(next(key for key in keys if key in self.given)) for keys in present[:2]]
+            raise ValueError(f"{' and '.join(pair)} are given together; allowed: {allowed}")
+        return present[0]
+
+    def _complete(self, keys: Keys) -> None:
+        missing = [key for key in keys if key not in self.given]
+        if missing:
+            present = next(key for key in keys if key in self.given)
+            raise ValueError(f"contact.{missing[0]}: missing; {self.entry(present)} needs " + " and ".join(keys))
+
+    def _check_speeds(self) -> None:
+        both = self.speed_1 is not None and self.speed_2 is not None
+        if both and self.slide_to_roll is not None:
+            raise ValueError(
+                f"{self.entry('slide_to_roll')}: follows from speed_1 and speed_2; allowed with mean_speed only"
+            )
+        if both and self.speeds.mean == 0:
+            pair = f"{self.entry('speed_1')} and {self.entry('speed_2')}"
+            raise ValueError(f"{pair}: their mean must not be zero, it carries the oil into the contact")
+        if not both and self.mean_speed is None and self.slide_to_roll is not None:
+            raise ValueError(f"{self.entry('slide_to_roll')}: needs contact.mean_speed")
+        if self.kind == "rolling" and self.mean_speed == 0:
+            raise ValueError(f"{self.entry('mean_speed')}: must not be zero, it carries the oil into the contact")
+
+    # -- what follows -------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def scales(self) -> Scales | None:
+        """The SI value of one unit of each dimensionless quantity; None for a dimensionless contact."""
+        if not self.is_physical:
+            return None
+        R, _ = radii.reduced(self)
+        E_prime = self.E_prime or _following(bodies.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
+        if self.kind == "rolling":
+            return _following(scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime, self.ratio)
+        speed = self.speed or _following(bodies.drop_speed, self.drop_height)
+        return _following(scales.impact_scales, R, self.ball_mass, speed, E_prime, self.ratio)
+
+    @property
+    def is_ball(self) -> bool:
+        """Whether the bodies are balls, or a ball and a plane."""
+        return self.radius is not None or self.radius_1 is not None
+
+    @property
+    def ratio(self) -> float:
+        """R_x/R_y."""
+        if not self.is_physical:
+            return self.radius_ratio or 1.0
+        R_x, R_y = radii.reduced(self)
+        return 1.0 if isclose(R_x, R_y, rel_tol=ROUND_OFF) else R_x / R_y
+
+    @property
+    def angle(self) -> float:
+        """From the axis x to the direction of entrainment, in degrees."""
+        return self.entrainment_angle or 0.0
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        """The undeformed gap and the constants of the dry contact."""
+        return geometry(self.ratio, self.angle)
+
+    @property
+    def ball_mass(self) -> float:
+        """Mass of the ball (kg), zero if it is not given."""
+        if not any(key in self.given for keys in BALL for key in keys):
+            return 0.0
+        self._only_one(BALL)
+        return self.mass or _following(bodies.sphere_mass, self.radius or self.radius_1, self.ball_density)
+
+    @property
+    def speeds(self) -> Speeds:
+        """The speeds of the surfaces along x."""
+        if self.speed_1 is not None and self.speed_2 is not None:
+            mean, difference = (self.speed_1 + self.speed_2) / 2, self.speed_1 - self.speed_2
+            return Speeds(mean, difference / mean if mean else None)
+        if self.mean_speed is None:
+            return Speeds(None, None)
+        return Speeds(self.mean_speed, self.slide_to_roll or 0.0)
+
+    def parameters(self, oil: Oil) -> Parameters:
+        """lambda_bar and alpha_bar; alpha_bar is zero if the viscosity does not depend on pressure."""
+        if self.scales:
+            return _following(scales.parameters, self.scales, oil.eta0, 0.0 if oil.is_isoviscous else oil.alpha)
+        first, second = route = self._route
+        value = getattr(self, second)
+        if oil.is_isoviscous and value:
+            raise ValueError(f'{self.entry(second)}: must be 0 or left out with lubricant.viscosity = "isoviscous"')
+        if not (oil.is_isoviscous and first in self.given):
+            self._complete(route)
+        make = Parameters.from_moes if route is MOES else Parameters
+        return _following(make, getattr(self, first), value or 0.0, self.ratio)
+
+
+def _following(law: Callable[..., T], *values: Any) -> T:
+    """What follows by a law from values that are allowed one by one, but may be too far apart together."""
+    try:
+        return law(*values)
+    except ArithmeticError as error:
+        raise ValueError("contact: its values together are too large or too small; check their units") from error
+    except ValueError as error:
+        raise ValueError(f"contact: its values together give {error}; check their units") from error

@@ -1,0 +1,59 @@
+"""The nodes of a case: the grid on the plane, or along the radius.  This module does not import JAX."""
+
+from math import floor, inf, log2
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ertel.case.case import Case
+from ertel.numerics.grid import WHOLE, Even, Grid, nodes_across
+from ertel.physics import surfaces
+
+CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
+EDGE = 1.0  # maximum radius of the dry contact: the grid is finest here, where the film is thinnest
+WIDENING_INSIDE = 1.5  # the spacing at distance d from the edge is 1 + widening * d times that at the edge
+WIDENING_OUTSIDE = 8.0
+
+
+def grid_of(case: Case) -> Grid:
+    """The grid of a case; the inlet is on the upstream side at T = 0."""
+    s = case.solver
+    nodes_y = nodes_across(s.nodes, (s.half_width_y or s.half_width) / s.half_width)
+    centre = 0.0 if s.inlet is None else s.half_width - s.inlet
+    upstream_is_left = case.motion.entrainment(0.0) >= 0
+    centre_x = centre if upstream_is_left else -centre
+    return Grid(s.nodes, nodes_y, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
+
+
+def _symmetry(case: Case, centre_x: float) -> Even:
+    """The axes about which a case is symmetric; the flow is along X."""
+    in_y, in_x = (a and b for a, b in zip(surfaces.even(case.features), case.geometry.even, strict=True))
+    return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
+
+
+def coarsenings(case: Case, spacing: float, most: int) -> int:
+    """How often a grid can be coarsened, at most `most` times, and still show the contact and the roughness."""
+    finest = min((getattr(f.shape, "size", 0.0) for f in case.features), default=inf)
+    widest = min(case.geometry.smaller / CELLS_SHOWN, finest / CELLS_OF_DETAIL)
+    return min(most, max(0, floor(log2(widest / spacing) + 1e-9))) if widest > 0 else 0
+
+
+# -- along the radius -------------------------------------------------------------------------------------------------
+
+
+def radii(nodes: int, half_width: float) -> NDArray[np.float64]:
+    """Nodes from 0 to half_width, finest at the edge of the contact; the spacing grows linearly to both sides."""
+    s = np.linspace(-_evenly(EDGE, WIDENING_INSIDE), _evenly(half_width - EDGE, WIDENING_OUTSIDE), nodes)
+    inside = EDGE - np.expm1(-WIDENING_INSIDE * np.minimum(s, 0.0)) / WIDENING_INSIDE
+    r = inside + np.expm1(WIDENING_OUTSIDE * np.maximum(s, 0.0)) / WIDENING_OUTSIDE
+    r[0], r[-1] = 0.0, half_width  # free of round-off
+    return r
+
+
+def _evenly(distance: float, widening: float) -> float:
+    return float(np.log1p(widening * distance)) / widening
+
+
+def extent(half_width: float) -> float:
+    """The distance from 0 to half_width in units in which the nodes are evenly spaced."""
+    return _evenly(EDGE, WIDENING_INSIDE) + _evenly(half_width - EDGE, WIDENING_OUTSIDE)

@@ -1,0 +1,347 @@
+"""Conversion of records to plain data and back, checks of their fields, and conversion to the units of a case.
+
+Plain data is the content of a case file: numbers, strings, lists, tables.  A quantity is a string with its SI unit,
+"0.01 m", which reads back as the same float.  The unit of a field is in the mark of its annotation (`physics.units`).
+"""
+
+import json
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import MISSING, Field, fields, is_dataclass, replace
+from functools import cache
+from math import inf, log10
+from typing import Any, TypeVar, get_type_hints
+
+import numpy as np
+
+from ertel.case.height_map import NO_MAPS, HeightMap
+from ertel.physics.fluidity import Fluidity
+from ertel.physics.lubricant import Oil
+from ertel.physics.motion import Oscillation, Polyline, Signal, constant
+from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
+from ertel.physics.scales import Scales
+from ertel.physics.surfaces import Feature
+from ertel.physics.units import TIME, Bounds, Quantity, Unit, marks
+
+T = TypeVar("T")
+Data = Mapping[str, Any]
+OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}  # by field of an oil
+
+
+# -- writing ----------------------------------------------------------------------------------------------------------
+
+
+def data_of(record: Any) -> dict[str, Any]:
+    """A record as plain data; what is None or infinite is left out.  Raises ValueError for what cannot be written."""
+    kinds, found = marks(type(record)), {}
+    for item in fields(record):
+        value = getattr(record, item.name)
+        if not _is_nothing(value):
+            found[item.name] = _plain(value, kinds.get(item.name))
+    return found
+
+
+def _is_nothing(value: Any) -> bool:
+    return value is None or (isinstance(value, float | str | tuple) and value in (inf, "", ()))
+
+
+def _plain(value: Any, mark: object = None) -> Any:
+    match value:
+        case Quantity():
+            return str(value)
+        case float() | int() if isinstance(mark, Unit) and not mark.scale:
+            return f"{float(value)!r} {mark.unit}"
+        case bool() | int() | float() | str():
+            return value
+        case tuple():
+            return [_plain(item) for item in value]
+        case Polyline():
+            (start, first), *rest = value.points
+            return first if start == 0.0 and not rest else [[_plain(T), v] for T, v in value.points]
+        case Oscillation():
+            return data_of(value)
+        case HeightMap():
+            return value.name
+        case _ if hasattr(value, "fluidity"):  # a law inside of another one
+            return law_data(value, FLUIDITY_LAWS)
+    raise ValueError(f"{show(value)}: cannot be written down; allowed: numbers, texts, signals, records with a name")
+
+
+def law_data(law: object, laws: Registry) -> Any:
+    """A law as its name if its data are those of the oil, otherwise as a table."""
+    return law if isinstance(law, str) else {"law": laws.name_of(law), **data_of(law)}
+
+
+def oil_data(oil: Oil) -> dict[str, Any]:
+    """An oil as plain data."""
+    written = {name: law_data(getattr(oil, name), laws) for name, laws in OIL_LAWS.items()}
+    plain = data_of(replace(oil, viscosity="isoviscous", density="incompressible", rheology="newtonian"))
+    return {**plain, **written}
+
+
+def feature_data(feature: Feature) -> dict[str, Any]:
+    """A feature as plain data."""
+    return {"shape": SHAPES.name_of(feature.shape), **data_of(feature.shape), "surface": feature.surface}
+
+
+def maps_in(features: Sequence[Feature]) -> dict[str, HeightMap]:
+    """The measured heights of some features, by the names that stand for them in their plain data."""
+    values = [value for feature in features for value in vars(feature.shape).values()]
+    return {value.name: value for value in values if isinstance(value, HeightMap)}
+
+
+# -- reading ----------------------------------------------------------------------------------------------------------
+
+
+def record_of(record: Callable[..., T], data: Data, place: str) -> T:
+    """A record from plain data.  place: its section, for messages.  Raises ValueError at the first error."""
+    if not isinstance(data, Mapping):
+        raise ValueError(f"{place} = {show(data)}: must be a table")
+    known = {item.name: item for item in fields(record)}  # type: ignore[arg-type]
+    for name in data:
+        if name not in known:
+            raise ValueError(f"{place}.{show_key(name)} = {show(data[name])}: unknown key; allowed: {', '.join(known)}")
+    for name, item in known.items():
+        if name not in data and item.default is MISSING and item.default_factory is MISSING:
+            raise ValueError(f"{place}.{name}: missing")
+    kinds = marks(record)
+    values = {name: _read(value, kinds.get(name), f"{place}.{name}") for name, value in data.items()}
+    return named(place, record, **values)
+
+
+def _read(value: Any, mark: object, place: str) -> Any:
+    if isinstance(mark, Unit) and isinstance(value, str):
+        number, _, unit = value.partition(" ")
+        try:
+            if unit == mark.unit:
+                return Quantity(float(number), unit) if mark.scale else float(number)
+        except ValueError:
+            pass
+        raise ValueError(f"{place} = {show(value)}: must be a number and the unit {mark.unit}")
+    if isinstance(value, list):  # of a law with a table
+        return tuple(_read(item, None, place) for item in value)
+    whole = isinstance(mark, Bounds) and mark.whole
+    if mark is not None and not whole and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    return value
+
+
+def signal_of(data: Any, place: str) -> Signal:
+    """A signal from a number, a list of [T, value], or a table { mean, amplitude, period, phase }."""
+    if isinstance(data, Mapping):
+        return record_of(Oscillation, data, place)
+    if isinstance(data, int | float):
+        return constant(float(data))
+    points = [(_read(T, TIME, place), float(value)) for T, value in data]
+    return named(place, Polyline, tuple(points), text=show(data))
+
+
+def law_of(data: Any, laws: Registry, place: str) -> Any:
+    """A law: a name, or a record from a table with its name under `law`."""
+    if not isinstance(data, Mapping):
+        return data
+    name = data.get("law")
+    if name not in laws:
+        raise ValueError(f"{place}.law = {show(name)}: allowed: {', '.join(laws)}")
+    record: Any = laws[str(name)]
+    inside = law_fields(record)
+    rest = {k: law_of(v, laws, f"{place}.{k}") if k in inside else v for k, v in data.items() if k != "law"}
+    return checked(record_of(record, rest, place), place)
+
+
+def checked_law(law: T, place: str) -> T:
+    """The same law of shear thinning; see `checked`, also for a law inside of it."""
+    kind: Any = type(law)
+    for name in law_fields(kind):
+        checked_law(getattr(law, name), f"{place}.{name}")
+    return checked(law, place)
+
+
+@cache
+def law_fields(record: Any) -> tuple[str, ...]:
+    """The fields of a law (a class) that are laws of shear thinning themselves."""
+    return tuple(name for name, hint in get_type_hints(record).items() if hint is Fluidity)
+
+
+def oil_of(data: Data, place: str) -> Oil:
+    """An oil from plain data."""
+    read = {k: law_of(v, OIL_LAWS[k], f"{place}.{k}") if k in OIL_LAWS else v for k, v in data.items()}
+    return record_of(Oil, read, place)
+
+
+def feature_of(data: Data, place: str, maps: Mapping[str, HeightMap] = NO_MAPS) -> Feature:
+    """A feature from plain data, its shape by a registered name, its maps of heights by the names of their files."""
+    name, surface = data.get("shape"), data.get("surface", 1)
+    if name not in SHAPES:
+        said = "missing" if name is None else f"= {show(name)}"
+        raise ValueError(f"{place}.shape{' ' if name else ': '}{said}; allowed: {', '.join(SHAPES)}")
+    if surface not in (1, 2):
+        raise ValueError(f"{place}.surface = {show(surface)}: allowed: 1 or 2")
+    shape: Any = SHAPES[str(name)]
+    read = {key: value for key, value in data.items() if key not in ("shape", "surface")}
+    for key in map_fields(shape) & read.keys():
+        if read[key] not in maps:
+            raise ValueError(f"{place}.{key} = {show(read[key])}: its heights are not given with the case")
+        read[key] = maps[read[key]]
+    return Feature(record_of(shape, read, place), surface)
+
+
+def map_fields(record: Any) -> set[str]:
+    """The fields of a shape (a class) that are maps of heights."""
+    return {name for name, hint in get_type_hints(record).items() if hint is HeightMap}
+
+
+# -- NumPy's numbers --------------------------------------------------------------------------------------------------
+
+
+def with_own_numbers(value: Any) -> Any:
+    """A record, or what stands in one, with Python's numbers in the place of NumPy's scalars."""
+    if value is None or type(value) in (float, int, str):  # most of what stands in one
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if type(value) is tuple:
+        found = tuple(with_own_numbers(item) for item in value)
+        return found if any(new is not old for new, old in zip(found, value, strict=True)) else value
+    if not is_dataclass(value) or isinstance(value, type):
+        return value
+    old = {item.name: getattr(value, item.name) for item in fields(value)}
+    changed = {name: new for name, part in old.items() if (new := with_own_numbers(part)) is not part}
+    return replace(value, **changed) if changed else value
+
+
+# -- checking ---------------------------------------------------------------------------------------------------------
+
+
+def checked(record: T, place: str) -> T:
+    """The same record.  Raises ValueError if a field has a value that its mark does not allow."""
+    kinds = marks(type(record))
+    for item in fields(record):  # type: ignore[arg-type]
+        value, mark = getattr(record, item.name), kinds.get(item.name)
+        if value is not None and mark is not None and not _is_default(value, item):
+            _check(value, mark, f"{place}.{item.name}")
+    return record
+
+
+def _is_default(value: Any, item: "Field[Any]") -> bool:
+    """Whether a value is the field's default, which may be infinite."""
+    return type(value) is type(item.default) and bool(value == item.default)
+
+
+def _check(value: Any, mark: Unit | Bounds, place: str) -> None:
+    number = with_own_numbers(value.value if isinstance(value, Quantity) else value)
+    if isinstance(number, bool) or not isinstance(number, int | float):
+        raise ValueError(f"{place} = {show(value)}: must be a number")
+    if isinstance(mark, Unit) and isinstance(value, Quantity):
+        mark = mark.in_si
+    if complaint := mark.complaint(number):
+        shown = _shown_si(number, mark.unit) if isinstance(mark, Unit) and not mark.scale else show(value)
+        raise ValueError(f"{place} = {shown}: {complaint}")
+
+
+def _shown_si(number: float, unit: str) -> str:
+    return show(f"{float(number)!r} {unit}" if isinstance(number, float) else f"{show(number)} {unit}")
+
+
+def named(place: str, function: Callable[..., T], *arguments: Any, text: str = "", **keywords: Any) -> T:
+    """The result of function(...); a ValueError about an argument is raised again with the field's place."""
+    try:
+        return function(*arguments, **keywords)
+    except ArithmeticError as error:
+        raise ValueError(f"{place}: has numbers too large or too small to compute with; check their units") from error
+    except ValueError as error:
+        message = str(error)
+        if text:
+            raise ValueError(f"{place} = {text}: {message.partition(': ')[2] or message}") from error
+        raise ValueError(message if message.startswith(f"{place}.") else f"{place}.{message}") from error
+
+
+# -- showing, in messages ---------------------------------------------------------------------------------------------
+
+SHOWN = 100  # characters of a value in a message
+BARE_KEY = re.compile(r"[\w-]{1,40}")
+
+
+def show(value: object) -> str:
+    """A value as it is written in a case file, for messages: printable, and cut after 100 characters."""
+    text = _shown(value, SHOWN)
+    return text if len(text) <= SHOWN else text[: SHOWN - 4] + " ..."
+
+
+def _shown(value: object, room: int) -> str:
+    """The value as text, of which only the first `room` characters matter; no more is built than that needs."""
+    if isinstance(value, Polyline | Oscillation):
+        return _shown(_plain(value), room)
+    if isinstance(value, Mapping):
+        items = (f"{show_key(key)} = {_shown(item, room - 2)}" for key, item in value.items())
+        return "{ " + _joined(items, room) + " }" if room > 0 else "..."
+    if isinstance(value, list | tuple):
+        return "[" + _joined((_shown(item, room - 1) for item in value), room) + "]" if room > 0 else "..."
+    if isinstance(value, int) and value.bit_length() > 4 * SHOWN:
+        return f"(an integer of about {int(value.bit_length() * log10(2))} digits)"
+    part = value[:room] if isinstance(value, str | bytes) else str(value) if isinstance(value, Quantity) else value
+    return printable(json.dumps(part, default=str, ensure_ascii=False))
+
+
+def shortened(text: str) -> str:
+    """A text of any origin for a message: its beginning and its end."""
+    return printable(text if len(text) <= SHOWN else f"{text[: SHOWN // 2]} ... {text[-SHOWN // 2 :]}")
+
+
+def show_key(key: object) -> str:
+    """A key as in TOML: quoted unless it is short and consists of letters, digits, - and _."""
+    return key if isinstance(key, str) and BARE_KEY.fullmatch(key) else show(str(key))
+
+
+def _joined(items: Iterable[str], room: int) -> str:
+    found: list[str] = []
+    for item in items:
+        found.append(item)
+        room -= len(item) + 2
+        if room < 0:
+            break
+    return ", ".join(found)
+
+
+def printable(text: str) -> str:
+    """The text with everything that is no visible character escaped, so that no message can steer a terminal."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+# -- units of the case ------------------------------------------------------------------------------------------------
+
+
+def scaled(record: T, scales: Scales | None, place: str) -> T:
+    """The record with every Quantity as a number in the units of the case.
+
+    Raises ValueError if the case is dimensionless (scales is None).
+    """
+    if isinstance(record, Polyline):
+        points = tuple((_over(T, TIME, scales, f"{place}[{i}]"), v) for i, (T, v) in enumerate(record.points, 1))
+        return named(place, Polyline, points, text=show(record))  # type: ignore[return-value]
+    kinds = marks(type(record))
+    changed: dict[str, Any] = {}
+    for item in fields(record):  # type: ignore[arg-type]
+        value, where = getattr(record, item.name), f"{place}.{item.name}"
+        if isinstance(value, Quantity):
+            changed[item.name] = _over(value, kinds[item.name], scales, where)
+        elif is_dataclass(value) and not isinstance(value, type):
+            changed[item.name] = scaled(value, scales, where if item.name != "shape" else place)
+    return named(place, replace, record, **changed) if changed else record
+
+
+def _over(amount: Any, mark: object, scales: Scales | None, place: str) -> float:
+    if not isinstance(amount, Quantity):
+        return float(amount)
+    if scales is None:
+        raise ValueError(f"{place} = {show(amount)}: must be a plain number: a dimensionless case has no {amount.unit}")
+    assert isinstance(mark, Unit)
+    found: float = amount.value / getattr(scales, mark.scale)
+    if complaint := mark.complaint(found):
+        raise ValueError(f"{place} = {show(amount)}: is {found:g} {mark.own} in this contact; {complaint}")
+    return found
+
+
+def scaled_all(records: Sequence[T], scales: Scales | None, place: str) -> tuple[T, ...]:
+    """Each record in the units of the case.  place: name of the list; its items are counted from one."""
+    return tuple(scaled(record, scales, f"{place}[{number}]") for number, record in enumerate(records, 1))

@@ -1,0 +1,174 @@
+"""The sections solver, time, output and motion of a case.  All defaults of ertel are here."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import ceil
+from typing import Annotated, Literal, NamedTuple
+
+from ertel.case.conditions import Kind
+from ertel.physics import hertz
+from ertel.physics.motion import Signal
+from ertel.physics.units import DURATION, FINITE, NOT_NEGATIVE, SHARE, Amount, Bounds, Meaning
+
+Method = Literal["2d", "radial", "steady", "transient"]
+Stop = Literal["max-approach", "rebound"]
+STOPS: tuple[Stop, ...] = ("max-approach", "rebound")
+METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
+ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length for M >= 5
+MOST_NODES, WIDEST_HALF_WIDTH = 4097, 1000.0
+CENTRED_HALF_WIDTH = 4.5  # half width of a grid for reversing flow
+
+
+@dataclass(frozen=True)
+class Solver:
+    """Grid and tolerance; all lengths in units a (impact: a*).
+
+    The tolerance of a time step is a film thickness in units of the expected film thickness (`Case.film_scale`), and
+    20 time.tolerance at most.  What a step leaves over, the next step makes good, so it does not add up.  For a steady
+    contact it is the residual of Reynolds' equation; 0.03 takes less than half the work and leaves at most about a
+    tenth of the grid's own error in H_c and H_min.  The defaults follow the size of an ellipse, see `extents`.
+    """
+
+    method: Annotated[
+        Method,
+        Meaning("an impact is computed on a square grid (2d) or along the radius (radial), rolling steady or in time"),
+    ] = "2d"
+    nodes: Annotated[
+        int,
+        Bounds(gt=0, le=MOST_NODES, whole=True),
+        Meaning("nodes per side of the grid, 2^k c + 1 with a small c, or along the radius"),
+    ] = 257
+    half_width: Annotated[
+        float,
+        Bounds(gt=0, le=WIDEST_HALF_WIDTH),
+        Meaning("from the middle of the grid to its edge along x, in a; wider by default for M < 100 (rolling: M < 5)"),
+    ] = 2.0
+    inlet: Annotated[
+        float | None,
+        Bounds(gt=0),
+        Meaning("from the contact's centre to the upstream edge, in a; reversing flow and impact: half_width", 4.5),
+    ] = None
+    tolerance: Annotated[
+        float,
+        SHARE,
+        Meaning(
+            "in time: a film thickness over the expected one; steady: the residual, where 0.03 leaves a tenth of the "
+            "grid's own error for less than half the work"
+        ),
+    ] = 1e-3
+    fold: Annotated[bool, Meaning("whether a symmetric case is computed on a half or a quarter of the plane")] = True
+    half_width_y: Annotated[
+        float | None,
+        Bounds(gt=0, le=1000),
+        Meaning("half_width along y; left out: the edge is as far from the contact as along x", 3.0),
+    ] = None
+
+
+SOLVERS: Mapping[Method, Solver] = {  # the defaults
+    "2d": Solver(),
+    "radial": Solver("radial", half_width=4.0),  # graded: the outer half costs few nodes
+    "steady": Solver("steady", half_width=3.0, inlet=4.5, tolerance=1e-8),
+    "transient": Solver("transient", half_width=3.0, inlet=4.5),
+}
+
+
+class Widening(NamedTuple):
+    """The default domain is wider by (below/M)^exponent where M is below that value, and by the widest at most."""
+
+    below: float
+    exponent: float
+    widest: float
+
+
+WIDENING: Mapping[Kind, Widening] = {"impact": Widening(100.0, 2 / 3, 4.0), "rolling": Widening(5.0, 4 / 3, 200.0)}
+
+
+def half_width_at(kind: Kind, half_width: float, M: float) -> float:
+    """The default half width: wide for a low load, where the oil far away carries much of it.
+
+    lambda_bar goes as M^(-4/3), and that share as lambda_bar/half_width^2 in an impact, as lambda_bar/half_width in
+    rolling.  Up to the widest, Delta and the load of an impact are within 0.2 % of a far wider domain, and the oil
+    outside a rolling contact carries 23 % of the load at most.
+    """
+    below, exponent, widest = WIDENING[kind]
+    factor: float = min(max(1.0, (below / M) ** exponent), widest)
+    return ceil(4 * half_width * factor - 1e-6) / 4  # M = 100 itself, free of round-off
+
+
+@dataclass(frozen=True)
+class Time:
+    """Start, end and steps of a run in time; amounts are in t0 or quantities.
+
+    The local error of a step is that of Delta, of dDelta/dT, and of the film relative to itself.  The error of a run
+    falls with its power 2/3; the default gives about 0.1 % in H_c.  A fixed step has no error control; it is shortened
+    only to end on the points of a signal and at the end.
+    """
+
+    start_approach: Annotated[
+        float | None,
+        Bounds(ge=-1000, lt=0),
+        Meaning("impact: approach Delta at the start, below zero: the surfaces are apart", -1.0),
+    ] = None
+    until: Annotated[
+        Stop | Amount | None,
+        DURATION,
+        Meaning("the end: a time, or in an impact max-approach or rebound", "max-approach"),
+    ] = None
+    tolerance: Annotated[float, SHARE, Meaning("error allowed in a time step, relative")] = 5e-5
+    step: Annotated[Amount | None, DURATION, Meaning("a fixed time step, in place of tolerance", 0.01)] = None
+
+
+START_APPROACH = -1.0
+ENDS: Mapping[Kind, Stop | float] = {"impact": "max-approach", "rolling": ROLLING_UNTIL}
+
+
+@dataclass(frozen=True)
+class Output:
+    """Which film and pressure maps are kept, besides those at maximum approach and at the end."""
+
+    interval: Annotated[Amount, DURATION, Meaning("time between the film and pressure maps that are kept")] = 0.1
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Load and entrainment as functions of time: the section [motion].  None: the default of the kind of contact."""
+
+    load: Annotated[
+        Signal | None,
+        Meaning("applied load w(T), in F* (impact, left out: 0) or in the static load (rolling, left out: 1)", 1.0),
+    ] = None
+    entrainment: Annotated[
+        Signal | None,
+        Meaning(
+            "mean speed U(T), in a/t0 (impact, left out: 0) or u_m (rolling, left out: 1)", [[0, 1], [1, 1], [5, -1]]
+        ),
+    ] = None
+    slide_to_roll: Annotated[
+        float | None, FINITE, Meaning("(u1 - u2)/u_m of a contact without dimensions; left out: 0", 0.1)
+    ] = None
+    inertia: Annotated[
+        float | None,
+        NOT_NEGATIVE,
+        Meaning("inertia of the ball in a rolling contact without dimensions; left out: 0", 0.5),
+    ] = None
+
+
+class Schedule(NamedTuple):
+    """`Time` and `Output` in units t0."""
+
+    start_approach: float
+    until: Stop | float
+    tolerance: float
+    step: float | None
+    interval: float
+
+    @property
+    def duration(self) -> float:
+        """T at the end of the run; of an event about, as if the impact were dry."""
+        match self.until:
+            case "max-approach":
+                return hertz.HALF_CONTACT_TIME - self.start_approach
+            case "rebound":
+                return hertz.CONTACT_TIME - 2 * self.start_approach
+            case until:
+                return until

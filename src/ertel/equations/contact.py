@@ -1,0 +1,177 @@
+"""The lubricated contact: film thickness and residual of Reynolds' equation, for impact and rolling.
+
+    D(rho H)/DT + div(Poiseuille flux) = 0   where P > 0
+                                      >= 0   where P = 0
+
+The Poiseuille flux of a Newtonian oil is -eps grad P, so that
+
+    D(rho H)/DT - d/dX(eps dP/dX) - d/dY(eps dP/dY) = 0,    eps = rho H^3 / (eta lambda_bar)
+
+D/DT = d/dT + U d/dX is the rate of change following the mean flow (`flow`): squeeze and wedge are one term.  Impact has
+U = 0 (eq. 1) and rolling has U = 1.  Otherwise they differ only in the scales and in the equation for Delta.
+All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fields have shape (n, n), index [Y, X].
+"""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.tree_util import register_dataclass
+
+from ertel.equations.flow import Rate
+from ertel.equations.pytrees import traceable
+from ertel.numerics import halfspace
+from ertel.numerics.grid import WHOLE, Even, Grid
+from ertel.numerics.integrals import Plane
+from ertel.numerics.stencils import Pair, diffusion, inside
+from ertel.numerics.symmetry import total
+from ertel.physics.geometry import CIRCLE, Geometry
+from ertel.physics.lubricant import Lubricant
+from ertel.physics.rheology import NEWTONIAN, Rheology
+
+Number = Array | float
+
+
+class Mobilities(NamedTuple):
+    """Along X and along Y: flux per unit pressure gradient, and change of the flux per unit change of the gradient.
+
+    The two are the same unless the gradient thins the oil.
+    """
+
+    secant: Pair
+    tangent: Pair
+
+
+class PressureFlow(Protocol):
+    """The flow by the pressure gradient, by the law of the oil.  A JAX pytree of numbers."""
+
+    def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
+        """- div(Poiseuille flux): what the flow brings to each node; without meaning on the edge.  Shape (n, n)."""
+        ...
+
+    def mobilities(self, contact: "Contact", P: Array, H: Array) -> "Mobilities":
+        """The mobilities at the nodes; the gradient itself is held when they are differentiated."""
+        ...
+
+    def details(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> "Details":
+        """The flow at every node when the surfaces slide by U S along X, which may differ from that of the film."""
+        ...
+
+
+class Details(NamedTuple):
+    """The flow of the oil at the nodes, for the budgets and the friction.
+
+    stress: tau_m in the middle of the film along X and along Y, in units of p_h a/R, shape (2, n, n).  heat: what the
+    pressure spends on the flow, - flux . grad of the enthalpy, in units of p_h a^2/(R t0), shape (n, n); each face
+    between two nodes gives half to either.  gain: as from `PressureFlow`.  mobility: the secant one of its mobilities.
+    """
+
+    stress: Array
+    heat: Array
+    gain: Array
+    mobility: Pair
+
+
+class NewtonianFlow(NamedTuple):
+    """The flow of a law whose mobilities do not depend on the pressure gradient."""
+
+    law: Rheology = NEWTONIAN
+
+    def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
+        return diffusion(self.mobility(contact, P, H), P, contact.even) / contact.spacing**2
+
+    def mobilities(self, contact: "Contact", P: Array, H: Array) -> "Mobilities":
+        eps = self.mobility(contact, P, H)
+        return Mobilities(eps, eps)
+
+    def mobility(self, contact: "Contact", P: Array, H: Array) -> Pair:
+        """The same for any gradient."""
+        oil = contact.lubricant
+        return Pair.of(*self.law.mobility(oil.density(P), oil.viscosity(P), H, contact.lambda_bar))
+
+    def details(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> Details:
+        oil, eps = contact.lubricant, self.mobility(contact, P, H)
+        along_x = contact.lambda_bar * oil.viscosity(P) * sliding / (12.0 * opened(H))
+        heat = plane.of_slopes(eps, P, oil.enthalpy(P))
+        return Details(jnp.stack([along_x, jnp.zeros_like(along_x)]), heat, self.gain(contact, P, H), eps)
+
+
+def opened(H: Array) -> Array:
+    """H > 0; any value where the surfaces overlap, because nothing flows there."""
+    return jnp.where(H > 0.0, H, 1.0)
+
+
+NEWTONIAN_FLOW = NewtonianFlow()
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Contact:
+    """Two surfaces and the oil between them.
+
+    gap: undeformed gap minus roughness, shape (n, n).  kernel: from `halfspace.spectrum`.  flow: how the pressure
+    gradient drives the oil.  even: the axes about which fields are even and stored on one side (`symmetry`).
+    """
+
+    gap: Array
+    kernel: Array
+    spacing: float
+    lambda_bar: float
+    lubricant: Lubricant
+    even: Even = field(default=WHOLE, metadata={"static": True})
+    flow: PressureFlow = NEWTONIAN_FLOW
+
+
+def smooth_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
+    """Two smooth bodies of a geometry."""
+    gap = jax.device_put(geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
+    kernel = halfspace.spectrum(grid, geometry.compliance)
+    return Contact(gap, kernel, grid.spacing, lambda_bar, traceable(lubricant), grid.even)
+
+
+def ball_on_plane(grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
+    """A smooth ball on a smooth plane, or any two bodies of the same reduced radius."""
+    return smooth_contact(CIRCLE, grid, lambda_bar, lubricant)
+
+
+def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array:
+    """H, eq. (3): - approach + undeformed gap + elastic deformation."""
+    return -approach + contact.gap + deformation(contact, P)
+
+
+def deformation(contact: Contact, P: Array) -> Array:
+    """The geometry's compliance times the double integral of P/distance, eq. (3)."""
+    return halfspace.displacement(contact.kernel, P, contact.even)
+
+
+def load(contact: Contact, P: Array) -> Array:
+    """Double integral of P."""
+    return total(P, contact.even) * contact.spacing**2
+
+
+def mass(contact: Contact, P: Array, H: Array) -> Array:
+    """rho H."""
+    return contact.lubricant.density(P) * H
+
+
+def mobility(contact: Contact, P: Array, H: Array) -> Pair:
+    """The mobility along X and along Y, flux per unit pressure gradient: rho H^3/(eta lambda_bar) if Newtonian."""
+    return mobilities(contact, P, H).secant
+
+
+def mobilities(contact: Contact, P: Array, H: Array) -> Mobilities:
+    """The mobility, and that for a change of the pressure gradient."""
+    return contact.flow.mobilities(contact, P, H)
+
+
+def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
+    """Reynolds' equation, eq. (1): rate of change following the flow + div(Poiseuille flux), zero on the edge."""
+    change = rate.of(mass(contact, P, H), contact.spacing)
+    return inside(change - contact.flow.gain(contact, P, H), contact.even)
+
+
+def balance(mass: Array, eps: Pair, P: Array, rate: Rate, spacing: Array | float, even: Even = WHOLE) -> Array:
+    """The residual for given mass rho H and mobility eps: the equation without the laws of the oil."""
+    return inside(rate.of(mass, spacing) - diffusion(eps, P, even) / spacing**2, even)

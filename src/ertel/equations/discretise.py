@@ -1,0 +1,100 @@
+"""The contact of a case on a grid: the surfaces at a given time, and the oil."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import jax
+import numpy as np
+from jax import Array
+from numpy.typing import NDArray
+
+from ertel.case.case import Case
+from ertel.case.grids import coarsenings as coarsenings
+from ertel.case.grids import grid_of as grid_of
+from ertel.equations import contact, outside
+from ertel.equations.contact import NEWTONIAN_FLOW, Contact, PressureFlow
+from ertel.equations.outside import Outside
+from ertel.equations.pytrees import traceable_law
+from ertel.equations.thinning import ThinningFlow
+from ertel.numerics.grid import Grid
+from ertel.physics import surfaces
+from ertel.physics.surfaces import CELLS_KEPT, Feature
+
+INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
+
+
+def outside_of(case: Case, grid: Grid) -> Outside:
+    """The oil outside the grid."""
+    return outside.around_grid(grid, case.parameters.lambda_bar, case.geometry)
+
+
+def smooth_contact(case: Case, grid: Grid) -> Contact:
+    """The two surfaces without roughness, and the oil at T = 0."""
+    smooth = contact.smooth_contact(case.geometry, grid, case.parameters.lambda_bar, case.lubricant)
+    return replace(smooth, flow=flow_of(case, 0.0))
+
+
+def flow_of(case: Case, T: float) -> PressureFlow:
+    """How the pressure gradient drives the oil at time T: a thinning oil is thinned by the sliding at that time."""
+    if case.oil.is_newtonian:
+        return NEWTONIAN_FLOW
+    scales = case.scales
+    assert scales is not None  # `rules.check_rheology`
+    law = traceable_law(case.oil.fluidity_law)
+    return ThinningFlow(law, scales.p_h, scales.shear_stress, case.motion.sliding(T))
+
+
+def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
+    """The two surfaces and the oil at time T on a grid."""
+    return moved(smooth_contact(case, grid), case, grid, T)
+
+
+def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
+    """The smooth contact with the case's roughness added at its position at time T, and the oil's flow at that time."""
+    smooth = replace(smooth, flow=flow_of(case, T))
+    if not case.features:
+        return smooth
+    return replace(smooth, gap=smooth.gap - heights(case.features, case, grid, T))
+
+
+def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Array:
+    """The height of the roughness on the grid at time T; it moves with the surfaces.
+
+    Of rough surfaces the waves that are too short for the grid are left out (`CELLS_KEPT`), so that a coarse grid does
+    not mistake them for longer ones.
+    """
+    X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
+    return _on_device(surfaces.height(features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing))
+
+
+def gap_slope(case: Case, grid: Grid) -> Array:
+    """dG/dX of the smooth gap G, which is a parabola: the central difference is exact."""
+    X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
+    return _on_device((case.geometry.gap(X + 1.0, Y) - case.geometry.gap(X - 1.0, Y)) / 2.0)
+
+
+def gap_change(case: Case, grid: Grid, T: float) -> Array:
+    """The rate of change of the undeformed gap, roughness included, following the flow."""
+    slope, change = np.asarray(gap_slope(case, grid)), np.asarray(roughness_change(case, grid, T))
+    return _on_device(case.motion.entrainment(T) * slope - change)
+
+
+def roughness_change(case: Case, grid: Grid, T: float) -> Array | float:
+    """The rate of change of the roughness following the flow, by a central difference; 0.0 where nothing slides."""
+    motion = case.motion
+    if not (case.features and motion.flows and motion.slide_to_roll):
+        return 0.0
+    drift, Y = motion.entrainment.integral, grid.kept_y[:, None]
+
+    def at(T_near: float) -> NDArray[np.float64]:
+        X = grid.kept_x[None, :] + drift(T_near) - drift(T)
+        found: NDArray[np.float64] = surfaces.height(case.features, motion, T_near, X, Y, CELLS_KEPT * grid.spacing)
+        return found
+
+    return _on_device((at(T + INSTANT) - at(T - INSTANT)) / (2.0 * INSTANT))
+
+
+def _on_device(field: NDArray[np.float64]) -> Array:
+    """Unlike `jnp.asarray`, this has nothing to compile."""
+    found: Array = jax.device_put(field)
+    return found

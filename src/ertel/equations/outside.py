@@ -1,0 +1,129 @@
+"""The oil outside the grid: the pressure at the grid's edge, and its load and deformation, from `physics.far_field`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ertel.equations.state import State, combined
+from ertel.numerics import bdf
+from ertel.numerics.grid import Grid
+from ertel.physics import far_field
+from ertel.physics.far_field import Motion
+from ertel.physics.geometry import CIRCLE, Geometry
+
+Floats = NDArray[np.float64]
+
+POINTS = 8  # of the quadrature along each piece of the edge, and outwards
+NEWEST = 2  # levels from which the motion of the new level is predicted: with more, the oil outside overshoots
+
+
+class Surroundings(NamedTuple):
+    """The oil around the grid at one time.
+
+    edge: P on the edge nodes and zero on the others.  load: double integral of P outside.  uplift: the deformation that
+    it causes at the centre, taken as uniform.
+    """
+
+    edge: Floats
+    load: float
+    uplift: float
+
+
+@dataclass(frozen=True)
+class Outside:
+    """Where the oil outside is looked at.
+
+    X, Y: the nodes of the grid.  is_edge: which of them are on the edge.  far: X, Y and area of the quadrature points
+    outside, shape (3, n).
+    """
+
+    X: Floats
+    Y: Floats
+    is_edge: NDArray[np.bool_]
+    far: Floats
+    lambda_bar: float
+    geometry: Geometry
+
+    def at(self, motion: Motion) -> Surroundings:
+        """The oil around the grid for a given motion."""
+        X, Y, area = self.far
+        edge = self._pressure(self._edge, motion)
+        forces = area * far_field.pressure(X, Y, motion, self.lambda_bar, self.geometry)
+        uplift = self.geometry.compliance * float((forces / np.hypot(X, Y)).sum())
+        return Surroundings(edge, float(forces.sum()), uplift)
+
+    def at_first(self, motion: Motion) -> Floats:
+        """P on the grid while the surfaces are apart."""
+        return far_field.at_first(self.X, self.Y, motion, self.lambda_bar, self.geometry)
+
+    def guess(self, motion: Motion) -> Floats:
+        """A guess of P on the grid where it is far from the contact, zero elsewhere."""
+        return self._pressure(self.is_edge | (self.geometry.distance(self.X, self.Y) >= far_field.NEAREST), motion)
+
+    @cached_property
+    def _edge(self) -> tuple[NDArray[np.int64], ...]:
+        """The indices of the edge nodes: at each step they are found much faster than by a mask of the whole grid."""
+        return np.nonzero(self.is_edge)
+
+    def _pressure(self, where: Any, motion: Motion) -> Floats:
+        P = np.zeros(self.is_edge.shape)
+        P[where] = far_field.pressure(self.X[where], self.Y[where], motion, self.lambda_bar, self.geometry)
+        return P
+
+
+def around_grid(grid: Grid, lambda_bar: float, geometry: Geometry = CIRCLE) -> Outside:
+    """The oil outside a rectangle, which ends half a cell beyond the edge nodes."""
+    X, Y = np.meshgrid(grid.kept_x, grid.kept_y)
+    left, right, low, high = grid.x[0], grid.x[-1], grid.y[0], grid.y[-1]
+    is_edge = (left == X) | (right == X) | (low == Y) | (high == Y)
+    half = grid.spacing / 2
+    corners = [left - half, right + half, low - half, high + half]
+    return Outside(X, Y, is_edge, beyond_rectangle(*corners), lambda_bar, geometry)
+
+
+def around_circle(r: Floats, lambda_bar: float) -> Outside:
+    """The oil outside a radial grid with nodes r."""
+    u, weight = _gauss(0.0, 1.0)
+    far = r[-1] / u
+    area = 2 * np.pi * far**3 * weight / r[-1]
+    return Outside(
+        r, np.zeros_like(r), np.arange(len(r)) == len(r) - 1, np.stack([far, 0 * far, area]), lambda_bar, CIRCLE
+    )
+
+
+def beyond_rectangle(left: float, right: float, low: float, high: float) -> Floats:
+    """X, Y and area of quadrature points outside a rectangle around the origin, shape (3, n).
+
+    Each lies on a ray from the origin through a point of the edge, 1/u times as far.  The pieces of the edge end at
+    X = 0, beyond which the oil that is entrained cavitates.
+    """
+    pieces = [((side, low), (side, high)) for side in (left, right)]
+    pieces += [((start, side), (end, side)) for side in (low, high) for start, end in ((left, 0.0), (0.0, right))]
+    u, outwards = _gauss(0.0, 1.0)
+    s, along = _gauss(0.0, 1.0)
+    found = []
+    for (x0, y0), (x1, y1) in pieces:
+        X, Y = ((1 - s) * x0 + s * x1)[:, None] / u, ((1 - s) * y0 + s * y1)[:, None] / u
+        area = abs(x0 * y1 - x1 * y0) * along[:, None] * outwards / u**3
+        found.append(np.stack([X.ravel(), Y.ravel(), area.ravel()]))
+    return np.concatenate(found, axis=1)
+
+
+def predicted(levels: Sequence[State], T: float, loads: Sequence[float], entrainment: float) -> Motion:
+    """The motion at the next level, from the last levels (newest first) and their loads in units F*."""
+    known = levels[:NEWEST]
+    weights = bdf.interpolation_weights(T, [level.T for level in known])
+    approach, velocity, load = (
+        float(combined(weights, values[:NEWEST]))
+        for values in ([level.approach for level in known], [level.velocity for level in known], loads)
+    )
+    return Motion(approach, velocity, load, entrainment)
+
+
+def _gauss(start: float, end: float) -> tuple[Floats, Floats]:
+    x, weight = np.polynomial.legendre.leggauss(POINTS)
+    return start + (end - start) * (x + 1) / 2, (end - start) * weight / 2

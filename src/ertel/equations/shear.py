@@ -1,0 +1,318 @@
+"""The isothermal flow of an oil that thins under shear, in two dimensions.
+
+Across a thin film the shear stress is linear, tau = tau_m + zeta grad p with zeta from -h/2 to h/2.  The oil's law
+gives the shear rate du/dz = (phi/eta) tau.  From the velocities of the surfaces follow two equations for the stress
+tau_m in the middle of the film, and then the flux (Yang P, Wen S. J Tribol 1990;112:631-636, where eta and rho are
+uniform across the film).  With g = h grad p and s = eta (u1 - u2)/h, both in Pa, and zeta in units of h:
+
+    integral of phi tau dzeta = s                            (sliding)
+    volume flux = u_m h - (h^2/eta) Q,     Q = integral of zeta phi tau dzeta           Newtonian: tau_m = s, Q = g/12
+
+Surface 1 is the upper one, at z = h/2.  phi = phi(|tau|) contains both components: sliding thins the oil for the flow
+in all directions, and so does the pressure gradient in pure rolling.
+
+The equations are exact for a film of uniform eta and rho.  The flux of their solution here has the error of the sums
+below: up to 1e-5 for Eyring's law.  It is largest in pure rolling where the gradient, h |grad p|, is more than ten
+times the stress of the law: 6e-4 for Carreau's and Carreau and Yasuda's with n = 0.3 to 0.5, and 3e-3 for a limited law
+where the stress at the walls just comes to the limit.  Nothing is claimed where it exceeds eight times the limit.
+
+* The integrals are sums over NODES nodes.  With the sums S_k of zeta^k phi they are S_0 tau_m + S_1 g and S_1 tau_m +
+  S_2 g.  The nodes lie in pairs, so that a Newtonian oil gets exactly S_1 = 0.
+* tau_m comes from Newton's iteration in a variable in which the equations are nearly linear: Eyring's asinh.
+* Where the oil hardly thins, a series of two terms stands for phi, and the sums are exact integrals of it.  It is
+  checked against the law at every point: phi has an error of `SERIES_ERROR`.  So it is at nine of ten points.
+* The derivative is that of an implicit function, from the moments A, C, D = integrals of (1, zeta, zeta^2) d(phi
+  tau)/dtau:  A dtau_m = ds - C dg,  dQ = C dtau_m + D dg.  These are symmetric, and D - C A^-1 C is positive definite.
+
+Vectors have the shape (2, ...): along X and along Y, then the shape of the fields.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.custom_derivatives import SymbolicZero
+
+from ertel.equations.across import (
+    Moments,
+    Series,
+    both_sides,
+    gauss,
+    gauss_nodes,
+    moments_by_nodes,
+    series_moments,
+    series_of,
+    sliding_moments,
+    with_slope,
+)
+from ertel.numerics.blocks import in_blocks
+from ertel.numerics.pointwise import Matrix, Tensor, divided, dot, length, product, square, times, transposed
+from ertel.physics.fluidity import Fluidity
+
+NODES = 8  # across the film, even
+TOLERANCE = 1e-7  # of the last change of tau_m in units of the stress at the walls; the error is about its square
+CLOSE = 1e-3  # a change after which the next one is the last
+LIMIT = 40  # of Newton iterations
+
+
+class Shear(NamedTuple):
+    """The flow across the film.
+
+    stress: tau_m, shape (2, ...), in Pa.  flux: Q, shape (2, ...), in Pa; the volume flux is u_m h - (h^2/eta) Q.
+    by_gradient: dQ/dg at constant sliding, positive definite.  iterations: Newton iterations that were needed, the
+    largest of all nodes; 0 where the series is enough.
+    """
+
+    stress: Array
+    flux: Array
+    by_gradient: Tensor
+    iterations: Array
+
+
+def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, across: int = NODES) -> Shear:
+    """The mid-plane stress and the flux, by a number of nodes across the film.
+
+    pressure: in Pa, shape (...).  sliding: s = eta (u1 - u2)/h in Pa, the mid-plane stress of a Newtonian oil, shape
+    (2, ...).  gradient: g = h grad p in Pa, shape (2, ...).  All finite; differentiable (forward and reverse) in all of
+    them and in the numbers of the law, which must be a JAX pytree (`pytrees.traceable_law`).
+    """
+    law_, *fields = jax.lax.stop_gradient((law, pressure, sliding, gradient))
+    found = in_blocks(
+        partial(_solved, law_, across), ~series_of(law_, *fields).holds, _of_series(law_, *fields), *fields
+    )
+    stress, flux = _attached((law, pressure), sliding, gradient, found)
+    return Shear(stress, flux, found.by_gradient, jnp.max(found.iterations))
+
+
+def dissipation(found: Shear, sliding: Array, gradient: Array) -> Array:
+    """Heat per area over h/eta, in Pa^2, shape (...): the mean of phi tau^2 across the film."""
+    return dot(found.stress, sliding) + dot(found.flux, gradient)
+
+
+class Mobility(NamedTuple):
+    """Flow factors: the flux is Q = factor * g/12, 1 for a Newtonian oil.  Symmetric tensors, components xx, xy, yy."""
+
+    xx: Array
+    xy: Array
+    yy: Array
+
+
+def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Array, across: int = NODES) -> Mobility:
+    """The tensor K with Q = K g/12 and the axes of the stress: smaller across tau_m, larger along it.
+
+        K/12 = S_2 + tau_m tau_m S_1/(tau_m . g)
+
+    It has a limit where tau_m . g = 0.  In a small gradient it is phi across and d(phi tau)/dtau along tau_m.  The
+    off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
+    """
+    series = series_of(law, pressure, stress, gradient)
+    simple, exact = _series_secant(series, stress, gradient), partial(_secant, law, across)
+    mobility: Mobility = in_blocks(exact, ~series.holds, simple, pressure, stress, gradient)
+    return mobility
+
+
+def _secant(law: Fluidity, across: int, pressure: Array, t: Array, gradient: Array) -> Mobility:
+    # where the nodes lie has no influence
+    zeta, weight = jax.lax.stop_gradient(gauss_nodes(law, across, pressure, t, gradient))
+    phi, slope = both_sides(law, pressure, t, gradient, zeta)
+    along_it = dot(t, gradient)
+    # |tau+|^2 - |tau-|^2 = 4 zeta tau_m . g; where it is too small for a quotient, the mean slope by |tau|^2 serves
+    difference = 4.0 * zeta * along_it
+    size = square(t)[None] + zeta**2 * square(gradient)[None]
+    apart = jnp.abs(difference) > 1e-6 * size
+    quotient = (phi[0] - phi[1]) / jnp.where(apart, difference, 1.0)
+    by_square = jnp.where(apart, quotient, 0.25 * (slope[0] + slope[1]))
+    along = jnp.sum(weight * 4.0 * zeta**2 * by_square, axis=0)
+    return _along_stress(jnp.sum(weight * zeta**2 * (phi[0] + phi[1]), axis=0), along, t)
+
+
+def _along_stress(even: Array, along: Array, t: Array) -> Mobility:
+    """12 (even + along t t)."""
+    return Mobility(12.0 * (even + along * t[0] ** 2), 12.0 * along * t[0] * t[1], 12.0 * (even + along * t[1] ** 2))
+
+
+def tangent_mobility(found: Shear) -> Mobility:
+    """The tensor dQ/dg times 12 at constant sliding, positive definite: of the flux's exact derivative."""
+    return Mobility(*(12.0 * component for component in found.by_gradient))
+
+
+# -- where the oil hardly thins ---------------------------------------------------------------------------------------
+
+
+def _of_series(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> "_Solution":
+    """The solution by the series: two iterations from the stress of a Newtonian oil."""
+
+    def moments(pressure: Array) -> Moments:
+        return series_moments(series_of(law, pressure, sliding, gradient), t, gradient)
+
+    t = sliding
+    for _ in range(2):
+        m = moments(pressure)
+        t = t + divided(m.A, sliding - (m.s0 * t + m.s1 * gradient))
+    return _solution(moments, pressure, t, gradient, jnp.zeros(pressure.shape, jnp.int32))
+
+
+def _series_secant(series: Series, t: Array, gradient: Array) -> Mobility:
+    """As `_secant`."""
+    a, c, (first, second, _) = square(t), square(gradient), series
+    along = (first + 2.0 * second * a) / 6.0 + second * c / 20.0
+    return _along_stress(series_moments(series, t, gradient).s2, along, t)
+
+
+# -- the stress in the middle -----------------------------------------------------------------------------------------
+
+
+class _Iterate(NamedTuple):
+    """The best tau_m so far, the change to try next, and the size of the residual there, at every node.
+
+    left: above one where the iteration is not yet done.
+    """
+
+    stress: Array
+    change: Array
+    residual: Array
+    left: Array
+    iterations: Array
+
+
+def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradient: Array) -> "_Solution":
+    """The solution, with the number of iterations, the same at each point.
+
+    With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
+    equation is psi(sliding(tau_m)/F) = psi(s/F).  For Eyring's law and sliding along the gradient its left side is
+    tau_m itself.  In other directions F is the largest fluidity of the resting film; the first guess, psi(s/F),
+    is then rather too small than too large.
+    """
+    resting = _resting(law, across, pressure, gradient)
+    aim, _ = _bent(law, pressure, sliding / resting)
+    nodes = gauss_nodes(law, across, pressure, aim, gradient)
+
+    def unsolved(it: _Iterate) -> Array:
+        return (it.left > 1.0) & (it.iterations < LIMIT)
+
+    def improve(it: _Iterate) -> _Iterate:
+        """Try the change; where it does not reduce the residual, try half of it next."""
+        t = it.stress + it.change
+        s0, s1, A = sliding_moments(law, pressure, t, gradient, nodes)
+        now, unbent = _bent(law, pressure, (s0 * t + s1 * gradient) / resting)
+        residual = length(aim - now)
+        better = residual < it.residual
+        change = jnp.where(better, divided(A, resting * unbent(aim - now)), 0.5 * it.change)
+        stress = jnp.where(better, t, it.stress)
+        wall = length(stress) + length(gradient)
+        tried = jnp.where(better & (it.iterations > 0), length(it.change), jnp.inf)
+        left = jnp.max(jnp.minimum(length(change) / TOLERANCE, tried / CLOSE) / wall)
+        return _Iterate(stress, change, jnp.where(better, residual, it.residual), left, it.iterations + 1)
+
+    far = jnp.full_like(pressure, jnp.inf)
+    first = _Iterate(aim, jnp.zeros_like(aim), far, jnp.max(far), jnp.zeros((), jnp.int32))
+    last = jax.lax.while_loop(unsolved, improve, first)
+    t = last.stress + last.change
+    count = jnp.full(pressure.shape, last.iterations)
+    return _solution(lambda p: moments_by_nodes(law, p, t, gradient, nodes), pressure, t, gradient, count)
+
+
+def _resting(law: Fluidity, across: int, pressure: Array, gradient: Array) -> Array:
+    """The integral of d(phi tau)/dtau along the gradient, without sliding: (sinh Sigma)/Sigma for Eyring's law."""
+    z, weight = gauss(across, pressure.ndim)
+    size = 0.5 * z * length(gradient)
+    phi, slope = with_slope(law, pressure, size)
+    resting: Array = jnp.sum(weight * (phi + slope * size**2), axis=0)
+    return resting
+
+
+def _bent(law: Fluidity, pressure: Array, v: Array) -> tuple[Array, Any]:
+    """psi(v) = stress(|v|) v/|v|, and the map from a change of psi to the change of v."""
+    size = length(v)
+    stress, slope = jax.jvp(lambda x: law.stress(x, pressure), (size,), (jnp.ones_like(size),))
+    axis = v / size
+
+    def unbent(change: Array) -> Array:
+        along = dot(axis, change) * axis
+        return along / slope + (change - along) * (size / stress)
+
+    return stress * axis, unbent
+
+
+# -- its derivative ---------------------------------------------------------------------------------------------------
+
+
+class _Solution(NamedTuple):
+    """tau_m, Q and the iterations; A, C A^-1 and D - C A^-1 C; the derivatives of tau_m and of Q by the pressure."""
+
+    stress: Array
+    flux: Array
+    iterations: Array
+    A: Tensor
+    by_sliding: Matrix
+    by_gradient: Tensor
+    by_pressure: tuple[Array, Array]
+
+
+def _solution(moments: Callable[[Array], Moments], pressure: Array, t: Array, g: Array, iterations: Array) -> _Solution:
+    """moments: by the pressure, for the middle stress t."""
+
+    def flow(pressure: Array) -> Any:
+        m = moments(pressure)
+        return _flow(m, t, g), m
+
+    (_, flux), (slid, extra), m = jax.jvp(flow, (pressure,), (jnp.ones_like(pressure),), has_aux=True)
+    columns = divided(m.A, jnp.stack(m.C[:2])), divided(m.A, jnp.stack(m.C[1:]))  # of A^-1 C
+    share = columns[0][0], columns[0][1], columns[1][0], columns[1][1]  # its transpose C A^-1, row by row
+    xx = m.D[0] - (share[0] * m.C[0] + share[1] * m.C[1])
+    xy = m.D[1] - (share[0] * m.C[1] + share[1] * m.C[2])
+    yy = m.D[2] - (share[2] * m.C[1] + share[3] * m.C[2])
+    by_pressure = -divided(m.A, slid), extra - product(share, slid)
+    return _Solution(t, flux, iterations, m.A, share, (xx, xy, yy), by_pressure)
+
+
+def _flow(m: Moments, t: Array, g: Array) -> tuple[Array, Array]:
+    """The sliding and the flux of a given middle stress."""
+    return m.s0 * t + m.s1 * g, m.s1 * t + m.s2 * g
+
+
+@jax.custom_jvp
+def _attached(oil: Any, sliding: Array, gradient: Array, found: _Solution) -> tuple[Array, Array]:
+    """tau_m and Q.  oil: the law and the pressure.  found: the solution for these arguments, whose changes follow."""
+    return found.stress, found.flux
+
+
+@partial(_attached.defjvp, symbolic_zeros=True)
+def _change(primals: Any, tangents: Any) -> Any:
+    (law, pressure), _, gradient, found = primals
+    (d_law, dp), ds, dg, _ = tangents
+    ds, dg, dp = map(_given, (ds, dg, dp))
+    stress_by_pressure, flux_by_pressure = found.by_pressure
+    slid, extra = _by_law(law, d_law, pressure, gradient, found.stress)
+    missing = ds - slid
+    d_stress = divided(found.A, missing) - product(transposed(found.by_sliding), dg) + stress_by_pressure * dp
+    d_flux = product(found.by_sliding, missing) + times(found.by_gradient, dg) + flux_by_pressure * dp + extra
+    return (found.stress, found.flux), (d_stress, d_flux)
+
+
+def _by_law(law: Fluidity, change: Any, pressure: Array, gradient: Array, t: Array) -> Any:
+    """The change of the sliding and of the flux of a given middle stress, from what changes of the law's numbers."""
+    numbers, structure = jax.tree.flatten(law)
+    changes = enumerate(jax.tree.leaves(change, is_leaf=_is_zero))
+    moving = {k: number for k, number in changes if not _is_zero(number)}
+    if not moving:
+        return 0.0, 0.0
+    nodes = gauss_nodes(law, NODES, pressure, t, gradient)
+
+    def flow(moved: dict[int, Array]) -> tuple[Array, Array]:
+        values = [moved.get(k, number) for k, number in enumerate(numbers)]
+        return _flow(moments_by_nodes(jax.tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
+
+    _, found = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
+    return found
+
+
+def _is_zero(tangent: Any) -> bool:
+    return isinstance(tangent, SymbolicZero)
+
+
+def _given(tangent: Any) -> Any:
+    return jnp.zeros(tangent.shape, tangent.dtype) if _is_zero(tangent) else tangent

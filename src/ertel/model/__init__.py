@@ -1,1 +1,0 @@
-"""The model: the case (`case`), the state (`state`), and the equations (`contact`, `approach`)."""

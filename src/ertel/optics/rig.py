@@ -1,0 +1,227 @@
+"""The optical rig: light comes through coated glass and oil to a surface, and interferes with what came back earlier.
+
+The layers are reduced by Fresnel's coefficients r_ij = (N_i - N_j)/(N_i + N_j) at normal incidence.  A reflection w
+below an interface and a layer of thickness d is seen from above as
+
+    (r_ij + w')/(1 + r_ij w'),    w' = w exp(2 i K N_j d),    K = 2 pi/wavelength.
+
+This is a Moebius map of w, and a stack of layers is a product of such maps.  Seen from the glass, the oil film of
+thickness h and index n over a surface that reflects r_s gives the reflection
+
+    r = top + second z + second ratio z^2 + second ratio^2 z^3 + ...,    z = exp(2 i K n h):
+
+the beam that turns back at the coatings, then those that went once, twice, ... through the film.  See Born M, Wolf E.
+Principles of Optics, 7th ed, section 1.6; Foord CA, Wedeven LD, Westlake FJ, Cameron A. Optical elastohydrodynamics.
+Proc Inst Mech Eng 1969;184:487-505.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import ceil, log
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ertel.optics.media import BK7, CHROMIUM, STEEL, Medium
+
+Array = NDArray[np.float64]
+Complex = Any  # a complex array or scalar
+Visibility = Callable[[Array], Array]  # the contrast of fringes, 1 to 0, at a path difference in m
+OIL_INDEX = 1.48  # assumed: mineral oils have 1.47 to 1.49 at ambient pressure, squalane 1.45; better measure yours
+CHROMIUM_THICKNESS = 8e-9  # m, half transparent; rigs have 5 to 20 nm
+NEGLIGIBLE = 1e-6  # of the first beam through the film
+
+
+class Moebius(NamedTuple):
+    """The map w -> (a w + b)/(c w + d)."""
+
+    a: Complex
+    b: Complex
+    c: Complex
+    d: Complex
+
+    def after(self, inner: "Moebius") -> "Moebius":
+        """This map of the inner map."""
+        a, b, c, d = self
+        p, q, r, s = inner
+        return Moebius(a * p + b * r, a * q + b * s, c * p + d * r, c * q + d * s)
+
+
+def seen_through(indices: Sequence[Complex], thicknesses: Sequence[Complex], wavelength: ArrayLike) -> Moebius:
+    """What is seen from the first medium of a reflection just below the last interface.
+
+    Parameters
+    ----------
+    indices : sequence of complex arrays that broadcast
+        n + ik of each medium, from the first (no thickness) through the layers to the last (no thickness).
+    thicknesses : sequence of arrays that broadcast
+        Of the layers between them, in m; two fewer than indices.
+    wavelength : array
+        In m.
+    """
+    found = Moebius(1.0, 0.0, 0.0, 1.0)
+    for upper, lower, thickness in zip(indices[:-1], indices[1:], [*thicknesses, 0.0], strict=True):
+        r = (upper - lower) / (upper + lower)
+        turned = np.exp(4j * np.pi * lower * thickness / np.asarray(wavelength))
+        found = found.after(Moebius(turned, r, r * turned, 1.0))
+    return found
+
+
+def reflection(indices: Sequence[Complex], thicknesses: Sequence[Complex], wavelength: ArrayLike) -> Complex:
+    """The reflected amplitude of any stack of layers at normal incidence; the arguments of `seen_through`.
+
+    Returns
+    -------
+    complex array of the broadcast shape
+        Its absolute square is the reflectance, at most 1 where the first medium is transparent.
+    """
+    stack = seen_through(indices, thicknesses, wavelength)
+    return stack.b / stack.d
+
+
+def lorentz_lorenz(density: ArrayLike, n0: float = OIL_INDEX) -> Array:
+    """The index of an oil that is compressed: (n^2 - 1)/(n^2 + 2) is in proportion to the density.
+
+    density: rho/rho0, of any shape.  n0: index at ambient pressure.  Source: Born and Wolf, section 2.3.3.
+    """
+    share = np.asarray(density, dtype=float) * (n0**2 - 1.0) / (n0**2 + 2.0)
+    index: Array = np.sqrt((1.0 + 2.0 * share) / (1.0 - share))
+    return index
+
+
+class Beams(NamedTuple):
+    """Amplitudes of the beams that come back: top, then second ratio^j after j + 1 passages through the film."""
+
+    top: Complex
+    second: Complex
+    ratio: Complex
+
+
+@dataclass(frozen=True)
+class Fringes:
+    """Reflectance over the film: mean + 2 Re sum over m of first ratio^(m-1) z^m V(m), z = exp(2 i K n h).
+
+    V(m), the visibility, is 1 for coherent light.  It falls with the path difference of the m-th harmonic,
+    m (2 n h + coatings), so that thick films are grey.
+
+    Attributes
+    ----------
+    mean : array
+        Reflectance without interference.
+    first, ratio : complex arrays
+        Of the harmonics.
+    wavelength : array
+        In m; it broadcasts with the others.
+    coatings : array
+        Optical path there and back through the coatings (m).
+    """
+
+    mean: Array
+    first: Complex
+    ratio: Complex
+    wavelength: Array
+    coatings: Array
+
+    def reflectance(self, path: ArrayLike, visibility: Visibility | None = None) -> Array:
+        """The reflected share of the light.
+
+        path: n h in m, broadcasts with the fringes.  visibility: of coherent light if it is not given.
+        """
+        z = np.exp(4j * np.pi * np.asarray(path) / self.wavelength)
+        if visibility is None:
+            coherent: Array = self.mean + 2.0 * np.real(self.first * z / (1.0 - self.ratio * z))
+            return coherent
+        difference = 2.0 * np.asarray(path) + self.coatings
+        wave, total = self.first * z, np.zeros(np.broadcast_shapes(np.shape(z), np.shape(self.mean)))
+        for harmonic in range(1, self.harmonics + 1):
+            total += np.real(wave) * visibility(harmonic * difference)
+            wave = wave * self.ratio * z
+        return self.mean + 2.0 * total
+
+    @property
+    def harmonics(self) -> int:
+        """How many harmonics are not negligible."""
+        largest = float(np.max(np.abs(self.ratio)))
+        return 1 + (ceil(log(NEGLIGIBLE) / log(largest)) if largest > NEGLIGIBLE else 0)
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A coating.  thickness: in m."""
+
+    medium: Medium
+    thickness: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.thickness <= 1e-4:
+            raise ValueError(f"thickness = {self.thickness:g} m: must be from 0 to 1e-4 m; give it in metres")
+
+
+COATINGS = (Layer(CHROMIUM, CHROMIUM_THICKNESS),)
+
+
+@dataclass(frozen=True)
+class Rig:
+    """Glass with coatings, the oil film, and the other surface.
+
+    Attributes
+    ----------
+    glass : Medium
+        Where the light comes from.
+    coatings : tuple of Layer
+        On the glass, from the glass to the oil: chromium, and a spacer layer of silica if there is one.
+    surface : Medium
+        The other side of the film.
+    oil_index : float
+        Of the oil at ambient pressure, the same at all wavelengths.
+    """
+
+    glass: Medium = BK7
+    coatings: tuple[Layer, ...] = COATINGS
+    surface: Medium = STEEL
+    oil_index: float = OIL_INDEX
+
+    def __post_init__(self) -> None:
+        if not 1.0 < self.oil_index < 3.0:
+            raise ValueError(f"oil_index = {self.oil_index:g}: must be above 1 and below 3; oils have 1.4 to 1.7")
+
+    def index(self, density: ArrayLike) -> Array:
+        """The index of the oil at rho/rho0, of its shape, by `lorentz_lorenz`."""
+        return lorentz_lorenz(density, self.oil_index)
+
+    def beams(self, wavelength: ArrayLike, index: ArrayLike) -> Beams:
+        """The beams that come back.  wavelength: in m.  index: of the oil; they broadcast."""
+        n = np.asarray(index)
+        coatings = [layer.medium.index(wavelength) for layer in self.coatings]
+        media = [self.glass.index(wavelength), *coatings, n]
+        a, b, c, d = seen_through(media, [layer.thickness for layer in self.coatings], wavelength)
+        steel = self.surface.index(wavelength)
+        below = (n - steel) / (n + steel)
+        return Beams(b / d, below * (a * d - b * c) / d**2, -below * c / d)
+
+    def fringes(self, wavelength: ArrayLike, index: ArrayLike) -> Fringes:
+        """The fringes of light of a wavelength (m) in oil of an index; they broadcast."""
+        top, second, ratio = self.beams(wavelength, index)
+        strength = np.abs(second) ** 2 / (1.0 - np.abs(ratio) ** 2)
+        paths = [2.0 * layer.medium.index(wavelength).real * layer.thickness for layer in self.coatings]
+        return Fringes(
+            np.abs(top) ** 2 + strength,
+            second * np.conj(top) + strength * ratio,
+            ratio,
+            np.asarray(wavelength, dtype=float),
+            np.asarray(sum(paths, np.zeros(np.shape(wavelength)))),
+        )
+
+
+@dataclass(frozen=True)
+class TwoBeams(Rig):
+    """The same rig without the light that goes through the film more than once: I0 + I1 cos(4 pi n h/wavelength + phi).
+
+    A film thickness that follows from this cosine, scaled between the darkest and the brightest fringe, is wrong by up
+    to 11, 16, 20 nm with 5, 10, 15 nm of chromium in light of 550 nm.
+    """
+
+    def beams(self, wavelength: ArrayLike, index: ArrayLike) -> Beams:
+        """The beam of the coatings and the first one through the film."""
+        return super().beams(wavelength, index)._replace(ratio=0.0)

@@ -1,0 +1,771 @@
+"""A case writes itself, knows its digest, and refuses what makes no sense, whichever way it was made."""
+
+import json
+from copy import deepcopy
+from dataclasses import dataclass, fields, replace
+from math import inf, nan
+from typing import Annotated, Any
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from ertel.case.case import Case
+from ertel.case.conditions import Conditions
+from ertel.case.sections import SOLVERS, Drive, Output, Solver, Time
+from ertel.case.thermal import Thermal
+from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Isoviscous, Oil, Roelands
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, Signal, constant
+from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
+from ertel.physics.scales import Parameters
+from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
+from ertel.physics.units import HEIGHT, WIDTH, Amount, Quantity
+
+MOES: dict[str, Any] = {"M": 200.0, "L": 10.0}
+BALL: dict[str, Any] = {"radius": 0.01, "mass": 0.03, "speed": 0.1, "E_prime": 2e11}
+TRACK: dict[str, Any] = {"kind": "rolling", "radius": 0.01, "load": 40.0, "mean_speed": 0.5, "E_prime": 2e11}
+OIL = Oil(eta0=0.04, alpha=2.2e-8)
+
+
+def impact(**sections: Any) -> Case:
+    return Case(Conditions(**MOES), **sections)
+
+
+def rolling(method: str = "steady", **sections: Any) -> Case:
+    return Case(Conditions("rolling", **MOES), solver=SOLVERS[method], **sections)  # type: ignore[index]
+
+
+# -- any case at all --------------------------------------------------------------------------------------------------
+
+
+def sizes(low: float = 0.01, high: float = 10.0) -> st.SearchStrategy[float]:
+    return st.floats(low, high)
+
+
+number = st.floats(-10, 10)
+
+
+def amounts(physical: bool, plain: st.SearchStrategy[float], unit: str) -> st.SearchStrategy[Amount]:
+    """Numbers in the units of the case; where it has any, quantities too."""
+    quantities = plain.map(lambda value: Quantity(1e-4 * value, unit))
+    return st.one_of(plain, quantities) if physical else plain
+
+
+def one_of_ways(*ways: dict[str, st.SearchStrategy[Any]]) -> st.SearchStrategy[dict[str, Any]]:
+    return st.one_of(*(st.fixed_dictionaries(way) for way in ways))
+
+
+RADII = one_of_ways({"radius": sizes()}, {"radius_1": sizes(), "radius_2": sizes()})
+NU = st.floats(-0.9, 0.5)
+MODULI = st.floats(1e9, 1e12)
+ELASTICITY = one_of_ways({"E_prime": MODULI}, {"E1": MODULI, "nu1": NU, "E2": MODULI, "nu2": NU})
+MASS = one_of_ways({"mass": sizes()}, {"ball_density": sizes(1e3, 1e4)})
+FALL = one_of_ways({"speed": sizes()}, {"drop_height": sizes()})
+MEAN = {"mean_speed": st.one_of(sizes(), sizes().map(lambda u: -u))}
+SPEEDS = one_of_ways(MEAN, {**MEAN, "slide_to_roll": number}, {"speed_1": sizes(), "speed_2": sizes()})
+NONE: st.SearchStrategy[dict[str, Any]] = st.just({})
+
+
+def merged(*parts: st.SearchStrategy[dict[str, Any]]) -> st.SearchStrategy[dict[str, Any]]:
+    return st.tuples(*parts).map(lambda found: {key: value for part in found for key, value in part.items()})
+
+
+CONTACTS = {
+    "impact": merged(RADII, MASS, FALL, ELASTICITY, st.one_of(NONE, one_of_ways(MEAN))),
+    "rolling": merged(RADII, st.fixed_dictionaries({"load": sizes(1, 100)}), SPEEDS, ELASTICITY, st.one_of(NONE, MASS)),
+}
+DIMENSIONLESS = one_of_ways(
+    {"M": sizes(1, 1e4), "L": sizes()},
+    {"lambda_bar": sizes(1e-4, 1.0), "alpha_bar": sizes()},
+)
+ISOVISCOUS = one_of_ways({"M": sizes(1, 1e4)}, {"lambda_bar": sizes(1e-4, 1.0), "alpha_bar": st.just(0.0)})
+DENSITIES = st.sampled_from(["dowson-higginson", "incompressible", DowsonHigginson(6e8), Incompressible()])
+OILS = st.builds(
+    Oil,
+    viscosity=st.sampled_from(["roelands", "barus", Barus(2e-8), Roelands(2e-8, 0.6), Roelands(2e-8, 0.6, 2e8)]),
+    density=DENSITIES,
+    eta0=sizes(1e-3, 1.0),
+    alpha=sizes(1e-9, 1e-7),
+    p0=sizes(1e8, 1e9),
+    z=st.one_of(st.none(), sizes(0.1, 1.0)),
+    reference=st.sampled_from(["", "a data sheet"]),
+)
+THERMALS = st.builds(
+    Thermal,
+    *[sizes(250.0, 450.0), sizes(0.1, 0.2), sizes(0.01, 0.1), *[sizes(1.0, 1000.0)] * 6],
+    *[st.one_of(st.none(), sizes(250.0, 450.0))] * 2,
+    inlet_factor=st.sampled_from(["wilson-sheu", "none"]),
+)
+THIN_OILS = st.builds(Oil, viscosity=st.sampled_from(["isoviscous", Isoviscous()]), density=st.just("incompressible"))
+
+
+def signals(physical: bool, values: st.SearchStrategy[float]) -> st.SearchStrategy[Signal]:
+    """All three forms: a number, points, an oscillation about a mean that it does not reach."""
+
+    def points(times: list[float], value: float) -> Polyline:
+        return Polyline(tuple((T, value * (1 + i)) for i, T in enumerate(sorted(times))))
+
+    def in_seconds(line: Polyline) -> Polyline:
+        return Polyline(tuple((Quantity(1e-4 * T, "s"), value) for T, value in line.points))  # type: ignore[operator]
+
+    times = st.lists(st.integers(-100, 1000).map(lambda T: T / 100), min_size=1, max_size=4, unique=True)
+    lines = st.builds(points, times, values)
+    swings = st.tuples(values, st.floats(-0.9, 0.9), amounts(physical, sizes(), "s"), st.one_of(st.just(0.0), number))
+    oscillations = swings.map(lambda s: Oscillation(s[0], s[0] * s[1], s[2], s[3]))
+    in_units = lines.map(in_seconds) if physical else lines
+    return st.one_of(values.map(constant), lines, in_units, oscillations)
+
+
+def roughnesses(physical: bool) -> st.SearchStrategy[tuple[Feature, ...]]:
+    height, width, place = (amounts(physical, plain, "m") for plain in (number, sizes(), st.floats(-5, 5)))
+    waves = st.builds(Waviness, height, width, st.one_of(st.just(inf), width), number, number)
+    fronts = st.builds(Waviness, height, width, front=place, ramp=st.one_of(st.none(), width))
+    ridges = st.builds(Waviness, height, wavelength_y=width, phase_y=number)
+    rings = st.builds(RingWaviness, height, width, number, place, place)
+    spots = st.one_of(
+        st.builds(Spot, width, height, x=place, y=place), st.builds(Spot, width, depth=height, x=place, y=place)
+    )
+    shapes = st.one_of(waves, fronts, ridges, rings, spots)
+    return st.lists(st.builds(Feature, shapes, st.sampled_from([1, 2])), max_size=3).map(tuple)
+
+
+def still(feature: Feature) -> bool:
+    return getattr(feature.shape, "is_ridges_along_x", False)
+
+
+@st.composite
+def cases(draw: st.DrawFn) -> Case:
+    """Cases of every kind, method and form of input."""
+    kind, method = draw(
+        st.sampled_from([("impact", "2d"), ("impact", "radial"), ("rolling", "steady"), ("rolling", "transient")])
+    )
+    physical, thin = draw(st.booleans()), draw(st.integers(0, 4)) == 0
+    contact = draw(CONTACTS[kind] if physical else ISOVISCOUS if thin else DIMENSIONLESS)
+    if method == "radial":
+        contact.pop("mean_speed", None)
+    oil = replace(draw(THIN_OILS), eta0=0.04, alpha=2e-8) if thin else draw(OILS)
+    half_width = draw(sizes(1.2, 6.0))
+    free = method != "radial"
+    inlets = st.one_of(st.none(), st.just(half_width), st.floats(1.01, 2 * half_width - 1.01))
+    solver = Solver(
+        method,
+        draw(st.sampled_from([17, 33, 65, 129, 257])),
+        half_width,
+        draw(inlets) if free else None,
+        draw(st.floats(1e-9, 0.9)),
+        draw(st.booleans()),
+    )
+    drive = draw(drives(kind, method, physical, contact))
+    features = draw(roughnesses(physical)) if free else ()
+    timed = method != "steady"
+    try:
+        return Case(
+            Conditions(kind=kind, **contact),
+            oil,
+            solver,
+            drive,
+            features if timed else tuple(filter(still, features)),
+            draw(times(kind, physical, drive)) if timed else None,
+            draw(st.one_of(st.none(), st.builds(Output, amounts(physical, sizes(2.0), "s")))) if timed else None,
+            draw(st.sampled_from(["", "a name"])),
+            draw(st.one_of(st.none(), THERMALS)) if physical and not timed else None,
+        )
+    except ValueError as error:  # random values may give sizes that no contact has, or oil outside the domain
+        assume(not any(said in str(error) for said in ("of the load", "carries the load", "its values together give")))
+        raise
+
+
+@st.composite
+def drives(draw: st.DrawFn, kind: str, method: str, physical: bool, contact: dict[str, Any]) -> Drive | None:
+    said: dict[str, Any] = {}
+    values = sizes(0.1, 3.0)
+    if method in ("2d", "transient"):
+        forms = signals(physical, values)
+        said["load"] = draw(st.one_of(st.none(), forms))
+        if kind == "rolling" or "mean_speed" not in contact:
+            said["entrainment"] = draw(st.one_of(st.none(), forms))
+    elif method == "steady":
+        said["load"] = draw(st.one_of(st.none(), values.map(constant)))
+        said["entrainment"] = draw(st.one_of(st.none(), values.map(constant)))
+    if not physical:
+        said["slide_to_roll"] = draw(st.one_of(st.none(), number))
+        said["inertia"] = draw(st.one_of(st.none(), sizes())) if kind == "rolling" else None
+    return draw(st.sampled_from([None, Drive(**said)]))
+
+
+@st.composite
+def times(draw: st.DrawFn, kind: str, physical: bool, drive: Drive | None) -> Time | None:
+    moments = amounts(physical, sizes(), "s")
+    ends: list[Any] = [st.none(), moments]
+    if kind == "impact":
+        ends += [st.just("max-approach")] + ([st.just("rebound")] if drive is None or drive.load is None else [])
+    time = Time(
+        draw(st.one_of(st.none(), st.floats(-3, -0.1))) if kind == "impact" else None,
+        draw(st.one_of(*ends)),
+        draw(st.floats(1e-9, 0.9)),
+        draw(st.one_of(st.none(), amounts(physical, sizes(0.1), "s"))),
+    )
+    return draw(st.sampled_from([None, time]))
+
+
+@settings(max_examples=300)
+@given(cases())
+def test_a_case_reads_back_as_the_same_to_the_last_bit(case: Case) -> None:
+    data = case.to_data()
+    again = Case.from_data(data)
+    assert again == case
+    assert again.digest == case.digest
+    assert (again.name, again.oil.reference) == (case.name, case.oil.reference)
+    assert again.to_data() == data
+    assert json.loads(json.dumps(data)) == data  # nothing but what JSON and TOML can hold
+    assert (again.motion, again.features, again.lubricant) == (case.motion, case.features, case.lubricant)
+
+
+# -- equality and digest ----------------------------------------------------------------------------------------------
+
+
+def test_the_name_and_where_the_oils_data_come_from_change_no_result() -> None:
+    case = impact(oil=replace(OIL, reference="a data sheet"), name="one")
+    other = impact(oil=replace(OIL, reference="another"), name="two")
+    assert case == other
+    assert case.digest == other.digest
+
+
+TWO_BALLS = {"radius_1": "0.02 m", "radius_2": "0.03 m"}
+STEEL = {"E1": "2e11 Pa", "nu1": 0.3, "E2": "2e11 Pa", "nu2": 0.3}
+WAVE = {"shape": "waviness", "amplitude": 0.1, "wavelength_x": 0.5, "wavelength_y": 0.7, "front": 1.0, "ramp": 0.5}
+RINGS = {"shape": "rings", "amplitude": 0.1, "wavelength": 0.5}
+SPOT = {"shape": "spot", "radius": 0.3, "height": 0.1}
+LUBRICANT = {"eta0": "0.04 Pa*s", "alpha": "2.2e-08 1/Pa"}
+OF_AN_ELLIPSE = {"E_prime": "2e11 Pa", "load": "40.0 N", "mean_speed": "0.6 m/s"}
+Change = tuple[dict[str, Any], str, Any]
+CHANGES: list[Change] = [
+    *[
+        ({"contact": dict(MOES), "roughness": [WAVE, RINGS, SPOT]}, place, value)
+        for place, value in {
+            "contact.M": 201.0,
+            "contact.L": 11.0,
+            "lubricant.viscosity": "barus",
+            "lubricant.density": "incompressible",
+            "lubricant.eta0": "0.05 Pa*s",  # z of Roelands' law follows from it
+            "lubricant.alpha": "2e-08 1/Pa",
+            "lubricant.p0": "2e+08 Pa",
+            "lubricant.z": 0.6,
+            "solver.nodes": 129,
+            "solver.half_width": 3.0,
+            "solver.half_width_y": 4.0,
+            "solver.inlet": 2.5,
+            "solver.tolerance": 1e-4,
+            "solver.fold": False,
+            "motion.load": 0.5,
+            "motion.entrainment": 0.5,
+            "motion.slide_to_roll": 0.5,
+            "time.start_approach": -2.0,
+            "time.until": 1.0,
+            "time.tolerance": 1e-4,
+            "time.step": 0.01,
+            "output.interval": 0.2,
+            "roughness.0.amplitude": 0.2,
+            "roughness.0.wavelength_x": 0.6,
+            "roughness.0.wavelength_y": 0.6,
+            "roughness.0.phase_x": 1.0,
+            "roughness.0.phase_y": 1.0,
+            "roughness.0.front": 2.0,
+            "roughness.0.ramp": 0.6,
+            "roughness.0.surface": 2,
+            "roughness.1.amplitude": 0.2,
+            "roughness.1.wavelength": 0.6,
+            "roughness.1.phase": 1.0,
+            "roughness.1.x": 1.0,
+            "roughness.1.y": 1.0,
+            "roughness.2.radius": 0.4,
+            "roughness.2.height": 0.2,
+            "roughness.2.x": 1.0,
+            "roughness.2.y": 1.0,
+        }.items()
+    ],
+    ({"contact": dict(MOES)}, "contact.radius_ratio", 0.5),
+    ({"contact": {"kind": "rolling", "radius_ratio": 0.5, **MOES}}, "contact.entrainment_angle", "30.0 deg"),
+    ({"contact": dict(MOES)}, "contact.kind", "rolling"),
+    ({"contact": dict(MOES)}, "solver.method", "radial"),
+    ({"contact": {"kind": "rolling", **MOES}}, "solver.method", "transient"),
+    ({"contact": {"kind": "rolling", **MOES}}, "motion.inertia", 0.5),
+    ({"contact": dict(MOES), "roughness": [{"shape": "spot", "radius": 0.3, "depth": 0.1}]}, "roughness.0.depth", 0.2),
+    ({"contact": {"lambda_bar": 0.01, "alpha_bar": 20.0}}, "contact.lambda_bar", 0.02),
+    ({"contact": {"lambda_bar": 0.01, "alpha_bar": 20.0}}, "contact.alpha_bar", 21.0),
+    *[
+        (
+            {"contact": {**TWO_BALLS, **STEEL, "mass": "0.03 kg", "speed": "0.1 m/s"}, "lubricant": LUBRICANT},
+            *change,
+        )
+        for change in [
+            ("contact.radius_1", "0.021 m"),
+            ("contact.radius_2", "0.031 m"),
+            ("contact.E1", "2.1e11 Pa"),
+            ("contact.nu1", 0.31),
+            ("contact.E2", "2.1e11 Pa"),
+            ("contact.nu2", 0.31),
+            ("contact.mass", "0.031 kg"),
+            ("contact.speed", "0.11 m/s"),
+            ("contact.mean_speed", "0.1 m/s"),
+        ]
+    ],
+    *[
+        (
+            {
+                "contact": {
+                    **{"radius": "0.01 m", "ball_density": "7850 kg/m^3", "drop_height": "0.1 m"},
+                    **{"E_prime": "2e11 Pa", "mean_speed": "0.1 m/s"},
+                },
+                "lubricant": LUBRICANT,
+            },
+            *change,
+        )
+        for change in [
+            ("contact.radius", "0.011 m"),
+            ("contact.ball_density", "7900 kg/m^3"),
+            ("contact.drop_height", "0.11 m"),
+            ("contact.E_prime", "2.1e11 Pa"),
+            ("contact.slide_to_roll", 0.5),
+        ]
+    ],
+    *[
+        (
+            {
+                "contact": {
+                    **{"kind": "rolling", "radius": "0.01 m", "E_prime": "2e11 Pa", "load": "40.0 N"},
+                    **{"speed_1": "0.6 m/s", "speed_2": "0.4 m/s"},
+                },
+                "lubricant": LUBRICANT,
+            },
+            *change,
+        )
+        for change in [
+            ("contact.load", "41.0 N"),
+            ("contact.speed_1", "0.7 m/s"),
+            ("contact.speed_2", "0.5 m/s"),
+            ("lubricant.rheology", {"law": "ree-eyring", "tau0": "5000000.0 Pa"}),
+        ]
+    ],
+    *[
+        (
+            {"contact": {"kind": "rolling", **OF_AN_ELLIPSE, **radii}, "lubricant": LUBRICANT},
+            f"contact.{key}",
+            "0.015 m",
+        )
+        for radii, keys in [
+            ({"radius_x": "0.01 m", "radius_y": "0.02 m"}, ("radius_x", "radius_y")),
+            (
+                {"radius_x_1": "0.01 m", "radius_y_1": "0.01 m", "radius_y_2": "-0.02 m"},
+                ("radius_x_1", "radius_y_1", "radius_x_2", "radius_y_2"),
+            ),
+        ]
+        for key in keys
+    ],
+]
+
+
+def changed(data: dict[str, Any], place: str, value: Any) -> dict[str, Any]:
+    """The data with another value at a place: section.key, or roughness.number.key."""
+    *path, key = place.split(".")
+    data = deepcopy(data)
+    found: Any = data
+    for part in path:
+        found = found[int(part)] if part.isdigit() else found.setdefault(part, {})
+    found[key] = value
+    return data
+
+
+@pytest.mark.parametrize(("data", "place", "value"), CHANGES, ids=[f"{place}={value}" for _, place, value in CHANGES])
+def test_whatever_changes_a_result_changes_the_digest(data, place, value) -> None:
+    case, other = Case.from_data(data), Case.from_data(changed(data, place, value))
+    assert case != other
+    assert case.digest != other.digest
+
+
+def test_no_field_was_forgotten() -> None:
+    """Every field of every record of a case is among the changes above."""
+    sections: dict[str, Any] = {"contact": Conditions, "lubricant": Oil, "solver": Solver}
+    sections |= {"motion": Drive, "time": Time, "output": Output}
+    wanted = {f"{name}.{f.name}" for name, record in sections.items() for f in fields(record)}
+    assert wanted - {place for _, place, _ in CHANGES} == {"lubricant.reference"}
+    of_shapes = {f.name for shape in (Waviness, RingWaviness, Spot) for f in fields(shape)} | {"surface"}
+    assert of_shapes == {place.split(".")[2] for _, place, _ in CHANGES if place.startswith("roughness")}
+
+
+def test_a_law_by_name_and_its_record_are_two_ways_of_saying() -> None:
+    """Not equal, but with the same law."""
+    case = Case(Conditions(**BALL), oil=replace(OIL, viscosity="barus"))
+    other = replace(case, oil=replace(case.oil, viscosity=Barus(2.2e-8)))
+    assert case.lubricant == other.lubricant
+
+
+# -- own laws and shapes ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Nameless:
+    """A law and a shape that was not registered."""
+
+    width: Annotated[Amount, WIDTH] = 1.0
+
+    def viscosity(self, p: Any) -> Any:
+        return p
+
+    def density(self, p: Any) -> Any:
+        return p
+
+    def heights(self, X: Any, Y: Any) -> Any:
+        return X
+
+
+@SHAPES.register("test-step")
+@dataclass(frozen=True)
+class Step:
+    """A shape of one's own."""
+
+    height: Annotated[Amount, HEIGHT]
+
+    def heights(self, X: Any, Y: Any) -> Any:
+        return self.height * (X > 0)
+
+
+@VISCOSITY_LAWS.register("test-power")
+@DENSITY_LAWS.register("test-power")
+@dataclass(frozen=True)
+class Power:
+    """A law of one's own."""
+
+    n: float
+    table: tuple[float, ...] = ()
+
+    def viscosity(self, p: Any) -> Any:
+        return (1 + p) ** self.n
+
+    def density(self, p: Any) -> Any:
+        return (1 + p) ** self.n
+
+
+def test_own_laws_and_shapes_are_written_by_their_names() -> None:
+    oil = replace(OIL, viscosity=Power(2.0), density=Power(0.1, (1.0, 2.0)))
+    case = impact(oil=oil, roughness=(Feature(Step(0.1)),))
+    data = case.to_data()
+    assert data["lubricant"]["viscosity"] == {"law": "test-power", "n": 2.0}
+    assert data["lubricant"]["density"] == {"law": "test-power", "n": 0.1, "table": [1.0, 2.0]}
+    assert data["roughness"] == [{"shape": "test-step", "height": 0.1, "surface": 1}]
+    assert Case.from_data(data) == case
+
+
+def test_what_has_no_name_cannot_be_written() -> None:
+    case = impact(roughness=(Feature(Nameless()),))
+    with pytest.raises(ValueError, match=r"^roughness\[1\]\.Nameless: is no registered shape.*ertel\.shapes"):
+        case.to_data()
+    with pytest.raises(ValueError, match="is no registered shape"):
+        case.digest  # noqa: B018
+    for law in ("viscosity", "density"):
+        with pytest.raises(ValueError, match=f"Nameless: is no registered {law} law"):
+            Oil(**{law: Nameless()})
+
+
+# -- what is filled in ------------------------------------------------------------------------------------------------
+
+
+def test_the_record_says_all_that_is_solved() -> None:
+    case = impact()
+    assert case.time == Time(start_approach=-1.0, until="max-approach")
+    assert case.output == Output()
+    assert (case.oil.eta0, case.oil.alpha) == (0.04, 2.2e-8)
+    assert case.motion == FREE_BALL
+    assert case.schedule == (-1.0, "max-approach", 5e-5, None, 0.1)
+
+
+def test_a_steady_case_has_no_time() -> None:
+    case = rolling()
+    assert (case.time, case.output, case.is_steady, case.starts_apart) == (None, None, True, False)
+    assert case.motion == STEADY_ROLLING
+    with pytest.raises(ValueError, match="a steady contact has no time"):
+        case.schedule  # noqa: B018
+
+
+def test_an_inlet_as_wide_as_the_half_is_a_centred_grid() -> None:
+    centred = replace(SOLVERS["transient"], inlet=3.0)
+    case = rolling("transient")
+    assert replace(case, solver=centred) == replace(case, solver=replace(centred, inlet=None))
+    assert Case.from_data(replace(case, solver=centred).to_data()).solver.inlet is None
+
+
+def test_half_the_grid_has_twice_the_spacing() -> None:
+    assert impact().on_half_grid().solver.nodes == 129
+
+
+def test_the_film_scale_is_that_of_the_kind() -> None:
+    assert impact().film_scale == pytest.approx((10 / 200) ** 0.5)
+    assert rolling().film_scale == pytest.approx(0.0823, rel=0.1)
+
+
+# -- what makes no sense, by whichever door ---------------------------------------------------------------------------
+
+RADIAL = SOLVERS["radial"]
+TRANSIENT = SOLVERS["transient"]
+ROUGH = (Feature(Spot(0.3, 0.1)),)
+STEADY, IN_TIME = rolling(), rolling("transient")
+PHYSICAL = Case(Conditions(**BALL), OIL)
+Refusal = tuple[Case, dict[str, Any], str]
+REFUSED: list[Refusal] = [
+    # method
+    (impact(), {"solver": TRANSIENT}, 'solver.method = "transient": must be "2d" or "radial" with contact.kind = "imp'),
+    (STEADY, {"solver": SOLVERS["2d"]}, 'solver.method = "2d": must be "steady" or "transient" with contact.kind = "r'),
+    (impact(solver=RADIAL), {"roughness": ROUGH}, "roughness: the radial method is for smooth surfaces; use solver.me"),
+    (impact(roughness=ROUGH), {"solver": RADIAL}, "roughness: the radial method is for smooth surfaces; use solver.me"),
+    (
+        impact(solver=RADIAL),
+        {"drive": Drive(constant(1.0), constant(1.0))},
+        'motion: the radial method is for a free ball on a track at rest; use solver.method = "2d"',
+    ),
+    (impact(), {"solver": replace(RADIAL, inlet=1.5)}, "solver.inlet = 1.5: a radial grid has none; leave it out"),
+    (impact(), {"solver": replace(RADIAL, inlet=2.0)}, "solver.inlet = 2.0: a radial grid has none; leave it out"),
+    (impact(), {"solver": replace(RADIAL, half_width=1.1)}, "solver.half_width = 1.1: must be at least 1.2"),
+    # grid
+    (impact(), {"solver": Solver(nodes=9)}, "solver.nodes = 9: must be at least 17"),
+    (impact(), {"solver": Solver(nodes=39)}, "solver.nodes = 39: "),
+    (impact(), {"solver": Solver(nodes=8193)}, "solver.nodes = 8193: must be less than or equal to 4097"),
+    (impact(), {"solver": Solver(half_width=1.0)}, "solver.half_width = 1.0: must be greater than 1"),
+    (impact(), {"solver": Solver(half_width_y=1.0)}, "solver.half_width_y = 1.0: must be greater than 1"),
+    # is lengthened for multigrid, and could not be read again
+    (
+        rolling(),
+        {"solver": replace(SOLVERS["steady"], half_width=560.4, half_width_y=999.0)},
+        "solver.half_width_y = 1120.8: must be less than or equal to 1000",
+    ),
+    (impact(), {"solver": Solver(tolerance=0.0)}, "solver.tolerance = 0.0: must be greater than 0"),
+    (
+        STEADY,
+        {"solver": replace(SOLVERS["steady"], inlet=5.5)},
+        "solver.inlet = 5.5: must be above 1 and below 5 = 2 half_width - 1",
+    ),
+    # oil
+    (PHYSICAL, {"oil": Oil(alpha=2e-8)}, "lubricant.eta0: missing, a physical contact needs it, for example"),
+    (PHYSICAL, {"oil": Oil(eta0=0.04)}, "lubricant.alpha: missing, a physical contact needs it, for example"),
+    (PHYSICAL, {"oil": replace(OIL, eta0=-1.0)}, 'lubricant.eta0 = "-1.0 Pa*s": must be finite and above zero'),
+    (PHYSICAL, {"oil": replace(OIL, eta0=6e-5)}, "lubricant.eta0 = 6e-05 Pa s: Roelands' law needs"),
+    (PHYSICAL, {"oil": replace(OIL, z=-1.0)}, "lubricant.z = -1.0: must be greater than 0"),
+    (
+        impact(),
+        {"contact": Conditions(M=200.0, L=0.0)},
+        "contact.L = 0: must be above zero with lubricant.viscosity",
+    ),
+    (impact(), {"oil": Oil("isoviscous")}, "contact.L = 10.0: must be 0 or left out with lubricant.viscosity = "),
+    (
+        impact(),
+        {"contact": Conditions(M=200.0), "oil": Oil("isoviscous")},
+        'lubricant.density = "dowson-higginson": needs a pressure scale',
+    ),
+    # time
+    (STEADY, {"time": Time()}, "time: a steady contact has no time; leave [time] out or use"),
+    (STEADY, {"time": Time(until=5.0)}, "time.until = 5.0: a steady contact has no time; leave [time] out or use"),
+    (STEADY, {"output": Output(1.0)}, "output.interval = 1.0: a steady contact has no time; leave [output] out or use"),
+    (IN_TIME, {"solver": SOLVERS["steady"]}, "time.until = 6.0: a steady contact has no time"),
+    (IN_TIME, {"time": Time(-1.0)}, "time.start_approach = -1.0: not for a rolling contact"),
+    (IN_TIME, {"time": Time(until="rebound")}, 'time.until = "rebound": is an event of an impact; a rolling contact n'),
+    (impact(), {"time": Time(until="later")}, 'time.until = "later": must be "max-approach", "rebound" or a time'),
+    (impact(), {"time": Time(until=0.0)}, "time.until = 0.0: must be finite and above zero"),
+    (impact(), {"time": Time(start_approach=1.0)}, "time.start_approach = 1.0: must be less than 0"),
+    (impact(), {"time": Time(until=Quantity(1.0, "s"))}, 'time.until = "1.0 s": must be a plain number'),
+    (impact(), {"output": Output(-1.0)}, "output.interval = -1.0: must be finite and above zero"),
+    (
+        impact(time=Time(until="rebound")),
+        {"drive": Drive(load=constant(1.0))},
+        'time.until = "rebound": a ball under a load may never leave; give a time',
+    ),
+    (impact(), {"time": Time(until=1e9)}, "time.until = 1000000000.0: is 1e+09 t0; must be at most 100000 t0"),
+    (IN_TIME, {"time": Time(until=10.0, step=1e-9)}, "time.step = 1e-09: needs 1e+10 steps; must be at least 1e-06 t0"),
+    (
+        impact(),
+        {"output": Output(1e-9)},
+        "output.interval = 1e-09: gives 2.47e+09 maps with 6.53e+06 GB; at most 100000 and 100 GB are allowed, take a ",
+    ),
+    (
+        impact(solver=Solver(nodes=4097)),
+        {"output": Output(0.005)},
+        "output.interval = 0.005: gives 494 maps with 332 GB",
+    ),
+    (
+        PHYSICAL,
+        {"output": Output(Quantity(1e-10, "s"))},
+        'output.interval = "1e-10 s": gives 9.39e+05 maps',
+    ),
+    # name and source
+    *[
+        (impact(), {"name": name}, f"name = {shown}: must be a plain file name: ")
+        for name, shown in {
+            "../../evil": '"../../evil"',
+            "/tmp/evil": '"/tmp/evil"',
+            "a\\b": '"a\\\\b"',
+            "run::1": '"run::1"',
+            ".": '"."',
+            "..": '".."',
+            ".hidden": '".hidden"',
+            "\x1b[31mred": '"\\u001b[31mred"',
+            "\u202etxt": '"\\u202etxt"',
+            "two\nlines": '"two\\nlines"',
+            "µ" * 51: f'"{"µ" * 51}"',
+            5: "5",
+        }.items()
+    ],
+    (
+        impact(),
+        {"oil": replace(OIL, reference="\x1b]0;title")},
+        'lubricant.reference = "\\u001b]0;title": must be one line',
+    ),
+    # sizes
+    (impact(), {"contact": Conditions(lambda_bar=1e-29, alpha_bar=10.0)}, "contact: its values together give M = "),
+    (
+        PHYSICAL,
+        {"contact": Conditions(**{**BALL, "radius": 1e-6, "speed": 1e4, "mass": 1e12})},
+        "contact: its values together ",
+    ),
+    (
+        impact(),
+        {"solver": Solver(half_width=1e9)},
+        "solver.half_width = 1000000000.0: must be less than or equal to 1000",
+    ),
+    (impact(), {"time": Time(-1e9)}, "time.start_approach = -1000000000.0: must be greater than or equal to -1000"),
+    (impact(), {"roughness": (Feature(Spot(1e-300, 0.1)),)}, "roughness[1].radius = 1e-300: must be between 1e-06 and"),
+    (
+        PHYSICAL,
+        {"roughness": (Feature(Spot(Quantity(1e30, "m"), 0.1)),)},
+        'roughness[1].radius = "1e+30 m": is 5.13076e+33 a in this contact; must be between',
+    ),
+    # motion
+    (STEADY, {"drive": Drive(load=constant(0.0))}, "motion.load: is 0 at T = 0; must be above zero there"),
+    (STEADY, {"drive": Drive(entrainment=constant(0.0))}, "motion.entrainment: is 0 at T = 0"),
+    (
+        STEADY,
+        {"drive": Drive(load=Polyline(((0.0, 1.0), (1.0, 2.0))))},
+        'motion.load: varies in time from 1 to 2; use solver.method = "transient"',
+    ),
+    (
+        IN_TIME,
+        {"drive": Drive(load=Polyline(((0.0, 1.0), (1.0, 0.0))))},
+        "motion.load: goes down to 0; must stay above zero",
+    ),
+    (STEADY, {"drive": Drive(inertia=-1.0)}, "motion.inertia = -1.0: must be greater than or equal to 0"),
+    (STEADY, {"drive": Drive(slide_to_roll=inf)}, "motion.slide_to_roll = Infinity: must be a finite number"),
+    (IN_TIME, {"drive": Drive(Oscillation(1.0, inf, 1.0))}, "motion.load.amplitude = Infinity: must be a finite numb"),
+    (IN_TIME, {"drive": Drive(constant(nan))}, "motion.load = NaN: must be finite numbers"),
+    (
+        impact(),
+        {"drive": Drive(entrainment=Polyline(((0.0, 1.0), (inf, 2.0))))},
+        "motion.entrainment = [[0.0, 1.0], [Infinity, 2.0]]: must be finite numbers",
+    ),
+    (
+        impact(),
+        {"drive": Drive(inertia=1.0)},
+        "motion.inertia = 1.0: belongs to dimensionless rolling cases; for an",
+    ),
+    (
+        Case(Conditions(**TRACK), OIL, SOLVERS["steady"]),
+        {"drive": Drive(inertia=1.0)},
+        "motion.inertia = 1.0: belongs to dimensionless rolling cases; give contact.mass",
+    ),
+    (
+        Case(Conditions(**TRACK), OIL, SOLVERS["steady"]),
+        {"drive": Drive(slide_to_roll=1.0)},
+        "motion.slide_to_roll = 1.0: belongs to dimensionless cases; with speeds in [contact] write",
+    ),
+    (
+        Case(Conditions(**BALL, mean_speed=1.0), OIL),
+        {"drive": Drive(entrainment=constant(1.0))},
+        "motion.entrainment = 1.0 and contact.mean_speed = 1.0 m/s are given together; allowed: one of them",
+    ),
+    # roughness
+    (STEADY, {"roughness": ROUGH}, "roughness[1].surface = 1: moves, so that its film is not steady; use"),
+    (
+        replace(STEADY, drive=Drive(slide_to_roll=-2.0), roughness=ROUGH),
+        {"drive": None},
+        "roughness[1].surface = 1: moves, so that its film is not steady; use",
+    ),
+    (impact(), {"roughness": (Feature(Spot(-1.0, 0.1)),)}, "roughness[1].radius = -1.0: must be finite and above zero"),
+    (
+        impact(),
+        {"roughness": (*ROUGH, Feature(Spot(0.3, Quantity(1e-8, "m"))))},
+        'roughness[2].height = "1e-08 m": must be a plain number: a dimensionless case has no m',
+    ),
+]
+
+
+@pytest.mark.parametrize(("case", "changes", "message"), REFUSED, ids=[message[:60] for *_, message in REFUSED])
+def test_every_rule_is_kept_by_replace_too(case, changes, message) -> None:
+    with pytest.raises(ValueError) as caught:
+        replace(case, **changes)
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("values", [{"M": 1e300, "L": 10.0}, {"M": 10**400, "L": 10.0}, {"M": 200.0, "L": 1e31}])
+def test_numbers_of_an_absurd_size_are_refused(values) -> None:
+    with pytest.raises(ValueError, match=r"^contact\.[ML] = .*: must be between"):
+        Conditions(**values)
+
+
+@pytest.mark.parametrize("name", ["", "ball", "Kugel 2 (schnell)", "a_b-c.d", "x" * 100, "µ" * 50])
+def test_a_plain_file_name_is_a_name(name) -> None:
+    assert impact(name=name).name == name
+
+
+def test_an_end_in_seconds_is_refused_in_a_dimensionless_rolling_case() -> None:
+    data = {"contact": {"kind": "rolling", **MOES}, "solver": {"method": "transient"}, "time": {"until": "0.1 s"}}
+    with pytest.raises(ValueError, match=r'^time\.until = "0\.1 s": must be a plain number'):
+        Case.from_data({**data, "motion": {"entrainment": 2.0}})
+
+
+def test_reading_refuses_what_it_does_not_know() -> None:
+    with pytest.raises(
+        ValueError, match=r"^solvers = \{ nodes = 65 \}: unknown section; allowed: schema, name, contact"
+    ):
+        Case.from_data({"contact": MOES, "solvers": {"nodes": 65}})
+    with pytest.raises(ValueError, match=r"^schema = 2: allowed: 1"):
+        Case.from_data({"contact": MOES, "schema": 2})
+    with pytest.raises(ValueError, match=r"^contact\.M: missing"):
+        Case.from_data({})
+
+
+# -- the default domain -----------------------------------------------------------------------------------------------
+
+
+def half_width(contact: dict[str, Any], **solver: Any) -> float:
+    return Case.from_data({"contact": contact, "solver": solver}).solver.half_width
+
+
+@pytest.mark.parametrize(("M", "expected"), [(1e4, 2.0), (100, 2.0), (50, 3.25), (20, 6.0), (1, 8.0)])
+def test_the_default_domain_of_an_impact_widens_at_low_loads(M: float, expected: float) -> None:
+    assert half_width({"M": M, "L": 5}) == expected
+    assert half_width({"M": M, "L": 5}, half_width=2.5) == 2.5
+    assert half_width({"M": M, "L": 5}, method="radial") == pytest.approx(2 * expected, abs=0.26)
+
+
+@pytest.mark.parametrize(("M", "wider"), [(1e4, 1.0), (5, 1.0), (2, 2.5 ** (4 / 3)), (1, 5 ** (4 / 3))])
+def test_the_default_domain_of_rolling_widens_at_low_loads(M: float, wider: float) -> None:
+    """As lambda_bar: the share of the load outside stays the same."""
+    assert half_width({"kind": "rolling", "M": M, "L": 5}) == pytest.approx(3.0 * wider, abs=0.13)
+    assert half_width({"kind": "rolling", "M": M, "L": 5}, half_width=9.0) == 9.0
+
+
+@pytest.mark.parametrize("across", [None, 2.00001, 2.11])
+def test_the_side_along_y_of_an_ellipse_reads_back(across: float | None) -> None:
+    """A side that ends as long as that along x is not the default, which follows the ellipse."""
+    contact = {"kind": "rolling", "M": 5.26, "L": 0.5, "radius_ratio": 2.5}
+    case = Case.from_data(
+        {"contact": contact, "solver": {"method": "transient"} | ({"half_width_y": across} if across else {})}
+    )
+    assert Case.from_data(case.to_data()) == case
+
+
+def test_a_default_domain_depends_on_the_load_however_it_is_given() -> None:
+    p = Parameters.from_moes(30.0, 5.0)
+    assert half_width({"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar}) == half_width({"M": 30, "L": 5}) > 2
+
+
+def test_a_missing_viscosity_is_named_before_the_domain_is_chosen() -> None:
+    with pytest.raises(ValueError, match=r"lubricant\.eta0: missing"):
+        half_width(BALL)

@@ -1,0 +1,312 @@
+"""Records as plain data and back, to the last bit, and in the units of a case."""
+
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Annotated, Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ertel.case.records import (
+    checked,
+    data_of,
+    feature_data,
+    feature_of,
+    law_of,
+    named,
+    oil_data,
+    oil_of,
+    record_of,
+    scaled,
+    scaled_all,
+    show,
+    signal_of,
+)
+from ertel.case.sections import Drive, Output, Solver, Time
+from ertel.physics.lubricant import Barus, DowsonHigginson, Isoviscous, Oil, Roelands
+from ertel.physics.motion import Oscillation, Polyline, constant
+from ertel.physics.registry import VISCOSITY_LAWS
+from ertel.physics.scales import Scales
+from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
+from ertel.physics.units import DURATION, LENGTH, Amount, Quantity
+
+SCALES = Scales(R=0.01, E_prime=2e11, a=2e-4, p_h=1e9, t0=4e-5)
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A record for these tests."""
+
+    radius: Annotated[float, LENGTH]
+    until: Annotated[Amount, DURATION] = 1.0
+    note: str = ""
+
+
+# -- writing and reading ----------------------------------------------------------------------------------------------
+
+
+def test_a_quantity_is_written_with_its_unit_and_an_amount_as_it_was_given() -> None:
+    assert data_of(Tube(0.01, 2.0)) == {"radius": "0.01 m", "until": 2.0}
+    assert data_of(Tube(0.01, Quantity(0.005, "s"), "thin")) == {
+        "radius": "0.01 m",
+        "until": "0.005 s",
+        "note": "thin",
+    }
+
+
+def test_what_is_none_or_infinite_is_left_out() -> None:
+    assert data_of(Waviness(0.1, 0.5)) == {
+        "amplitude": 0.1,
+        "wavelength_x": 0.5,
+        "phase_x": 0.0,
+        "phase_y": 0.0,
+    }
+    assert data_of(Time()) == {"tolerance": 5e-5}
+    assert data_of(Drive()) == {}
+
+
+@given(st.floats(1e-300, 1e300), st.floats(1e-300, 1e300))
+def test_a_float_reads_back_to_the_last_bit(radius: float, seconds: float) -> None:
+    tube = Tube(radius, Quantity(seconds, "s"))
+    assert record_of(Tube, data_of(tube), "tube") == tube
+
+
+def test_a_whole_number_becomes_a_float_but_where_an_integer_is_wanted() -> None:
+    assert isinstance(record_of(Tube, {"radius": 1, "until": 2}, "tube").until, float)
+    assert isinstance(record_of(Solver, {"nodes": 65}, "solver").nodes, int)
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        ({"radius": "0.01 m", "width": 1}, "tube.width = 1: unknown key; allowed: radius, until, note"),
+        ({"until": 1.0}, "tube.radius: missing"),
+        ({"radius": "10 mm"}, 'tube.radius = "10 mm": must be a number and the unit m'),
+        ({"radius": "long m"}, 'tube.radius = "long m": must be a number and the unit m'),
+        ([0.01], "tube = [0.01]: must be a table"),
+    ],
+)
+def test_what_cannot_be_read_is_said(data, message) -> None:
+    with pytest.raises(ValueError) as caught:
+        record_of(Tube, data, "tube")
+    assert str(caught.value) == message
+
+
+def test_what_cannot_be_written_is_refused() -> None:
+    with pytest.raises(ValueError, match="cannot be written down"):
+        data_of(Drive(load=lambda T: 1.0))  # type: ignore[arg-type]
+
+
+SIGNALS = [
+    (constant(2.0), 2.0),
+    (Polyline(((0.0, 1.0), (1.5, 2.0))), [[0.0, 1.0], [1.5, 2.0]]),
+    (Polyline(((1.5, 2.0),)), [[1.5, 2.0]]),
+    (Polyline(((Quantity(0.0, "s"), 2.0),)), [["0.0 s", 2.0]]),
+    (
+        Polyline(((Quantity(-0.001, "s"), 1.0), (Quantity(0.001, "s"), 2.0), (5.0, 1.0))),
+        [["-0.001 s", 1.0], ["0.001 s", 2.0], [5.0, 1.0]],
+    ),
+    (Oscillation(1.0, 0.2, 3.0), {"mean": 1.0, "amplitude": 0.2, "period": 3.0, "phase": 0.0}),
+    (
+        Oscillation(1.0, 0.2, Quantity(0.002, "s"), 1.0),
+        {"mean": 1.0, "amplitude": 0.2, "period": "0.002 s", "phase": 1.0},
+    ),
+]
+
+
+@pytest.mark.parametrize(("signal", "data"), SIGNALS, ids=str)
+def test_a_signal_has_three_forms(signal, data) -> None:
+    assert data_of(Drive(load=signal)) == {"load": data}
+    assert signal_of(data, "motion.load") == signal
+
+
+def test_times_of_a_signal_rise() -> None:
+    with pytest.raises(ValueError, match=r"^motion\.load = \[\[1.0, 1.0\], \[0.0, 2.0\]\]: .*rising T"):
+        signal_of([[1.0, 1.0], [0.0, 2.0]], "motion.load")
+
+
+OILS = [
+    Oil(),
+    Oil("barus", "incompressible", 0.04, 2e-8),
+    Oil(eta0=0.02, p0=2e8, z=0.6, reference="a data sheet"),
+    Oil(Roelands(2e-8, 0.6, 2e8), DowsonHigginson(6e8), 0.04),
+    Oil(Isoviscous(), "incompressible"),
+]
+
+
+@pytest.mark.parametrize("oil", OILS, ids=str)
+def test_an_oil_reads_back(oil) -> None:
+    assert oil_of(oil_data(oil), "lubricant") == oil
+    assert oil_of(oil_data(oil), "lubricant").reference == oil.reference
+
+
+def test_a_law_with_data_of_its_own_is_a_table() -> None:
+    assert oil_data(Oil(Barus(2e-8)))["viscosity"] == {"law": "barus", "alpha": "2e-08 1/Pa"}
+    with pytest.raises(ValueError, match=r'^oil\.viscosity\.law = "tar": allowed: .*isoviscous, barus, roelands'):
+        law_of({"law": "tar"}, VISCOSITY_LAWS, "oil.viscosity")
+    with pytest.raises(ValueError, match=r'^oil\.viscosity\.alpha = "-2e-08 1/Pa": must be finite and above zero'):
+        law_of({"law": "barus", "alpha": "-2e-8 1/Pa"}, VISCOSITY_LAWS, "oil.viscosity")
+
+
+FEATURES = [
+    Feature(Waviness(0.1, 0.5, inf, 1.0, 0.0, -2.0, 0.5)),
+    Feature(Waviness(Quantity(1e-8, "m"), wavelength_y=Quantity(1e-4, "m")), 2),
+    Feature(RingWaviness(-0.1, 0.5, 0.3, -1.0, Quantity(-1e-4, "m")), 2),
+    Feature(Spot(0.3, depth=0.2, x=-3.0, y=1.0)),
+    Feature(Spot(Quantity(5e-5, "m"), Quantity(-2e-8, "m"))),
+]
+
+
+@pytest.mark.parametrize("feature", FEATURES, ids=str)
+def test_a_feature_reads_back(feature) -> None:
+    assert feature_of(feature_data(feature), "roughness[1]") == feature
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        ({"radius": 1.0}, "roughness[1].shape: missing; allowed: measured, self-affine, waviness, rings, spot"),
+        ({"shape": "dent"}, 'roughness[1].shape = "dent"; allowed: measured, self-affine, waviness, rings, spot'),
+        ({"shape": "spot", "surface": 3}, "roughness[1].surface = 3: allowed: 1 or 2"),
+        ({"shape": "spot", "radius": 1.0}, "roughness[1].height: missing; allowed: height"),
+    ],
+)
+def test_what_is_no_feature_is_said(data, message) -> None:
+    with pytest.raises(ValueError) as caught:
+        feature_of(data, "roughness[1]")
+    assert str(caught.value).startswith(message)
+
+
+# -- checking ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("record", "message"),
+    [
+        (Tube(-0.01), 'tube.radius = "-0.01 m": must be finite and above zero'),
+        (Tube(inf), 'tube.radius = "inf m": must be finite and above zero'),
+        (Tube(0.01, Quantity(0.0, "s")), 'tube.until = "0.0 s": must be finite and above zero'),
+        (Tube("0.01"), 'tube.radius = "0.01": must be a number'),  # type: ignore[arg-type]
+        (Tube(True), "tube.radius = true: must be a number"),
+        (Tube(np.ones(2)), 'tube.radius = "[1. 1.]": must be a number'),  # type: ignore[arg-type]
+        (Tube(1e-300), 'tube.radius = "1e-300 m": must be between 1e-30 and 1e+30 m'),
+        (Tube(10**400), 'tube.radius = "(an integer of about 400 digits) m": must be between 1e-30 and 1e+30 m'),
+        (Tube(0.01, 1e31), "tube.until = 1e+31: must be between 1e-30 and 1e+30, in units t0"),
+        (Solver(nodes=65.0), "tube.nodes = 65.0: must be an integer"),  # type: ignore[arg-type]
+        (Solver(tolerance=1.0), "tube.tolerance = 1.0: must be less than 1"),
+    ],
+    ids=str,
+)
+def test_a_value_that_its_mark_does_not_allow_is_refused(record, message) -> None:
+    with pytest.raises(ValueError) as caught:
+        checked(record, "tube")
+    assert str(caught.value) == message
+
+
+def test_a_complaint_is_about_the_field_of_the_place() -> None:
+    with pytest.raises(ValueError, match=r"^signal\.period = 0.0: must be above zero"):
+        named("signal", Oscillation, 1.0, 0.1, 0.0)
+    with pytest.raises(ValueError, match=r"^contact: has numbers too large or too small to compute with"):
+        named("contact", lambda: 1 / 0)
+
+
+def test_values_are_shown_as_in_a_case_file() -> None:
+    assert show(Quantity(0.01, "m")) == '"0.01 m"'
+    assert show({"mean": 1, "amplitude": True}) == "{ mean = 1, amplitude = true }"
+    assert show([[0, 1.5], ["1 s", 2]]) == '[[0, 1.5], ["1 s", 2]]'
+    assert show(Polyline(((0.0, 1.0), (1.0, 2.0)))) == "[[0.0, 1.0], [1.0, 2.0]]"
+    assert show("é\n") == '"é\\n"'
+    assert show({"a b": 1, "c-d": 2}) == '{ "a b" = 1, c-d = 2 }'
+
+
+def nested(depth: int) -> list[Any]:
+    """A list in a list in a list ..."""
+    value: list[Any] = []
+    for _ in range(depth):
+        value = [value]
+    return value
+
+
+CYCLE: dict[str, Any] = {}
+CYCLE["again"] = CYCLE
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "x" * 10**7,
+        b"x" * 10**7,
+        ["x" * 10**6] * 100,
+        list(range(10**6)),
+        {f"key {number}": number for number in range(10**5)},
+        {"k" * 10**6: 1},
+        nested(900),
+        CYCLE,
+        10**5000,
+        Polyline(tuple((float(T), 1.0) for T in range(10**4))),
+        np.zeros(10**6),
+    ],
+    ids=["text", "bytes", "texts", "list", "table", "key", "nested", "cycle", "integer", "signal", "array"],
+)
+def test_long_values_are_cut_in_messages(value: object) -> None:
+    assert len(show(value)) <= 100
+
+
+def test_control_characters_are_escaped_in_messages() -> None:
+    """Escape sequences and reversed text (bidirectional controls) do not reach a terminal."""
+    assert show("\x1b[31mred\x07") == '"\\u001b[31mred\\u0007"'
+    assert show("\u202eabc\x9b\u200b\x7f") == '"\\u202eabc\\x9b\\u200b\\x7f"'
+    assert show({"\x1b]0;title": 1}) == '{ "\\u001b]0;title" = 1 }'
+
+
+# -- units of the case ------------------------------------------------------------------------------------------------
+
+
+def test_quantities_come_to_the_units_of_the_case() -> None:
+    spot = scaled(Feature(Spot(Quantity(1e-4, "m"), Quantity(2e-8, "m"), x=-3.0)), SCALES, "roughness[1]")
+    assert spot == Feature(Spot(1e-4 / SCALES.a, 2e-8 / SCALES.film, x=-3.0))
+    assert scaled(Time(until=Quantity(4e-4, "s"), step=0.1), SCALES, "time") == Time(until=4e-4 / SCALES.t0, step=0.1)
+    polyline = Polyline(((Quantity(0.0, "s"), 1.0), (Quantity(4e-5, "s"), 2.0), (5.0, 1.0)))
+    assert scaled(polyline, SCALES, "load") == Polyline(((0.0, 1.0), (4e-5 / SCALES.t0, 2.0), (5.0, 1.0)))
+    drive = Drive(load=Oscillation(1.0, 0.1, Quantity(8e-5, "s")))
+    assert scaled(drive, SCALES, "motion") == Drive(load=Oscillation(1.0, 0.1, 8e-5 / SCALES.t0))
+
+
+def test_what_has_no_quantity_stays_the_same_record() -> None:
+    time = Time(until=1.0)
+    assert scaled(time, SCALES, "time") is time
+    assert scaled(time, None, "time") is time
+    assert scaled_all((Feature(Spot(0.3, 0.1)),), None, "roughness") == (Feature(Spot(0.3, 0.1)),)
+
+
+def test_times_that_fall_together_in_the_units_of_the_case_are_refused() -> None:
+    polyline = Polyline(((1.0, 1.0), (Quantity(4e-5, "s"), 2.0)))
+    with pytest.raises(ValueError, match=r"^motion\.load = .*rising T"):
+        scaled(Drive(load=polyline), SCALES, "motion")
+
+
+@pytest.mark.parametrize(
+    ("record", "message"),
+    [
+        (
+            Output(Quantity(1.0, "s")),
+            'output.interval = "1.0 s": must be a plain number: a dimensionless case has no s',
+        ),
+        (Feature(Spot(Quantity(1.0, "m"), 0.1)), 'output.radius = "1.0 m": must be a plain number'),
+        (Drive(load=Oscillation(1.0, 0.1, Quantity(1.0, "s"))), 'output.load.period = "1.0 s": must be a plain number'),
+        (Drive(load=Polyline(((Quantity(1.0, "s"), 1.0),))), 'output.load[1] = "1.0 s": must be a plain number'),
+    ],
+    ids=str,
+)
+def test_a_dimensionless_case_has_no_units(record, message) -> None:
+    with pytest.raises(ValueError) as caught:
+        scaled(record, None, "output")
+    assert str(caught.value).startswith(message)
+
+
+def test_the_place_counts_features_from_one() -> None:
+    features = [Feature(Spot(0.3, 0.1)), replace(Feature(Spot(0.3, Quantity(1e-8, "m"))), surface=2)]
+    with pytest.raises(ValueError, match=r"^roughness\[2\]\.height"):
+        scaled_all(features, None, "roughness")

@@ -1,0 +1,99 @@
+"""The terms of the budgets at one time: closed forms, and that they see a wrong pressure."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from cases import BARUS, BARUS_LIMIT, OIL, rolled, steady_solver
+
+from ertel.case.case import Case
+from ertel.case.sections import Drive
+from ertel.equations import account, contact, discretise
+from ertel.equations.state import GridSolution, Rolling
+from ertel.physics.lubricant import Oil
+from ertel.physics.motion import constant
+from ertel.physics.scales import Parameters
+from ertel.solvers import steady
+
+
+def case_of(speed: float = 1.0, nodes: int = 129, oil: Oil = OIL, L: float = 5) -> Case:
+    """A resolved rolling contact on a centred grid."""
+    solver = steady_solver(nodes, inlet=None, half_width=4.0)
+    return rolled(Parameters.from_moes(20, L), oil, solver, Drive(entrainment=constant(speed)))
+
+
+@cache
+def film(speed: float = 1.0, L: float = 5, oil: Oil = OIL) -> tuple[Case, Rolling]:
+    case = case_of(speed, oil=oil, L=L)
+    return case, steady.steady(case)
+
+
+def imbalances(case: Case, s: GridSolution) -> tuple[float, float]:
+    """Of mass and of energy, as shares of the outflow and of the dissipation."""
+    t, _ = account.steady(case, s)
+    mass = t["inflow"] + t["cavity_source"] - t["outflow"]
+    energy = t["power_from_surfaces"] - t["power_to_surfaces"] - t["dissipation"] - t["outside_power"]
+    return mass / t["outflow"], energy / t["dissipation"]
+
+
+@pytest.mark.usefixtures("nothing_outside")
+def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
+    """Of F delta; the oil stores the integral of its energy of compression over the film, all of thickness 0.1."""
+    case = case_of()
+    grid = discretise.grid_of(case)
+    P, approach = steady.dry_guess(case.geometry, grid, 1.0)
+    c = discretise.contact_of(case, grid)
+    H = contact.film_thickness(c, P, approach)
+    solution = steady.steady(case_of(nodes=33)).finest
+    dry = replace(solution, grid=grid, P=P, H=H, approach=approach, outside=0.0)
+    assert account.steady(case, dry)[0]["elastic_energy"] == pytest.approx(2 / 5, rel=2e-3)
+    r = np.linspace(0, 1, 20001)
+    in_oil = 0.1 * 3 * np.trapezoid(r * np.asarray(case.lubricant.compression(np.sqrt(1 - r**2))), r)
+    flat = replace(dry, H=np.full_like(np.asarray(P), 0.1))
+    assert account.steady(case, flat)[0]["oil_energy"] == pytest.approx(in_oil, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("speed", "L", "oil"),
+    [
+        (1.0, 5, OIL),
+        (-1.0, 5, OIL),
+        (1.0, BARUS_LIMIT, OIL),
+        pytest.param(1.0, 5, BARUS, marks=pytest.mark.slow),
+    ],
+)
+def test_steady_rolling_dissipates_what_its_resistance_takes(speed: float, L: float, oil: Oil) -> None:
+    """In both directions, with and without piezoviscosity, and with an incompressible oil."""
+    case, rolling = film(speed, L, oil)
+    mass, energy = imbalances(case, rolling.finest)
+    assert abs(mass) < 1.5e-3
+    assert abs(energy) < 6e-3
+
+
+def test_both_directions_have_the_same_budgets() -> None:
+    there, back = (account.steady(*_finest(film(speed)))[0] for speed in (1.0, -1.0))
+    assert back == pytest.approx(there, rel=1e-6)
+
+
+def _finest(found: tuple[Case, Rolling]) -> tuple[Case, GridSolution]:
+    return found[0], found[1].finest
+
+
+def test_the_steady_energy_closes_with_the_order_of_the_grid() -> None:
+    case, rolling = film()
+    found = np.abs([imbalances(case, s)[1] for s in rolling.solutions])
+    orders = np.log2(found[:-1] / found[1:])
+    assert [s.grid.nodes for s in rolling.solutions] == [33, 65, 129]
+    assert orders[-1] > 1.8, orders
+
+
+def test_a_wrong_pressure_opens_the_budgets() -> None:
+    """10 % more pressure with the same film: more flows and dissipates than the motion of the surfaces brings."""
+    case, rolling = film()
+    s = rolling.finest
+    mass, energy = imbalances(case, replace(s, P=1.1 * s.P))
+    assert abs(mass) > 0.02
+    assert abs(energy) > 0.05
+    ahead = np.roll(np.asarray(s.P), -1, axis=1)  # the pressure one cell further upstream
+    assert abs(imbalances(case, replace(s, P=ahead))[1]) > 0.1

@@ -1,0 +1,147 @@
+import itertools
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from jax import Array
+
+from ertel.equations import contact
+from ertel.equations.contact import Contact
+from ertel.equations.flow import Rate, steady_rate
+from ertel.numerics import stencils
+from ertel.numerics.grid import Grid
+from ertel.numerics.stencils import Pair
+from ertel.physics import hertz
+from ertel.physics.geometry import Ellipse
+from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Isoviscous, Lubricant, Roelands
+from ertel.solvers import nonlinear
+
+PLAIN = Lubricant(Isoviscous(), Incompressible())
+REAL = Lubricant(Roelands(20.0, 0.67, 5.0), DowsonHigginson(1.6))
+
+
+def smooth_fields(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    x, y = grid.x[None, :], grid.y[:, None]
+    P = np.exp(-2 * (x**2 + 1.3 * y**2 + 0.4 * x * y)) * (4 - x**2) * (4 - y**2) / 16
+    return P, 0.3 + 0.1 * x**2 + 0.2 * y**2 + 0.05 * np.sin(x + 2 * y)
+
+
+def test_hertz_pressure_closes_the_gap() -> None:
+    grid = Grid.square(257, 2.0)
+    dry = contact.ball_on_plane(grid, 1.0, PLAIN)
+    r = np.hypot(grid.x[None, :], grid.y[:, None])
+    H = np.asarray(contact.film_thickness(dry, jnp.asarray(hertz.pressure(r)), 1.0))
+    assert np.abs(H[r < 0.9]).max() < 1e-3
+    np.testing.assert_allclose(H[r > 1.1], hertz.gap(r)[r > 1.1], atol=1e-3)
+    assert float(contact.load(dry, jnp.asarray(hertz.pressure(r)))) == pytest.approx(2 * np.pi / 3, rel=1e-3)
+
+
+@pytest.mark.parametrize("entrainment", [0.0, 1.0, -1.0])
+@pytest.mark.parametrize("oil", [PLAIN, REAL, Lubricant(Barus(6.0), Incompressible())])
+def test_the_residual_is_second_order(entrainment: float, oil: Lubricant) -> None:
+    """Successive grids agree at common nodes, away from the edge, with differences falling by four."""
+    values = []
+    for nodes in (65, 129, 257, 513):
+        grid = Grid.square(nodes, 2.0)
+        P, H = smooth_fields(grid)
+        c = contact.ball_on_plane(grid, 0.05, oil)
+        r = residual_in_any_flow(c, jnp.asarray(P), jnp.asarray(H), Rate(3.0, -0.5, entrainment))
+        step = (nodes - 1) // 64
+        values.append(np.asarray(r)[4 * step : -4 * step : step, 4 * step : -4 * step : step])
+    differences = [np.sqrt(np.mean((b - a) ** 2)) for a, b in itertools.pairwise(values)]
+    orders = np.log2(np.divide(differences[:-1], differences[1:]))
+    assert np.all(np.abs(orders - 2) < 0.25), orders
+
+
+def test_the_residual_of_a_known_flow() -> None:
+    """H = 1, isoviscous: div(P flux) = Laplacian(P)/lambda_bar; P = X^2 (1 + Y) has the Laplacian 2 (1 + Y)."""
+    grid = Grid.square(33, 2.0)
+    x, y = grid.x[None, :], grid.y[:, None]
+    c = contact.ball_on_plane(grid, 0.25, PLAIN)
+    r = contact.residual(c, jnp.asarray(x**2 * (1 + y)), jnp.ones((33, 33)), Rate(0.0, 0.0))
+    np.testing.assert_allclose(
+        np.asarray(r)[1:-1, 1:-1], np.broadcast_to(-8 * (1 + y), (33, 33))[1:-1, 1:-1], rtol=1e-10
+    )
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10**6))
+def test_mass_is_conserved_by_the_fluxes(seed: int) -> None:
+    """What the fluxes take out of the inner cells is exactly what passes the edge."""
+    rng = np.random.default_rng(seed)
+    eps, P = rng.random((17, 17)), rng.random((17, 17))
+    net = float(jnp.sum(stencils.inside(stencils.diffusion(Pair(jnp.asarray(eps)), jnp.asarray(P)))))
+    face = (eps[1:] + eps[:-1]) / 2 * np.diff(P, axis=0)
+    side = (eps[:, 1:] + eps[:, :-1]) / 2 * np.diff(P, axis=1)
+    through = (face[-1] - face[0])[1:-1].sum() + (side[:, -1] - side[:, 0])[1:-1].sum()
+    assert net == pytest.approx(through, abs=1e-12)
+
+
+@jax.jit
+def residual_in_any_flow(c: Contact, P: Array, H: Array, rate: Rate) -> Array:
+    """As the solver takes it: X along the flow, and back again."""
+    turned = partial(nonlinear.along_the_flow, rate)
+    return turned(contact.residual(c, turned(P), turned(H), Rate(rate.new, turned(rate.past), abs(rate.wedge))))
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10**6), st.floats(-2, 2))
+def test_mirroring_the_contact_and_the_speed_mirrors_the_residual(seed: int, U: float) -> None:
+    rng = np.random.default_rng(seed)
+    grid = Grid.square(17, 2.0)
+    c = contact.ball_on_plane(grid, 0.1, REAL)
+    P, H = jnp.asarray(rng.random((17, 17))), jnp.asarray(0.1 + rng.random((17, 17)))
+    r = residual_in_any_flow(c, P, H, Rate(2.0, -H, U))
+    mirrored = residual_in_any_flow(c, P[:, ::-1], H[:, ::-1], Rate(2.0, -H[:, ::-1], -U))
+    np.testing.assert_allclose(np.asarray(mirrored), np.asarray(r)[:, ::-1], atol=1e-10)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10**6))
+def test_mirroring_the_contact_across_the_flow_mirrors_the_residual(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    c = contact.ball_on_plane(Grid.square(17, 2.0), 0.1, REAL)
+    P, H = jnp.asarray(rng.random((17, 17))), jnp.asarray(0.1 + rng.random((17, 17)))
+    r = contact.residual(c, P, H, Rate(2.0, -H, 1.7))
+    mirrored = contact.residual(c, P[::-1], H[::-1], Rate(2.0, -H[::-1], 1.7))
+    np.testing.assert_allclose(np.asarray(mirrored), np.asarray(r)[::-1], atol=1e-10)
+
+
+@given(st.integers(0, 10**6))
+def test_only_what_lies_upstream_makes_the_wedge(seed: int) -> None:
+    mass = np.random.default_rng(seed).random((3, 17))
+    changed = mass.copy()
+    changed[:, 9:] += 1.0
+    before, after = (np.asarray(stencils.upstream_slope(jnp.asarray(m), 0.125)) for m in (mass, changed))
+    np.testing.assert_array_equal(after[:, :9], before[:, :9])
+    assert np.all(after[:, 9] != before[:, 9])
+
+
+@given(st.floats(-3, 3), st.floats(-3, 3))
+def test_the_wedge_is_exact_for_parabolas(b: float, U: float) -> None:
+    x, turned = jnp.asarray(Grid.square(33, 2.0).x), partial(nonlinear.along_the_flow, steady_rate(U))
+    mass = jnp.broadcast_to(1 + b * x + x**2, (33, 33))
+    slope = (1 if U >= 0 else -1) * turned(stencils.upstream_slope(turned(mass), 0.125))
+    np.testing.assert_allclose(np.asarray(slope)[:, 2:-2], np.broadcast_to(b + 2 * x, (33, 33))[:, 2:-2], atol=1e-11)
+
+
+@pytest.mark.parametrize(("D", "angle"), [(0.2, 0.0), (3.0, 0.0), (0.3, 35.0)])
+def test_dry_contact_of_an_ellipse(D: float, angle: float) -> None:
+    """The Hertz ellipsoid under the solver's kernel makes the gap zero inside, with order 2."""
+    ellipse = Ellipse(D, angle)
+    wide, high = ellipse.extent
+    errors = []
+    for cells in (10, 20, 40):  # per smaller half width
+        spacing = ellipse.smaller / cells
+        columns, rows = (2 * round(1.1 * side / spacing) + 1 for side in (wide, high))
+        grid = Grid(columns, rows, spacing)
+        c = contact.smooth_contact(ellipse, grid, 0.01, PLAIN)
+        X, Y = grid.x[None, :], grid.y[:, None]
+        H = np.asarray(contact.film_thickness(c, ellipse.dry_pressure(1.0, X, Y), ellipse.dry_approach(1.0)))
+        errors.append(np.abs(H[ellipse.distance(X, Y) < 0.8]).mean())
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert (orders > 1.8).all() and errors[-1] < 2e-4 * ellipse.dry_approach(1.0), (orders, errors)

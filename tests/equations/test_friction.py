@@ -1,0 +1,221 @@
+"""The friction of a film at one time: closed forms, signs, units, and what the budget of energy says of it."""
+
+from dataclasses import replace
+from functools import cache
+from math import exp, pi
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from cases import BARUS, OIL, parse_case, rolled, steady_solver
+from jax import Array
+from numpy.testing import assert_allclose
+
+from ertel.case.case import Case
+from ertel.case.sections import Drive
+from ertel.case.status import Status
+from ertel.equations import account, discretise
+from ertel.equations.contact import Contact, ball_on_plane
+from ertel.equations.friction import Friction, friction, steady
+from ertel.equations.pytrees import traceable_law
+from ertel.equations.state import GridSolution
+from ertel.equations.thinning import ThinningFlow
+from ertel.numerics.grid import Grid
+from ertel.numerics.integrals import Plane
+from ertel.physics.fluidity import Limited, ReeEyring
+from ertel.physics.geometry import HERTZ_LOAD
+from ertel.physics.lubricant import Barus, Incompressible, Lubricant
+from ertel.physics.motion import constant
+from ertel.physics.scales import Parameters
+from ertel.solvers import steady as solver
+
+FRICTION = jax.jit(friction)
+
+
+def square(nodes: int = 33, half_width: float = 1.5) -> Grid:
+    return Grid(nodes, nodes, 2 * half_width / (nodes - 1))
+
+
+def contact(grid: Grid, lambda_bar: float, alpha_bar: float, tau0: float | None = None) -> Contact:
+    """Barus' oil, Newtonian or Eyring's with tau0 in units p_h a/R."""
+    plain = ball_on_plane(grid, lambda_bar, Lubricant(Barus(alpha_bar), Incompressible()))
+    return plain if tau0 is None else replace(plain, flow=ThinningFlow(traceable_law(ReeEyring(tau0)), 1.0, 1.0, 0.0))
+
+
+def of(grid: Grid, c: Contact, P: Array, H: Array, sliding: float, load: float = 1.0) -> Friction:
+    found: Friction = FRICTION(Plane.of(grid), c, P, H, sliding, load, HERTZ_LOAD)
+    return found
+
+
+def test_couette_flow_in_a_uniform_film():
+    """tau = eta (u1 - u2)/h everywhere: in these units lambda_bar U S/(12 H)."""
+    grid = square()
+    P = jnp.full(grid.shape, 0.5)
+    H = jnp.full(grid.shape, 0.2)
+    tau = 0.03 * exp(2.0) * 0.7 / (12 * 0.2)
+    found = of(grid, contact(grid, 0.03, 4.0), P, H, 0.7, load=0.8)
+    assert_allclose(found.stress[0], tau, rtol=1e-12)
+    assert_allclose(found.stress[1], 0.0)
+    assert_allclose(found.loss, 0.7 * tau, rtol=1e-12)
+    assert_allclose(found.sliding, [9 * tau / (0.8 * HERTZ_LOAD), 0.0], rtol=1e-12)
+    assert_allclose(found.rolling, 0.0, atol=1e-15)
+    assert float(found.power) == pytest.approx(9 * 0.7 * tau / HERTZ_LOAD, rel=1e-12)
+
+
+def test_poiseuille_flow_in_a_uniform_film():
+    """Loss h^3 (grad p)^2/(12 eta): H^3 (grad P)^2/lambda_bar; each surface is pulled by h/2 grad p."""
+    grid = square()
+    P = 3.0 + jnp.asarray(0.4 * grid.x[None, :] + 0.3 * grid.y[:, None])
+    found = of(grid, contact(grid, 0.03, 0.0), P, jnp.full(grid.shape, 0.2), 0.0, load=0.8)
+    assert_allclose(found.loss, 0.2**3 * 0.25 / 0.03, rtol=1e-11)
+    assert_allclose(found.rolling, [0.5 * 0.2 * slope * 9 / (0.8 * HERTZ_LOAD) for slope in (0.4, 0.3)], rtol=1e-11)
+    assert_allclose(found.stress, 0.0)
+
+
+def test_no_stress_is_counted_where_the_film_cavitates():
+    grid = square()
+    P = jnp.asarray(np.where(grid.x[None, :] < 0, 1.0, 0.0) + 0 * grid.y[:, None])
+    found = of(grid, contact(grid, 0.03, 0.0), P, jnp.full(grid.shape, 0.2), 0.7)
+    assert float(jnp.abs(jnp.where(P > 0, 0.0, found.stress)).max()) == 0.0
+    assert float(found.stress[0, 16, 3]) > 0.0
+
+
+@pytest.mark.parametrize("sliding", [1e-4, 1e4])
+def test_friction_counts_no_stress_above_the_limit(sliding: float):
+    """With the flux's law the stress goes on rising above tau_L: by 5 % of it for every factor of e in the rate."""
+    grid, P = hertz(33)
+    law = Limited(ReeEyring(1.0), Lambda=0.5, ambient=0.1)
+    c = replace(contact(grid, 1.0, 10.0), flow=ThinningFlow(traceable_law(law), 1.0, 1.0, 0.0))
+    found = of(grid, c, P, jnp.full(grid.shape, 0.01), sliding)
+    limit, stress = 0.1 + 0.5 * P, jnp.hypot(*found.stress)
+    assert float(jnp.max(stress - limit)) < 1e-12
+    if sliding > 1.0:  # all of the pressurised film is at its limit
+        assert_allclose(stress, jnp.where(P > 0.0, limit, 0.0), rtol=1e-12)
+
+
+def test_without_a_load_the_coefficients_are_zero():
+    grid = square()
+    nothing = jnp.zeros(grid.shape)
+    found = of(grid, contact(grid, 0.03, 0.0), nothing, nothing + 0.2, 0.7, load=0.0)
+    assert_allclose([*found.sliding, *found.rolling, found.power], 0.0)
+
+
+# -- a film of uniform thickness under Hertz pressure -----------------------------------------------------------------
+
+
+def hertz(nodes: int) -> tuple[Grid, Array]:
+    grid = square(nodes, 1.05)
+    return grid, jnp.sqrt(jnp.maximum(1.0 - jnp.asarray(grid.x[None, :] ** 2 + grid.y[:, None] ** 2), 0.0))
+
+
+def eyring_mean(alpha_bar: float, ln_S_c: float, film: float = 1e-5) -> float:
+    """The mean of tau/tau0 over the contact.  tau0 = 1, so that pressure in a film so thin does not shear the oil."""
+    grid, P = hertz(129)
+    speed = exp(ln_S_c - 2 / 3 * alpha_bar) * 12 * film  # with lambda_bar = 1 the shear stress at p = 0 is speed/(12 H)
+    found = of(grid, contact(grid, 1.0, alpha_bar, tau0=1.0), P, jnp.full(grid.shape, film), speed)
+    return float(found.sliding[0]) * HERTZ_LOAD / pi
+
+
+@pytest.mark.parametrize(
+    ("alpha_bar", "means"),
+    [
+        (10.0, {-2: 0.5063, 0: 1.4959, 4: 4.7466, 8: 8.6932}),
+        (20.0, {-2: 1.3668, 0: 2.4266, 4: 5.2647, 8: 8.794}),
+        (30.0, {-2: 2.314, 0: 3.3932, 4: 6.0487, 8: 9.2485}),
+    ],
+)
+def test_the_mean_stress_of_an_eyring_oil_under_hertz_pressure(alpha_bar: float, means: dict[int, float]):
+    """The table of the design, to three digits."""
+    for ln_S_c, mean in means.items():
+        assert eyring_mean(alpha_bar, ln_S_c) == pytest.approx(mean, rel=1e-3)
+
+
+def test_an_eyring_oil_of_high_stress_is_newtonian():
+    grid, P = hertz(33)
+    H = jnp.full(grid.shape, 0.1) + 0.02 * jnp.asarray(grid.x[None, :])
+    thin, plain = (of(grid, contact(grid, 0.1, 4.0, tau0), P, H, 0.7) for tau0 in (1e8, None))
+    for name in Friction._fields:
+        expected = np.asarray(getattr(plain, name))
+        assert_allclose(getattr(thin, name), expected, rtol=1e-9, atol=1e-11 * np.abs(expected).max(), err_msg=name)
+
+
+def test_the_coefficients_do_not_depend_on_the_units():
+    """A contact in SI is the dimensionless one with its lambda_bar and alpha_bar; a/R turns units into coefficients."""
+    ball = {"kind": "rolling", "radius": "12 mm", "load": "30 N", "mean_speed": "0.7 m/s", "E_prime": "220 GPa"}
+    oil = {"eta0": "30 mPa*s", "alpha": "18 / GPa", "viscosity": "barus", "density": "incompressible"}
+    si = parse_case({"contact": {**ball, "slide_to_roll": 0.2}, "lubricant": oil, "solver": {"nodes": 33}})
+    p, scales = si.parameters, si.scales
+    assert scales is not None
+    moes = rolled(p, BARUS, si.solver, Drive(slide_to_roll=0.2))
+    grid = discretise.grid_of(si)
+    P = jnp.asarray(si.geometry.dry_pressure(1.0, grid.kept_x[None, :], grid.kept_y[:, None]))
+    H = 0.1 + jnp.asarray(si.geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
+    one, two = (steady(case, film_of(grid, P, H)) for case in (si, moes))
+    for name in Friction._fields:
+        assert_allclose(getattr(one, name), getattr(two, name), rtol=1e-9, atol=1e-12, err_msg=name)
+    # in SI: the integral of eta (u1 - u2)/h over the load
+    pascal = 0.03 * np.exp(18e-9 * np.asarray(P) * scales.p_h) * 0.2 * 0.7 / (np.asarray(H) * scales.film)
+    force = float(Plane.of(grid).total(jnp.where(P > 0, jnp.asarray(pascal), 0.0))) * scales.a**2
+    assert float(one.sliding[0]) * scales.a_over_R == pytest.approx(force / 30.0, rel=1e-9)
+    pressed = Plane.of(grid).total(one.loss - 0.2 * one.stress[0]) * scales.a**2 * scales.power_per_area
+    assert float(one.power) * scales.power == pytest.approx(0.2 * 0.7 * force + float(pressed), rel=1e-9)
+
+
+def film_of(grid: Grid, P: Array, H: Array) -> GridSolution:
+    return GridSolution(grid, P, H, 1.0, 0.0, Status.CONVERGED, 0, 0, 0.0)
+
+
+# -- solved contacts --------------------------------------------------------------------------------------------------
+
+pressure_only_inside = pytest.mark.usefixtures("nothing_outside")
+
+
+@cache
+def films(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[Case, tuple[GridSolution, ...]]:
+    """A contact on grids of 33 and 65 nodes."""
+    drive = Drive(entrainment=constant(speed), slide_to_roll=slide_to_roll)
+    case = rolled(Parameters.from_moes(20, 5), OIL, steady_solver(65, inlet=None, half_width=4.0), drive)
+    return case, solver.steady(case).solutions
+
+
+def finest(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[Case, GridSolution]:
+    case, solutions = films(speed, slide_to_roll)
+    return case, solutions[-1]
+
+
+@pressure_only_inside
+def test_all_power_is_that_of_sliding_and_of_the_pressure():
+    """To round-off: the loss at the nodes takes the flow between them as the budget does."""
+    terms, found = account.steady(*finest())
+    assert float(found.power) == pytest.approx(0.3 * float(found.sliding[0]) + terms["dissipation"], rel=1e-12)
+
+
+@pressure_only_inside
+@pytest.mark.parametrize("motion", [(1.0, 0.3), (1.0, -0.3), (-1.0, 0.3)])
+def test_the_surfaces_spend_what_heats_the_oil(motion: tuple[float, float]):
+    """Sliding speed times sliding force, and rolling speed times the resistance of both: of order 2 as the budget."""
+    case, solutions = films(*motion)
+    speed, ratio = motion
+    errors = []
+    for s in solutions:
+        terms, found = account.steady(case, s)
+        of_sliding, of_rolling = float(found.sliding[0]) * ratio * speed, 2 * float(found.rolling[0]) * speed
+        assert of_sliding > 0 and of_rolling > 0
+        assert of_rolling == pytest.approx(terms["power_from_surfaces"] - terms["power_to_surfaces"], rel=1e-9)
+        errors.append(float(found.power) / (of_sliding + of_rolling - terms["outside_power"]) - 1)
+        assert found.sliding[1] == found.rolling[1] == 0.0
+    assert abs(errors[-1]) < 0.01
+    assert errors[0] / errors[1] > 3.5, errors
+
+
+@pressure_only_inside
+def test_direction():
+    """The sliding coefficient changes its sign with the sliding, the rolling coefficient with the rolling."""
+    there, faster, back = (steady(*finest(*motion)) for motion in ((1.0, 0.3), (1.0, -0.3), (-1.0, 0.3)))
+    assert_allclose(faster.sliding, -there.sliding, rtol=1e-12)
+    assert_allclose(faster.rolling, there.rolling, rtol=1e-12)
+    assert_allclose(faster.loss, there.loss, rtol=1e-12)
+    assert_allclose(back.rolling, -there.rolling, rtol=1e-5)
+    assert_allclose(back.sliding, -there.sliding, rtol=1e-5)
+    assert_allclose(back.loss[:, ::-1], there.loss, rtol=0, atol=1e-5 * float(there.loss.max()))

@@ -1,0 +1,386 @@
+"""The flow of an oil that thins: tables, a slow twin, its derivatives, its limits and its symmetries."""
+
+import sys
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from scipy.integrate import quad_vec
+from scipy.optimize import root
+
+from ertel.equations import across
+from ertel.equations.across import series_of
+from ertel.equations.pytrees import traceable_law
+from ertel.equations.shear import LIMIT, Shear, dissipation, secant_mobility, shear, tangent_mobility
+from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
+
+jax.config.update("jax_enable_x64", True)
+FLOW = jax.jit(shear)
+SECANT = jax.jit(secant_mobility)
+EYRING = traceable_law(ReeEyring(1.0))
+CARREAU = traceable_law(Carreau(1.0, 0.5))
+NEWTON = traceable_law(NewtonianOil())
+SQUALANE = traceable_law(Carreau(1.0, 0.42))
+LIMITED = traceable_law(Limited(ReeEyring(1.0), 0.05, ambient=8.0, sharpness=0.1))
+LAWS = {
+    "eyring": EYRING,
+    "carreau": CARREAU,
+    "squalane": SQUALANE,
+    "yasuda": traceable_law(CarreauYasuda(1.0, 0.5, 1.3)),
+    "limited": LIMITED,
+}
+every_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+
+
+def column(vectors: object) -> jax.Array:
+    """Vectors given as (points, 2) as a field, filled up to a multiple of 10 points so that few shapes compile."""
+    given = np.atleast_2d(np.asarray(vectors, dtype=float))
+    return jnp.asarray(np.concatenate([given, np.ones((-len(given) % 10, 2))]).T)
+
+
+def flow(law: Fluidity, sliding: object, gradient: object) -> Shear:
+    """The flow at ambient pressure in points given as (points, 2)."""
+    s, g = column(sliding), column(gradient)
+    found = FLOW(law, jnp.zeros(s.shape[1:]), s, g)
+    points = len(np.atleast_2d(np.asarray(sliding)))
+    return found._replace(stress=found.stress[:, :points], flux=found.flux[:, :points])
+
+
+def twin(law: Fluidity, sliding: np.ndarray, gradient: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """tau_m and Q of one point: adaptive integration across the film, a general root finder, no derivative."""
+
+    def across(stress: np.ndarray, power: int) -> np.ndarray:
+        def rate(zeta: float) -> np.ndarray:
+            tau = stress + zeta * gradient
+            return zeta**power * law.fluidity(np.linalg.norm(tau), 0.0) * tau
+
+        total, _ = quad_vec(rate, -0.5, 0.5, epsabs=0.0, epsrel=1e-11, limit=400)
+        return total
+
+    def misfit(stress: np.ndarray) -> np.ndarray:
+        return np.arcsinh(across(stress, 0)) - np.arcsinh(sliding)
+
+    found = root(misfit, np.asarray(law.stress(np.abs(sliding), 0.0)) * np.sign(sliding), tol=1e-13)
+    return found.x, across(found.x, 1)
+
+
+# -- the tables of the design -----------------------------------------------------------------------------------------
+
+SIGMA = [0.5, 1.0, 2.0, 4.0, 8.0]
+EYRING_FACTOR = {
+    0: [1.025224, 1.103638, 1.461574, 3.841079, 61.132936],
+    1: [1.420842, 1.449116, 1.669069, 3.88212, 61.133817],
+    10: [9.890484, 9.455686, 8.191172, 6.815509, 61.220932],
+    100: [98.37739, 93.91707, 80.610459, 56.431213, 69.38225],
+}
+
+
+@pytest.mark.parametrize("B", EYRING_FACTOR)
+def test_eyring_in_one_dimension(B: float) -> None:
+    found = flow(EYRING, [[B, 0.0]] * 5, [[2.0 * S, 0.0] for S in SIGMA])
+    assert_allclose(6.0 * found.flux[0] / np.array(SIGMA), EYRING_FACTOR[B], rtol=6e-7)
+    assert_allclose(found.stress[0], np.arcsinh(B * np.array(SIGMA) / np.sinh(SIGMA)), rtol=1e-6, atol=1e-15)
+    assert np.all(found.flux[1] == 0) and np.all(found.stress[1] == 0)
+
+
+@pytest.mark.parametrize(
+    ("p_x", "p_y", "B", "stress", "factors"),
+    [
+        (0.2, 0.2, 10, (2.996194, -0.002236), (10.040157, 3.333526)),
+        (1, 1, 10, (2.948142, -0.054342), (9.817365, 3.296364)),
+        (4, 4, 10, (2.31089, -0.581493), (7.997324, 3.636129)),
+        (4, 0, 10, (2.408634, 0), (8.191172, None)),
+        (0, 4, 10, (2.842233, 0), (None, 3.944414)),
+        (1, 1, 0, (0, 0), (1.050901, 1.050901)),
+        (4, 4, 0, (0, 0), (2.06571, 2.06571)),
+    ],
+)
+def test_eyring_in_two_dimensions(p_x: float, p_y: float, B: float, stress: tuple, factors: tuple) -> None:
+    found = flow(EYRING, [B, 0.0], [p_x, p_y])
+    assert_allclose(found.stress[:, 0], stress, atol=6e-7)
+    for flux, slope, factor in zip(found.flux[:, 0], (p_x, p_y), factors, strict=True):
+        if factor is not None:
+            assert 12.0 * flux / slope == pytest.approx(factor, abs=6e-7)
+
+
+@pytest.mark.parametrize(
+    ("B", "factors", "stresses"),
+    [
+        (0, [1.00003, 1.071941, 1.260475, 1.819012, 3.176691], [0.0] * 5),
+        (1, [1.757872, 1.723605, 1.683287, 1.948336, 3.198027], [0.786136, 0.748699, 0.650671, 0.44093, 0.242249]),
+        (10, [6.176161, 6.14954, 6.069117, 5.741032, 4.858474], [3.084227, 3.07076, 3.03001, 2.86198, 2.208142]),
+    ],
+)
+def test_carreau_in_one_dimension(B: float, factors: list, stresses: list, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Six digits with 40 nodes.  Where the gradient exceeds G the flow has a narrow core, which 8 resolve to 4e-4."""
+    Sigma = np.array([0.01, 0.5, 1.0, 2.0, 4.0])
+    args = [[B, 0.0]] * 5, [[2.0 * S, 0.0] for S in Sigma]
+    quick = flow(CARREAU, *args)
+    monkeypatch.setattr(sys.modules[__name__], "FLOW", jax.jit(lambda *arguments: shear(*arguments, across=40)))
+    exact = flow(CARREAU, *args)
+    for found, near in ((exact, 0.0), (quick, np.array([0.0, 0.0, 3e-6, 6e-5, 4e-4]))):
+        assert np.all(np.abs(6.0 * np.asarray(found.flux[0]) / Sigma / factors - 1.0) <= near + 6e-7)
+        assert np.all(np.abs(np.asarray(found.stress[0]) - stresses) <= near + 6e-7)
+
+
+@pytest.mark.parametrize(("law", "error"), [("eyring", 1e-5), ("carreau", 6e-4), ("squalane", 6e-4), ("yasuda", 6e-4)])
+def test_the_error_of_the_flux_in_pure_rolling(law: str, error: float) -> None:
+    """As the docstring of `model.shear` says it; most of it is there above ten times the law's stress."""
+    gradient = [10.0, 12.0, 15.0, 20.0, 30.0, 50.0, 80.0, 100.0, 150.0, 200.0]
+    found = flow(LAWS[law], [[0.0, 0.0]] * 10, [[g, 0.0] for g in gradient])
+    z, weight = np.polynomial.legendre.leggauss(20)
+    zeta = (np.arange(150)[:, None] + (z + 1.0) / 2.0) / 300.0  # 150 layers of half of the film
+    weight = weight / 600.0
+    for flux, g in zip(found.flux[0], gradient, strict=True):
+        true = 2.0 * g * np.sum(weight * zeta**2 * LAWS[law].fluidity(zeta * g, np.zeros_like(zeta)))
+        assert flux == pytest.approx(true, rel=error)
+
+
+# -- the slow twin ----------------------------------------------------------------------------------------------------
+
+POINTS = [
+    ([3.0, 0.0], [1.0, 0.5]),
+    ([30.0, 0.0], [-2.0, 3.0]),
+    ([0.5, -2.0], [0.3, 1.0]),
+    ([1000.0, 100.0], [4.0, 4.0]),
+    ([0.0, 0.0], [2.0, -1.0]),
+]
+
+
+@pytest.mark.parametrize("point", POINTS, ids=str)
+@every_law
+def test_the_slow_twin_agrees(law: Fluidity, point: tuple) -> None:
+    found = flow(law, *point)
+    stress, flux = twin(law, np.array(point[0]), np.array(point[1]))
+    close = 2e-4 if law is not EYRING else 1e-7  # the laws that bend sharply need more nodes than 8 for more
+    assert_allclose(found.stress[:, 0], stress, rtol=close, atol=close * np.linalg.norm(stress) + 1e-9)
+    assert_allclose(found.flux[:, 0], flux, rtol=close, atol=close * np.linalg.norm(flux))
+
+
+@pytest.mark.parametrize("Sigma", [10.0, 30.0, 100.0])
+def test_steep_gradients_do_not_overflow(Sigma: float) -> None:
+    """sinh(100) = 1e43: the nodes move to the walls, and 8 of them give the closed form to 1e-5."""
+    B = np.array([0.0, 1.0, 1e3, 1e6])
+    found = flow(EYRING, np.stack([B, 0 * B], 1), [[2.0 * Sigma, 0.0]] * 4)
+    factor = 3.0 * (Sigma * np.cosh(Sigma) - np.sinh(Sigma)) / Sigma**3 * np.sqrt(1 + (B * Sigma / np.sinh(Sigma)) ** 2)
+    assert_allclose(6.0 * found.flux[0] / Sigma, factor, rtol=1e-5)
+
+
+# -- derivatives ------------------------------------------------------------------------------------------------------
+
+
+def values(law: Fluidity, pressure: jax.Array, s: jax.Array, g: jax.Array) -> tuple[jax.Array, jax.Array]:
+    return shear(law, pressure, s, g)[:2]
+
+
+@every_law
+def test_derivatives_are_those_of_the_slow_twin(law: Fluidity) -> None:
+    s, g = (np.array(v) for v in ([3.0, 0.4], [0.6, 0.3]))
+    ds, dg, step = np.array([0.7, -0.2]), np.array([0.3, 0.5]), 1e-4
+    more, less = (twin(law, s + sign * step * ds, g + sign * step * dg) for sign in (1, -1))
+    columns = (jnp.asarray(v)[:, None] for v in (s, g, ds, dg))
+    s, g, ds, dg = columns
+    _, found = jax.jvp(partial(values, law, jnp.zeros(1)), (s, g), (ds, dg))
+    for change, up, down in zip(found, more, less, strict=True):
+        assert_allclose(change[:, 0], (up - down) / (2 * step), rtol=1e-5)
+
+
+@pytest.mark.parametrize("law", [EYRING, pytest.param(SQUALANE, marks=pytest.mark.slow), LIMITED], ids=str)
+def test_derivatives_are_those_of_differences(law: Fluidity) -> None:
+    """In all arguments and in the numbers of the law, in many points."""
+    draw = np.random.default_rng(1)
+    s, g, ds, dg = (jnp.asarray(draw.normal(size=(2, 10)) * size) for size in (20.0, 0.8, 1.0, 1.0))
+    p, dp = jnp.asarray(draw.uniform(0.0, 50.0, 10)), jnp.asarray(draw.normal(size=10))
+    d_law = jax.tree.map(lambda number: 0.1 * jnp.ones_like(jnp.asarray(number)), law)
+
+    @jax.jit
+    def along(e: float) -> tuple[jax.Array, jax.Array]:
+        moved = jax.tree.map(lambda number, change: number + e * change, law, d_law)
+        return values(moved, p + e * dp, s + e * ds, g + e * dg)
+
+    step = 1e-5
+    _, change = jax.jvp(along, (0.0,), (1.0,))
+    for found, up, down in zip(change, along(step), along(-step), strict=True):
+        assert_allclose(found, (up - down) / (2 * step), rtol=2e-6, atol=2e-6 * float(jnp.max(jnp.abs(found))))
+
+
+def test_reverse_is_the_transpose_of_forward() -> None:
+    s, g = jnp.asarray([[5.0], [1.0]]), jnp.asarray([[0.6], [-0.3]])
+    of = partial(values, EYRING, jnp.zeros(1))
+    ds, dg, left = jnp.ones((2, 1)), jnp.asarray([[0.2], [1.0]]), (jnp.asarray([[1.0], [2.0]]), jnp.ones((2, 1)))
+    _, forward = jax.jvp(of, (s, g), (ds, dg))
+    reverse = jax.vjp(of, s, g)[1](left)
+    inner = [
+        sum(float(jnp.vdot(a, b)) for a, b in zip(*pair, strict=True))
+        for pair in ((left, forward), (reverse, (ds, dg)))
+    ]
+    assert inner[0] == pytest.approx(inner[1], rel=1e-12)
+
+
+def test_the_linear_map_does_not_repeat_the_iteration() -> None:
+    """What a Krylov iteration repeats is arithmetic with known fields: no loop and no exponential."""
+    s, g = jnp.ones((2, 3)), jnp.ones((2, 3))
+    _, linear = jax.linearize(partial(values, EYRING, jnp.zeros(3)), s, g)
+    names = {str(equation.primitive) for equation in jax.make_jaxpr(linear)(s, g).jaxpr.eqns}
+    text = str(jax.make_jaxpr(linear)(s, g))
+    assert names and not any(word in text for word in ("while", "expm1", "exp ", "sinh", "sqrt"))
+
+
+def test_new_numbers_need_no_new_compilation() -> None:
+    before = FLOW._cache_size()
+    for tau0 in (1.0, 2.0, 3.0):
+        flow(ReeEyring(tau0), [1.0, 2.0], [0.5, 0.5])
+    assert FLOW._cache_size() <= before + 1
+
+
+# -- limits and laws of nature ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", [NEWTON, ReeEyring(1e12), Carreau(1e12, 0.3), Carreau(1.0, 1.0)], ids=str)
+def test_newtonian_to_round_off(law: Fluidity) -> None:
+    """To the round-off of the stress at the walls; of the gradient, where the fluidity is one to the last bit."""
+    draw = np.random.default_rng(2)
+    s, g = 10.0 ** draw.uniform(-3, 3, (50, 2)), 10.0 ** draw.uniform(-3, 1, (50, 2))
+    found = flow(law, s, g)
+    at_walls = np.linalg.norm(s, axis=1) + np.linalg.norm(g, axis=1)
+    assert np.all(np.linalg.norm(found.stress.T - s, axis=1) <= 1e-15 * at_walls)
+    assert np.all(np.linalg.norm(found.flux.T - g / 12.0, axis=1) <= 1e-15 * at_walls)
+    if law in (NEWTON, Carreau(1.0, 1.0)):
+        assert_allclose(12.0 * found.flux.T, g, rtol=1e-14)
+
+
+def test_a_film_at_rest_is_at_rest() -> None:
+    for law in LAWS.values():
+        found = flow(law, [0.0, 0.0], [0.0, 0.0])
+        assert np.all(found.stress == 0) and np.all(found.flux == 0)
+        found = flow(law, [0.0, 0.0], [2.0, 1.0])
+        assert np.all(found.stress == 0)
+
+
+@every_law
+def test_small_gradients_see_two_viscosities(law: Fluidity) -> None:
+    """d(phi tau)/dtau along the sliding and phi across; for Eyring's law at B = 10 (1 + B^2)^(1/2) and B/asinh B."""
+    found = flow(law, [[10.0, 0.0]] * 2, [[1e-4, 0.0], [0.0, 1e-4]])
+    tau, step = float(found.stress[0, 0]), 1e-5
+    phi = float(law.fluidity(tau, 0.0))
+    along = (law.fluidity(tau + step, 0.0) * (tau + step) - law.fluidity(tau - step, 0.0) * (tau - step)) / (2 * step)
+    assert 12e4 * found.flux[0, 0] == pytest.approx(along, rel=1e-6)
+    assert 12e4 * found.flux[1, 1] == pytest.approx(phi, rel=1e-6)
+    if law is EYRING:
+        assert (along, phi) == pytest.approx((10.049876, 10.0 / np.arcsinh(10.0)), rel=1e-7)
+
+
+VECTOR = st.tuples(st.floats(-30.0, 30.0), st.floats(-30.0, 30.0))
+SLOPE = st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
+ANY_LAW = st.sampled_from(sorted(LAWS))
+
+
+@given(ANY_LAW, VECTOR, SLOPE, st.floats(0.0, 6.3))
+def test_no_direction_is_special(name: str, s: tuple, g: tuple, angle: float) -> None:
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    found = flow(LAWS[name], [s, turn @ s], [g, turn @ g])
+    for field in found[:2]:
+        assert_allclose(field[:, 1], turn @ field[:, 0], rtol=1e-7, atol=1e-7 * (np.linalg.norm(field[:, 0]) + 1e-3))
+
+
+@given(ANY_LAW, VECTOR, SLOPE)
+def test_reversed_gradients_reverse_the_flux_and_keep_the_stress(name: str, s: tuple, g: tuple) -> None:
+    found = flow(LAWS[name], [s, s, (-s[0], -s[1])], [g, (-g[0], -g[1]), g])
+    size = 1e-9 * (np.abs(found.stress).max() + 1e-3)
+    assert_allclose(found.stress[:, 1], found.stress[:, 0], atol=size)
+    assert_allclose(found.flux[:, 1], -found.flux[:, 0], atol=1e-9)
+    assert_allclose(found.stress[:, 2], -found.stress[:, 0], atol=size)
+    assert_allclose(found.flux[:, 2], found.flux[:, 0], atol=1e-9)
+
+
+@given(ANY_LAW, VECTOR, SLOPE)
+def test_mobilities_are_positive_and_the_secant_gives_the_flux(name: str, s: tuple, g: tuple) -> None:
+    law, pressure, gradient = LAWS[name], jnp.zeros(10), column([g] * 10)
+    found = FLOW(law, pressure, column([s] * 10), gradient)
+    secant = SECANT(law, pressure, found.stress, gradient)
+    for xx, xy, yy in (secant, tangent_mobility(found)):
+        assert np.all(xx >= 1.0 - 1e-9) and np.all(yy >= 1.0 - 1e-9) and np.all(xx * yy - xy**2 > 0.9)
+    xx, xy, yy = secant
+    by_secant = np.stack([xx * g[0] + xy * g[1], xy * g[0] + yy * g[1]]) / 12.0
+    assert_allclose(by_secant[:, :1], found.flux[:, :1], rtol=1e-3, atol=1e-6)
+
+
+@given(ANY_LAW, VECTOR, SLOPE, VECTOR, SLOPE)
+def test_flow_is_monotone(name: str, s1: tuple, g1: tuple, s2: tuple, g2: tuple) -> None:
+    """(ds, dtau_m) and (dQ, dg) never point against each other where only one of s and g differs."""
+    found = flow(LAWS[name], [s1, s2, s1], [g1, g1, g2])
+    sliding = np.dot(np.subtract(s2, s1), found.stress[:, 1] - found.stress[:, 0])
+    flux = np.dot(np.subtract(g2, g1), found.flux[:, 2] - found.flux[:, 0])
+    assert sliding >= -1e-6 and flux >= -1e-6
+
+
+@given(ANY_LAW, VECTOR, SLOPE)
+def test_heat_is_work(name: str, s: tuple, g: tuple) -> None:
+    law, found = LAWS[name], flow(LAWS[name], s, g)
+    heat = float(dissipation(found, jnp.asarray(s)[:, None], jnp.asarray(g)[:, None])[0])
+    z, w = np.polynomial.legendre.leggauss(200)
+    tau = np.asarray(found.stress) + 0.5 * z * np.asarray(g)[:, None]
+    square = tau[0] ** 2 + tau[1] ** 2
+    assert heat == pytest.approx(np.sum(0.5 * w * law.fluidity(np.sqrt(square), 0.0) * square), rel=1e-3, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        EYRING,
+        pytest.param(CARREAU, marks=pytest.mark.slow),
+        traceable_law(Limited(Carreau(1.0, 0.5), 0.05, 4.0)),
+    ],
+    ids=str,
+)
+def test_the_series_agrees_with_the_nodes(law: Fluidity, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stress and flux, then their changes, where the oil hardly thins: at some points the series holds."""
+    draw = np.random.default_rng(5)
+    sizes = 10.0 ** draw.uniform(-4, 0, (2, 1, 400))
+    s, g = jnp.asarray(sizes * draw.normal(size=(2, 2, 400)))
+    pressure, one = jnp.ones(400), jnp.ones(400)
+
+    def found() -> list[jax.Array]:
+        return jax.tree.leaves(jax.jit(lambda *p: jax.jvp(partial(values, law), p, (one, s, g)))(pressure, s, g))
+
+    by_series = found()
+    share = float(jnp.mean(series_of(law, pressure, s, g).holds))
+    monkeypatch.setattr(across, "SERIES_END", -1.0)
+    assert 0.3 < share < 0.9 and not jnp.any(series_of(law, pressure, s, g).holds)
+    walls = jnp.linalg.norm(s, axis=0) + jnp.linalg.norm(g, axis=0)
+    for ours, by_nodes, error in zip(by_series, found(), (2e-9, 2e-9, 4e-8, 4e-8), strict=True):
+        assert float(jnp.max(jnp.abs(ours - by_nodes) / walls)) <= error
+
+
+# -- the iteration ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("law", "most"), [(EYRING, 9), *((Carreau(1.0, n), 7) for n in (0.2, 0.42, 0.8))], ids=str)
+def test_iterations_are_few_in_every_corner(law: Fluidity, most: int) -> None:
+    draw = np.random.default_rng(3)
+    B, Sigma, angle = (
+        10.0 ** draw.uniform(-3, 6, 20000),
+        10.0 ** draw.uniform(-2, 2, 20000),
+        draw.uniform(0, 6.3, 20000),
+    )
+    g = 2.0 * Sigma * np.stack([np.cos(angle), np.sin(angle)])
+    found = flow(law, np.stack([B, 0 * B], 1), g.T)
+    assert np.all(np.isfinite(found.stress)) and np.all(np.isfinite(found.flux))
+    assert int(found.iterations) <= most
+
+
+def test_a_limit_of_the_stress_needs_more_and_never_fails() -> None:
+    draw = np.random.default_rng(4)
+    B, Sigma, angle = 10.0 ** draw.uniform(-3, 6, 2000), 10.0 ** draw.uniform(-2, 2, 2000), draw.uniform(0, 6.3, 2000)
+    g = 2.0 * Sigma * np.stack([np.cos(angle), np.sin(angle)])
+    for law in (
+        Limited(EYRING, 0.05, ambient, sharpness) for ambient in (1.0, 8.0, 100.0) for sharpness in (0.02, 0.05)
+    ):
+        found = flow(traceable_law(law), np.stack([B, 0 * B], 1), g.T)
+        assert np.all(np.isfinite(found.stress)) and np.all(np.isfinite(found.flux))
+        assert int(found.iterations) < LIMIT

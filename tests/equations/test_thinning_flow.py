@@ -1,0 +1,123 @@
+"""The flow of a thinning oil on the grid: its limit, order, derivative and symmetry, and overlapping surfaces."""
+
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax import Array
+from numpy.testing import assert_allclose
+
+from ertel.equations.contact import NEWTONIAN_FLOW, Contact, ball_on_plane
+from ertel.equations.pytrees import traceable_law
+from ertel.equations.shear import NODES
+from ertel.equations.thinning import ThinningFlow
+from ertel.numerics import stencils
+from ertel.numerics.grid import Even, Grid
+from ertel.numerics.integrals import Plane
+from ertel.numerics.symmetry import folded, unfolded
+from ertel.physics.fluidity import Fluidity, NewtonianOil, ReeEyring
+from ertel.physics.lubricant import DowsonHigginson, Lubricant, Roelands
+
+jax.config.update("jax_enable_x64", True)
+OIL = Lubricant(Roelands(5.0, 0.67, 5.0), DowsonHigginson(1.6))
+EYRING, NEWTON = ReeEyring(0.05), NewtonianOil()
+GAIN = jax.jit(lambda c, P, H: c.flow.gain(c, P, H))
+SLOPE = jax.jit(lambda c, P, H, dP, dH: jax.jvp(partial(c.flow.gain, c), (P, H), (dP, dH))[1])
+MOBILITY = jax.jit(lambda c, P, H: c.flow.mobilities(c, P, H, NODES).secant)
+DETAILS = jax.jit(lambda c, P, H, sliding, plane: c.flow.details(c, P, H, sliding, plane))
+
+
+def thinning(grid: Grid, law: Fluidity = EYRING, sliding: float = 1.0) -> Contact:
+    """A contact with stresses in the units of the film, in which sliding and gradient thin the oil by several times."""
+    return replace(ball_on_plane(grid, 0.4, OIL), flow=ThinningFlow(traceable_law(law), 1.0, 1.0, sliding))
+
+
+def fields(grid: Grid) -> tuple[Array, Array]:
+    """A pressure that vanishes on the edge, even in both directions, and a film."""
+    X, Y = grid.x[None, :], grid.y[:, None]
+    P = jnp.asarray(np.cos(np.pi / 4 * X) ** 2 * np.cos(np.pi / 4 * Y) ** 2 * (1.0 + 0.3 * X**2))
+    return P, jnp.asarray(0.3 + 0.1 * X**2 + 0.2 * Y**2)
+
+
+def square_grid(nodes: int) -> Grid:
+    return Grid(nodes, nodes, 4.0 / (nodes - 1))
+
+
+def test_an_oil_that_does_not_thin_is_newtonian():
+    grid = square_grid(33)
+    c, (P, H) = thinning(grid, NEWTON), fields(grid)
+    plain = replace(c, flow=NEWTONIAN_FLOW)
+    newtonian = GAIN(plain, P, H)
+    inner = np.s_[1:-1, 1:-1]
+    assert_allclose(GAIN(c, P, H)[inner], newtonian[inner], rtol=0, atol=1e-12 * float(jnp.abs(newtonian).max()))
+    for thin in MOBILITY(c, P, H):
+        assert_allclose(thin, NEWTONIAN_FLOW.mobility(c, P, H).x, rtol=1e-12)
+    thin, plain = (DETAILS(each, P, H, 0.7, Plane.of(grid)) for each in (c, plain))
+    assert_allclose(thin.heat, plain.heat, rtol=1e-11, atol=1e-12 * float(jnp.abs(plain.heat).max()))
+    assert_allclose(thin.stress, plain.stress, rtol=1e-11, atol=1e-12 * float(jnp.abs(plain.stress).max()))
+
+
+@pytest.mark.parametrize("sliding", [0.0, 1.0])
+def test_the_flow_is_of_second_order(sliding: float):
+    """Differences between grids fall by four; thinning is strong here."""
+    values = []
+    for nodes in (33, 65, 129):
+        grid = square_grid(nodes)
+        inner = slice((nodes - 1) // 32, -1, (nodes - 1) // 32)
+        values.append(np.asarray(GAIN(thinning(grid, sliding=sliding), *fields(grid)))[inner, inner])
+    coarse, fine = (np.abs(a - b).max() for a, b in pairwise(values))
+    assert 3.5 < coarse / fine < 4.6
+    grid = square_grid(33)
+    plain = np.asarray(GAIN(replace(thinning(grid), flow=NEWTONIAN_FLOW), *fields(grid)))[1:-1, 1:-1]
+    assert np.abs(values[0]).max() > 1.5 * np.abs(plain).max()
+
+
+def test_the_derivative_is_that_of_the_flow():
+    grid = square_grid(33)
+    c, (P, H) = thinning(grid), fields(grid)
+    dP, dH = P * jnp.sin(3.0 * P), 0.1 * jnp.cos(4.0 * H)
+    slope = SLOPE(c, P, H, dP, dH)
+    step = 1e-6
+    difference = (GAIN(c, P + step * dP, H + step * dH) - GAIN(c, P - step * dP, H - step * dH)) / (2 * step)
+    assert_allclose(slope[1:-1, 1:-1], difference[1:-1, 1:-1], rtol=0, atol=1e-7 * float(jnp.abs(slope).max()))
+
+
+def test_half_a_plane_and_a_quarter_of_it_are_enough():
+    grid = square_grid(33)
+    P, H = fields(grid)
+    whole = stencils.inside(GAIN(thinning(grid), P, H))
+    for even in (Even(True, False), Even(True, True)):
+        kept = replace(grid, even=even)
+        part = stencils.inside(GAIN(thinning(kept), folded(P, even), folded(H, even)), even)
+        assert_allclose(part, folded(whole, even), rtol=0, atol=1e-12 * float(jnp.abs(whole).max()))
+
+
+def test_the_details_on_half_a_plane_are_those_of_the_whole():
+    """The stress across the sliding changes its sign at the axis along it."""
+    grid, even = square_grid(33), Even(True, False)
+    P, H = fields(grid)
+    half = replace(grid, even=even)
+    whole = DETAILS(thinning(grid), P, H, 0.7, Plane.of(grid))
+    part = DETAILS(thinning(half), folded(P, even), folded(H, even), 0.7, Plane.of(half))
+    inner = np.s_[1:-1, 1:-1]
+    for found, expected, odd in [(part.stress[0], whole.stress[0], False), (part.stress[1], whole.stress[1], True)]:
+        assert_allclose(unfolded(found, even, odd)[inner], expected[inner], atol=1e-9 * float(jnp.abs(expected).max()))
+    assert float(jnp.abs(whole.stress[1]).max()) > 1e-3 * float(jnp.abs(whole.stress[0]).max())
+    assert_allclose(unfolded(part.heat, even), whole.heat, atol=1e-9 * float(jnp.abs(whole.heat).max()))
+    assert float(Plane.of(half).total(part.heat)) == pytest.approx(float(Plane.of(grid).total(whole.heat)), rel=1e-9)
+    assert_allclose(whole.gain[inner], GAIN(thinning(grid, sliding=0.7), P, H)[inner], rtol=1e-7)
+    for found, expected in zip(whole.mobility, MOBILITY(thinning(grid, sliding=0.7), P, H), strict=True):
+        assert_allclose(found, expected, rtol=1e-7)
+
+
+def test_nothing_flows_where_the_surfaces_overlap():
+    grid = square_grid(33)
+    c, (P, H) = thinning(grid), fields(grid)
+    H = jnp.where(jnp.hypot(*jnp.meshgrid(grid.x, grid.y)) < 0.5, -0.1, H)
+    gain, slope = GAIN(c, P, H), SLOPE(c, P, H, P, H)
+    assert np.all(np.isfinite(gain)) and np.all(np.isfinite(slope))
+    assert np.all(np.asarray(gain)[14:19, 14:19] == 0)

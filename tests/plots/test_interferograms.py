@@ -1,0 +1,199 @@
+"""Interferograms of runs: what the picture shows is the film of the run, in every kind of run."""
+
+import numpy as np
+import pytest
+from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, as_in_time, dry_impact, in_time, steady
+from PIL import Image
+
+from ertel import plots
+from ertel.optics import Constant, Layer, Monochromatic, Rig, TwoBeams, White
+from ertel.plots import interferograms as page
+from ertel.results.result import Plot
+
+
+@pytest.fixture(scope="module")
+def ball():
+    return dry_impact(BALL_FALLS)
+
+
+@pytest.fixture(scope="module")
+def rolls():
+    return steady(BALL_ROLLS)
+
+
+@pytest.fixture
+def few_pixels(monkeypatch):
+    monkeypatch.setattr(page, "PIXELS", 40)
+
+
+def images(figure):
+    """The picture and the chart below the profile, as arrays."""
+    return [np.asarray(axes.images[0].get_array()) for axes in figure.axes]
+
+
+def crossings(line):
+    return np.count_nonzero(np.diff(np.sign(line - (line.min() + line.max()) / 2)))
+
+
+# -- the picture ------------------------------------------------------------------------------------------------------
+
+
+def test_fringes_of_a_ball_beside_its_contact(ball):
+    """As many as the film has half wavelengths from the rim to the edge of the picture, finer than the nodes."""
+    light = Monochromatic(633e-9, np.inf)
+    figure = plots.interferogram(ball, "max-approach", light)
+    axes, grey = figure.axes[0], images(figure)[0]
+    left, right, *_ = axes.images[0].get_extent()
+    x = np.linspace(left, right, grey.shape[1]) * 1e-6
+    frame = int(np.flatnonzero(ball["event"].values)[0])
+    scale, a = ball["H"].attrs["si_factor"], ball["X"].attrs["si_factor"]
+    film = np.interp(x, ball["X"].values * a, ball["H"].values[frame, 40] * scale)
+    orders = 2 * Rig().oil_index * (film[-1] - film[len(film) // 2]) / light.wavelength
+    assert orders > 5
+    assert crossings(grey[len(grey) // 2]) == pytest.approx(4 * orders, abs=4)  # twice a fringe, on both sides
+
+
+@pytest.mark.parametrize("every", [1, 4, 8])
+def test_rings_of_a_paraboloid_on_a_coarse_grid(ball, every):
+    """As many as its film has half wavelengths, also where a ring is finer than a cell; none that is not there."""
+    coarse = ball.isel(X=slice(0, None, every), Y=slice(0, None, every), frame=[48])
+    r2 = coarse["X"] ** 2 + coarse["Y"] ** 2
+    coarse = coarse.assign(H=(coarse["H"].dims, np.broadcast_to(r2.T, coarse["H"].shape).copy(), coarse["H"].attrs))
+    light, rig = Monochromatic(coherence=np.inf), TwoBeams()
+    scale = 4 * light.wavelength / rig.oil_index  # m: eight rings to r = a, the last ones a sixteenth of it wide
+    figure = plots.interferogram(coarse, light=light, rig=rig, film_scale=scale)
+    grey = images(figure)[0]
+    side = figure.axes[0].get_xlim()[1] / (ball["X"].attrs["si_factor"] * 1e6)
+    outwards = grey[len(grey) // 2, grey.shape[1] // 2 :]
+    orders = 8 * side**2
+    assert crossings(outwards) == pytest.approx(2 * orders, abs=1)
+
+
+def test_picture_is_the_film_of_the_run(rolls, few_pixels):
+    """Each pixel has the grey of the film and of the oil's density at its place."""
+    light, rig = Monochromatic(coherence=np.inf), TwoBeams()
+    window = page.Window.round(rolls, [None])
+    seen = page.Seen.of(rolls, None, window, rolls["H"].attrs["si_factor"])
+    nodes = rolls["H"].interp(X=window.x, Y=window.y) * rolls["H"].attrs["si_factor"]
+    np.testing.assert_allclose(seen.film, nodes, atol=4e-9)
+    np.testing.assert_array_equal(seen.density, 1.0)  # BARUS is incompressible
+    (grey, _) = images(plots.interferogram(rolls, light=light, rig=rig))
+    expected = page.Chart(rig, light, seen.film.max()).picture(seen.film, seen.density)[..., 0]
+    np.testing.assert_allclose(grey, expected, atol=0.01)
+
+
+def test_oil_under_pressure_is_denser(ball, few_pixels):
+    window = page.Window.round(ball, [48])
+    density = page.Seen.of(ball, 48, window, 1e-6).density
+    assert density[0, 0] == 1.0
+    assert density.max() == pytest.approx(1.24, abs=0.01)  # Dowson and Higginson's at 1.4 GPa
+
+
+def test_kinds_of_runs(ball, rolls, few_pixels):
+    moving = in_time(as_in_time(BALL_ROLLS), -1.0)
+    pictures = {name: plots.interferogram(data) for name, data in {"": ball, "→": rolls, "←": moving}.items()}
+    for arrow, figure in pictures.items():
+        said = figure.axes[0].get_title()
+        assert said.startswith("Interferogram at 532 nm") and said.endswith(arrow)
+        assert figure.axes[0].get_xlabel() == "$x$ (µm)"
+        assert figure.axes[1].get_ylabel() == "film thickness $h$ (nm)"
+
+
+def test_radial_run_is_revolved(few_pixels):
+    grey = images(plots.interferogram(dry_impact(BALL_FALLS, radial=True)))[0]
+    np.testing.assert_allclose(grey, grey.T, atol=1e-12)
+    np.testing.assert_allclose(grey, grey[::-1], atol=1e-12)
+    whole = images(plots.interferogram(dry_impact(BALL_FALLS)))[0]
+    assert np.median(np.abs(grey - whole)) < 0.02
+
+
+def test_white_light_is_in_colour(ball, few_pixels):
+    picture, chart = images(plots.interferogram(ball, light=White()))
+    assert picture.shape == (40, 40, 3) and chart.shape[-1] == 3
+    assert np.ptp(picture, axis=-1).max() > 0.3
+    assert plots.interferogram(ball, light=White()).axes[0].get_title() == "Interferogram in white light"
+
+
+def test_layers_change_the_picture(ball, few_pixels):
+    bare = images(plots.interferogram(ball, rig=Rig(coatings=())))[0]
+    coated = images(plots.interferogram(ball, rig=Rig(coatings=(Layer(Constant(3.0, 3.0), 10e-9),))))[0]
+    assert np.abs(bare - coated).max() > 0.1
+
+
+def test_profile_is_the_film_of_the_mid_line(ball, few_pixels):
+    axes = plots.interferogram(ball).axes[1]
+    line = axes.get_lines()[0]
+    assert line.get_ydata()[20] == pytest.approx(0.05 * ball["H"].attrs["si_factor"] * 1e9, rel=0.1)
+    assert axes.get_ylim()[0] == 0.0 and axes.get_ylim()[1] > line.get_ydata()[20]
+
+
+# -- what cannot be drawn --------------------------------------------------------------------------------------------
+
+
+def test_dimensionless_film(few_pixels):
+    moes = dry_impact(MOES_FALLS)
+    with pytest.raises(plots.NoFigure, match=r"the run is dimensionless.*run a case in SI.*film_scale"):
+        plots.interferogram(moes)
+    with pytest.raises(plots.NoFigure, match="film_scale = 300"):
+        plots.interferogram(moes, film_scale=300.0)
+    figure = plots.interferogram(moes, film_scale=3e-6)
+    assert figure.axes[0].get_xlabel() == "$X$ ($a^*$)"
+    assert figure.axes[1].get_ylabel() == "film thickness $h$ (nm)"
+
+
+def test_moments(ball, rolls, few_pixels):
+    assert "chosen map at $t$ = 37.41 µs" in plots.interferogram(ball, at=1.0).get_suptitle()
+    with pytest.raises(plots.NoFigure, match="a steady contact has no moments"):
+        plots.interferogram(rolls, at=1.0)
+    with pytest.raises(plots.NoFigure, match="has no maps yet"):
+        plots.interferogram(ball.isel(frame=slice(0)))
+
+
+def test_result_has_it(ball, rolls, few_pixels):
+    title = Plot(ball).interferogram(at="max-approach", light=Monochromatic(653e-9)).axes[0].get_title()
+    assert title == "Interferogram at 653 nm"
+    assert "interferogram" in dir(Plot(rolls)) and "interferogram()" in repr(Plot(ball))
+
+
+# -- animation --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["gif", "webp"])
+def test_animation(ball, few_pixels, tmp_path, kind):
+    """One picture for every map, for ever."""
+    path = tmp_path / f"ball.{kind}"
+    few = ball.isel(frame=slice(0, 60, 20))
+    plots.animation(few).save(path, writer="pillow", dpi=30)
+    with Image.open(path) as movie:
+        assert movie.n_frames == 3
+        assert movie.info["loop"] == 0
+        shown = []
+        for frame in range(3):
+            movie.seek(frame)
+            shown.append(np.asarray(movie.convert("L"), dtype=float))
+    assert np.abs(shown[2] - shown[0]).max() > 50
+
+
+def test_animation_shows_every_moment_alike(ball, few_pixels, monkeypatch):
+    """The same pixels and the same exposure, also when it skips maps."""
+    monkeypatch.setattr(page, "FRAMES", 20)
+    movie = plots.animation(ball)
+    frames = list(movie.new_frame_seq())
+    assert frames == list(range(0, 78, 4))
+    movie._draw_was_started = True  # or it complains that nobody saved it
+    movie._draw_frame(48)
+    axes = movie._fig.axes[0]
+    grey = np.asarray(axes.images[0].get_array())
+    time = float(ball["frame"][48] * ball["frame"].attrs["si_factor"]) * 1e6
+    assert axes.get_title() == f"Interferogram at 532 nm, $t$ = {time:.4g} µs"
+    window = page.Window.round(ball, frames)
+    seen = page.Seen.of(ball, 48, window, ball["H"].attrs["si_factor"])
+    expected = page.Chart(Rig(), Monochromatic(), 1e-5, seen.density.max()).picture(seen.film, seen.density)
+    np.testing.assert_allclose(grey, expected[..., 0], atol=0.01)
+
+
+def test_what_does_not_move(ball, rolls):
+    with pytest.raises(plots.NoFigure, match="a steady contact does not move"):
+        plots.animation(rolls)
+    with pytest.raises(plots.NoFigure, match="the run has 1 maps"):
+        plots.animation(ball.isel(frame=[0]))
