@@ -16,10 +16,10 @@ from cases import ertel_, impact, names, physics, stop_after
 
 import ertel
 from ertel.case.case import Case
-from ertel.case.height_map import HeightMap
+from ertel.case.height_map import HeightMap, Measured
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
-from ertel.physics.surfaces import Feature, Measured, SelfAffine
+from ertel.physics.surfaces import Feature, SelfAffine
 from ertel.plots.stored import roughness_height
 from ertel.results import diagnostics
 from ertel.runs.compile import compilations
