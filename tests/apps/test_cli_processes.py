@@ -96,9 +96,9 @@ def test_a_cache_that_cannot_be_written(here):
     code = "\n".join(
         [
             "from ertel.apps import faults",
-            "from ertel.runs import compiling",
+            "from ertel.runs.compile import prepare_jax",
             "with faults.warnings_said():",
-            "    compiling.prepare()",
+            "    prepare_jax()",
             "    import jax",
             "    print(jax.jit(lambda x: x + 1)(1))",
         ]

@@ -92,11 +92,11 @@ def run(
 ) -> None:
     """Run a case and store the results."""
     from ertel.inputs.case_files import load_case
-    from ertel.runs import compiling
+    from ertel.runs.compile import jax_prepared
 
     with bad_input():
         case = load_case(case_file, set_ or [])
-    with compiling.prepared(case):
+    with jax_prepared(case):
         from ertel.apps import running  # while programs are loaded
         from ertel.numerics import programs
 

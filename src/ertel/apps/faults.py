@@ -42,9 +42,9 @@ def warnings_said() -> Iterator[None]:
 
 
 def _say_warning(message: str) -> None:
-    from ertel.runs import compiling
+    from ertel.runs.compile import is_of_cache
 
-    if not compiling.is_of_cache(message):
+    if not is_of_cache(message):
         say(f"ertel: warning: {message}")
 
 
@@ -56,18 +56,19 @@ def _judged(error: BaseException) -> tuple[int, str]:
     if isinstance(error, WrongUsage):
         return BAD_INPUT, _usage(error)
     from ertel.inputs.messages import ConfigError
-    from ertel.runs import compiling, memory
+    from ertel.runs import memory
+    from ertel.runs.compile import NoDevice, jax_devices
     from ertel.runs.store import StoreError
 
-    if isinstance(error, ConfigError | StoreError | compiling.NoDevice):
+    if isinstance(error, ConfigError | StoreError | NoDevice):
         return BAD_INPUT, str(error)
     if memory.is_exhausted(error):
         return FAILED, "out of memory"
     if isinstance(error, OSError):
         return BAD_INPUT, f"{error.filename or 'input or output'}: {reason_of(error)}"
     try:
-        compiling.devices()
-    except compiling.NoDevice as cause:
+        jax_devices()
+    except NoDevice as cause:
         return BAD_INPUT, str(cause)
     return FAILED, f"internal error, {type(error).__name__}: {error}; {_where(error)}"
 

@@ -53,10 +53,10 @@ def paper(
 def _make_page(names: list[str], quick: bool, out: Path, engine: "Engine", quiet: bool) -> tuple[Path, dict[str, str]]:
     """Run what is missing and write the page: its path, and why figures are missing."""
     from ertel.apps.boundary_layers import figures
-    from ertel.runs import compiling
+    from ertel.runs.compile import prepare_jax
     from ertel.runs.progress import bars
 
-    compiling.prepare()  # or no run can begin
+    prepare_jax()  # or no run can begin
     runs, done, seconds = figures.expected(names, quick, out, engine.processes)
     if not quiet:
         say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")

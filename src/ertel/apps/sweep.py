@@ -10,7 +10,7 @@ from ertel.apps.terminal import ASKED, FAILED, bad_input, in_shell, leave, print
 from ertel.case.status import Status
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
-from ertel.runs import compiling
+from ertel.runs.compile import prepare_jax
 from ertel.runs.progress import bars
 from ertel.runs.studies import EVERY, Part, alone, gather, left_of, run_study, write
 from ertel.runs.sweep import Engine as Engine
@@ -32,7 +32,7 @@ def part_of(text: str | None) -> Part:
 
 def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bool, quiet: bool) -> None:
     """Do what is left of a study, write and print what all its runs say."""
-    compiling.prepare()
+    prepare_jax()
     left = left_of(study, directory, part)
     if not quiet:
         say(f"{len(study.cases)} runs, {len(left)} of them to do{_in_part(part)}")
