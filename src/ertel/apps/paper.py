@@ -12,7 +12,7 @@ from ertel.apps.exits import FAILED, bad_input, leave, reason_of
 from ertel.apps.paths import local_path, shown
 
 if TYPE_CHECKING:
-    from ertel.runs.sweep import Engine
+    from ertel.runs.workers import Engine
 
 
 def paper(
@@ -35,7 +35,7 @@ def paper(
     After an interruption the same command continues.
     """
     from ertel.apps.boundary_layers import figures
-    from ertel.runs.sweep import Engine
+    from ertel.runs.workers import Engine
 
     with bad_input():
         names = figures.names_of(figure)

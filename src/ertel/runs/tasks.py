@@ -1,7 +1,7 @@
 """Functions that are run side by side, with results in order that are kept on disk::
 
     tasks = [Task(f"M{M}", run, (M,)) for M in (200, 500, 1000)]
-    with cluster.local(2) as workers:
+    with Engine(jobs=2).workers(len(tasks)) as workers:
         results = run_tasks(tasks, workers, Path("runs"))
 
 Results that are kept are plain data, see `ertel.runs.plain`.  A failure is a value.
@@ -9,30 +9,17 @@ Results that are kept are plain data, see `ertel.runs.plain`.  A failure is a va
 
 import logging
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
 
 from ertel.runs import plain
 from ertel.runs.workers import Failure as Failure
-from ertel.runs.workers import Job, Wire, Workers, deaf, never
+from ertel.runs.workers import Task as Task
+from ertel.runs.workers import Workers
 from ertel.version import installed_version, own_sources
 
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Task:
-    """One run of a function with its arguments.
-
-    name: names the file that keeps the result, unique among the tasks.  seconds: expected duration.
-    """
-
-    name: str
-    function: Callable[..., Any]
-    arguments: tuple[Any, ...] = ()
-    seconds: float = 0.0
 
 
 def run_tasks(
@@ -48,7 +35,7 @@ def run_tasks(
     tasks : sequence of Task
         Their names must differ.
     workers : Workers
-        Who runs the tasks: `cluster.local`, `cluster.existing`, or `workers.Here` for this process.
+        Who runs the tasks: `workers.LocalWorker()` is this process, `workers.Engine` gives others.
     directory : Path, optional
         Where results are kept.  A kept result is used again, so that what was interrupted goes on where it was.  It
         must come from the same function, arguments, version and source code of ertel.  The source code of functions
@@ -79,18 +66,12 @@ def run_tasks(
     found = kept(tasks, directory)
     for name, result in found.items():
         on_done(by_name[name], result)
-    jobs = [Job(task.name, _run, (task.function, task.arguments)) for task in tasks if task.name not in found]
-    for name, result in workers.outcomes(jobs, deaf, never):
+    for name, result in workers.outcomes([task for task in tasks if task.name not in found]):
         found[name] = result
         if directory and not isinstance(result, Failure):
             _keep(directory, by_name[name], result)
         on_done(by_name[name], result)
     return [found[task.name] for task in tasks]
-
-
-def _run(wire: Wire, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """The job that a task is; it tells no news."""
-    return function(*arguments)
 
 
 def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
