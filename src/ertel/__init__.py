@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from ertel.results.variables import to_si as to_si
     from ertel.runs import tasks as tasks
     from ertel.runs.batch import simulate_batch as simulate_batch
-    from ertel.runs.compiling import cache as cache
+    from ertel.runs.compile import cache as cache
     from ertel.runs.drive import simulate as simulate
     from ertel.runs.response import respond as respond
     from ertel.runs.response import respond_in_rolling as respond_in_rolling
@@ -101,7 +101,7 @@ _HOMES = {  # name: module, or module:name there
     "TractionCurve": "results.traction_curve",
     "to_si": "results.variables",
     "simulate_batch": "runs.batch",
-    "cache": "runs.compiling",
+    "cache": "runs.compile",
     "simulate": "runs.drive",
     "respond": "runs.response",
     "respond_in_rolling": "runs.response",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
-from ertel.apps.output import printable
+from ertel.apps.terminal import printable
 from ertel.results.key_numbers import more_lines
 from ertel.results.kinds import KINDS, Errors
 from ertel.results.parameters import rheology_of
