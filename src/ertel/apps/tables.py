@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
-from ertel.apps.output import printable
+from ertel.apps.terminal import printable
 from ertel.results.numbers import errors_of, moment, values_of
 from ertel.results.parameters import domain, rheology_of
 from ertel.results.report import more_lines

@@ -12,7 +12,7 @@ from ertel.apps.browser.records import summary_of
 from ertel.apps.browser.site import SAID, Site, address_of
 from ertel.apps.browser.wishes import INTERFEROGRAM, LIGHTS, Told, Wish, stamp_of
 from ertel.apps.browser.words import news, show_number
-from ertel.apps.exits import reason_of
+from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
 from ertel.runs.directories import CASE
 from ertel.runs.files import content_of
