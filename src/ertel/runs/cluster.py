@@ -43,7 +43,7 @@ from distributed.comm.core import FatalCommClosedError
 from distributed.utils import json_load_robust, silence_logging_cmgr
 
 from ertel.inputs.messages import ConfigError
-from ertel.runs import compiling
+from ertel.runs.compile import ENTRY_WARNINGS, chosen_cache
 from ertel.runs.workers import Condition, Failure, Task, cores, never
 from ertel.version import own_sources
 
@@ -271,7 +271,7 @@ class Start(WorkerPlugin):
     """
 
     def __init__(self, ignore_signals: bool):
-        self.ignore_signals, self.flags, self.keep = ignore_signals, os.environ.get("XLA_FLAGS"), compiling.chosen()
+        self.ignore_signals, self.flags, self.keep = ignore_signals, os.environ.get("XLA_FLAGS"), chosen_cache()
 
     def setup(self, worker: Worker) -> None:
         """Prepare the process, in its main thread."""
@@ -280,7 +280,7 @@ class Start(WorkerPlugin):
         if "jax" not in sys.modules:  # which reads them when it starts
             os.environ.update(SETTINGS if self.flags is None else {**SETTINGS, "XLA_FLAGS": self.flags})
         if self.keep:
-            for beginning in compiling.ENTRY_WARNINGS:
+            for beginning in ENTRY_WARNINGS:
                 warnings.filterwarnings("ignore", message=beginning)
             self.keep()
 

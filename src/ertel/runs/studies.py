@@ -32,7 +32,8 @@ from ertel.inputs.coordinates import coordinates
 from ertel.inputs.studies import Study, load_study, parse_study
 from ertel.results.study_result import StudyResult
 from ertel.results.study_runs import MISSING, RUNNING, UNFINISHED, StudyRun, assemble
-from ertel.runs import compiling, progress_file, stop_file
+from ertel.runs import progress_file, stop_file
+from ertel.runs.compile import check_jax
 from ertel.runs.files import StoreError, is_locked, locked
 from ertel.runs.progress import bars
 from ertel.runs.store import CASE, RunStore, Taken, compute
@@ -96,7 +97,7 @@ def sweep(
     StoreError
         Another process is working on the study.
     """
-    compiling.check_jax()
+    check_jax()
     file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
     engine = Engine(jobs, scheduler, file, keys)
     found = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)

@@ -13,8 +13,9 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.equations import discretise
 from ertel.inputs.case_files import parse_case
-from ertel.runs import compiling, progress_file
+from ertel.runs import progress_file
 from ertel.runs.batch import shape_of
+from ertel.runs.compile import compilations
 from ertel.runs.courses import course_of
 from ertel.runs.store import RunStore, compute
 
@@ -54,7 +55,7 @@ def warm_up(case: Case) -> int:
 
     A steady case is run to its end, a run in time for a few steps; the results are deleted.
     """
-    before = compiling.count()
+    before = compilations()
     steps = iter(range(STEPS))
 
     def enough(item: Any) -> bool:
@@ -68,4 +69,4 @@ def warm_up(case: Case) -> int:
     method = None if case.is_steady else course.method
     with TemporaryDirectory() as directory:
         compute(RunStore.create(Path(directory) / "run", case, course), [enough])
-    return compiling.count() - before
+    return compilations() - before
