@@ -12,7 +12,7 @@ from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs.compile import prepare_jax
 from ertel.runs.studies import EVERY, Part, alone, gather, left_of, run_study, study_bars, write
-from ertel.runs.workers import Engine as Engine
+from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
 LISTED = 5  # failed runs that the last line names

@@ -37,8 +37,9 @@ from ertel.runs.compile import check_jax
 from ertel.runs.files import StoreError, is_locked, locked
 from ertel.runs.progress import bars
 from ertel.runs.store import CASE, RunStore, Taken, compute
+from ertel.runs.tasks import Engine
 from ertel.runs.warm_up import has_compiled, program_of
-from ertel.runs.workers import Condition, Engine, Failure, StopSignal, Task, Workers, never
+from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
 RUNS, DATA, TABLE, PICTURE = "runs", "sweep.zarr", "sweep.csv", "sweep.png"
 FAILED = "failed: "  # how the status of a run begins that raised an exception

@@ -8,14 +8,10 @@ A task is a function with its arguments.  One that raises has a `Failure` as its
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
-from numbers import Integral
 from pathlib import Path
 from typing import Any, Protocol
-
-from ertel.case.records import show
-from ertel.inputs.messages import ConfigError
 
 Condition = Callable[[], bool]
 
@@ -103,48 +99,6 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):  # not on macOS and Windows
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-@dataclass(frozen=True)
-class Engine:
-    """Who does the runs.
-
-    jobs: processes of this machine, None for one for each core; 1 is this process.  scheduler, scheduler_file: the
-    address of a scheduler that runs, or the file that it wrote; its workers do them.  tls: for a scheduler at tls://,
-    a PEM file with a certificate, its key and the certificate of the authority.
-    """
-
-    jobs: int | None = None
-    scheduler: str | None = None
-    scheduler_file: Path | None = None
-    tls: Path | None = None
-
-    def __post_init__(self) -> None:
-        if self.scheduler and self.scheduler_file:
-            raise ConfigError(f"scheduler = {show(self.scheduler)}: give it, or scheduler_file, not both")
-        if self.tls and not (self.scheduler or self.scheduler_file):
-            raise ConfigError(f"tls = {self.tls}: only with scheduler or scheduler_file; local processes have own keys")
-        if self.jobs is not None and not (isinstance(self.jobs, Integral) and self.jobs >= 1):
-            raise ConfigError(f"jobs = {show(self.jobs)}: must be one or more, a whole number")
-
-    @property
-    def processes(self) -> int:
-        """The number of processes of this machine."""
-        return self.jobs or cores()
-
-    @contextmanager
-    def workers(self, runs: int) -> Iterator[Workers]:
-        """Those who do so many runs: no more processes than these.  Raises NoScheduler."""
-        elsewhere = self.scheduler or self.scheduler_file
-        jobs = min(self.processes, runs)
-        if runs == 0 or (jobs == 1 and not elsewhere):
-            yield LocalWorker()
-            return
-        from ertel.runs import cluster  # imports dask
-
-        there = self.scheduler, self.scheduler_file, self.tls
-        with cluster.existing(*there) if elsewhere else cluster.local(jobs) as found:
-            yield found
 
 
 # -- forks ------------------------------------------------------------------------------------------------------------
