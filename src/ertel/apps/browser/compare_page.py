@@ -9,7 +9,7 @@ from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.run_page import TABS
 from ertel.apps.browser.site import Site
-from ertel.results.key_numbers import key_numbers
+from ertel.results.numbers import key_numbers
 
 STEPS = 200  # of the slider
 NARROW = {"film": "Film", "pressure": "Pressure"}  # figures of one panel, that stand beside each other
@@ -96,7 +96,7 @@ class _Side:
         self._numbers.clear()
         with self._numbers:
             for number in key_numbers(summary) if summary else []:
-                show_line(number.label, number.si or pretty(number.value))
+                show_line(number.long_name, number.text_in_si or pretty(number.text))
         self._page.show()
 
     def show(self, figure: str, T: float | None) -> None:
