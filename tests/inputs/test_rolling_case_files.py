@@ -389,7 +389,7 @@ SPOT = {"shape": "spot", "height": 0.1, "radius": 0.3}
         ({"motion": {"load": [[0, 1], [1, 0]]}, "solver": IN_TIME}, ["motion.load", "down to 0", "inertia"]),
         (
             {"motion": {"load": [[1, 1], [0, 2]]}, "solver": IN_TIME},
-            ["motion.load = [[1.0, 1.0], [0.0, 2.0]]", "rising"],
+            ["motion.load = [[1, 1], [0, 2]]", "rising"],
         ),
         ({"motion": {"load": []}}, ["motion.load = []", "[T, value]", "amplitude"]),
         ({"motion": {"load": [1, 2]}}, ["motion.load[1] = 1", "[T, value]"]),

@@ -80,7 +80,7 @@ def _usage(error: Any) -> str:
 
 def _judged(error: Exception) -> tuple[int, str]:
     """The exit code and the sentence of an error that a command did not expect."""
-    from ertel.inputs.messages import ConfigError
+    from ertel.case.records import ConfigError
     from ertel.runs import compiling, memory
     from ertel.runs.store import StoreError
 

@@ -32,7 +32,7 @@ from distributed import Client, Event, Future, KilledWorker, LocalCluster, Secur
 from distributed.comm.core import FatalCommClosedError
 from distributed.utils import json_load_robust, silence_logging_cmgr
 
-from ertel.inputs.messages import ConfigError
+from ertel.case.records import ConfigError
 from ertel.runs.on_workers import SETTINGS, Start, performed
 from ertel.runs.workers import READY, Asked, Failure, Hear, Job, cores, deaf, never
 from ertel.version import own_sources

@@ -10,8 +10,7 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any
 
-from ertel.case.records import show
-from ertel.inputs.messages import ConfigError
+from ertel.case.records import ConfigError, show
 from ertel.inputs.studies import load_study, parse_study
 from ertel.results.study_result import StudyResult
 from ertel.runs import compiling
