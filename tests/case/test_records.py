@@ -162,8 +162,8 @@ def test_a_feature_reads_back(feature) -> None:
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        ({"radius": 1.0}, "roughness[1].shape: missing; allowed: measured, self-affine, waviness, rings, spot"),
-        ({"shape": "dent"}, 'roughness[1].shape = "dent"; allowed: measured, self-affine, waviness, rings, spot'),
+        ({"radius": 1.0}, "roughness[1].shape: missing; allowed: "),
+        ({"shape": "dent"}, 'roughness[1].shape = "dent"; allowed: waviness, rings, spot'),
         ({"shape": "spot", "surface": 3}, "roughness[1].surface = 3: allowed: 1 or 2"),
         ({"shape": "spot", "radius": 1.0}, "roughness[1].height: missing; allowed: height"),
     ],

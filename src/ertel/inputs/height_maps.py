@@ -23,12 +23,11 @@ import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
-from ertel.case.height_map import HeightMap, array_in, check_shape, check_size
+from ertel.case.height_map import HeightMap, Measured, array_in, check_shape, check_size
 from ertel.case.records import named, shortened, show
 from ertel.inputs.declared import LARGEST_FILE, check_declared
 from ertel.inputs.layout import READER, MeasuredFile, names_of
 from ertel.inputs.quantities import parse_quantity
-from ertel.physics.measured import Measured
 from ertel.physics.units import LENGTH, Quantity
 
 OWN_NAME = re.compile(r"heights-[0-9a-f]{16}\.npy")

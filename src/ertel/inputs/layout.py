@@ -10,14 +10,13 @@ from math import isfinite
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from ertel.case.conditions import Conditions
-from ertel.case.height_map import HeightMap
+from ertel.case.height_map import HeightMap, Measured
 from ertel.case.reading import LAWS, Reader
 from ertel.case.records import OIL_LAWS, law_fields, show
 from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Drive, Output, Solver, Time
 from ertel.case.thermal import Thermal
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics.lubricant import Oil
-from ertel.physics.measured import Measured
 from ertel.physics.motion import Oscillation, Signal
 from ertel.physics.registry import SHAPES, Registry
 from ertel.physics.units import (

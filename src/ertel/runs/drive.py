@@ -19,8 +19,9 @@ from ertel.numerics.precision import double_precision
 from ertel.results import accessor as accessor  # datasets of runs have .ertel
 from ertel.results.result import Result
 from ertel.results.summary import attributes
-from ertel.runs import beforehand, compiling
+from ertel.runs import beforehand
 from ertel.runs.beforehand import with_these
+from ertel.runs.compile import check_jax, compilations
 from ertel.runs.courses import Course, Item, course_of
 from ertel.runs.progress import progress_bar
 from ertel.runs.stepping import Frame
@@ -54,7 +55,7 @@ class Gathering:
 
     def __init__(self, course: Course):
         self.course = course
-        self._started, self._compiled = clock.monotonic(), compiling.count()
+        self._started, self._compiled = clock.monotonic(), compilations()
         self.records: list[Mapping[str, float]] = []
         self.frames: list[Frame] = []
 
@@ -66,7 +67,7 @@ class Gathering:
     def result(self, last: Any) -> Result:
         """The result of the run, from its last item."""
         data = self.course.dataset(self.records, self.frames, last)
-        work = {"compilations": compiling.count() - self._compiled, "wall_s": clock.monotonic() - self._started}
+        work = {"compilations": compilations() - self._compiled, "wall_s": clock.monotonic() - self._started}
         summary = with_these(self.course.case, self.course.summary(data, last, last.status, work))
         return Result(self.course.case, data.assign_attrs(attributes(summary)), summary, Status(summary["status"]))
 
@@ -95,7 +96,7 @@ def simulate(case: CaseLike, progress: bool = False, observers: Sequence[Observe
     case = as_case(case)
     before = beforehand.warnings_of(case)
     warn(before)  # of the caller of this function, which is decorated
-    compiling.check_jax()
+    check_jax()
     course = course_of(case)
     gathering = Gathering(course)
     with progress_bar(course, progress) as shown:

@@ -13,7 +13,7 @@ from contextlib import suppress
 from ertel.case.case import Case
 from ertel.case.grids import grid_of
 from ertel.results.variables import FIELDS
-from ertel.runs import compiling
+from ertel.runs.compile import jax_devices, may_use_accelerator
 
 BASE = 0.55e9  # Python, JAX and the compiler
 ARRAYS, ARRAYS_WITH_STEADY = 150, 210  # a run of rolling contains the steady film
@@ -38,7 +38,7 @@ def _maps(case: Case) -> float:
 
 def available() -> float:
     """The memory in bytes of the device that JAX computes on; 0 where it is not known."""
-    if compiling.may_use_accelerator() and (limit := (compiling.devices()[0].memory_stats() or {}).get("bytes_limit")):
+    if may_use_accelerator() and (limit := (jax_devices()[0].memory_stats() or {}).get("bytes_limit")):
         return float(limit)
     with suppress(AttributeError, ValueError, OSError):  # not on Windows
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))

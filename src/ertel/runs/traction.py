@@ -24,8 +24,9 @@ from ertel.results.curve_points import WORK, Point, assemble, point
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import TractionCurve
 from ertel.results.variables import with_coefficients
-from ertel.runs import compiling, forks
+from ertel.runs import workers
 from ertel.runs.beforehand import beyond
+from ertel.runs.compile import check_jax
 from ertel.runs.courses import GridStep, SteadyCourse
 from ertel.runs.curves import Curve, Film, curve_of
 from ertel.runs.drive import Observer, drive, warn
@@ -62,7 +63,7 @@ def run(
 
 def _computed(curve: Curve, done: int, observers_of: ObserversOf, stop: Callable[[object], bool]) -> Iterator[Point]:
     """The points of a curve from number `done` on, up to a stop."""
-    forks.check()
+    workers.check_fork()
     film: GridStep | None = None
     for number in range(done, len(curve.values)):
         fresh = film is None or curve.film == "each"
@@ -186,7 +187,7 @@ def traction(
     >>> case = ertel.load_case("examples/squalane.toml")  # doctest: +SKIP
     >>> ertel.traction(case, slide_to_roll="0:0.5:15").plot()  # doctest: +SKIP
     """
-    compiling.check_jax()
+    check_jax()
     curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
     store = CurveStore.of(Path(directory), curve) if directory else None
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
