@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import ertel
-from ertel.apps.paths import shown
+from ertel.apps.terminal import shown
 from ertel.case.status import Status
 from ertel.runs import progress_file
 from ertel.runs.compile import NoDevice, cache_directory, jax_devices, wrong_version

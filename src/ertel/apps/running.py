@@ -7,10 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from ertel.apps import tables
-from ertel.apps.exits import ASKED, BAD_INPUT, FAILED, bad_input, leave, reason_of
-from ertel.apps.interrupts import Stop, interruptible
-from ertel.apps.output import print_json, say
-from ertel.apps.paths import in_shell, shown
+from ertel.apps.process import Stop, interruptible
+from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, reason_of, say, shown
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.runs import beforehand, memory, store

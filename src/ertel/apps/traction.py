@@ -4,10 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ertel.apps import running, tables
-from ertel.apps.exits import FAILED, bad_input, leave, reason_of
-from ertel.apps.interrupts import interruptible
-from ertel.apps.output import print_json
-from ertel.apps.paths import shown
+from ertel.apps.process import interruptible
+from ertel.apps.terminal import FAILED, bad_input, leave, print_json, reason_of, shown
 from ertel.case.case import Case
 from ertel.case.estimates import newtonian_stress
 from ertel.results.traction_curve import TractionCurve
