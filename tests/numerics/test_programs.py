@@ -1,4 +1,4 @@
-"""Programs: compiled once for each kind of arguments, shared by threads, with the options that XLA and the user allow."""
+"""Programs: compiled once for each kind of arguments, shared by threads, with options that XLA and the user allow."""
 
 from concurrent.futures import ThreadPoolExecutor
 

@@ -54,7 +54,7 @@ def wrong_version(version: str) -> str:
 def check_jax() -> None:
     """Warn, once per process, if the installed JAX gives wrong results."""
     if message := wrong_version(version("jaxlib")):
-        warnings.warn(message, RuntimeWarning, stacklevel=3)
+        warnings.warn(message, RuntimeWarning, stacklevel=2)
 
 
 # -- devices ----------------------------------------------------------------------------------------------------------

@@ -53,7 +53,7 @@ class ExportedPrograms:
             content = kept or _exported(program, arguments)
         except ValueError:  # code from outside ertel, or something that JAX does not export
             return build(program, arguments)
-        lowered = _lowered(content, arguments)  # also of a new program, so that JAX finds its machine code next time
+        lowered = _lowered(content)  # also of a new program, so that JAX finds its machine code next time
         level = program.level(arguments)
         in_a_hurry = not kept and level == LEVEL and largest(arguments) <= self._hurried
         compiled = compiled_at(LEVEL_OF_SMALL if in_a_hurry else level, lowered)
@@ -114,15 +114,16 @@ class ExportedPrograms:
 def _exported(program: Program, arguments: Any) -> bytes:
     """A program in the form of files, as a function of the leaves of its arguments."""
     leaves, structure = tree.flatten(arguments)
+    kinds = [jax.typeof(leaf) for leaf in leaves]
 
     def on_leaves(*leaves: Any) -> Any:
         return program.function(*tree.unflatten(structure, leaves))
 
-    on_leaves.__name__ = f"exported_{program.function.__name__}"
-    return bytes(export.export(jax.jit(on_leaves))(*leaves).serialize())
+    on_leaves.__name__ = program.function.__name__
+    return bytes(export.export(jax.jit(on_leaves))(*kinds).serialize())
 
 
-def _lowered(content: bytes, arguments: Any) -> Any:
+def _lowered(content: bytes) -> Any:
     """A program from its form in files, for JAX to compile."""
     exported = export.deserialize(bytearray(content))
     if b"lapack" in content:
@@ -131,8 +132,8 @@ def _lowered(content: bytes, arguments: Any) -> Any:
     def call(*leaves: Any) -> Any:
         return exported.call(*leaves)
 
-    call.__name__ = exported.fun_name
-    return jax.jit(call).lower(*tree.leaves(arguments))
+    call.__name__ = f"exported_{exported.fun_name}"
+    return jax.jit(call).lower(*exported.in_avals)
 
 
 @cache
