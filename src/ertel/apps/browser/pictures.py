@@ -13,12 +13,14 @@ from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
+from importlib import import_module
 from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any
 
 INTERFEROGRAM = "interferogram"
 LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
+DRAWING = "ertel.apps.browser.drawing"  # by its name: the other process imports it
 PICTURES = "/pictures"  # where pages get them
 KEPT = 60  # pictures, of some 0.2 MB each
 
@@ -76,10 +78,8 @@ def _drawn(function: str, *arguments: Any) -> Any:
 
     A process that receives an error of `plots`, also in the history of another, would import matplotlib.
     """
-    from ertel.apps.browser import drawing
-
     try:
-        return getattr(drawing, function)(*arguments)
+        return getattr(import_module(DRAWING), function)(*arguments)
     except ValueError as error:
         message = str(error)
     except Exception as error:  # of zarr, its codecs, xarray, matplotlib: the data are damaged
@@ -93,7 +93,7 @@ def _begin() -> None:
     """End with the app, leave Ctrl-C to it, and import what takes long before it is asked for."""
     threading.Thread(target=_end_with_the_app, daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    from ertel.apps.browser import drawing as drawing
+    import_module(DRAWING)
 
 
 def _end_with_the_app() -> None:
