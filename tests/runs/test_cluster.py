@@ -15,8 +15,9 @@ import pytest
 from distributed import Security
 
 from ertel.inputs.studies import parse_study
-from ertel.runs import cluster, progress_file
+from ertel.runs import cluster
 from ertel.runs.cluster import Cluster, NoScheduler
+from ertel.runs.directory import read_progress
 from ertel.runs.drive import simulate
 from ertel.runs.studies import gather, run_study
 from ertel.runs.tasks import Task, run_tasks
@@ -155,7 +156,7 @@ def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
     def kill_once(key, news):
         if not killed and news["done"] < 1:
             killed.append(key)
-            os.kill(progress_file.read(tmp_path / "runs" / key)["process"], signal.SIGKILL)
+            os.kill(read_progress(tmp_path / "runs" / key)["process"], signal.SIGKILL)
 
     said = run_study(study, tmp_path, two, hear=kill_once)
     assert len(killed) == 1 and said == {case.digest: "converged" for case in study.cases}

@@ -9,7 +9,7 @@ import typer
 from ertel.apps.output import say
 
 FAILED, BAD_INPUT = 1, 2  # and 128 + the number of a signal, see `interrupts`
-ASKED = 130  # stopped by a file, see `ertel.runs.stop_file`: as by Ctrl-C
+ASKED = 130  # stopped by a file, see `ertel.runs.directory`: as by Ctrl-C
 
 
 def leave(code: int, message: str) -> NoReturn:

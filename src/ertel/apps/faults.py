@@ -81,12 +81,12 @@ def _usage(error: Any) -> str:
 def _judged(error: Exception) -> tuple[int, str]:
     """The exit code and the sentence of an error that a command did not expect."""
     from ertel.inputs.messages import ConfigError
-    from ertel.runs import compiling, memory
+    from ertel.runs import compiling, outlook
     from ertel.runs.store import StoreError
 
     if isinstance(error, ConfigError | StoreError | compiling.NoDevice):
         return BAD_INPUT, str(error)
-    if memory.is_exhausted(error):
+    if outlook.is_out_of_memory(error):
         return FAILED, "out of memory"
     if isinstance(error, OSError):
         return BAD_INPUT, f"{error.filename or 'input or output'}: {reason_of(error)}"

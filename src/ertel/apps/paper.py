@@ -55,7 +55,7 @@ def _make_page(names: list[str], quick: bool, out: Path, engine: "Engine", quiet
     """Run what is missing and write the page: its path, and why figures are missing."""
     from ertel.apps.boundary_layers import figures
     from ertel.runs import compiling
-    from ertel.runs.progress import bars
+    from ertel.runs.drive import bars
 
     compiling.prepare()  # or no run can begin
     runs, done, seconds = figures.expected(names, quick, out, engine.processes)

@@ -12,7 +12,7 @@ from ertel.case.status import Status
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs import compiling
-from ertel.runs.progress import bars
+from ertel.runs.drive import bars
 from ertel.runs.studies import EVERY, Part, alone, gather, left_of, run_study, write
 from ertel.runs.sweep import Engine as Engine
 from ertel.runs.sweep import Watched

@@ -5,7 +5,7 @@ runs/DIGEST             an ordinary run directory for each case, named by the di
 sweep.zarr              the numbers of all runs over what varies; `xarray.open_zarr` alone opens it
 sweep.csv               the same as a table
 sweep.png               and as a figure
-stop                    made by whoever wants the study to stop, see `stop_file`
+stop                    made by whoever wants the study to stop, see `directory`
 .lock                   empty; the process at the study holds a lock on it, see `files.locked`
 ======================  =========================================================================================
 
@@ -24,7 +24,7 @@ from ertel.inputs.coordinates import coordinates
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.results.study_runs import MISSING, RUNNING, UNFINISHED, Ran, assemble
-from ertel.runs import stop_file
+from ertel.runs.directory import heeding_stop, is_asked_to_stop
 from ertel.runs.files import StoreError, is_locked, locked
 from ertel.runs.store import CASE, RunStore
 from ertel.runs.study_jobs import job_of
@@ -71,15 +71,15 @@ def run_study(
 ) -> dict[str, str]:
     """Do what is left of a part; the status of each run that was worked on, by digest, or why it failed.
 
-    hear, asked: see `workers.Workers`; a file in the directory asks too, see `stop_file`.  Raises OSError where the
+    hear, asked: see `workers.Workers`; a file in the directory asks too, see `directory`.  Raises OSError where the
     directory cannot be made.
     """
     left = left_of(study, directory, part)
     (directory / RUNS).mkdir(parents=True, exist_ok=True)
     jobs = [job_of(run_directory(directory, case), case) for case in left.values()]
     found = {}
-    with stop_file.fresh(directory):
-        for digest, outcome in workers.outcomes(jobs, hear, lambda: asked() or stop_file.is_asked(directory)):
+    with heeding_stop(directory):
+        for digest, outcome in workers.outcomes(jobs, hear, lambda: asked() or is_asked_to_stop(directory)):
             found[digest] = f"{FAILED}{outcome.reason}" if isinstance(outcome, Failure) else str(outcome)
             on_done(digest, found[digest])
     return found

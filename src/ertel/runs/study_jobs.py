@@ -9,7 +9,7 @@ from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
 from ertel.equations import discretise
 from ertel.runs.batch import shape_of
-from ertel.runs.courses import Course, Item
+from ertel.runs.courses import Run, StepResult
 from ertel.runs.store import CASE, RunStore, Taken, compute
 from ertel.runs.warm_up import STEPS
 from ertel.runs.workers import READY, Job, Wire
@@ -48,18 +48,18 @@ def _store(directory: Path, case: Case) -> RunStore:
 class _Telling:
     """An observer that tells how far a run is, and when its programs are compiled."""
 
-    def __init__(self, wire: Wire, course: Course):
+    def __init__(self, wire: Wire, course: Run):
         self._wire, self._course = wire, course
         self._items, self._told = 0, 0.0
 
-    def __call__(self, item: Item) -> None:
+    def __call__(self, item: StepResult) -> None:
         if not item.record:
             return
         self._items += 1
         ready = self._items == STEPS + 1 and not self._course.case.is_steady  # each grid has its own programs
         if ready or time.monotonic() - self._told > OFTEN:
             self._told = time.monotonic()
-            self._wire.tell({"done": self._course.fraction(item), "text": self._course.news(item), READY: ready})
+            self._wire.tell({"done": self._course.fraction(item), "text": self._course.message(item), READY: ready})
 
 
 def program_of(case: Case) -> str:

@@ -15,7 +15,7 @@ from ertel.inputs.messages import ConfigError
 from ertel.inputs.studies import load_study, parse_study
 from ertel.results.study_result import StudyResult
 from ertel.runs import compiling
-from ertel.runs.progress import bars
+from ertel.runs.drive import bars
 from ertel.runs.studies import alone, gather, left_of, run_study, write
 from ertel.runs.workers import Here, News, Workers, cores
 
