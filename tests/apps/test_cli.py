@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 import ertel
 from ertel import plots
 from ertel.apps import about, running
-from ertel.runs import compiling, store
+from ertel.runs import compile, store
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop
 from ertel.runs.store import RunStore
 
@@ -102,7 +102,7 @@ def test_help_of_commands(command):
 
 def test_about():
     text = ertel_("about").stdout
-    for said in (f"ertel          {ertel.__version__}", "NumPy", "cpu", str(compiling.cache_directory()), "Tribology"):
+    for said in (f"ertel          {ertel.__version__}", "NumPy", "cpu", str(compile.cache_directory()), "Tribology"):
         assert said in text
 
 
@@ -145,11 +145,11 @@ def test_run_quiet(here):
 
 
 def test_run_with_a_jax_that_computes_wrongly(here, monkeypatch):
-    monkeypatch.setattr(compiling, "version", lambda package: "0.10.2")
-    monkeypatch.setattr(compiling, "_told", False)
+    monkeypatch.setattr(compile, "version", lambda package: "0.10.2")
+    monkeypatch.setattr(compile, "_told", False)
     result = ertel_("run", "ball.toml", "--quiet", "--set", "time.until=0.1")
     assert result.stdout == ""
-    assert result.stderr == f"ertel: warning: {compiling.wrong_version('0.10.2')}\n"
+    assert result.stderr == f"ertel: warning: {compile.wrong_version('0.10.2')}\n"
 
 
 def test_second_run_gets_its_own_directory(here):

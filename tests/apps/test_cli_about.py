@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import ertel
 from ertel import plots
-from ertel.apps import completion
+from ertel.apps import arguments
 from ertel.apps.cli import app
 from ertel.inputs.case_files import load_case
 from ertel.runs import directory, drive, store
@@ -102,9 +102,9 @@ def test_completion_of_run_directories(here):
         (here / name).mkdir(parents=True)
     for name in ("runs/small", "runs/smooth"):
         (here / name / "case.toml").touch()
-    assert completion.run_directories("") == ["runs/"]
-    assert completion.run_directories("runs/") == ["runs/other/", "runs/small", "runs/smooth"]
-    assert completion.run_directories("nowhere/") == []
+    assert arguments.run_directories("") == ["runs/"]
+    assert arguments.run_directories("runs/") == ["runs/other/", "runs/small", "runs/smooth"]
+    assert arguments.run_directories("nowhere/") == []
     for command in ("show", "plot", "resume", "about"):
         said = completed(command, "runs/sm")
         assert "runs/small" in said and "runs/smooth" in said and "other" not in said
@@ -113,18 +113,18 @@ def test_completion_of_run_directories(here):
 def test_completion_of_case_files(here):
     (here / "notes.txt").touch()
     (here / "more").mkdir()
-    assert completion.case_files("") == ["more/", "rolled.toml", "small.toml"]
+    assert arguments.case_files("") == ["more/", "rolled.toml", "small.toml"]
     assert "small.toml" in completed("run", "sm")
 
 
 def test_completion_of_keys():
-    assert completion.settings("solver.half") == ["solver.half_width=", "solver.half_width_y="]
-    assert "lubricant.oil=" in completion.settings("lubricant.")
+    assert arguments.settings("solver.half") == ["solver.half_width=", "solver.half_width_y="]
+    assert "lubricant.oil=" in arguments.settings("lubricant.")
     assert "solver.nodes=" in completed("run", "small.toml", "--set", "solver.no")
 
 
 def test_completion_of_figures():
-    assert completion.figures("pr") == ["profiles", "pressure"]
+    assert arguments.figures("pr") == ["profiles", "pressure"]
 
 
 def test_completion_can_be_installed():

@@ -12,7 +12,7 @@ import pytest
 from cases import ertel_, names
 
 from ertel.apps import running
-from ertel.apps.interrupts import SIGNALS
+from ertel.apps.process import SIGNALS
 from ertel.inputs import case_files
 from ertel.runs import outlook, store
 from ertel.runs.store import RunStore

@@ -14,10 +14,9 @@ import numpy as np
 import pytest
 
 from ertel.case.case import Case
-from ertel.case.height_map import HeightMap
+from ertel.case.height_map import HeightMap, Measured
 from ertel.inputs.case_files import ConfigError, load_case, parse_case
 from ertel.inputs.python import impact
-from ertel.physics.surfaces import Measured
 from ertel.physics.units import Quantity
 from ertel.results.diagnostics import case_warnings
 

@@ -15,7 +15,7 @@ import ertel
 from ertel.case.case import Case
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.studies import load_study, parse_study
-from ertel.results.scalars import scalars
+from ertel.results.numbers import scalars
 from ertel.results.study_result import StudyResult
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
@@ -197,7 +197,7 @@ ROLLING = {
 
 
 def test_errors_stand_beside_their_numbers():
-    found = scalars(ROLLING, None)
+    found = scalars(ROLLING)
     assert found["H_c_error"].value == 0.01 and "H_min_error" not in found
     assert found["H_c_error"].attributes == {
         "long_name": "estimated error of the central film thickness", "units": "1", "in_units_of": "a^2/R"

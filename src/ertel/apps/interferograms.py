@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ertel.apps.exits import BAD_INPUT, bad_input, leave
-from ertel.apps.output import printable
-from ertel.apps.paths import shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_path
 
 if TYPE_CHECKING:  # these take long to import
     import xarray as xr
@@ -86,7 +84,7 @@ def write(data: "xr.Dataset", view: View, target: Path) -> None:
     target.mkdir(parents=True, exist_ok=True)
     path = target / f"interferogram-{view.sight}.{view.kind}"
     save(path)
-    print(printable(shown(path)))
+    print_path(path)
 
 
 def _drawn(data: "xr.Dataset", view: View) -> Callable[[Path], object]:

@@ -8,9 +8,7 @@ from typing import Any
 import xarray as xr
 
 from ertel import plots
-from ertel.apps.exits import BAD_INPUT, leave
-from ertel.apps.output import printable
-from ertel.apps.paths import shown
+from ertel.apps.terminal import BAD_INPUT, leave, print_path
 
 
 def write_figures(data: xr.Dataset, what: str | None, at: str | None, target: Path, kind: str) -> None:
@@ -27,7 +25,7 @@ def write_figures(data: xr.Dataset, what: str | None, at: str | None, target: Pa
     for name, figure in figures.items():
         path = target / f"{name}.{kind}"
         figure.savefig(path)
-        print(printable(shown(path)))
+        print_path(path)
 
 
 def _at(draws: Mapping[str, Callable[..., Any]], at: str | None) -> Iterator[tuple[str, Callable[..., Any], Any]]:

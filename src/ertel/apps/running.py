@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from ertel.apps import tables
-from ertel.apps.exits import ASKED, BAD_INPUT, FAILED, bad_input, leave, reason_of
-from ertel.apps.interrupts import Stop, interruptible
-from ertel.apps.output import print_json, say
-from ertel.apps.paths import in_shell, shown
+from ertel.apps.process import Stop, interruptible
+from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, reason_of, say, shown
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.runs import compiling, outlook, store
+from ertel.runs import outlook, store
+from ertel.runs.compile import cache_directory, prepare_jax
 from ertel.runs.courses import Run, course_of
 from ertel.runs.drive import Recorder, bars, drive, watch
 from ertel.runs.store import CASE, CHECKPOINT, SUMMARY, Damaged, RunStore, StoreError, Taken
@@ -34,7 +33,7 @@ class Wishes:
 
 
 def run(case: Case, directory: Path | None, wishes: Wishes) -> None:
-    """Run a case in a new directory: that one, or runs/NAME; `compiling.prepare` comes first."""
+    """Run a case in a new directory: that one, or runs/NAME; `prepare_jax` comes first."""
     if not wishes.quiet:
         say_before([case])
     with within_memory(case):
@@ -50,7 +49,7 @@ def resume(directory: Path, wishes: Wishes) -> None:
         if done and (not wishes.error or done.get("error_estimate")):
             report(found, done, wishes)
             return
-        compiling.prepare()
+        prepare_jax()
         with within_memory(found.case):
             _finish(found, _compared(found.course, wishes), wishes)
 
@@ -75,11 +74,11 @@ def show(directory: Path, as_json: bool) -> None:
 
 def warm_up_all(cases: Sequence[Case]) -> None:
     """Compile ahead for all cases, with a line for each on stderr."""
-    if compiling.cache_directory() is None:
+    if cache_directory() is None:
         leave(BAD_INPUT, "compiled programs cannot be kept without a home directory; set XDG_CACHE_HOME to a directory")
-    directory = compiling.prepare()
+    directory = prepare_jax()
     if directory is None:
-        leave(BAD_INPUT, f"compiled programs cannot be kept in {compiling.cache_directory()}")
+        leave(BAD_INPUT, f"compiled programs cannot be kept in {cache_directory()}")
     for number, case in enumerate(cases, start=1):
         say(f"{number}/{len(cases)}  {case.name or case.kind}: compiling")
         with within_memory(case):

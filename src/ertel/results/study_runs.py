@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from ertel.case.case import Case
-from ertel.results.scalars import scalars
+from ertel.results.numbers import scalars
 from ertel.version import installed_version
 
 MISSING = "missing"  # the status of a run that has not begun
@@ -60,7 +60,7 @@ def assemble(
     along = {key: ((key,) if mode == "product" else dims, _values(v), dict(a)) for key, (v, a) in coordinates.items()}
     found: dict[str, Any] = {}
     for number, run in enumerate(runs):
-        for key, scalar in (scalars(run.summary, run.case.scales) if run.summary else {}).items():
+        for key, scalar in (scalars(run.summary) if run.summary else {}).items():
             if key not in coordinates:
                 if key not in found:
                     found[key] = dims, np.full(shape, np.nan), dict(scalar.attributes)

@@ -18,7 +18,7 @@ from ertel.numerics.precision import double_precision
 from ertel.results import accessor as accessor  # datasets of runs have .ertel
 from ertel.results.result import Result
 from ertel.results.summary import attributes
-from ertel.runs import compiling
+from ertel.runs.compile import check_jax, compilations
 from ertel.runs.courses import Run, StepResult, course_of
 from ertel.runs.outlook import warnings_of, with_case_warnings
 from ertel.runs.stepping import Frame
@@ -52,7 +52,7 @@ class Recorder:
 
     def __init__(self, run: Run):
         self.run = run
-        self._started, self._compiled = clock.monotonic(), compiling.count()
+        self._started, self._compiled = clock.monotonic(), compilations()
         self.records: list[Mapping[str, float]] = []
         self.frames: list[Frame] = []
 
@@ -64,7 +64,7 @@ class Recorder:
     def result(self, last: Any) -> Result:
         """The result of the run, from its last step."""
         data = self.run.dataset(self.records, self.frames, last)
-        work = {"compilations": compiling.count() - self._compiled, "wall_s": clock.monotonic() - self._started}
+        work = {"compilations": compilations() - self._compiled, "wall_s": clock.monotonic() - self._started}
         summary = with_case_warnings(self.run.case, self.run.summary(data, last, last.status, work))
         return Result(self.run.case, data.assign_attrs(attributes(summary)), summary, Status(summary["status"]))
 
@@ -96,7 +96,7 @@ def simulate(case: CaseLike, progress: bool = False, observers: Sequence[Observe
     case = as_case(case)
     before = warnings_of(case)
     warn(before)  # of the caller of this function, which is decorated
-    compiling.check_jax()
+    check_jax()
     run = course_of(case)
     recorder = Recorder(run)
     with bars(progress) as shown:

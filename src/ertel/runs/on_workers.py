@@ -11,7 +11,7 @@ from typing import Any
 
 from distributed import Event, Worker, WorkerPlugin, get_worker
 
-from ertel.runs import compiling
+from ertel.runs.compile import ENTRY_WARNINGS, chosen_cache
 from ertel.runs.workers import Failure, News
 from ertel.version import own_sources
 
@@ -27,7 +27,7 @@ class Start(WorkerPlugin):
     """
 
     def __init__(self, deaf: bool = False):
-        self.deaf, self.flags, self.keep = deaf, os.environ.get("XLA_FLAGS"), compiling.chosen()
+        self.deaf, self.flags, self.keep = deaf, os.environ.get("XLA_FLAGS"), chosen_cache()
 
     def setup(self, worker: Worker) -> None:
         """Prepare the process, in its main thread."""
@@ -36,7 +36,7 @@ class Start(WorkerPlugin):
         if "jax" not in sys.modules:  # which reads them when it starts
             os.environ.update(SETTINGS if self.flags is None else {**SETTINGS, "XLA_FLAGS": self.flags})
         if self.keep:
-            for beginning in compiling.ENTRY_WARNINGS:
+            for beginning in ENTRY_WARNINGS:
                 warnings.filterwarnings("ignore", message=beginning)
             self.keep()
 

@@ -18,10 +18,10 @@ from ertel.case.grids import grid_of, radii
 from ertel.case.sections import Time
 from ertel.inputs import materials
 from ertel.results import diagnostics
-from ertel.results.kinds import KINDS
+from ertel.results.numbers import numbers
 from ertel.results.parameters import films, parameter_summary, rheology_of
 from ertel.results.variables import FIELDS, with_prefix
-from ertel.runs import compiling
+from ertel.runs.compile import jax_devices, may_use_accelerator
 
 SMALLEST_FILM = 1e-9  # m: about the size of the oil's molecules
 
@@ -156,7 +156,7 @@ def memory_needed(case: Case) -> float:
 
 def memory_available() -> float:
     """The memory in bytes of the device that JAX computes on; 0 where it is not known."""
-    if compiling.may_use_accelerator() and (limit := (compiling.devices()[0].memory_stats() or {}).get("bytes_limit")):
+    if may_use_accelerator() and (limit := (jax_devices()[0].memory_stats() or {}).get("bytes_limit")):
         return float(limit)
     with suppress(AttributeError, ValueError, OSError):  # not on Windows
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
@@ -202,7 +202,8 @@ def beyond(case: Case, computed: float | None = None) -> list[str]:
 
 def with_case_warnings(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]:
     """The summary of a run with the warnings of its case before its own."""
-    computed = KINDS[case.kind].values_in_si(summary).get("h_min_m")
+    minimum = numbers(summary).get("H_min")
+    computed = minimum.value * minimum.factor if minimum and minimum.factor is not None else None
     return {**summary, "warnings": [*beyond(case, computed), *summary["warnings"]]}
 
 

@@ -22,12 +22,13 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.numerics.precision import double_precision
-from ertel.results.kinds import as_now
+from ertel.results.numbers import as_now
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.results.variables import one_number
-from ertel.runs import checked_zarr, compiling
+from ertel.runs import checked_zarr
 from ertel.runs.arrays import RunData, data_class
+from ertel.runs.compile import check_jax, compilations
 from ertel.runs.courses import Run, StepResult, course_of
 from ertel.runs.directory import CASE as CASE
 from ertel.runs.directory import CHECKPOINT as CHECKPOINT
@@ -279,7 +280,7 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
     summary, or the data of a steady contact.  Raises StoreError where another process computes this run, where
     case.toml was edited, or where something else is damaged.
     """
-    compiled = compiling.count()
+    compiled = compilations()
     with store.alone():
         finished = store.outcome()
         if finished is not None:
@@ -289,7 +290,7 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
         last = drive(store.course, [store, progress, *observers, store.asked_to_stop], store.resume())
         progress.write(last)
         store.flush()
-        work = {"compilations": compiling.count() - compiled, "wall_s": store.seconds}
+        work = {"compilations": compilations() - compiled, "wall_s": store.seconds}
         summary = store.summarise(last.status, work)
         store.finish(summary)
     return summary
@@ -310,7 +311,7 @@ def run(case: CaseLike, directory: str | Path, progress: bool = False, observers
 
     Raises StoreError where the directory holds another case, or cannot be written.
     """
-    compiling.check_jax()
+    check_jax()
     case, directory = as_case(case), path_of("directory", directory, "a run directory")
     store = RunStore.open(directory) if (directory / CASE).exists() else RunStore.create(directory, case)
     if store.case != case:

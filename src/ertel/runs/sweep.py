@@ -14,7 +14,7 @@ from ertel.case.records import show
 from ertel.inputs.messages import ConfigError
 from ertel.inputs.studies import load_study, parse_study
 from ertel.results.study_result import StudyResult
-from ertel.runs import compiling
+from ertel.runs.compile import check_jax
 from ertel.runs.drive import bars
 from ertel.runs.studies import alone, gather, left_of, run_study, write
 from ertel.runs.workers import Here, News, Workers, cores
@@ -106,7 +106,7 @@ def sweep(
 
     Raises ConfigError, naming the field, its value and what is allowed; StoreError where another process is at it.
     """
-    compiling.check_jax()
+    check_jax()
     file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
     engine = Engine(jobs, scheduler, file, keys)
     found = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)

@@ -24,7 +24,8 @@ from ertel.results.curve_points import WORK, Point, assemble, point
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import TractionCurve
 from ertel.results.variables import with_coefficients
-from ertel.runs import compiling, forks
+from ertel.runs import forks
+from ertel.runs.compile import check_jax
 from ertel.runs.courses import GridStep, SteadyRun
 from ertel.runs.curves import Curve, Film, curve_of
 from ertel.runs.drive import Observer, bars, drive, warn
@@ -185,7 +186,7 @@ def traction(
     >>> case = ertel.load_case("examples/squalane.toml")  # doctest: +SKIP
     >>> ertel.traction(case, slide_to_roll="0:0.5:15").plot()  # doctest: +SKIP
     """
-    compiling.check_jax()
+    check_jax()
     curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
     store = CurveStore.of(Path(directory), curve) if directory else None
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)

@@ -11,7 +11,7 @@ from typing import Any
 
 from ertel.case.case import Case
 from ertel.inputs.case_files import parse_case
-from ertel.runs import compiling
+from ertel.runs.compile import compilations
 from ertel.runs.courses import course_of
 from ertel.runs.store import RunStore, compute
 
@@ -37,7 +37,7 @@ def warm_up(case: Case) -> int:
 
     A steady case is run to its end, a run in time for a few steps; the results are deleted.
     """
-    before = compiling.count()
+    before = compilations()
     steps = iter(range(STEPS))
 
     def enough(item: Any) -> bool:
@@ -51,4 +51,4 @@ def warm_up(case: Case) -> int:
     method = None if case.is_steady else course.method
     with TemporaryDirectory() as directory:
         compute(RunStore.create(Path(directory) / "run", case, course), [enough])
-    return compiling.count() - before
+    return compilations() - before

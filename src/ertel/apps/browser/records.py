@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ertel.apps.browser.folder import MOST, in_unicode
-from ertel.apps.exits import reason_of
+from ertel.apps.terminal import reason_of
 from ertel.inputs.case_files import parse_case, read_toml
 from ertel.runs.directory import CASE, SUMMARY
 from ertel.runs.listing import summary_in

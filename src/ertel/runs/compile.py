@@ -39,7 +39,7 @@ def wrong_version(version: str) -> str:
     """A warning for a jaxlib version that gives wrong results; empty for other versions.
 
     jaxlib 0.10.2 and 0.11.0 miscompile a product of a matrix with many rows that is summed up, on the CPU and in
-    double precision.  `tests/runs/test_compiling.py` shows it.
+    double precision.  `tests/runs/test_compile.py` shows it.
     Source: issue 39103 of JAX.
     """
     if version not in EXCLUDED:
@@ -74,7 +74,7 @@ def may_use_accelerator() -> bool:
     return os.environ.get("JAX_PLATFORMS") != "cpu" and bool(entry_points(group="jax_plugins") or find_spec("libtpu"))
 
 
-def devices() -> list[Any]:
+def jax_devices() -> list[Any]:
     """The devices that JAX computes on.  Raises NoDevice."""
     import jax
 
@@ -92,7 +92,7 @@ def devices() -> list[Any]:
 # -- counting ---------------------------------------------------------------------------------------------------------
 
 
-def count() -> int:
+def compilations() -> int:
     """Programs compiled, or fetched from the persistent cache, in this process since the first call."""
     _listen()
     return _compiled
@@ -114,7 +114,7 @@ def _listen() -> None:
 _chosen: Callable[[], object] | None = None
 
 
-def chosen() -> Callable[[], object] | None:
+def chosen_cache() -> Callable[[], object] | None:
     """How this process keeps programs, so that its workers do the same: `cache`, `start_at_once`, or None."""
     return _chosen
 
@@ -171,20 +171,20 @@ def start_at_once() -> Path | None:
     return directory
 
 
-def prepare() -> Path | None:
+def prepare_jax() -> Path | None:
     """Check that JAX computes here, and let it load what is compiled, from the directory named.  Raises NoDevice."""
     check_jax()
-    devices()
+    jax_devices()
     return start_at_once()
 
 
 @contextmanager
-def prepared(case: "Case") -> Iterator[None]:
+def jax_prepared(case: "Case") -> Iterator[None]:
     """In this block one case is run.  What a steady one needs is loaded, or compiled in a hurry, in the background.
 
     Raises NoDevice.
     """
-    prepare()
+    prepare_jax()
     if not case.is_steady:
         yield
         return
