@@ -29,11 +29,10 @@ from ertel.equations.pytrees import traceable, traceable_law
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, written
 from ertel.numerics.precision import double_precision, require_double
 from ertel.results.result import Result
-from ertel.runs import forks
 from ertel.runs.courses import METHODS, TransientRun, method_of
 from ertel.runs.drive import Recorder
 from ertel.runs.stepping import Step
-from ertel.runs.workers import Failure
+from ertel.runs.workers import Failure, check_fork
 from ertel.solvers.transient import StepProblem, StepSolution, Transient2D, solve_step
 
 Asking = Generator[Any, Any, Any]  # a run that yields problems, is sent their solutions, and returns its outcome
@@ -55,7 +54,7 @@ def simulate_batch(
         raise ConfigError(f"cases = {written(cases)}: must be a sequence of cases")
     found = [as_case(case, f"cases[{number}]") for number, case in enumerate(cases)]
     check_alike(found)
-    forks.check()
+    check_fork()
     runs = [_asking(case, partial(on_step, number)) for number, case in enumerate(found)]
     return run_together(runs, solve_together)
 

@@ -25,7 +25,7 @@ from ertel.results.summary import (
     rolling_with_error,
     steady_summary,
 )
-from ertel.runs import forks
+from ertel.runs import workers
 from ertel.runs.comparisons import comparisons
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
@@ -97,14 +97,14 @@ class Run(ABC):
 
     def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         """The summary with the errors estimated from the summaries of the comparisons."""
-        return (
-            impact_with_error(fine, others) if self.case.starts_apart else rolling_with_error(self.case, fine, others)
-        )
+        if self.case.starts_apart:
+            return impact_with_error(fine, others)
+        return rolling_with_error(self.case, fine, others)
 
 
 def course_of(case: Case) -> Run:
     """The run of a case.  Raises Forked."""
-    forks.check()
+    workers.check_fork()
     return SteadyRun(case) if case.is_steady else TransientRun(case, method_of(case))
 
 
