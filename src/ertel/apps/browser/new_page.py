@@ -12,7 +12,7 @@ from ertel.apps.browser.form import DECIDE, LABELS, Form, field_of, read_text
 from ertel.apps.browser.site import Site, address_of
 from ertel.apps.terminal import reason_of
 from ertel.case.rules import plain_name
-from ertel.runs.directories import CASE
+from ertel.runs.directory import CASE
 from ertel.runs.files import content_of
 
 PAUSE = 0.5  # seconds after the last change before ertel is asked

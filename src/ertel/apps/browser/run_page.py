@@ -14,7 +14,7 @@ from ertel.apps.browser.processes import Phase, RunStatus
 from ertel.apps.browser.site import LABELS, Site, address_of
 from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
-from ertel.runs.directories import CASE
+from ertel.runs.directory import CASE
 from ertel.runs.files import content_of
 
 TABS = {
