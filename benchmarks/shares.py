@@ -216,7 +216,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     from ertel.equations.approach import balanced
     from ertel.equations.flow import steady_rate
     from ertel.numerics import multigrid
-    from ertel.physics.geometry import COMPLIANCE
+    from ertel.physics.geometry import CIRCLE
     from ertel.solvers import nonlinear, preconditioner, steady
 
     keep_compiled()
@@ -232,7 +232,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
         walls, solutions = zip(*_each(steady.nested(case)), strict=True)
     last = solutions[-1]
     c = discretise.contact_of(case, last.grid)
-    elastic = multigrid.elasticities(last.grid, COMPLIANCE, preconditioner.PRECISION)
+    elastic = multigrid.elasticities(last.grid, CIRCLE.compliance, preconditioner.PRECISION)
     how = nonlinear.bordered, preconditioner.line_preconditioner, steady.OPTIONS
     problem = nonlinear.Problem(c, elastic, steady_rate(1.0), balanced(), 1.0, 1.0, *how)
     parts = _parts(problem, last.P, last.H)

@@ -20,16 +20,18 @@ from ertel.physics.lubricant import (
     P0_ROELANDS,
     Barus,
     Density,
+    Doolittle,
     DowsonHigginson,
     Incompressible,
     Isoviscous,
     Lubricant,
+    Modulus,
     Oil,
     Roelands,
+    Tait,
     Viscosity,
     roelands_exponent,
 )
-from ertel.physics.pressure_laws import Doolittle, Modulus, Tait
 
 P = np.linspace(0.0, 1.5, 16)
 ALPHA_BAR = st.floats(0.5, 40.0)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ertel.physics.pressure_laws import Doolittle, Modulus, Tait
+from ertel.physics.lubricant import Doolittle, Modulus, Tait
 
 A = st.floats(2e7, 1e8)
 K0 = st.floats(0.8e9, 2e9)

@@ -5,16 +5,18 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from ertel.physics.pressure_laws import Doolittle, Modulus, Tait
-from ertel.physics.pressure_rules import (
+from ertel.physics.lubricant import Doolittle, Modulus, Tait
+from ertel.physics.temperature_laws import (
     Ambient,
     DoolittleOfTemperature,
+    Expansion,
     ModulusOfTemperature,
     PowerOfViscosity,
     SoKlaus,
+    Vogel,
+    Walther,
     so_klaus,
 )
-from ertel.physics.temperature_laws import Expansion, Vogel, Walther
 
 # Stachowiak GW, Batchelor AW. Engineering Tribology, table 2.3: mineral oils, viscosity (mPa s) and pressure-viscosity
 # coefficient (1/GPa) at 30, 60 and 100 degC

@@ -35,7 +35,7 @@ from ertel.numerics.precision import require_double
 from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.stencils import Pair
 from ertel.numerics.tridiagonal import diagonals, times
-from ertel.physics.far_field import Motion
+from ertel.physics.far_field import ContactMotion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
 
@@ -282,7 +282,7 @@ class RadialImpact(Method):
 
     def start(self) -> State:
         """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
-        motion = Motion(self.start_approach, 1.0, 0.0, 0.0)
+        motion = ContactMotion(self.start_approach, 1.0, 0.0, 0.0)
         around, P = self.outside.at(motion), np.asarray(self.outside.at_first(motion))
         r, kernel, weights = (np.asarray(each) for each in (self.mesh.r, self.mesh.kernel, self.mesh.load))
         H = CIRCLE.gap(r, 0.0) - self.start_approach + kernel @ P + around.uplift

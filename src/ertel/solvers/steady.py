@@ -28,7 +28,7 @@ from ertel.numerics.grid import Grid, check_grid
 from ertel.numerics.precision import double_precision
 from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.symmetry import folded, unfolded
-from ertel.physics.far_field import Motion
+from ertel.physics.far_field import ContactMotion
 from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear, preconditioner
 from ertel.solvers.nonlinear import Problem
@@ -142,9 +142,9 @@ def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
     return P + outside.guess(motion_of(case, approach)), approach
 
 
-def motion_of(case: Case, approach: float) -> Motion:
+def motion_of(case: Case, approach: float) -> ContactMotion:
     """What the oil outside knows of the steady contact."""
-    return Motion(approach, 0.0, case.motion.load(0.0), case.motion.entrainment(0.0))
+    return ContactMotion(approach, 0.0, case.motion.load(0.0), case.motion.entrainment(0.0))
 
 
 def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:

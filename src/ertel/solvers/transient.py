@@ -30,7 +30,7 @@ from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import Elasticity
 from ertel.numerics.programs import Program
 from ertel.numerics.symmetry import total, unfolded
-from ertel.physics.far_field import Motion
+from ertel.physics.far_field import ContactMotion
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import Close, Problem
 from ertel.solvers.preconditioner import PRECISION, point_preconditioner
@@ -172,7 +172,7 @@ class Transient2D(Method):
             work = Work(s.newton, s.krylov, rolling.convolutions)
             fields, load = _first_fields(c, s.P, s.H)
             return State(0.0, s.approach, 0.0, fields, s.status, work, s.outside, float(load))
-        motion = Motion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
+        motion = ContactMotion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
         around, P = self.outside.at(motion), jax.device_put(self.outside.at_first(motion))
         fields, load = _squeezed(c, P, motion.approach, around.uplift)
         work = Work(convolutions=1.0)
@@ -233,7 +233,7 @@ class Transient2D(Method):
         fields = solution.fields
         return State(T, approach, velocity, fields, status, work, around.load, load, found["error"], record)
 
-    def motion(self, levels: Sequence[State], T: float) -> Motion:
+    def motion(self, levels: Sequence[State], T: float) -> ContactMotion:
         """What the oil outside knows of the new level.
 
         The squeeze of a rolling contact is left out there: with little or no inertia V follows from the film of the

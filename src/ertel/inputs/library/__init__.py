@@ -19,8 +19,16 @@ from ertel.inputs.quantities import parse_quantity
 from ertel.physics.fluidity import Carreau
 from ertel.physics.materials import Elasticity, Material, Strength
 from ertel.physics.oils import LimitingStress, NamedOil, Sourced, ThermalData
-from ertel.physics.pressure_rules import DoolittleOfTemperature, ModulusOfTemperature, PowerOfViscosity, SoKlaus
-from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, Vogel, Walther
+from ertel.physics.temperature_laws import (
+    ZERO_CELSIUS,
+    DoolittleOfTemperature,
+    Expansion,
+    ModulusOfTemperature,
+    PowerOfViscosity,
+    SoKlaus,
+    Vogel,
+    Walther,
+)
 from ertel.physics.units import TEMPERATURE, Unit, marks
 
 LAWS: Mapping[str, Callable[..., Any]] = {
