@@ -275,7 +275,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
     import jax.numpy as jnp
 
     from ertel.equations import contact
-    from ertel.numerics import halfspace, krylov, multigrid, stencils
+    from ertel.numerics import halfspace, multigrid, newton, stencils
 
     call = seconds(jax.jit(lambda x: x + 1), 0.0)  # which parts in one program do not need
 
@@ -311,7 +311,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
     jvp = clock(jax.jit(jax.linearize(residual, P, H)[1]), P, H)
     iterations = 4
     diagonal = 1.0 + jnp.arange(P.size, dtype=P.dtype).reshape(P.shape) / P.size  # so that it does not converge at once
-    search = jax.jit(lambda b: krylov.gcr(lambda x: diagonal * x, lambda k, r: r, b, 0.0, iterations))
+    search = jax.jit(lambda b: newton.gcr(lambda x: diagonal * x, lambda k, r: r, b, 0.0, iterations))
     room = clock(jax.jit(lambda: jnp.zeros((2 * problem.options.krylov_limit, *P.shape))))
     return {
         "fft": (exact, exact, exact + fft),

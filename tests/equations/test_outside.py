@@ -5,7 +5,7 @@ import pytest
 
 from ertel.equations import outside
 from ertel.equations.state import State
-from ertel.numerics.grid import Even, Grid
+from ertel.numerics.grid import Grid, Symmetry
 from ertel.physics.far_field import ContactMotion
 
 LAMBDA_BAR = 0.05
@@ -37,7 +37,7 @@ def test_load_outside_a_square_differs_from_that_of_a_circle_by_the_oil_between(
 
 
 def test_a_folded_grid_has_the_same_oil_outside() -> None:
-    whole, folded = Grid.square(17, 2.0), Grid(17, 17, 0.25, even=Even(True, True))
+    whole, folded = Grid.square(17, 2.0), Grid(17, 17, 0.25, even=Symmetry(True, True))
     one, other = around(whole, APPROACHING), around(folded, APPROACHING)
     assert (one.load, one.uplift) == (other.load, other.uplift)
     assert np.array_equal(one.edge[8:, 8:], other.edge)

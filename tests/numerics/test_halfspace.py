@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.integrate import dblquad
 
 from ertel.numerics import halfspace
-from ertel.numerics.grid import WHOLE, Even, Grid
-from ertel.numerics.symmetry import folded, unfolded
+from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
+from ertel.numerics.stencils import folded, unfolded
 from ertel.physics import hertz
 from ertel.physics.geometry import CIRCLE
 
@@ -43,9 +43,9 @@ def test_fft_equals_the_direct_sum(nodes: int, half_width: float, seed: int) -> 
     np.testing.assert_allclose(displaced(grid, P), expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize("even", [WHOLE, Even(y=True), Even(x=True), Even(True, True)], ids=str)
+@pytest.mark.parametrize("even", [NO_SYMMETRY, Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str)
 @pytest.mark.parametrize(("nodes_x", "nodes_y"), [(33, 9), (17, 25)])
-def test_on_a_rectangle_too_whatever_the_symmetry(nodes_x: int, nodes_y: int, even: Even) -> None:
+def test_on_a_rectangle_too_whatever_the_symmetry(nodes_x: int, nodes_y: int, even: Symmetry) -> None:
     grid = Grid(nodes_x, nodes_y, 0.2, even=even)
     P = np.zeros((nodes_y, nodes_x))
     P[1:-1, 1:-1] = np.random.default_rng(2).random((nodes_y - 2, nodes_x - 2))

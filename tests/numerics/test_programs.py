@@ -11,7 +11,7 @@ import pytest
 from jax.tree_util import register_dataclass
 
 from ertel.numerics import programs
-from ertel.numerics.grid import Even
+from ertel.numerics.grid import Symmetry
 from ertel.numerics.multigrid import Elasticity
 from ertel.numerics.programs import Program
 
@@ -146,7 +146,7 @@ def test_a_kept_program_runs_no_other_code(kept):
 
 def test_static_data_and_types_of_numbers_have_programs_of_their_own(kept):
     record = Elasticity(X, 3.0, X)
-    for factor in (record, replace(record, even=Even(y=True)), 3.0, np.float64(3.0)):
+    for factor in (record, replace(record, even=Symmetry(y=True)), 3.0, np.float64(3.0)):
         assert_right(new_process()(factor, X))
     assert len(list(kept.iterdir())) == len(traced) == 4
 

@@ -16,7 +16,7 @@ from ertel.equations import discretise
 from ertel.equations.friction import Friction, friction
 from ertel.equations.state import GridSolution, State
 from ertel.numerics.integrals import Plane
-from ertel.numerics.symmetry import unfolded
+from ertel.numerics.stencils import unfolded
 from ertel.physics.geometry import hertz_ellipse
 from ertel.physics.surfaces import Feature, Waviness
 from ertel.runs.comparisons import comparisons

@@ -156,7 +156,7 @@ class Limited:
     pressure gradient drives the stress at a wall to the limit, no stress in the middle carries the sliding (the film
     moves as a plug).  Therefore the law goes on above u1 as an exponential with the same value, slope and curvature.
     There the stress rises by sharpness * tau_L while the shear rate rises by a factor of e.  What rises above tau_L
-    makes the flux have a solution; friction does not count it (`carried`).
+    makes the flux have a solution; friction does not count it (`limited_stress`).
 
     base: the law without a limit.  Lambda: dtau_L/dp, 0.03 to 0.1 for most oils.  ambient: tau_L at ambient
     pressure, without which an oil could carry no stress at the edges of the film; 4 MPa is of a PAO.  sharpness: width
@@ -203,7 +203,7 @@ class Limited:
         return end, 2.0 * end / (1.0 - end**2)
 
 
-def carried(law: Fluidity, stress: Array, pressure: Array) -> Array:
+def limited_stress(law: Fluidity, stress: Array, pressure: Array) -> Array:
     """The stress that friction counts: not more than the limiting shear stress, where the law has one.
 
     stress: shape (2, ...), pressure: shape (...), both in Pa.

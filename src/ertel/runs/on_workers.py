@@ -45,7 +45,7 @@ def performed(function: Callable[..., Any], arguments: tuple[Any, ...], key: str
     """The outcome of a job, on a worker.  Errors of the system are raised, so that the job is tried again."""
     if own_sources() != sources:
         return Failure("the worker has another version of ertel; install the same one everywhere")
-    from ertel.numerics.precision import double_precision  # imports JAX, which reads SETTINGS
+    from ertel.numerics.arrays import double_precision  # imports JAX, which reads SETTINGS
 
     try:
         with double_precision():

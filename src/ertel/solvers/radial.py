@@ -30,8 +30,8 @@ from ertel.equations.outside import Surroundings
 from ertel.equations.pytrees import traceable
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf
+from ertel.numerics.arrays import require_double
 from ertel.numerics.integrals import Disc, disc_weights
-from ertel.numerics.precision import require_double
 from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.stencils import Pair
 from ertel.numerics.tridiagonal import diagonals, times
@@ -297,7 +297,7 @@ class RadialImpact(Method):
         approaches = [level.approach for level in levels]
         # in the rebound the pressure collapses behind the receding edge, and a parabola overshoots
         known = times if levels[0].velocity > 0 else times[:2]
-        around = self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], 0.0))
+        around = self.outside.at(outside.predicted(levels, T, [self.carried_load(level) for level in levels], 0.0))
         solution: StepSolution = yield Problem(
             self.mesh,
             self.disc,
@@ -325,7 +325,7 @@ class RadialImpact(Method):
         """The step's solution, on this device."""
         return _step_program(problem)
 
-    def carried(self, level: State) -> float:
+    def carried_load(self, level: State) -> float:
         """F, with the load of the oil outside, in units of the dry maximum load."""
         return (level.load + level.outside) / CIRCLE.hertz_load
 

@@ -25,11 +25,11 @@ from ertel.equations.measure import Axes
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
-from ertel.numerics.grid import Even, check_grid
+from ertel.numerics.grid import Symmetry, check_grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import Elasticity
 from ertel.numerics.programs import Program
-from ertel.numerics.symmetry import total, unfolded
+from ertel.numerics.stencils import total, unfolded
 from ertel.physics.far_field import ContactMotion
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import Close, Problem
@@ -293,7 +293,7 @@ def _squeezed(c: Contact, P: Array, approach: float, uplift: float) -> tuple[dic
     return _first_fields(c, P, contact.film_thickness(c, P, approach) + uplift)
 
 
-def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Even, coarsenings: int) -> Array:
+def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Symmetry, coarsenings: int) -> Array:
     """Relative difference of two films, root mean square over the load that P carries; `thin`: see `THIN`.
 
     It is taken on a coarser grid: a pressure spike of a few cells that moves has an error at every node that it
