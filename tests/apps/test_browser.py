@@ -292,7 +292,7 @@ from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.form import Form
 from ertel.apps.browser.processes import Processes
 from ertel.apps.browser.records import summary_of
-from ertel.results.key_numbers import key_numbers
+from ertel.results.numbers import key_numbers
 
 folder = Folder.at(Path(sys.argv[1]))
 at_once(Form().data(), folder)

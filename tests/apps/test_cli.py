@@ -145,7 +145,7 @@ def test_run_quiet(here):
 
 def test_run_with_a_jax_that_computes_wrongly(here, monkeypatch):
     monkeypatch.setattr(compile, "version", lambda package: "0.10.2")
-    monkeypatch.setattr(compile, "_told", False)
+    compile.check_jax.cache_clear()
     result = ertel_("run", "ball.toml", "--quiet", "--set", "time.until=0.1")
     assert result.stdout == ""
     assert result.stderr == f"ertel: warning: {compile.wrong_version('0.10.2')}\n"

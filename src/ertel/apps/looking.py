@@ -10,7 +10,7 @@ from ertel.apps.arguments import Json, RunDirectory, path_argument, path_option,
 from ertel.apps.terminal import bad_input, print_json, print_path, say, shown
 
 if TYPE_CHECKING:
-    from ertel.results.comparison import Pair
+    from ertel.results.numbers import Pair
     from ertel.runs.listing import Listed
 
 
@@ -48,9 +48,10 @@ def _below(directory: Path, folder: Path) -> str:
 
 
 def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
-    from ertel.results.scalars import SHOWN, in_si
+    from ertel.results.numbers import SHOWN
+    from ertel.results.variables import name_in_si
 
-    names = [name for name in SHOWN if any(name in run.numbers or in_si(name) in run.numbers for run in runs)]
+    names = [name for name in SHOWN if any(name in run.numbers or name_in_si(name) in run.numbers for run in runs)]
     about = [(f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else "") for run in runs]
     columns = [
         ["run", *(_below(run.directory, folder) for run in runs)],
@@ -58,16 +59,16 @@ def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
         ["status", *(run.status if run.done >= 1 else f"{run.status} {run.done:.0%}" for run in runs)],
         ["written", *(f"{run.written:%Y-%m-%d %H:%M}" for run in runs)],
     ]
-    columns += [[name, *(_number(run, name, in_si(name)) for run in runs)] for name in ("M", "L", *names)]
+    columns += [[name, *(_number(run, name, name_in_si(name)) for run in runs)] for name in ("M", "L", *names)]
     _print_lines(columns, 4)
 
 
 def _print_lines(columns: Sequence[Sequence[str]], left: int) -> None:
     from ertel.apps import tables
-    from ertel.results.text import lines
+    from ertel.results.report import aligned
 
     out = tables.console()
-    for line in lines(columns, left):
+    for line in aligned(columns, left):
         out.print(line)
 
 
@@ -92,14 +93,14 @@ def compare(
 ) -> None:
     """Compare two runs: where their cases differ, and their numbers side by side."""
     from ertel.apps import running
-    from ertel.results import comparison
+    from ertel.results import numbers
 
     with running.opened(first) as one, running.opened(second) as two:
         summaries = [run.summary() or run.summary_so_far() for run in (one, two)]
         data = [run.dataset() for run in (one, two)] if plot else []
     cases = [run.case for run in (one, two)]
-    differing = comparison.differences(*cases)
-    pairs = comparison.pairs((cases[0], summaries[0]), (cases[1], summaries[1]))
+    differing = numbers.differences(*cases)
+    pairs = numbers.pairs(*summaries)
     if as_json:
         rows = [{**pair._asdict(), "change": pair.change} for pair in pairs]
         print_json({"case": [difference._asdict() for difference in differing], "numbers": rows})

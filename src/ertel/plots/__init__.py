@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from ertel.plots import steady, transient
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, At, Draw, Figures, NoFigure
 from ertel.plots.interferograms import animation, interferogram
-from ertel.results.kinds import is_steady
+from ertel.results.variables import is_steady
 
 __all__ = [
     "BLUE",

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 
 from ertel.plots.drawing import BLUE, ORANGE, UNITS, WIDEST, At, Picture, Values, is_physical, mathtext
 from ertel.plots.moments import profiles_of
-from ertel.results.kinds import is_steady
-from ertel.results.variables import PREFIXES, VARIABLES, exponent
+from ertel.results.variables import PREFIXES, VARIABLES, exponent, is_steady
 
 LOOKS = ((BLUE, "-"), (ORANGE, "--"))
 

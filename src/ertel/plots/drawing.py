@@ -21,8 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ertel.plots import stored
-from ertel.results.kinds import KINDS
-from ertel.results.variables import PREFIXES, exponent, with_prefix
+from ertel.results.variables import PREFIXES, exponent, unit_of, with_prefix
 
 Values = NDArray[np.float64]
 Panel = Callable[[Axes, xr.Dataset], None]
@@ -38,6 +37,10 @@ UNITS = {
     "a/R": "$a/R$", "p_h a/R": r"$p_h\, a/R$", "p_h u_m a/R": r"$p_h\, u_m\, a/R$",
     "F* a*^2/(R t0)": r"$F^* a^{*2}/(R\,t_0)$", "F u_m a/R": r"$F u_m\, a/R$",
 }  # fmt: skip
+CONDITIONS = {  # by kind, for the heading of a physical case: symbol, attribute of the Dataset, unit
+    "impact": (("$v_0$", "v0_m_per_s", "m/s"), ("$p_h^*$", "p_h_Pa", "Pa")),
+    "rolling": (("$u_m$", "u_m_m_per_s", "m/s"), ("$F$", "F_N", "N"), ("$p_h$", "p_h_Pa", "Pa")),
+}
 SHOWN = {"W/m2": (1e-6, "W/mm²"), "1": (1.0, "")}  # SI units that are shown otherwise than with a prefix
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 GREEK = "Delta|delta|^mu|^tau"
@@ -81,7 +84,7 @@ def scale(dataset: xr.Dataset, name: str, maximum: float) -> Scale:
     """The scale of a variable: SI with the prefix that fits `maximum` (dimensionless), or the dimensionless units."""
     attributes = dataset[name].attrs
     if "si_factor" not in attributes:
-        unit = KINDS[dataset.attrs["kind"]].unit(attributes.get("in_units_of", ""))
+        unit = unit_of(dataset.attrs["kind"], attributes.get("in_units_of", ""))
         return Scale(1.0, mathtext(attributes["symbol"]), UNITS.get(unit, unit), attributes["long_name"])
     power = exponent(abs(maximum) * attributes["si_factor"])
     share, unit = SHOWN.get(attributes["si_units"]) or (10.0**-power, PREFIXES[power] + attributes["si_units"])
@@ -118,18 +121,18 @@ def axis_label(dataset: xr.Dataset, axis: str) -> str:
 
 def title(dataset: xr.Dataset) -> list[str]:
     """The name of a run, then its conditions."""
-    a, kind = dataset.attrs, KINDS[dataset.attrs["kind"]]
+    a = dataset.attrs
     name = str(a["title"]).partition(", M = ")[0].replace("_", " ")  # the conditions say M and L of a case without name
     conditions = [f"{name[:1].upper()}{name[1:]}", f"$M$ = {a['M']:.4g}", f"$L$ = {a['L']:.3g}"]
     if "radius_ratio" in a:
         conditions.append(f"$R_x/R_y$ = {a['radius_ratio']:.3g}")
     if a.get("entrainment_angle"):
         conditions.append(f"angle {a['entrainment_angle']:.3g}°")
-    if kind.names_sliding and (sliding := stored.slide_to_roll(dataset)):
+    if a["kind"] == "rolling" and (sliding := stored.slide_to_roll(dataset)):
         conditions.append(f"slide-to-roll {sliding:.3g}")
     if not is_physical(dataset):
         return conditions
-    driven = [f"{symbol} = {with_prefix(a[name], unit)}" for symbol, name, unit in kind.conditions]
+    driven = [f"{symbol} = {with_prefix(a[name], unit)}" for symbol, name, unit in CONDITIONS[a["kind"]]]
     return [conditions[0], f"$R$ = {with_prefix(a['R_m'], 'm')}", *driven, *conditions[1:]]
 
 

@@ -36,7 +36,7 @@ from ertel.plots.drawing import (
     title,
 )
 from ertel.plots.moments import entrainment, heading, profiles_of
-from ertel.results.kinds import is_steady
+from ertel.results.variables import is_steady
 
 PIXELS = 480  # along the longer side of a picture
 ROUND = 1.7  # how far round the contact the picture reaches, in its half widths

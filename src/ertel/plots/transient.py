@@ -46,7 +46,6 @@ from ertel.plots.histories import (
 )
 from ertel.plots.moments import Profiles, entrainment, heading, profiles_of
 from ertel.plots.roughness import FOOT, draw_band, draw_contours
-from ertel.results.kinds import IMPACT, KINDS, ROLLING, Kind
 
 
 class MomentPanel(Protocol):
@@ -55,8 +54,8 @@ class MomentPanel(Protocol):
     def __call__(self, axes: Axes, dataset: xr.Dataset, p: Profiles) -> None: ...
 
 
-MOTION: Mapping[Kind, MomentPanel] = {IMPACT: draw_motion, ROLLING: draw_drive}
-PLACE: Mapping[Kind, MomentPanel] = {IMPACT: draw_front, ROLLING: draw_minimum_film}
+MOTION: Mapping[str, MomentPanel] = {"impact": draw_motion, "rolling": draw_drive}
+PLACE: Mapping[str, MomentPanel] = {"impact": draw_front, "rolling": draw_minimum_film}
 
 # -- panels -----------------------------------------------------------------------------------------------------------
 
@@ -155,7 +154,7 @@ def profiles(dataset: xr.Dataset, at: At = None) -> Figure:
 
 def history(dataset: xr.Dataset, at: At = None) -> Figure:
     """Motion of the bodies, film thickness, pressure and the place of the minimum film thickness through time."""
-    kind = KINDS[dataset.attrs["kind"]]
+    kind = dataset.attrs["kind"]
     return _of_run(dataset, [[MOTION[kind], draw_film_history], [PLACE[kind], draw_pressure_history]], at)
 
 
@@ -168,7 +167,7 @@ def front(dataset: xr.Dataset, at: At = None) -> Figure:
 
 def overview(dataset: xr.Dataset, at: At = None) -> Figure:
     """The run on one page: maps, profiles and histories."""
-    motion = MOTION[KINDS[dataset.attrs["kind"]]]
+    motion = MOTION[dataset.attrs["kind"]]
     above: list[MomentPanel] = [draw_film_map, draw_film_profiles, draw_film_history]
     return _of_run(dataset, [above, [draw_pressure_map, draw_pressure_profiles, motion]], at)
 

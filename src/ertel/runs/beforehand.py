@@ -10,7 +10,7 @@ from ertel.case.case import Case
 from ertel.case.estimates import LARGEST_NEWTONIAN_STRESS, film, largest_pressure, newtonian_stress
 from ertel.inputs import materials
 from ertel.results import diagnostics
-from ertel.results.kinds import KINDS
+from ertel.results.numbers import numbers
 from ertel.results.variables import with_prefix
 
 SMALLEST_FILM = 1e-9  # m: about the size of the oil's molecules
@@ -30,8 +30,11 @@ def beyond(case: Case) -> list[str]:
 def with_these(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]:
     """The summary of a run with these warnings before its own; of the film by what was computed."""
     said = [*_yielding(case), _pressure_of_the_oil(case), _stress_of_the_oil(case)]
-    computed = KINDS[case.kind].values_in_si(summary).get("h_min_m")
-    said.append(_thin_film(case) if computed is None else _of_molecules("the minimum film", computed))
+    film = numbers(summary).get("H_min")
+    if film is None or film.factor is None:
+        said.append(_thin_film(case))
+    else:
+        said.append(_of_molecules("the minimum film", film.value * film.factor))
     return {**summary, "warnings": [*filter(None, said), *summary["warnings"]]}
 
 

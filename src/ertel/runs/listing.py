@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.results.key_numbers import lines
-from ertel.results.kinds import as_now
-from ertel.results.scalars import Scalar, scalars
+from ertel.results.numbers import Scalar, as_now, scalars
+from ertel.results.report import lines
 from ertel.runs import progress_file
 from ertel.runs.directories import CASE, read_case
 from ertel.runs.files import StoreError, content_of, is_locked, reading, unsealed
@@ -87,7 +86,7 @@ def _listed(directory: Path) -> Listed:
     try:
         case, summary = read_case(directory), summary_in(directory)
         with reading(directory / SUMMARY, ""):
-            numbers = scalars(summary, case.scales) if summary else {}
+            numbers = scalars(summary) if summary else {}
     except (StoreError, OSError):
         return Listed(directory, None, "damaged", 0.0, written, {})
     if summary and Status(summary["status"]).ok:

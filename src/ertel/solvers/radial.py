@@ -32,7 +32,7 @@ from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf
 from ertel.numerics.arrays import require_double
 from ertel.numerics.integrals import Disc, disc_weights
-from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair
 from ertel.numerics.tridiagonal import diagonals, times
 from ertel.physics.far_field import ContactMotion
@@ -96,6 +96,7 @@ class Problem(NamedTuple):
     tolerance: float
 
 
+@exportable
 class StepSolution(NamedTuple):
     """The new fields, and all numbers of the step in one array, in the order of `NUMBERS`."""
 

@@ -15,8 +15,7 @@ from ertel import plots
 from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish
 from ertel.plots.drawing import is_physical, scale
 from ertel.plots.moments import shown
-from ertel.results.kinds import is_steady
-from ertel.results.variables import EVENTS, VARIABLES
+from ertel.results.variables import EVENTS, VARIABLES, is_steady
 from ertel.runs.checked_zarr import RegularStore
 
 IN_TIME = ("maps", "profiles", "history", "front", "friction", INTERFEROGRAM, "overview")
