@@ -12,7 +12,7 @@ from cases import ertel_, names
 from ertel.case.sections import SOLVERS
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.inputs.json_schema import json_schema
-from ertel.inputs.keys import places
+from ertel.inputs.layout import places
 from ertel.inputs.templates import SCHEMA_FILE, template
 from ertel.runs import duration
 
@@ -91,7 +91,7 @@ def test_the_template_has_all_keys_of_its_kind(kind):
     other = KINDS[1 - KINDS.index(kind)]
     for key in next(place.keys for place in places() if place.title == "[contact]"):
         there = re.search(rf"^(# )?{key.name} = ", contact, re.MULTILINE) is not None
-        assert there != key.meaning.startswith(f"{other}:"), key.name
+        assert there != key.meaning.text.startswith(f"{other}:"), key.name
 
 
 # -- schema -----------------------------------------------------------------------------------------------------------

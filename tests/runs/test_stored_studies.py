@@ -14,7 +14,7 @@ from cases import names
 
 import ertel
 from ertel.case.case import Case
-from ertel.inputs.messages import ConfigError
+from ertel.case.records import ConfigError
 from ertel.inputs.studies import load_study, parse_study
 from ertel.results.numbers import scalars
 from ertel.results.study_result import StudyResult

@@ -55,7 +55,7 @@ def _judged(error: BaseException) -> tuple[int, str]:
         return interrupt.code, "interrupted"
     if isinstance(error, WrongUsage):
         return BAD_INPUT, _usage(error)
-    from ertel.inputs.messages import ConfigError
+    from ertel.case.records import ConfigError
     from ertel.runs import memory
     from ertel.runs.compile import NoDevice, jax_devices
     from ertel.runs.store import StoreError
