@@ -9,7 +9,7 @@ import ertel
 from ertel.case.records import ConfigError
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case, parse_case
-from ertel.physics.geometry import CIRCLE
+from ertel.physics.geometry import CIRCLE, Geometry
 
 ROLLING = {"kind": "rolling", "load": "100 N", "mean_speed": "0.5 m/s", "E_prime": "226.37 GPa"}
 IMPACT = {"mass": "33 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
