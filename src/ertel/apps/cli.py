@@ -103,7 +103,7 @@ def run(
     with jax_prepared(case, tell):
         from ertel.apps import running  # while programs are loaded
 
-        running.run(case, out, running.Wishes(as_json, error, quiet, flush))
+        running.run(case, out, running.RunOptions(as_json, error, quiet, flush))
 
 
 @app.command()
@@ -113,7 +113,7 @@ def resume(
     """Continue a run that was interrupted."""
     from ertel.apps import running
 
-    running.resume(directory, running.Wishes(as_json, error, quiet, flush))
+    running.resume(directory, running.RunOptions(as_json, error, quiet, flush))
 
 
 @app.command()

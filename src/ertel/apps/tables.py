@@ -9,7 +9,7 @@ from rich.table import Table
 from ertel.apps.terminal import printable
 from ertel.results.numbers import errors_of, moment, values_of
 from ertel.results.parameters import domain, rheology_of
-from ertel.results.report import more_lines
+from ertel.results.report import aligned, more_lines
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -31,6 +31,13 @@ class PlainConsole(Console):
 def console() -> Console:
     """The console for tables: stdout, without markup."""
     return PlainConsole(highlight=False, markup=False, soft_wrap=True)
+
+
+def print_rows(rows: Sequence[Sequence[str]], left: int) -> None:
+    """Rows of texts, the first columns aligned to the left."""
+    out = console()
+    for line in aligned(list(zip(*rows, strict=True)), left):
+        out.print(line)
 
 
 # -- a run ------------------------------------------------------------------------------------------------------------
