@@ -17,10 +17,7 @@ WIDTH = 100
 
 def new(
     kind: Annotated[Literal["impact", "rolling"], typer.Argument(help="Kind of contact.")],
-    file: Annotated[
-        Path | None,
-        path_argument("[FILE]", "New case file; default KIND.toml."),
-    ] = None,
+    file: Annotated[Path | None, path_argument("[FILE]", "New case file; default KIND.toml.")] = None,
 ) -> None:
     """Write a new case file that runs, with all keys and their meanings.
 
@@ -42,7 +39,7 @@ def new(
 
 
 def _write_new(path: Path, text: str) -> bool:
-    """Whether a file could be written, because it was not there."""
+    """Write a file; False if it is there already."""
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
@@ -105,13 +102,13 @@ def _print_outlook(case: "Case", found: dict[str, Any]) -> None:
 
     out = tables.console()
     out.print(f"{case.name or case.kind}: {case.kind}, {case.solver.method}", style="bold")
-    tables.print_parameters(out, found["parameters"])
+    tables.print_parameters(found["parameters"])
     formulas = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if formulas:
         out.print()
-        out.print(tables.film_table(case, formulas, {}))
+        tables.print_films(case, formulas)
     out.print()
-    tables.print_names(out, _needs(found))
+    tables.print_names(_needs(found))
     for warning in found["warnings"]:
         out.print(f"Warning: {warning}", style="yellow")
 

@@ -189,8 +189,7 @@ def sweep(
 @app.command("warm-up")
 def warm_up(
     case_files: Annotated[
-        list[Path] | None,
-        path_argument("[CASE.toml]...", "Case files; default the usual grids."),
+        list[Path] | None, path_argument("[CASE.toml]...", "Case files; default the usual grids.")
     ] = None,
     set_: Set = None,
 ) -> None:
@@ -224,16 +223,10 @@ def show(directory: RunDirectory, as_json: Json = False) -> None:
 def plot(
     directory: RunDirectory,
     what: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Draw one figure only, such as film.",
-            autocompletion=figures,
-        ),
+        str | None, typer.Option(metavar="NAME", help="Draw one figure only, such as film.", autocompletion=figures)
     ] = None,
     at: Annotated[
-        str | None,
-        typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end."),
+        str | None, typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.")
     ] = None,
     interferogram: Interferogram = None,
     wavelength: Wavelength = None,
@@ -284,17 +277,14 @@ def params(given: Mapping[str, object], as_json: Json = False) -> None:
     else:
         from ertel.apps import tables
 
-        tables.print_parameters(tables.console(), content)
+        tables.print_parameters(content)
 
 
 @app.command()
 @with_flags
 def film(
     given: Mapping[str, object],
-    case_file: Annotated[
-        Path | None,
-        path_argument("[CASE.toml]", "Case file of a rolling contact."),
-    ] = None,
+    case_file: Annotated[Path | None, path_argument("[CASE.toml]", "Case file of a rolling contact.")] = None,
     as_json: Json = False,
 ) -> None:
     """Compare the film thickness formulas for a rolling contact.
@@ -317,9 +307,8 @@ def film(
     if as_json:
         print_json(tables.films_as_data(case, found))
     else:
-        console = tables.console()
-        console.print(tables.film_table(case, found, {}))
-        tables.print_sources(console, found)
+        tables.print_films(case, found)
+        tables.print_sources(found)
 
 
 @app.command()
@@ -328,16 +317,16 @@ def oils(
     as_json: Json = False,
 ) -> None:
     """Print the oils and materials that case files know by name, or all data of one with their sources."""
-    from ertel.apps import oils, tables
+    from ertel.apps import oils
 
     with bad_input():
         entry = oils.find(name) if name else None
     if as_json:
         print_json(oils.as_data(entry) if entry else oils.library_data())
     elif entry:
-        oils.print_entry(tables.console(), entry)
+        oils.print_entry(entry)
     else:
-        oils.print_library(tables.console())
+        oils.print_library()
 
 
 @app.command()
@@ -357,7 +346,7 @@ def about(
     if cite:
         print(about.bibtex(version), end="")
     else:
-        tables.print_names(tables.console(), found)
+        tables.print_names(found)
 
 
 @app.command("app")

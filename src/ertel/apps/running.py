@@ -106,7 +106,7 @@ def opened(directory: Path) -> Iterator[RunStore]:
 
 
 def _to_repair(run: RunStore, damaged: Path) -> str:
-    """The command that makes good what is damaged."""
+    """The command that repairs the damage."""
     to_resume = f"ertel resume {in_shell(run.directory)}"
     if damaged.name == CHECKPOINT:
         return f"rm {in_shell(damaged)}; {to_resume}"
