@@ -57,4 +57,4 @@ def test_a_law_of_its_own_wants_its_data():
     from ertel.physics.lubricant import Oil
 
     with pytest.raises(ValueError, match=r'^viscosity = "doolittle": has data of its own; give them as \{ law = "dool'):
-        Oil("doolittle")
+        Oil(viscosity="doolittle")
