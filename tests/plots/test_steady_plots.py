@@ -10,7 +10,7 @@ from made_up import MOES_ROLLS as MOES
 
 from ertel import plots
 from ertel.case.sections import SOLVERS
-from ertel.equations.state import Rolling
+from ertel.equations.discretise import grid_of
 from ertel.inputs.python import rolling
 from ertel.physics import hertz
 from ertel.physics.geometry import Ellipse
@@ -18,6 +18,7 @@ from ertel.plots import steady as steady_plots
 from ertel.plots import transient
 from ertel.plots.steady import estimate_of
 from ertel.results.dataset import assemble_steady
+from ertel.solvers.steady import Rolling
 
 
 @pytest.fixture(scope="module")
@@ -183,7 +184,7 @@ def test_a_steady_film_is_not_drawn_over_decades():
 
 def test_without_a_solution_there_is_nothing_to_draw():
     with pytest.raises(ValueError, match="no solution"):
-        steady_plots.STEADY_FIGURES["overview"](assemble_steady(MOES, ()))
+        steady_plots.STEADY_FIGURES["overview"](assemble_steady(MOES, grid_of(MOES), ()))
 
 
 def test_sliding_is_said():

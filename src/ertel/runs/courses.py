@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.equations.state import GridSolution, Method, State
+from ertel.equations import discretise
+from ertel.equations.state import Method, State
 from ertel.numerics.grid import Even, Grid
 from ertel.results.dataset import assemble, assemble_steady
+from ertel.results.errors import with_error
 from ertel.results.summary import (
     impact_summary,
-    impact_with_error,
     rolling_summary,
-    rolling_with_error,
     steady_summary,
 )
 from ertel.runs import forks
@@ -30,6 +30,7 @@ from ertel.runs.comparisons import comparisons
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
+from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import Transient2D
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -193,9 +194,9 @@ class TransientCourse(ABC):
     def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
         """The summary, from the counts of all work."""
 
-    @abstractmethod
     def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         """See `Course`."""
+        return with_error(self.case, fine, others)
 
     @property
     def comparisons(self) -> Mapping[str, Course]:
@@ -209,18 +210,12 @@ class ImpactCourse(TransientCourse):
     def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
         return impact_summary(self.case, data, last.state.max_approach, counts, status)
 
-    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-        return impact_with_error(fine, others)
-
 
 class RollingCourse(TransientCourse):
     """Rolling in time, from the steady film."""
 
     def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
         return rolling_summary(self.case, data, counts, status)
-
-    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-        return rolling_with_error(self.case, fine, others)
 
 
 # -- steady -----------------------------------------------------------------------------------------------------------
@@ -293,6 +288,7 @@ class SteadyCourse:
         for i, (nodes_x, nodes_y, spacing, x, y, *even) in enumerate(arrays["grid"].tolist()):
             found.append(
                 GridSolution(
+                    case=self.case,
                     grid=Grid(int(nodes_x), int(nodes_y), spacing, x, y, Even(*(bool(e) for e in even))),
                     P=jax.device_put(arrays[f"P_{i}"]),
                     H=jax.device_put(arrays[f"H_{i}"]),
@@ -304,7 +300,8 @@ class SteadyCourse:
         return GridStep(tuple(found), Status(str(arrays["status"])))
 
     def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: GridStep) -> xr.Dataset:
-        return assemble_steady(self.case, last.solutions)
+        grid = last.solutions[-1].grid if last.solutions else discretise.grid_of(self.case)
+        return assemble_steady(self.case, grid, last.solutions)
 
     def summary(self, data: xr.Dataset, last: GridStep, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         return steady_summary(self.case, last.solutions, work, status)
@@ -314,7 +311,7 @@ class SteadyCourse:
         return {name: SteadyCourse(case) for name, case in comparisons(self.case).items()}
 
     def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-        return rolling_with_error(self.case, fine, others)
+        return with_error(self.case, fine, others)
 
 
 def _grid_numbers(grid: Grid) -> tuple[float, ...]:

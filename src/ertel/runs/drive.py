@@ -16,7 +16,6 @@ from ertel.case.status import Status
 from ertel.equations.state import solved
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics.precision import double_precision
-from ertel.results import accessor as accessor  # datasets of runs have .ertel
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.runs import beforehand
