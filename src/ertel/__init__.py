@@ -63,7 +63,7 @@ if TYPE_CHECKING:
     from ertel.runs.response import respond_linearly as respond_linearly
     from ertel.runs.store import open_run as open
     from ertel.runs.store import run as run
-    from ertel.runs.sweep import sweep as sweep
+    from ertel.runs.studies import sweep as sweep
     from ertel.runs.traction import traction as traction
 
     __version__: str
@@ -108,7 +108,7 @@ _HOMES = {  # name: module, or module:name there
     "respond_linearly": "runs.response",
     "open": "runs.store:open_run",
     "run": "runs.store",
-    "sweep": "runs.sweep",
+    "sweep": "runs.studies",
     "traction": "runs.traction",
 }
 _MODULES = {

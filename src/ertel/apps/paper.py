@@ -11,7 +11,7 @@ from ertel.apps.arguments import Jobs, Quiet, Scheduler, SchedulerFile, Tls
 from ertel.apps.terminal import FAILED, bad_input, leave, local_path, print_path, reason_of, say, shown
 
 if TYPE_CHECKING:
-    from ertel.runs.sweep import Engine
+    from ertel.runs.tasks import Engine
 
 
 def paper(
@@ -34,7 +34,7 @@ def paper(
     After an interruption the same command continues.
     """
     from ertel.apps.boundary_layers import figures
-    from ertel.runs.sweep import Engine
+    from ertel.runs.tasks import Engine
 
     with bad_input():
         names = figures.names_of(figure)

@@ -11,10 +11,8 @@ from ertel.case.status import Status
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs.compile import prepare_jax
-from ertel.runs.progress import bars
-from ertel.runs.studies import EVERY, Part, alone, gather, left_of, run_study, write
-from ertel.runs.sweep import Engine as Engine
-from ertel.runs.sweep import Watched
+from ertel.runs.studies import EVERY, Part, alone, gather, left_of, run_study, study_bars, write
+from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
 LISTED = 5  # failed runs that the last line names
@@ -42,9 +40,8 @@ def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bo
         if part == EVERY:
             stack.enter_context(alone(directory))
         try:
-            with bars(not quiet) as progress:
-                watched = Watched(progress, len(left))
-                said = run_study(study, directory, workers, part, watched.hear, stop, watched.done)
+            with study_bars(directory, left, not quiet) as shown_bars:
+                said = run_study(study, directory, workers, part, stop, shown_bars.done)
             result = gather(study, directory, said)
             files = write(result, directory) if part == EVERY else []
         except OSError as error:

@@ -15,7 +15,7 @@ MISSING = "missing"  # the status of a run that has not begun
 RUNNING, UNFINISHED = "running", "unfinished"  # that a process is at, and that was killed
 
 
-class Ran(NamedTuple):
+class StudyRun(NamedTuple):
     """One run of a study.
 
     summary: None where there is none yet.  status: as in the summary, or `MISSING`, `RUNNING`, `UNFINISHED`, or why it
@@ -33,7 +33,7 @@ def assemble(
     mode: str,
     shape: Sequence[int],
     coordinates: Mapping[str, tuple[Sequence[Any], Mapping[str, str]]],
-    runs: Sequence[Ran],
+    runs: Sequence[StudyRun],
 ) -> xr.Dataset:
     """The numbers of all runs over what varies.
 
@@ -47,7 +47,7 @@ def assemble(
         The numbers of values along the dimensions.
     coordinates : mapping
         Name -> values and attributes.
-    runs : sequence of Ran
+    runs : sequence of StudyRun
         In C order of the shape.
 
     Returns

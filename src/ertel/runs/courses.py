@@ -25,7 +25,7 @@ from ertel.results.summary import (
     rolling_summary,
     steady_summary,
 )
-from ertel.runs import forks
+from ertel.runs import workers
 from ertel.runs.comparisons import comparisons
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
@@ -108,7 +108,7 @@ class Course(Protocol):
 
 def course_of(case: Case) -> Course:
     """The course of a case.  Raises Forked."""
-    forks.check()
+    workers.check_fork()
     if case.is_steady:
         return SteadyCourse(case)
     return (ImpactCourse if case.starts_apart else RollingCourse)(case, method_of(case))

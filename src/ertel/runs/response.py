@@ -33,7 +33,7 @@ from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import LARGE_ERROR
-from ertel.runs import forks
+from ertel.runs import workers
 from ertel.runs.courses import METHODS, ImpactCourse
 from ertel.runs.drive import Gathering, Observer, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
@@ -154,7 +154,7 @@ def _smooth(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> tuple[Case,
     """The smooth impact up to maximum approach, on a part of the plane that all responses share; and these, scaled."""
     if not case.starts_apart or METHODS[case.solver.method] is not Transient2D:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "2d" for a response to roughness')
-    forks.check()
+    workers.check_fork()
     found = [scaled_all(some, case.scales, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(features) == (True, True) for features in found)
     solver, time = replace(case.solver, fold=fold), replace(case.time or Time(), until="max-approach")
@@ -232,7 +232,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)
     case = replace(case, solver=replace(case.solver, fold=fold))
-    forks.check()
+    workers.check_fork()
     rolling = steady.steady(case)
     film = rolling.finest
     waves = [_wave(case, some, film.grid) for some in features]

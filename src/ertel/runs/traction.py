@@ -22,7 +22,7 @@ from ertel.results.curve_points import WORK, Point, assemble, point
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import TractionCurve
 from ertel.results.variables import with_coefficients
-from ertel.runs import forks
+from ertel.runs import workers
 from ertel.runs.beforehand import beyond
 from ertel.runs.compile import check_jax
 from ertel.runs.courses import GridStep, SteadyCourse
@@ -63,7 +63,7 @@ def run(
 
 def _computed(curve: Curve, done: int, observers_of: ObserversOf, stop: Callable[[object], bool]) -> Iterator[Point]:
     """The points of a curve from number `done` on, up to a stop."""
-    forks.check()
+    workers.check_fork()
     film: GridStep | None = None
     for number in range(done, len(curve.values)):
         fresh = film is None or curve.film == "each"
