@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 CELLS_IN_FRONT = 10.0  # wanted across the length of the front's pressure sweep, `front_length`
 ISOVISCOUS_SWEEP = 2.0  # that length over (lambda_bar dA/dT)^{2/5} where the oil is isoviscous
 FRONT_POSITION = 0.9  # where the front is looked at: the films of interest lie inside
-SWEEP_ALPHA_BAR = 10.0  # least alpha_bar in that length for rolling, see `_sweep_warning`
+SWEEP_ALPHA_BAR = 10.0  # least alpha_bar in that length for rolling, see `sweep_length`
 GAP_SHARE = 3.0  # initial gap in units of the trapped film, below which the shape depends on it
 OUTSIDE_SHARE = 0.25  # of the load of a rolling contact that the oil outside the domain may carry
 LARGE_ERROR = 0.1  # of a film: its estimated discretisation error from which it is said to be uncertain
@@ -56,22 +56,22 @@ class Solved(Protocol):
 
 def impact_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid, domain or initial gap of an impact; an empty list if there are none."""
-    said = [_film_warning(case, data), _front_warning(case, data), _domain_warning(case, data)]
-    return _spoken([*said, *case_warnings(case)])
+    said = [_film_warning(case, data), front_warning(case, _spacing_at_front(data)), _domain_warning(case, data)]
+    return _given([*said, *case_warnings(case)])
 
 
 def rolling_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid and inlet of a transient rolling contact; an empty list if there are none."""
     said = [_film_warning(case, data)]
     if not said[0]:
-        said += [_sweep_warning(case, data), _outside_warning(case, _share_outside(case, data))]
-    return _spoken([*said, *case_warnings(case)])
+        said += [sweep_warning(case, _mean_speed(data)), _outside_warning(case, _share_outside(case, data))]
+    return _given([*said, *case_warnings(case)])
 
 
 def case_warnings(case: Case) -> list[str]:
     """Warnings that follow from the case alone, without a run; an empty list if there are none."""
     said = _gap_warning(case) if case.starts_apart else _centre_warning(case)
-    return _spoken([said, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
+    return _given([said, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
 
 
 def budget_warnings(case: Case, balances: Balances) -> list[str]:
@@ -121,8 +121,8 @@ def _closing(case: Case, name: str) -> str:
     return f"use {steps}" if name == "momentum" else f"{grid} and {steps}"
 
 
-def _spoken(said: Sequence[str]) -> list[str]:
-    return [sentence for sentence in said if sentence]
+def _given(sentences: Sequence[str]) -> list[str]:
+    return [sentence for sentence in sentences if sentence]
 
 
 def steady_warnings(case: Case, solutions: Sequence[Solved]) -> list[str]:
@@ -131,7 +131,7 @@ def steady_warnings(case: Case, solutions: Sequence[Solved]) -> list[str]:
     outside = _outside_warning(case, finest.outside / case.geometry.hertz_load / case.motion.load(0.0))
     failure = steady_failure(case, finest)
     said = [failure] if failure else [_error_warning(case, solutions), _spike_warning(solutions)]
-    return _spoken([*said, outside, *case_warnings(case)])
+    return _given([*said, outside, *case_warnings(case)])
 
 
 def steady_failure(case: Case, solution: Solved) -> str:
@@ -185,24 +185,17 @@ def _outside_warning(case: Case, share: float) -> str:
     )
 
 
-def _sweep_warning(case: Case, data: "xr.Dataset") -> str:
-    """The length of the pressure sweep in the inlet, sqrt(alpha_bar lambda_bar U), with the mean speed of the run.
+def _mean_speed(data: "xr.Dataset") -> float:
+    """The mean entrainment of a run in time; 0 before its first step."""
+    return float(np.average(np.abs(data["U"]), weights=data["dT"])) if data.sizes["time"] else 0.0
+
+
+def sweep_length(case: Case, speed: float) -> float:
+    """Length of the pressure sweep in the inlet, sqrt(alpha_bar lambda_bar U), in a.  speed: the entrainment U.
 
     With ten cells across it the steady films for M = 20 to 1000 and L = 5 to 10 are 4 to 7 % too thin in the centre and
     up to 15 % at the minimum.  Isoviscous films need as many cells as if alpha_bar were about 10.
     """
-    if data.sizes["time"] == 0:
-        return ""
-    return sweep_warning(case, _speed(data))
-
-
-def _speed(data: "xr.Dataset") -> float:
-    """The mean entrainment of a run in time."""
-    return float(np.average(np.abs(data["U"]), weights=data["dT"]))
-
-
-def sweep_length(case: Case, speed: float) -> float:
-    """Length of the pressure sweep in the inlet, in a.  speed: the entrainment U."""
     p = case.parameters
     return float((max(p.alpha_bar, SWEEP_ALPHA_BAR) * p.lambda_bar * abs(speed)) ** 0.5)
 
@@ -296,7 +289,7 @@ def _roughness_warning(case: Case) -> str:
 
 
 def _map_warnings(case: Case) -> list[str]:
-    """Where a measured map had gaps, and where it is smaller than the Hertzian contact."""
+    """Warnings about a measured map that had gaps, or is smaller than the Hertzian contact."""
     along_x, along_y = case.geometry.extent
     maps = [(i, feature.shape) for i, feature in enumerate(case.features, 1) if isinstance(feature.shape, Measured)]
     filled = [
@@ -337,7 +330,9 @@ def _film_warning(case: Case, data: "xr.Dataset") -> str:
 
 def _cells(case: Case, data: "xr.Dataset") -> float:
     """Cells across the pressure sweep of a run in time, at the front or in the inlet."""
-    return front_length(case) / _spacing_at_front(data) if case.starts_apart else _cells_in_sweep(case, _speed(data))
+    return (
+        front_length(case) / _spacing_at_front(data) if case.starts_apart else _cells_in_sweep(case, _mean_speed(data))
+    )
 
 
 # -- impact -----------------------------------------------------------------------------------------------------------
@@ -356,10 +351,6 @@ def front_length(case: Case) -> float:
     p = case.parameters
     viscous = p.lambda_bar * hertz.front_speed(FRONT_POSITION) / p.ellipse.approach
     return float(max(np.sqrt(p.alpha_bar * viscous), ISOVISCOUS_SWEEP * viscous**0.4))
-
-
-def _front_warning(case: Case, data: "xr.Dataset") -> str:
-    return front_warning(case, _spacing_at_front(data))
 
 
 def _spacing_at_front(data: "xr.Dataset") -> float:
