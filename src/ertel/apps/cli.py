@@ -96,13 +96,15 @@ def run(
 
     with bad_input():
         case = load_case(case_file, set_ or [])
-    with jax_prepared(case):
+
+    def tell() -> None:
+        if not quiet:
+            say("The run is done; compiling faster programs for later runs, which Ctrl-C ends")
+
+    with jax_prepared(case, tell):
         from ertel.apps import running  # while programs are loaded
-        from ertel.numerics import programs
 
         running.run(case, out, running.Wishes(as_json, error, quiet, flush))
-        if programs.hurried() and not quiet:
-            say("The run is done; compiling faster programs for later runs, which Ctrl-C ends")
 
 
 @app.command()

@@ -8,7 +8,7 @@ from math import hypot
 from typing import Any, NamedTuple
 
 from ertel.case.case import Case
-from ertel.numerics.richardson import extrapolate
+from ertel.numerics.grid import extrapolate
 from ertel.results.summary import with_si
 from ertel.results.variables import FILMS
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.numerics.richardson import extrapolate
+from ertel.numerics.grid import extrapolate
 from ertel.results import balances, diagnostics
 from ertel.results.diagnostics import Solved
 from ertel.results.parameters import parameters_of, scales_of
