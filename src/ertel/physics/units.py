@@ -200,6 +200,18 @@ def _part(hint: Any, kind: Any) -> Any:
     return None
 
 
+def require_positive(name: str, value: float) -> None:
+    """Raise ValueError unless value is finite and above zero."""
+    if not (isfinite(value) and value > 0):
+        raise ValueError(f"{name} = {value}: must be finite and above zero")
+
+
+def require_not_negative(name: str, value: float) -> None:
+    """Raise ValueError unless value is finite and not below zero."""
+    if not (isfinite(value) and value >= 0):
+        raise ValueError(f"{name} = {value}: must be finite and not below zero")
+
+
 # -- what is made of the marks ----------------------------------------------------------------------------------------
 
 Record = TypeVar("Record", bound=type)

@@ -13,29 +13,28 @@ import numpy as np
 from ertel.case.case import Case
 from ertel.case.estimates import newtonian_stress
 from ertel.case.status import Status
-from ertel.equations import friction, heat
-from ertel.equations.heat import Heated
-from ertel.equations.state import Rolling
+from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.ranges import Given
-from ertel.numerics.precision import double_precision
+from ertel.numerics.arrays import double_precision
 from ertel.results import diagnostics
 from ertel.results.curve_points import WORK, Point, assemble, point
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import TractionCurve
 from ertel.results.variables import with_coefficients
 from ertel.runs import workers
-from ertel.runs.beforehand import beyond
 from ertel.runs.compile import check_jax
-from ertel.runs.courses import GridStep, SteadyCourse
+from ertel.runs.courses import GridStep, SteadyRun
 from ertel.runs.curves import Curve, Film, curve_of
-from ertel.runs.drive import Observer, drive, warn
-from ertel.runs.progress import bars
+from ertel.runs.drive import Observer, bars, drive, warn
+from ertel.runs.outlook import beyond
 from ertel.runs.traction_store import CurveStore
+from ertel.solvers.heat import Heated, heated
+from ertel.solvers.steady import Rolling
 
 NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but not that of a surface
 
-ObserversOf = Callable[[int, SteadyCourse], Sequence[Observer]]  # of the film for a point, by the number of the point
+ObserversOf = Callable[[int, SteadyRun], Sequence[Observer]]  # of the film for a point, by the number of the point
 
 
 @double_precision()
@@ -68,7 +67,7 @@ def _computed(curve: Curve, done: int, observers_of: ObserversOf, stop: Callable
     for number in range(done, len(curve.values)):
         fresh = film is None or curve.film == "each"
         if film is None or fresh:
-            course = SteadyCourse(curve.cases[number if curve.film == "each" else curve.of_film])
+            course = SteadyRun(curve.cases[number if curve.film == "each" else curve.of_film])
             film = drive(course, [*observers_of(number, course), stop])
             if film.status is Status.INTERRUPTED:
                 return
@@ -84,8 +83,8 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
     fresh: whether the film was solved for this point, so that its work counts here.
     """
     grids = Rolling(film.solutions)
-    found = friction.steady(case, grids.finest)
-    numbers = with_coefficients(friction.coefficients(found), case.scales)
+    found = steady_friction(case, grids.finest)
+    numbers = with_coefficients(coefficients(found), case.scales)
     sliding, rolling = numbers["mu_sliding"], numbers["mu_rolling"]
     work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), grids.convolutions
     values = {
@@ -98,7 +97,7 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
     }
     said, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if case.thermal is not None and film.status.ok:
-        warm = heat.of_solution(case, grids.finest)
+        warm = heated(case, grids.finest.P, grids.finest.H, grid=grids.finest.grid)
         values |= _warm_values(case, values, warm)
         said += thermal_warnings(case, warm)
         status = film.status if warm.converged else Status.NEWTON_STALLED
@@ -201,11 +200,11 @@ def watched(progress: Any, curve: Curve) -> ObserversOf:
         curve.case.name or curve.case.kind, total=len(curve.values), news="compiling (once per machine and grid size)"
     )
 
-    def observers_of(number: int, course: SteadyCourse) -> list[Observer]:
+    def observers_of(number: int, course: SteadyRun) -> list[Observer]:
         where = f"{number + 1}/{len(curve.values)}  {curve.axis} = {curve.values[number]:.4g}"
 
         def show(item: GridStep) -> None:
-            progress.update(bar, completed=number + course.fraction(item), news=f"{where}  {course.news(item)}")
+            progress.update(bar, completed=number + course.fraction(item), news=f"{where}  {course.message(item)}")
 
         return [show]
 
