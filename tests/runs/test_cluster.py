@@ -15,8 +15,9 @@ import pytest
 from distributed import Security
 
 from ertel.inputs.studies import parse_study
-from ertel.runs import cluster, progress_file
+from ertel.runs import cluster
 from ertel.runs.cluster import Cluster, NoScheduler
+from ertel.runs.directory import read_progress
 from ertel.runs.drive import simulate
 from ertel.runs.studies import gather, run_directory, run_study
 from ertel.runs.tasks import Task, run_tasks
@@ -153,7 +154,7 @@ def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
 
     def kill_once() -> bool:
         for case in study.cases if not killed else ():
-            said = progress_file.read(run_directory(tmp_path, case))
+            said = read_progress(run_directory(tmp_path, case))
             if said and said["status"] == "running" and said["step"] > 0 and not killed:
                 killed.append(case.digest)
                 os.kill(said["process"], signal.SIGKILL)

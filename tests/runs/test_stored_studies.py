@@ -14,11 +14,11 @@ from cases import names
 
 import ertel
 from ertel.case.case import Case
-from ertel.inputs.messages import ConfigError
+from ertel.case.records import ConfigError
 from ertel.inputs.studies import load_study, parse_study
 from ertel.results.numbers import scalars
 from ertel.results.study_result import StudyResult
-from ertel.runs import progress_file, studies
+from ertel.runs import directory, studies
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import left_of, run_directory, run_study, study_bars, write
@@ -177,7 +177,7 @@ class Bars:
 def test_the_bars_say_what_the_runs_write_of_their_progress(tmp_path, monkeypatch):
     """So does the file tell when the programs of a run are compiled."""
     study = parse_study(study_of(until=0.2, speed="0.1 m/s"))
-    monkeypatch.setattr(progress_file, "INTERVAL", 0.0)
+    monkeypatch.setattr(directory, "INTERVAL", 0.0)
     monkeypatch.setattr(studies, "LOOK", 0.001)
     said, compiled = Bars(), []
     monkeypatch.setattr(studies, "bars", lambda shown: nullcontext(said))

@@ -12,7 +12,7 @@ from cases import ertel_
 
 import ertel
 from ertel.runs import warm_up
-from ertel.runs.progress import watch
+from ertel.runs.drive import watch
 
 ROLLING = '[contact]\nkind = "rolling"\nM = 100\nL = 5\n[solver]\nnodes = 17\n'
 IMPACT = (

@@ -59,24 +59,25 @@ def schema(
     With ertel schema > ertel.schema.json and the line #:schema ./ertel.schema.json at the head of a case file editors
     show what keys mean, complete them, and mark what is wrong. Units are known to it in their usual spellings only.
     """
-    from ertel.inputs import keys
     from ertel.inputs.json_schema import json_schema_text
+    from ertel.inputs.layout import places
+    from ertel.inputs.templates import table
 
-    print(keys.table(keys.places()) if as_table else json_schema_text(), end="")
+    print(table(places()) if as_table else json_schema_text(), end="")
 
 
 def print_keys(wanted: bool) -> None:
     """Print all keys with their meanings, and end; the callback of --help-keys."""
     if not wanted:
         return
-    from ertel.inputs import keys
+    from ertel.inputs.layout import places
 
-    for title, text, found in keys.places():
+    for title, text, found in places():
         print(f"\n{title}  {text}" if title != "(top)" else "Keys of case files")
         for key in found:
             default = f"; default {key.default}" if key.default else ""
             print(f"  {key.name}  ({key.kind}{default})")
-            for line in wrap(key.meaning, WIDTH):
+            for line in wrap(key.meaning.text, WIDTH):
                 print(f"      {line}")
     raise typer.Exit
 

@@ -12,7 +12,7 @@ import typer
 
 LONGEST = 2000  # characters of a message
 FAILED, BAD_INPUT = 1, 2  # exit codes; and 128 + the number of a signal, see `process`
-ASKED = 130  # stopped by a file, see `ertel.runs.stop_file`: as by Ctrl-C
+ASKED = 130  # stopped by a file, see `ertel.runs.directory`: as by Ctrl-C
 
 
 def printable(text: str) -> str:

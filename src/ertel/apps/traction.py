@@ -11,8 +11,8 @@ from ertel.case.estimates import newtonian_stress
 from ertel.results.traction_curve import TractionCurve
 from ertel.runs.compile import prepare_jax
 from ertel.runs.curves import Curve, curve_of
+from ertel.runs.drive import bars
 from ertel.runs.files import StoreError
-from ertel.runs.progress import bars
 from ertel.runs.traction import run, watched
 from ertel.runs.traction_store import PICTURE, TABLE, CurveStore
 

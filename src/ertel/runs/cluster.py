@@ -42,7 +42,7 @@ from distributed import (
 from distributed.comm.core import FatalCommClosedError
 from distributed.utils import json_load_robust, silence_logging_cmgr
 
-from ertel.inputs.messages import ConfigError
+from ertel.case.records import ConfigError
 from ertel.runs.compile import ENTRY_WARNINGS, chosen_cache
 from ertel.runs.workers import Condition, Failure, Task, cores, never
 from ertel.version import own_sources

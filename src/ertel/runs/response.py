@@ -34,8 +34,8 @@ from ertel.results import diagnostics
 from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import LARGE_ERROR
 from ertel.runs import workers
-from ertel.runs.courses import METHODS, ImpactCourse
-from ertel.runs.drive import Gathering, Observer, drive, warn
+from ertel.runs.courses import METHODS, TransientRun
+from ertel.runs.drive import Observer, Recorder, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
 from ertel.solvers import harmonic, steady, tangent
 from ertel.solvers.harmonic import Wave
@@ -168,8 +168,8 @@ def _in_lockstep(
     observers: Sequence[Observer],
 ) -> xr.Dataset:
     """The smooth run with its companions, and their fields at maximum approach."""
-    course = ImpactCourse(smooth, method)
-    gathering, lockstep = Gathering(course), Lockstep(companions)
+    course = TransientRun(smooth, method)
+    gathering, lockstep = Recorder(course), Lockstep(companions)
     last = drive(course, [gathering, lockstep, *observers])
     status = last.status if lockstep.status.ok else lockstep.status
     data = _assemble(method, gathering, last, companions, status)
@@ -182,14 +182,14 @@ def _heights(method: Transient2D, roughnesses: Sequence[Sequence[Feature]]) -> n
 
 
 def _assemble(
-    method: Transient2D, gathering: Gathering, last: Step, companions: Sequence[Companion], status: Status
+    method: Transient2D, gathering: Recorder, last: Step, companions: Sequence[Companion], status: Status
 ) -> xr.Dataset:
     """All fields at maximum approach, interpolated between the last levels."""
     levels = last.state.levels
     T = turning_time(levels) if status.ok else levels[0].T
     peak = interpolated(levels, T)
     frame = frame_of(method, peak, "max-approach")
-    data = gathering.course.dataset(gathering.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
+    data = gathering.run.dataset(gathering.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]
     return data.assign(dH=(("wave", "Y", "X"), np.stack([np.asarray(change) for change in changes]), FILM_CHANGE))

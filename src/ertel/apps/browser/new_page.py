@@ -13,7 +13,7 @@ from ertel.apps.browser.form import DECIDE, ENDS, GRIDS, MATERIALS, METHODS, OIL
 from ertel.apps.browser.site import Site, address_of
 from ertel.apps.terminal import reason_of
 from ertel.case.rules import plain_name
-from ertel.runs.directories import CASE
+from ertel.runs.directory import CASE
 from ertel.runs.files import content_of
 
 PAUSE = 0.5  # seconds after the last change before ertel is asked

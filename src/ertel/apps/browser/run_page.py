@@ -14,7 +14,7 @@ from ertel.apps.browser.wishes import INTERFEROGRAM, LIGHTS, Told, Wish, stamp_o
 from ertel.apps.browser.words import news, show_number
 from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
-from ertel.runs.directories import CASE
+from ertel.runs.directory import CASE
 from ertel.runs.files import content_of
 
 TABS = {
