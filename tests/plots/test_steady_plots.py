@@ -13,7 +13,7 @@ from ertel.case.sections import SOLVERS
 from ertel.equations.state import Rolling
 from ertel.inputs.python import rolling
 from ertel.physics import hertz
-from ertel.physics.geometry import Ellipse
+from ertel.physics.geometry import Geometry
 from ertel.plots import steady as steady_plots
 from ertel.plots import transient
 from ertel.plots.steady import estimate_of
@@ -206,7 +206,7 @@ def ellipse():
 
 
 def test_maps_of_an_ellipse_have_equal_axes_and_show_all_of_it(ellipse):
-    geometry = Ellipse(0.2, 30.0)
+    geometry = Geometry(0.2, 30.0)
     along, across = geometry.extent
     for name in ("film", "pressure"):
         pressed = geometry.dry_pressure(1.0, ellipse["X"].values[None, :], ellipse["Y"].values[:, None])
@@ -229,8 +229,8 @@ def test_dashed_is_the_hertz_pressure_of_the_ellipse(ellipse):
     axes = panels(plots.midlines(ellipse))[1]  # across the flow
     (dry,) = [line for line in right_of(axes.figure, axes).get_lines() if line.get_linestyle() == "--"]
     y, P = dry.get_data()
-    load = float(ellipse["load"][-1]) / Ellipse(0.2).hertz_load
-    assert P == pytest.approx(Ellipse(0.2, 30.0).dry_pressure(load, 0 * y, y))
+    load = float(ellipse["load"][-1]) / Geometry(0.2).hertz_load
+    assert P == pytest.approx(Geometry(0.2, 30.0).dry_pressure(load, 0 * y, y))
 
 
 # -- friction ---------------------------------------------------------------------------------------------------------
