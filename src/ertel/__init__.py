@@ -15,9 +15,15 @@ from typing import Any
 
 
 def _homes(statements: list[ast.stmt]) -> dict[str, tuple[str, str]]:
-    """Names that are imported as in `from module import there as name`: the module, and the name there."""
-    imports = [statement for statement in statements if isinstance(statement, ast.ImportFrom)]
-    return {alias.asname or alias.name: (str(each.module), alias.name) for each in imports for alias in each.names}
+    """Each name of a stub: the module from which it is imported, and its name there."""
+    homes: dict[str, tuple[str, str]] = {}
+    for statement in statements:
+        match statement:
+            case ast.ImportFrom(module=str(module), names=aliases):
+                homes |= {alias.name: (module, alias.name) for alias in aliases}
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Name(id=there)):
+                homes[name] = homes.pop(there)
+    return homes
 
 
 _STUB = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")).body

@@ -17,7 +17,7 @@ from ertel.inputs.python import Oil as Oil
 from ertel.inputs.python import impact as impact
 from ertel.inputs.python import quantity as quantity
 from ertel.inputs.python import rolling as rolling
-from ertel.physics import film_formulas as formulas
+from ertel.physics import film_formulas
 from ertel.physics import hertz as hertz
 from ertel.physics.surfaces import Feature as Feature
 from ertel.physics.surfaces import RingWaviness as RingWaviness
@@ -37,11 +37,13 @@ from ertel.runs.drive import simulate as simulate
 from ertel.runs.response import respond as respond
 from ertel.runs.response import respond_in_rolling as respond_in_rolling
 from ertel.runs.response import respond_linearly as respond_linearly
-from ertel.runs.store import open_run as open
+from ertel.runs.store import open_run
 from ertel.runs.store import run as run
 from ertel.runs.studies import sweep as sweep
 from ertel.runs.traction import traction as traction
 
+formulas = film_formulas
+open = open_run
 __version__: str
 
 # for experts: found by name, not shown
@@ -62,10 +64,12 @@ from ertel.physics import amplitude_reduction as amplitude_reduction
 from ertel.physics import units as units
 from ertel.physics.lubricant import Lubricant as Lubricant
 from ertel.physics.motion import Motion as Motion
-from ertel.physics.registry import DENSITY_LAWS as density_laws
-from ertel.physics.registry import FLUIDITY_LAWS as fluidity_laws
-from ertel.physics.registry import SHAPES as shapes
-from ertel.physics.registry import VISCOSITY_LAWS as viscosity_laws
+from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.scales import Parameters as Parameters
 from ertel.physics.scales import Scales as Scales
 from ertel.results import accessor as accessor
+
+density_laws = DENSITY_LAWS
+fluidity_laws = FLUIDITY_LAWS
+shapes = SHAPES
+viscosity_laws = VISCOSITY_LAWS
