@@ -7,8 +7,7 @@ from typing import Any
 from ertel.apps.browser.folder import MOST, in_unicode
 from ertel.apps.terminal import reason_of
 from ertel.inputs.case_files import parse_case, read_toml
-from ertel.runs.directory import CASE, SUMMARY
-from ertel.runs.listing import summary_in
+from ertel.runs.directory import CASE, SUMMARY, read_summary
 
 Stamp = tuple[int, int] | None  # of a file: when it was changed, and its size
 
@@ -37,7 +36,7 @@ def _stamp(path: Path) -> Stamp:
 def _summary(run: Path, stamp: Stamp) -> tuple[dict[str, Any] | None, str]:
     """The summary as the file was then, and what is wrong with it."""
     try:
-        return summary_in(run), ""
+        return read_summary(run), ""
     except (OSError, ValueError) as error:
         return None, _said(error)
 
