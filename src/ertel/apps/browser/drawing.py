@@ -13,8 +13,7 @@ from matplotlib.figure import Figure
 
 from ertel import plots
 from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish
-from ertel.plots.drawing import is_physical, scale
-from ertel.plots.moments import shown
+from ertel.plots.view import View
 from ertel.results.kinds import is_steady
 from ertel.results.variables import EVENTS, VARIABLES
 from ertel.runs.checked_zarr import RegularStore
@@ -33,10 +32,10 @@ def tell(run: Path, stamp: int) -> Told:
     figures = [
         name
         for name in (STEADY if steady else IN_TIME)
-        if (name != "front" or data.attrs["kind"] == "impact") and (name != INTERFEROGRAM or is_physical(data))
+        if (name != "front" or data.attrs["kind"] == "impact") and (name != INTERFEROGRAM or View(data).in_si)
     ]
     T = () if steady else tuple(float(t) for t in data["frame"].values)
-    time = None if steady else scale(data, "time", 1.0)
+    time = None if steady else View(data).scale("time")
     times = tuple(f"{t * time.factor:.3g} {_plain(time.unit)}" for t in T) if time else ()
     codes = [] if steady else [int(code) for code in data["event"].values]
     events = {EVENTS[code]: index for index, code in enumerate(codes) if code}
@@ -47,7 +46,9 @@ def _news(data: xr.Dataset) -> tuple[tuple[str, str, str], ...]:
     """The last values of a run; a friction that is zero is none."""
     last = {name: float(data[name].values[-1]) for name in NEWS if name in data and data[name].size}
     told = {name: value for name, value in last.items() if value or not name.startswith("mu")}
-    return tuple((VARIABLES[name].long_name, name, _plain(shown(data, name, value))) for name, value in told.items())
+    return tuple(
+        (VARIABLES[name].long_name, name, _plain(View(data).with_unit(name, value))) for name, value in told.items()
+    )
 
 
 def _plain(text: str) -> str:
@@ -70,7 +71,7 @@ def draw(wish: Wish) -> bytes:
 
 
 def _figure(data: xr.Dataset, wish: Wish) -> Figure:
-    return plots.figure_of(data, wish.figure)(data, wish.at)
+    return plots.draw(data, wish.figure, wish.at)
 
 
 def _interferogram(data: xr.Dataset, wish: Wish) -> Figure:
