@@ -110,12 +110,12 @@ def measure_outside(nodes: int) -> tuple[float, float]:
 
     def solve(problem: Any) -> Any:
         asked.append(problem)
-        return course.solve(problem)
+        return course.method.solve(problem)
 
     times = []
     for _ in range(SETTLE + COUNTED):
         start = time.process_time()
-        item = solved(course.following(item), solve)
+        item = solved(course.attempts(item), solve)
         jax.block_until_ready(item.state.levels[0].H)
         whole = time.process_time() - start
         program = alone.ready(asked[-1])
@@ -129,7 +129,7 @@ def measure_outside(nodes: int) -> tuple[float, float]:
 def _run_of_steps(nodes: int) -> tuple[Any, Any]:
     """A course of fixed steps of an impact, and its item in the middle of the impact."""
     from ertel.case.status import Status
-    from ertel.runs.courses import ImpactCourse
+    from ertel.runs.courses import TransientRun
     from ertel.runs.stepping import RunState, Step
     from ertel.solvers.transient import Transient2D
 
@@ -137,7 +137,7 @@ def _run_of_steps(nodes: int) -> tuple[Any, Any]:
     method = Transient2D(case)
     levels, _, _ = march(method, impact_levels(method), STEP, SETTLE, 1)
     frame = int(levels[0].T / case.schedule.interval) + 1
-    return ImpactCourse(case, method), Step(RunState(tuple(levels), STEP, next_frame=frame), {}, (), Status.RUNNING)
+    return TransientRun(case, method), Step(RunState(tuple(levels), STEP, next_frame=frame), {}, (), Status.RUNNING)
 
 
 def measure_impact(nodes: int) -> dict[str, float]:
@@ -147,8 +147,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     from ertel.case.status import Status
     from ertel.equations.approach import balanced
     from ertel.equations.flow import Rate
-    from ertel.equations.state import solved
-    from ertel.runs.courses import ImpactCourse
+    from ertel.runs.courses import TransientRun
     from ertel.runs.stepping import RunState, Step
     from ertel.solvers import nonlinear, preconditioner, transient
 
@@ -164,11 +163,11 @@ def measure_impact(nodes: int) -> dict[str, float]:
     method = transient.Transient2D(case)
     method.solve = solve
     levels, _, found = march(method, impact_levels(method), STEP, SETTLE, TIMED)
-    course = ImpactCourse(case, method)
+    course = TransientRun(case, method)
     item = Step(RunState(tuple(levels), STEP), {}, (), Status.RUNNING)
     steps = []
     for number in range(1 + TIMED):
-        wall, item = timed(lambda item=item: solved(course.following(item), course.solve))
+        wall, item = timed(lambda item=item: course.advance(item))
         if number == 0:  # it compiles what is measured of a step
             on_device.clear()
         else:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ertel import optics as optics
     from ertel import plots as plots
     from ertel.case.case import Case as Case
+    from ertel.case.height_map import Measured as Measured
     from ertel.case.sections import Output as Output
     from ertel.case.sections import Solver as Solver
     from ertel.case.sections import Time as Time
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     from ertel.physics.scales import Parameters as Parameters
     from ertel.physics.scales import Scales as Scales
     from ertel.physics.surfaces import Feature as Feature
-    from ertel.physics.surfaces import Measured as Measured
     from ertel.physics.surfaces import RingWaviness as RingWaviness
     from ertel.physics.surfaces import SelfAffine as SelfAffine
     from ertel.physics.surfaces import Spot as Spot
@@ -56,14 +56,14 @@ if TYPE_CHECKING:
     from ertel.results.variables import to_si as to_si
     from ertel.runs import tasks as tasks
     from ertel.runs.batch import simulate_batch as simulate_batch
-    from ertel.runs.compiling import cache as cache
+    from ertel.runs.compile import cache as cache
     from ertel.runs.drive import simulate as simulate
     from ertel.runs.response import respond as respond
     from ertel.runs.response import respond_in_rolling as respond_in_rolling
     from ertel.runs.response import respond_linearly as respond_linearly
     from ertel.runs.store import open_run as open
     from ertel.runs.store import run as run
-    from ertel.runs.sweep import sweep as sweep
+    from ertel.runs.studies import sweep as sweep
     from ertel.runs.traction import traction as traction
 
     __version__: str
@@ -91,7 +91,7 @@ _HOMES = {  # name: module, or module:name there
     "Parameters": "physics.scales",
     "Scales": "physics.scales",
     "Feature": "physics.surfaces",
-    "Measured": "physics.surfaces",
+    "Measured": "case.height_map",
     "RingWaviness": "physics.surfaces",
     "SelfAffine": "physics.surfaces",
     "Spot": "physics.surfaces",
@@ -101,14 +101,14 @@ _HOMES = {  # name: module, or module:name there
     "TractionCurve": "results.traction_curve",
     "to_si": "results.variables",
     "simulate_batch": "runs.batch",
-    "cache": "runs.compiling",
+    "cache": "runs.compile",
     "simulate": "runs.drive",
     "respond": "runs.response",
     "respond_in_rolling": "runs.response",
     "respond_linearly": "runs.response",
     "open": "runs.store:open_run",
     "run": "runs.store",
-    "sweep": "runs.sweep",
+    "sweep": "runs.studies",
     "traction": "runs.traction",
 }
 _MODULES = {

@@ -24,7 +24,7 @@ from ertel.apps.boundary_layers.smooth import Results
 from ertel.apps.cli import app
 from ertel.results import fronts
 from ertel.runs.tasks import Task, run_tasks
-from ertel.runs.workers import Here
+from ertel.runs.workers import LocalWorker
 
 LONG = "a text that is longer than the fifty characters at which tables are cut off"
 
@@ -81,7 +81,7 @@ class Balanced(HTMLParser):
 
 
 def test_the_page_needs_no_network_and_has_everything(small, tmp_path):
-    file, missing = figures.make(["fig1"], True, tmp_path, Here())
+    file, missing = figures.make(["fig1"], True, tmp_path, LocalWorker())
     text = file.read_text(encoding="utf-8")
     assert missing == {} and file.name == "fig1.html"
     assert "http" not in text and 'src="data:image/svg+xml;base64,' in text
@@ -90,13 +90,13 @@ def test_the_page_needs_no_network_and_has_everything(small, tmp_path):
 
 
 def test_texts_are_escaped_and_whole(small, tmp_path):
-    file, _ = figures.make(["fig1"], True, tmp_path, Here())
+    file, _ = figures.make(["fig1"], True, tmp_path, LocalWorker())
     text = file.read_text(encoding="utf-8")
     assert all(said in text for said in ("a &lt; b", "c &lt; d", "y &amp; z", "1 &amp; 2", LONG))
 
 
 def test_the_page_is_well_formed(small, tmp_path):
-    file, _ = figures.make(["fig1", "fig2"], True, tmp_path, Here())
+    file, _ = figures.make(["fig1", "fig2"], True, tmp_path, LocalWorker())
     text = file.read_text(encoding="utf-8")
     assert text.startswith("<!doctype html>")
     seen = Balanced(text).seen
@@ -108,14 +108,14 @@ def test_the_page_is_well_formed(small, tmp_path):
 
 
 def test_a_figure_whose_runs_failed_is_missing_and_says_why(small, tmp_path):
-    file, missing = figures.make(["fig1", "fig2"], True, tmp_path, Here())
+    file, missing = figures.make(["fig1", "fig2"], True, tmp_path, LocalWorker())
     assert missing == {"fig2": "RuntimeError: no <film>"}
     assert "Not made: RuntimeError: no &lt;film&gt;" in file.read_text(encoding="utf-8")
 
 
 def test_what_it_takes_is_known_before(small, tmp_path):
     assert figures.expected(["fig1", "fig2"], True, tmp_path, 2) == (2, 0, 30.0)
-    figures.make(["fig1"], True, tmp_path, Here())
+    figures.make(["fig1"], True, tmp_path, LocalWorker())
     assert figures.expected(["fig1", "fig2"], True, tmp_path, 2) == (2, 1, 0.0)
 
 
@@ -199,7 +199,7 @@ def turned(run: xr.Dataset) -> xr.Dataset:
 @pytest.fixture(scope="module")
 def impacts() -> Results:
     tasks = smooth.radial_tasks(COARSE)
-    runs = dict(zip([task.name for task in tasks], run_tasks(tasks, Here()), strict=True))
+    runs = dict(zip([task.name for task in tasks], run_tasks(tasks, LocalWorker()), strict=True))
     return {**runs, smooth.plane_name(COARSE): turned(runs[smooth.radial_name(SHOWN_LOAD, L, COARSE)])}
 
 

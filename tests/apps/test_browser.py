@@ -22,7 +22,7 @@ from ertel.apps.browser.pictures import Artist
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.wishes import Wish, stamp_of
 from ertel.inputs.case_files import ConfigError, parse_case
-from ertel.runs import stop_file
+from ertel.runs.directory import is_asked_to_stop
 from ertel.runs.files import locked
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no locks")
@@ -147,7 +147,7 @@ def test_runs_of_other_programs_are_told_by_their_lock(tmp_path, monkeypatch, nu
             assert processes.standing(run).phase is running
             processes.stop(run)
             assert processes.standing(run).phase is Phase.STOPPING
-            assert stop_file.is_asked(run)
+            assert is_asked_to_stop(run)
             with pytest.raises(ValueError, match="run: is asked to stop already"):
                 processes.stop(run)
             write_progress(run, status="interrupted", process=other.pid)
@@ -176,7 +176,7 @@ def test_a_run_that_does_not_hear_is_ended(tmp_path):
     with locked(run):
         for _ in range(2):
             processes.stop(run)
-            assert stop_file.is_asked(run)
+            assert is_asked_to_stop(run)
         until(lambda: not processes.ours(), 5)
     assert processes.standing(run).phase is Phase.INTERRUPTED
 
@@ -292,7 +292,7 @@ from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.form import Form
 from ertel.apps.browser.processes import Processes
 from ertel.apps.browser.records import summary_of
-from ertel.results.key_numbers import key_numbers
+from ertel.results.numbers import key_numbers
 
 folder = Folder.at(Path(sys.argv[1]))
 at_once(Form().data(), folder)

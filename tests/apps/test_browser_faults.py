@@ -26,7 +26,7 @@ from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.records import fault_of
 from ertel.apps.browser.site import Site
 from ertel.apps.browser.wishes import Wish, stamp_of
-from ertel.runs import progress_file
+from ertel.runs.directory import read_progress
 from ertel.runs.files import sealed
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the app stops runs by SIGINT")
@@ -138,7 +138,7 @@ def test_the_reason_is_told(site):
 
 
 def test_progress_with_wrong_values_is_none(site):
-    readable = [name for name in HARMLESS if progress_file.read(site.folder.root / name)]
+    readable = [name for name in HARMLESS if read_progress(site.folder.root / name)]
     assert readable == ["progress-huge"]  # the one whose values are right
 
 

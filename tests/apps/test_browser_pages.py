@@ -19,7 +19,7 @@ from ertel.apps.browser.pictures import Artist
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.site import Site, address_of
 from ertel.case.rules import plain_name
-from ertel.runs.directories import CASE
+from ertel.runs.directory import CASE
 
 pytestmark = [
     pytest.mark.asyncio,

@@ -11,12 +11,12 @@ from typer.testing import CliRunner
 
 import ertel
 from ertel import plots
-from ertel.apps import completion
+from ertel.apps import arguments
 from ertel.apps.cli import app
 from ertel.inputs.case_files import load_case
-from ertel.runs import drive, progress_file, store
+from ertel.runs import directory, drive, store
 from ertel.runs.courses import course_of
-from ertel.runs.progress_file import PROGRESS, ProgressFile
+from ertel.runs.directory import PROGRESS, ProgressFile, read_progress
 
 CASE = "[contact]\nM = 200\nL = 10\n[solver]\nnodes = 33\n[time]\nstep = 0.01\nuntil = 0.06\n"
 STEADY = '[contact]\nkind = "rolling"\nM = 20\nL = 10\n[solver]\nnodes = 33\ntolerance = 0.03\n'
@@ -102,9 +102,9 @@ def test_completion_of_run_directories(here):
         (here / name).mkdir(parents=True)
     for name in ("runs/small", "runs/smooth"):
         (here / name / "case.toml").touch()
-    assert completion.run_directories("") == ["runs/"]
-    assert completion.run_directories("runs/") == ["runs/other/", "runs/small", "runs/smooth"]
-    assert completion.run_directories("nowhere/") == []
+    assert arguments.run_directories("") == ["runs/"]
+    assert arguments.run_directories("runs/") == ["runs/other/", "runs/small", "runs/smooth"]
+    assert arguments.run_directories("nowhere/") == []
     for command in ("show", "plot", "resume", "about"):
         said = completed(command, "runs/sm")
         assert "runs/small" in said and "runs/smooth" in said and "other" not in said
@@ -113,18 +113,18 @@ def test_completion_of_run_directories(here):
 def test_completion_of_case_files(here):
     (here / "notes.txt").touch()
     (here / "more").mkdir()
-    assert completion.case_files("") == ["more/", "rolled.toml", "small.toml"]
+    assert arguments.case_files("") == ["more/", "rolled.toml", "small.toml"]
     assert "small.toml" in completed("run", "sm")
 
 
 def test_completion_of_keys():
-    assert completion.settings("solver.half") == ["solver.half_width=", "solver.half_width_y="]
-    assert "lubricant.oil=" in completion.settings("lubricant.")
+    assert arguments.settings("solver.half") == ["solver.half_width=", "solver.half_width_y="]
+    assert "lubricant.oil=" in arguments.settings("lubricant.")
     assert "solver.nodes=" in completed("run", "small.toml", "--set", "solver.no")
 
 
 def test_completion_of_figures():
-    assert completion.figures("pr") == ["profiles", "pressure"]
+    assert arguments.figures("pr") == ["profiles", "pressure"]
 
 
 def test_completion_can_be_installed():
@@ -184,7 +184,7 @@ def test_progress_of_a_steady_run(here):
 
 
 def test_progress_on_the_way(here, monkeypatch):
-    monkeypatch.setattr(progress_file, "INTERVAL", 0.0)
+    monkeypatch.setattr(directory, "INTERVAL", 0.0)
     course, seen = course_of(load_case("small.toml")), []
     watched = ProgressFile(here, course)
     drive.drive(course, [watched, lambda item: seen.append(progress(here))])
@@ -206,5 +206,5 @@ def test_progress_that_cannot_be_written_stops_no_run(here):
     run = store.RunStore.create(here / "run", load_case("small.toml"))
     (here / "run" / PROGRESS).mkdir()
     assert store.compute(run)["status"] == "converged"
-    assert progress_file.read(here / "run") is None
+    assert read_progress(here / "run") is None
     assert not list((here / "run").glob("*.partial"))

@@ -18,7 +18,7 @@ for _ in range(10):
     np.ones(5_000_000)
 print(faults() - before)
 """
-KEEP = "from ertel.apps import freed_memory\nfreed_memory.keep()\n"
+KEEP = "from ertel.apps import process\nprocess.keep_freed_memory()\n"
 
 
 def pages(code: str, **chosen: str) -> int:

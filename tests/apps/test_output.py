@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from ertel.apps import output, tables
-from ertel.apps.paths import in_shell
+from ertel.apps import tables, terminal
+from ertel.apps.terminal import in_shell
 
 
 def test_tables_show_no_control_characters(capsys):
@@ -15,7 +15,7 @@ def test_tables_show_no_control_characters(capsys):
 
 def test_json_reads_back_in_any_terminal(capsys):
     content = {"name": "Öl\x1b µ"}
-    output.print_json(content)
+    terminal.print_json(content)
     printed = capsys.readouterr().out
     assert printed.isascii()
     assert json.loads(printed) == content

@@ -16,7 +16,7 @@ from ertel.numerics import stencils
 from ertel.numerics.grid import Grid
 from ertel.numerics.stencils import Pair
 from ertel.physics import hertz
-from ertel.physics.geometry import Ellipse
+from ertel.physics.geometry import CIRCLE, Ellipse
 from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Isoviscous, Lubricant, Roelands
 from ertel.solvers import nonlinear
 
@@ -32,7 +32,7 @@ def smooth_fields(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
 
 def test_hertz_pressure_closes_the_gap() -> None:
     grid = Grid.square(257, 2.0)
-    dry = contact.ball_on_plane(grid, 1.0, PLAIN)
+    dry = contact.smooth_contact(CIRCLE, grid, 1.0, PLAIN)
     r = np.hypot(grid.x[None, :], grid.y[:, None])
     H = np.asarray(contact.film_thickness(dry, jnp.asarray(hertz.pressure(r)), 1.0))
     assert np.abs(H[r < 0.9]).max() < 1e-3
@@ -48,7 +48,7 @@ def test_the_residual_is_second_order(entrainment: float, oil: Lubricant) -> Non
     for nodes in (65, 129, 257, 513):
         grid = Grid.square(nodes, 2.0)
         P, H = smooth_fields(grid)
-        c = contact.ball_on_plane(grid, 0.05, oil)
+        c = contact.smooth_contact(CIRCLE, grid, 0.05, oil)
         r = residual_in_any_flow(c, jnp.asarray(P), jnp.asarray(H), Rate(3.0, -0.5, entrainment))
         step = (nodes - 1) // 64
         values.append(np.asarray(r)[4 * step : -4 * step : step, 4 * step : -4 * step : step])
@@ -61,7 +61,7 @@ def test_the_residual_of_a_known_flow() -> None:
     """H = 1, isoviscous: div(P flux) = Laplacian(P)/lambda_bar; P = X^2 (1 + Y) has the Laplacian 2 (1 + Y)."""
     grid = Grid.square(33, 2.0)
     x, y = grid.x[None, :], grid.y[:, None]
-    c = contact.ball_on_plane(grid, 0.25, PLAIN)
+    c = contact.smooth_contact(CIRCLE, grid, 0.25, PLAIN)
     r = contact.residual(c, jnp.asarray(x**2 * (1 + y)), jnp.ones((33, 33)), Rate(0.0, 0.0))
     np.testing.assert_allclose(
         np.asarray(r)[1:-1, 1:-1], np.broadcast_to(-8 * (1 + y), (33, 33))[1:-1, 1:-1], rtol=1e-10
@@ -93,7 +93,7 @@ def residual_in_any_flow(c: Contact, P: Array, H: Array, rate: Rate) -> Array:
 def test_mirroring_the_contact_and_the_speed_mirrors_the_residual(seed: int, U: float) -> None:
     rng = np.random.default_rng(seed)
     grid = Grid.square(17, 2.0)
-    c = contact.ball_on_plane(grid, 0.1, REAL)
+    c = contact.smooth_contact(CIRCLE, grid, 0.1, REAL)
     P, H = jnp.asarray(rng.random((17, 17))), jnp.asarray(0.1 + rng.random((17, 17)))
     r = residual_in_any_flow(c, P, H, Rate(2.0, -H, U))
     mirrored = residual_in_any_flow(c, P[:, ::-1], H[:, ::-1], Rate(2.0, -H[:, ::-1], -U))
@@ -104,7 +104,7 @@ def test_mirroring_the_contact_and_the_speed_mirrors_the_residual(seed: int, U: 
 @given(st.integers(0, 10**6))
 def test_mirroring_the_contact_across_the_flow_mirrors_the_residual(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    c = contact.ball_on_plane(Grid.square(17, 2.0), 0.1, REAL)
+    c = contact.smooth_contact(CIRCLE, Grid.square(17, 2.0), 0.1, REAL)
     P, H = jnp.asarray(rng.random((17, 17))), jnp.asarray(0.1 + rng.random((17, 17)))
     r = contact.residual(c, P, H, Rate(2.0, -H, 1.7))
     mirrored = contact.residual(c, P[::-1], H[::-1], Rate(2.0, -H[::-1], 1.7))

@@ -16,7 +16,7 @@ from ertel.case.case import Case
 from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.equations import account, discretise
-from ertel.equations.contact import Contact, ball_on_plane
+from ertel.equations.contact import Contact, smooth_contact
 from ertel.equations.friction import Friction, friction, steady
 from ertel.equations.pytrees import traceable_law
 from ertel.equations.state import GridSolution
@@ -24,7 +24,7 @@ from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
 from ertel.physics.fluidity import Limited, ReeEyring
-from ertel.physics.geometry import HERTZ_LOAD
+from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
 from ertel.physics.lubricant import Barus, Incompressible, Lubricant
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
@@ -39,7 +39,7 @@ def square(nodes: int = 33, half_width: float = 1.5) -> Grid:
 
 def contact(grid: Grid, lambda_bar: float, alpha_bar: float, tau0: float | None = None) -> Contact:
     """Barus' oil, Newtonian or Eyring's with tau0 in units p_h a/R."""
-    plain = ball_on_plane(grid, lambda_bar, Lubricant(Barus(alpha_bar), Incompressible()))
+    plain = smooth_contact(CIRCLE, grid, lambda_bar, Lubricant(Barus(alpha_bar), Incompressible()))
     return plain if tau0 is None else replace(plain, flow=ThinningFlow(traceable_law(ReeEyring(tau0)), 1.0, 1.0, 0.0))
 
 

@@ -6,9 +6,9 @@ import pytest
 from cases import ertel_
 
 import ertel
+from ertel.case.records import ConfigError
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case, parse_case
-from ertel.inputs.messages import ConfigError
 from ertel.physics.geometry import CIRCLE, Ellipse
 
 ROLLING = {"kind": "rolling", "load": "100 N", "mean_speed": "0.5 m/s", "E_prime": "226.37 GPa"}

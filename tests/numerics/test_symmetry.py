@@ -13,6 +13,7 @@ from ertel.equations.state import State
 from ertel.numerics import halfspace
 from ertel.numerics.grid import WHOLE, Even, Grid
 from ertel.numerics.symmetry import extended, folded, total, unfolded
+from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Barus, DowsonHigginson, Lubricant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
@@ -75,7 +76,7 @@ def test_the_residual_is_that_of_the_whole_plane(even) -> None:
     whole, U = bump(even), 0.0 if even.x else 1.0
     results = []
     for g in (grid(), grid(even)):
-        c = contact.ball_on_plane(g, 0.1, LAWS)
+        c = contact.smooth_contact(CIRCLE, g, 0.1, LAWS)
         P = jnp.asarray(folded(whole, g.even))
         H = contact.film_thickness(c, P, -0.2)
         r = contact.residual(c, P, H, Rate(3.0, 0.1 * P, U))

@@ -9,6 +9,7 @@ from math import nan, pi, sqrt
 
 import numpy as np
 import pytest
+from closed_forms import parameters_from_ugw
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,7 +23,6 @@ from ertel.physics.scales import (
     hamrock_dowson,
     impact_scales,
     parameters,
-    parameters_from_ugw,
     rolling_scales,
     scales_of,
 )

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 from ertel.equations.pytrees import traceable_law
 from ertel.equations.shear import shear
-from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
+from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring, cut_off
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.units import STRESS, marks
 
@@ -149,3 +149,8 @@ def test_laws_by_name() -> None:
 def test_eyring_at_moderate_stress_is_cosh_along() -> None:
     slope = jax.grad(lambda tau: ReeEyring(1.0).fluidity(tau, 0.0) * tau)(2.0)
     assert slope == pytest.approx(cosh(2.0), rel=1e-13)
+
+
+def test_stress_that_is_cut_off_keeps_its_direction() -> None:
+    stress = np.array([[3.0, 0.3], [4.0, 0.4]])
+    assert_allclose(cut_off(stress, np.array([1.0, 1.0])), [[0.6, 0.3], [0.8, 0.4]])

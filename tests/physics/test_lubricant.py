@@ -289,3 +289,17 @@ def test_an_incompressible_oil_stores_no_energy() -> None:
     oil = Lubricant(Isoviscous(), Incompressible())
     assert_allclose(oil.enthalpy(P), P, rtol=1e-14)
     assert_allclose(oil.compression(P), 0.0, atol=1e-15)
+
+
+def test_a_newtonian_oil_flows_by_the_cube_of_the_film_and_not_where_surfaces_overlap():
+    """rho H^3/(eta lambda_bar), with the arrays of NumPy and through the transformations of JAX."""
+    oil, H = Lubricant(Barus(2.0), DowsonHigginson(1.0)), np.array([-0.1, 0.0, 0.5, 2.0])
+    eps = oil.mobility(np.full(4, 0.3), H, 0.25)
+    assert_allclose(eps, oil.density(0.3) * np.array([0, 0, 0.5, 2]) ** 3 / (exp(0.6) * 0.25), rtol=1e-14)
+
+    def thin(H):
+        return Lubricant(Isoviscous(), Incompressible()).mobility(jnp.zeros(2), H, 0.5)
+
+    value, change = jax.jvp(jax.jit(thin), (jnp.asarray([0.3, -1.0]),), (jnp.ones(2),))
+    assert_allclose(value, [2 * 0.3**3, 0.0])
+    assert_allclose(change, [6 * 0.3**2, 0.0])

@@ -9,12 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ertel.case.height_map import HeightMap, array_in
-from ertel.physics.band_limit import kept_share, smooth_step
-from ertel.physics.measured import Measured
+from ertel.case.height_map import HeightMap, Measured, array_in
 from ertel.physics.motion import STEADY_ROLLING
-from ertel.physics.self_affine import SelfAffine
-from ertel.physics.surfaces import Feature, Spot, Waviness, height
+from ertel.physics.surfaces import Feature, SelfAffine, Spot, Waviness, height, kept_share, smooth_step
 from ertel.physics.units import Quantity
 
 X = np.linspace(-1.0, 1.0, 41)[None, :]

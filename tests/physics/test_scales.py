@@ -5,6 +5,7 @@ from dataclasses import replace
 from math import inf, isinf, nan, pi, sqrt
 
 import pytest
+from closed_forms import parameters_from_ugw
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,7 +17,6 @@ from ertel.physics.scales import (
     hamrock_dowson,
     impact_scales,
     parameters,
-    parameters_from_ugw,
     rolling_scales,
     scales_of,
 )
@@ -230,8 +230,6 @@ def test_parameters_refuse_by_name(bad):
         "lambda_bar": lambda: Parameters(bad, 1.0),
         "M": lambda: Parameters.from_moes(bad, 10.0),
         "eta0": lambda: parameters(s, bad, 2e-8),
-        "U": lambda: parameters_from_ugw(bad, 4500.0, 1e-7),
-        "W": lambda: parameters_from_ugw(1e-11, 4500.0, bad),
         "wavelength": lambda: p.nabla2(bad),
         "E1": lambda: reduced_modulus(bad, 0.3, 2e11, 0.3),
         "E2": lambda: reduced_modulus(2e11, 0.3, bad, 0.3),
@@ -248,7 +246,6 @@ def test_what_may_be_zero_but_not_negative(bad):
         "alpha_bar": lambda: Parameters(0.01, bad),
         "L": lambda: Parameters.from_moes(100.0, bad),
         "alpha": lambda: parameters(STEEL, 0.1, bad),
-        "G": lambda: parameters_from_ugw(1e-11, bad, 1e-7),
     }
     for name, call in calls.items():
         with pytest.raises(ValueError, match=f"^{name} = {bad}: must be finite and not below zero$"):

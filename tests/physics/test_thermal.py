@@ -5,8 +5,8 @@ from math import log, pi, sqrt
 
 import numpy as np
 import pytest
+from closed_forms import mean_rise, middle_rise
 from numpy.testing import assert_allclose
-from scipy.integrate import solve_bvp
 
 from ertel.physics.flash import AT_REST, flash_temperature, moving_source_weights, peclet_number, response
 from ertel.physics.lubricant import Roelands, roelands_exponent
@@ -16,9 +16,6 @@ from ertel.physics.thermal import (
     Houpert,
     Solid,
     gupta_factor,
-    mean_rise,
-    middle_rise,
-    nahme,
     thermal_loading,
     wilson_sheu_factor,
 )
@@ -98,42 +95,6 @@ def test_the_coefficient_of_temperature_grows_with_the_logarithm_of_the_viscosit
 def test_where_houperts_law_has_no_meaning(bad: tuple[float, float, float], said: str) -> None:
     with pytest.raises(ValueError, match=f"^{said}.*: Houpert's law needs"):
         Houpert.of(*bad)
-
-
-# -- the film ---------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("Na", "ratio"),
-    [(0.1, 0.991749), (1, 0.924196), (8, 0.623225), (50, 0.244707), (100, 0.152069), (1000, 0.024775), (1e4, 0.003406)],
-)
-def test_nahme(Na: float, ratio: float) -> None:
-    assert nahme(Na).viscosity == pytest.approx(ratio, abs=6e-7)
-    assert nahme(Na).largest_rise == pytest.approx(log(1 + Na / 8))
-
-
-def test_nahme_solves_the_equation_of_heat() -> None:
-    """theta'' + Na sigma^2 e^theta = 0 with sigma = tau h/(eta Delta u) and integral of sigma e^theta = 1."""
-    Na = 20.0
-    sigma = nahme(Na).viscosity
-    z = np.linspace(0, 1, 41)
-    solved = solve_bvp(
-        lambda z, y: np.stack([y[1], -Na * sigma**2 * np.exp(y[0])]),
-        lambda low, high: np.array([low[0], high[0]]),
-        z,
-        np.stack([4 * nahme(Na).largest_rise * z * (1 - z), nahme(Na).largest_rise * (4 - 8 * z)]),
-        tol=1e-8,
-    )
-    fine = np.linspace(0, 1, 4001)
-    theta = solved.sol(fine)[0]
-    assert theta.max() == pytest.approx(nahme(Na).largest_rise, rel=1e-6)
-    assert sigma * np.trapezoid(np.exp(theta), fine) == pytest.approx(1.0, rel=1e-6)
-
-
-def test_weak_heating_is_the_mean_rise() -> None:
-    """Na -> 0: the viscosity falls by beta times the mean rise, Na/12."""
-    assert nahme(0.0) == (0.0, 1.0)
-    assert nahme(1e-4).viscosity == pytest.approx(1 - 1e-4 / 12, abs=1e-9)
 
 
 # -- the surfaces -----------------------------------------------------------------------------------------------------

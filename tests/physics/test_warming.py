@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from closed_forms import nahme
 from numpy.testing import assert_allclose
 from scipy.special import lambertw
 
 from ertel.physics.flash import response
-from ertel.physics.thermal import Solid, nahme
+from ertel.physics.thermal import Solid
 from ertel.physics.warming import Real, Release, Rise, Warmed, cold, warmed
 
 STEEL, GLASS = Solid(7850.0, 460.0, 47.0), Solid(2510.0, 858.0, 1.114)

@@ -11,7 +11,7 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.results import budgets, diagnostics, variables
 from ertel.results.dataset import assemble
-from ertel.results.key_numbers import budget_lines
+from ertel.results.report import budget_lines
 from ertel.results.summary import attributes, impact_summary, steady_summary
 
 T = np.linspace(0.1, 2.0, 20)

@@ -7,9 +7,7 @@ import xarray as xr
 import ertel
 from ertel.apps.tables import film_table, value_table
 from ertel.physics.film_formulas import Film
-from ertel.results.key_numbers import key_numbers
-from ertel.results.kinds import as_now
-from ertel.results.scalars import scalars
+from ertel.results.numbers import as_now, key_numbers, scalars
 from ertel.results.variables import one_number, to_si, with_coefficients
 from ertel.runs.checked_zarr import has_old_coefficients
 
@@ -28,9 +26,9 @@ def test_one_number_everywhere(run: ertel.Result):
     assert summary["si"]["mu_sliding"] == mu == float(run.dataset["mu_sliding"][-1])
     assert "in_units_of" not in run.dataset["mu_sliding"].attrs
     assert float(to_si(run.dataset)["mu_sliding"][-1]) == mu
-    assert scalars(summary, run.case.scales)["mu_sliding"].value == mu
+    assert scalars(summary)["mu_sliding"].value == mu
     (shown,) = [number for number in key_numbers(summary) if number.symbol == "mu_sliding"]
-    assert (shown.value, shown.si) == (f"{mu:.4g}", "")
+    assert (shown.text, shown.text_in_si) == (f"{mu:.4g}", "")
     cell = float(run.dataset["X"][1] - run.dataset["X"][0]) ** 2
     force = float(run.dataset["tau_x"].sum()) * cell * run.case.scales.a_over_R
     assert mu == pytest.approx(force * 3 / (2 * np.pi), rel=0.02)

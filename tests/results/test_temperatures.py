@@ -11,7 +11,7 @@ from ertel.equations.heat import heated
 from ertel.inputs.case_files import parse_case
 from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
 from ertel.results.dataset import assemble_steady
-from ertel.results.key_numbers import html_table, lines
+from ertel.results.report import html_table, lines
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.variables import TEMPERATURES, to_si
 

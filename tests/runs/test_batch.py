@@ -16,8 +16,8 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.registry import DENSITY_LAWS
 from ertel.physics.scales import Parameters
 from ertel.results.result import Result
-from ertel.runs import compiling
 from ertel.runs.batch import lanes_for, run_together, simulate_batch
+from ertel.runs.compile import compilations
 from ertel.runs.drive import simulate
 from ertel.runs.stepping import Step
 from ertel.runs.tasks import Failure
@@ -40,9 +40,9 @@ def test_a_batch_equals_single_runs_and_its_step_is_compiled_once() -> None:
         assert found.dataset.sizes == alone.dataset.sizes
         for name in ("time", "Delta", "F", "H_c", "H_min", "H", "P", "krylov_iterations"):
             np.testing.assert_allclose(found.dataset[name], alone.dataset[name], rtol=1e-9, atol=1e-10, err_msg=name)
-    before = compiling.count()
+    before = compilations()
     simulate_batch([impact(M, 5, 33, solver=TIGHT, time={"until": 0.9}) for M in (30, 40, 60)])
-    assert compiling.count() == before
+    assert compilations() == before
 
 
 def test_steps_are_seen_with_the_number_of_their_case() -> None:

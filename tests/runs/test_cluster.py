@@ -1,4 +1,4 @@
-"""A scheduler and two worker processes on this machine: what they get, and what becomes of jobs whose worker dies."""
+"""A scheduler and two worker processes on this machine: what they get, and what becomes of tasks whose worker dies."""
 
 import json
 import os
@@ -15,12 +15,13 @@ import pytest
 from distributed import Security
 
 from ertel.inputs.studies import parse_study
-from ertel.runs import cluster, progress_file
+from ertel.runs import cluster
 from ertel.runs.cluster import Cluster, NoScheduler
+from ertel.runs.directory import read_progress
 from ertel.runs.drive import simulate
-from ertel.runs.studies import gather, run_study
+from ertel.runs.studies import gather, run_directory, run_study
 from ertel.runs.tasks import Task, run_tasks
-from ertel.runs.workers import READY, Failure, Here, Job, Wire, Workers
+from ertel.runs.workers import Failure, LocalWorker, StopSignal, Workers
 
 HANG = 120  # s: what lives longer is taken for something that never ends
 
@@ -33,37 +34,36 @@ def two() -> Iterator[Cluster]:
 
 @pytest.fixture(params=["here", "two"])
 def workers(request: pytest.FixtureRequest) -> Workers:
-    return Here() if request.param == "here" else request.getfixturevalue("two")
+    return LocalWorker() if request.param == "here" else request.getfixturevalue("two")
 
 
-# -- jobs, which workers import from this file -------------------------------------------------------------------------
+# -- tasks, which workers import from this file -----------------------------------------------------------------------
 
 
-def square(wire: Wire, x: float) -> float:
+def square(x: float) -> float:
     return x**2
 
 
-def fails(wire: Wire) -> None:
+def fails() -> None:
     raise RuntimeError("no film")
 
 
-def about(wire: Wire) -> tuple[int, dict[str, str | None]]:
+def about() -> tuple[int, dict[str, str | None]]:
     names = ("NPROC", "OPENBLAS_NUM_THREADS", "XLA_FLAGS")
     return os.getpid(), {name: os.environ.get(name) for name in names}
 
 
-def slow(wire: Wire, log: Path, name: str) -> str:
+def slow(log: Path, name: str) -> str:
     """Writes when it begins and when it ends."""
     with log.open("a") as file:
-        file.write(f"begins {name}\n")
-    wire.tell({"pid": os.getpid()})
-    time.sleep(0.2)
+        file.write(f"begins {name} {os.getpid()}\n")
+    time.sleep(0.3)
     with log.open("a") as file:
         file.write(f"ends {name}\n")
     return name
 
 
-def stumbles(wire: Wire, log: Path) -> str:
+def stumbles(log: Path) -> str:
     """Meets an error of the system, twice."""
     with log.open("a") as file:
         file.write("!")
@@ -72,10 +72,10 @@ def stumbles(wire: Wire, log: Path) -> str:
     return "done"
 
 
-def until_stopped(wire: Wire) -> str:
+def until_stopped(begun: Path, stop: StopSignal) -> str:
+    begun.touch()
     deadline = time.monotonic() + HANG
-    wire.tell({READY: True})
-    while not wire.stopped():
+    while not stop():
         assert time.monotonic() < deadline
         time.sleep(0.05)
     return "stopped"
@@ -89,22 +89,22 @@ def double(x: float) -> float:
 
 
 def test_every_job_has_its_outcome_and_a_failure_is_a_value(workers):
-    jobs = [*(Job(str(x), square, (x,)) for x in (1.0, 2.0, 3.0)), Job("bad", fails)]
-    found = dict(workers.outcomes(jobs, lambda key, news: None, lambda: False))
+    tasks = [*(Task(str(x), square, (x,)) for x in (1.0, 2.0, 3.0)), Task("bad", fails)]
+    found = dict(workers.outcomes(tasks))
     assert found == {"1.0": 1.0, "2.0": 4.0, "3.0": 9.0, "bad": Failure("RuntimeError: no film")}
 
 
-def test_a_wish_to_stop_reaches_every_job(workers):
+def test_a_wish_to_stop_reaches_every_task(workers, tmp_path):
     """Also those that have not begun."""
-    heard: list[str] = []
-    jobs = [Job(str(n), until_stopped) for n in range(4)]
-    found = dict(workers.outcomes(jobs, lambda key, news: heard.append(key), lambda: bool(heard)))
+    stop = StopSignal(tmp_path / "stop", lambda: bool(list(tmp_path.glob("begun*"))))
+    tasks = [Task(str(n), until_stopped, (tmp_path / f"begun {n}", stop)) for n in range(4)]
+    found = dict(workers.outcomes(tasks, stop))
     assert found == {str(n): "stopped" for n in range(4)}
 
 
 def test_each_worker_keeps_to_one_thread_and_has_the_same_flags(two):
     """XLA_FLAGS are part of the key of JAX's cache."""
-    process, settings = dict(two.outcomes([Job("a", about)]))["a"]
+    process, settings = dict(two.outcomes([Task("a", about)]))["a"]
     assert process != os.getpid()
     assert settings == {"NPROC": "1", "OPENBLAS_NUM_THREADS": "1", "XLA_FLAGS": os.environ.get("XLA_FLAGS")}
     assert "NPROC" not in os.environ
@@ -113,37 +113,37 @@ def test_each_worker_keeps_to_one_thread_and_has_the_same_flags(two):
 def test_a_worker_that_is_killed_loses_nothing(two, tmp_path):
     """Signal 9 in the middle of a job: its job begins again elsewhere, the others go on."""
     killed: list[str] = []
-
-    def kill_the_first(key, news):
-        if not killed:
-            killed.append(key)
-            os.kill(news["pid"], signal.SIGKILL)
-
     log = tmp_path / "log"
-    jobs = [Job(f"job {n}", slow, (log, f"job {n}")) for n in range(6)]
-    found = dict(two.outcomes(jobs, kill_the_first))
-    assert found == {job.key: job.key for job in jobs}
-    begun = log.read_text().splitlines()
-    assert len(killed) == 1 and begun.count(f"begins {killed[0]}") == 2
-    assert dict(two.outcomes([Job("after", square, (3.0,))])) == {"after": 9.0}
+
+    def kill_the_first() -> bool:
+        if not killed and log.exists() and (line := log.read_text().partition("\n")[0]):
+            _, name, process = line.split()
+            killed.append(name)
+            os.kill(int(process), signal.SIGKILL)
+        return False
+
+    tasks = [Task(str(n), slow, (log, str(n))) for n in range(6)]
+    assert dict(two.outcomes(tasks, kill_the_first)) == {task.name: task.name for task in tasks}
+    assert len(killed) == 1 and log.read_text().count(f"begins {killed[0]} ") == 2
+    assert dict(two.outcomes([Task("after", square, (3.0,))])) == {"after": 9.0}
 
 
 def test_an_error_of_the_system_is_tried_again(two, tmp_path):
-    assert dict(two.outcomes([Job("a", stumbles, (tmp_path / "log",))])) == {"a": "done"}
+    assert dict(two.outcomes([Task("a", stumbles, (tmp_path / "log",))])) == {"a": "done"}
 
 
 def test_one_of_those_that_need_the_same_programs_goes_ahead(two, tmp_path):
     log = tmp_path / "log"
-    dict(two.outcomes([Job(name, slow, (log, name), "33 nodes") for name in "abc"]))
-    assert log.read_text().splitlines()[:2] == ["begins a", "ends a"]
+    dict(two.outcomes([Task(name, slow, (log, name), program="33 nodes") for name in "abc"]))
+    assert [line.split()[:2] for line in log.read_text().splitlines()[:2]] == [["begins", "a"], ["ends", "a"]]
 
 
-def test_the_others_need_not_wait_for_its_end(two):
+def test_the_others_need_not_wait_for_its_end(two, tmp_path):
     """Only for its programs; here both must run at the same time."""
-    begun: set[str] = set()
-    jobs = [Job(name, until_stopped, (), "33 nodes") for name in "ab"]
-    found = dict(two.outcomes(jobs, lambda key, news: begun.add(key), lambda: len(begun) == 2))
-    assert found == {"a": "stopped", "b": "stopped"} and begun == {"a", "b"}
+    begun = {name: tmp_path / name for name in "ab"}
+    stop = StopSignal(tmp_path / "stop", lambda: all(file.exists() for file in begun.values()))
+    tasks = [Task(name, until_stopped, (file, stop), 0.0, "33 nodes", file.exists) for name, file in begun.items()]
+    assert dict(two.outcomes(tasks, stop)) == {"a": "stopped", "b": "stopped"}
 
 
 def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
@@ -152,12 +152,15 @@ def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
     study = parse_study({**impacts, "time": {"until": 1.0, "tolerance": 0.01}})
     killed: list[str] = []
 
-    def kill_once(key, news):
-        if not killed and news["done"] < 1:
-            killed.append(key)
-            os.kill(progress_file.read(tmp_path / "runs" / key)["process"], signal.SIGKILL)
+    def kill_once() -> bool:
+        for case in study.cases if not killed else ():
+            said = read_progress(run_directory(tmp_path, case))
+            if said and said["status"] == "running" and said["step"] > 0 and not killed:
+                killed.append(case.digest)
+                os.kill(said["process"], signal.SIGKILL)
+        return False
 
-    said = run_study(study, tmp_path, two, hear=kill_once)
+    said = run_study(study, tmp_path, two, asked=kill_once)
     assert len(killed) == 1 and said == {case.digest: "converged" for case in study.cases}
     found = gather(study, tmp_path).dataset["H_min_extreme"]
     assert found.values[0] == pytest.approx(simulate(study.cases[0]).summary["extremes"]["H_min"]["value"], rel=1e-6)
@@ -171,14 +174,14 @@ def pem(path: Path, security: Security) -> Path:
 def test_a_scheduler_that_is_there_already(two, tmp_path):
     address, keys = two._client.scheduler.address, pem(tmp_path / "keys.pem", two._client.security)
     with cluster.existing(address, tls=keys) as workers:
-        assert dict(workers.outcomes([Job("a", square, (2.0,))])) == {"a": 4.0}
+        assert dict(workers.outcomes([Task("a", square, (2.0,))])) == {"a": 4.0}
     (tmp_path / "scheduler.json").write_text(json.dumps({"address": address}))
     with cluster.existing(file=tmp_path / "scheduler.json", tls=keys) as workers:
         assert run_tasks([Task("a", double, (2.0,))], workers) == [4.0]
 
 
 def test_a_scheduler_without_keys(scheduler):
-    """It takes anybody's jobs; with keys of ours we do not talk to it."""
+    """It takes anybody's tasks; with keys of ours we do not talk to it."""
     with cluster.existing(file=scheduler[1]) as workers:
         assert not workers._has_workers()
 
@@ -225,13 +228,13 @@ def scheduler(tmp_path) -> Iterator[tuple[subprocess.Popen[bytes], Path]]:
         process.kill()
 
 
-def test_jobs_of_a_scheduler_that_is_lost_have_failed(scheduler, capfd):
+def test_tasks_of_a_scheduler_that_is_lost_have_failed(scheduler, capfd):
     """Also those that wait for the programs of another one; nothing waits for ever, and nothing is said twice."""
     process, file = scheduler
-    jobs = [Job("a", max, (1,), "program"), Job("b", max, (2,), "program"), Job("c", max, (3,))]  # nobody does them
-    asked = iter([False, False, False])
+    tasks = [Task(name, max, (1, 2), program=program) for name, program in zip("abc", ("p", "p", ""), strict=True)]
+    asked = iter([False, False, False])  # then the scheduler is killed; nobody does the tasks
     with cluster.existing(file=file) as workers:
-        found = dict(workers.outcomes(jobs, asked=lambda: next(asked, None) is None and process.kill() is None))
+        found = dict(workers.outcomes(tasks, lambda: next(asked, None) is None and process.kill() is None))
     assert found == dict.fromkeys("abc", Failure("the scheduler was lost"))
     assert capfd.readouterr() == ("", "")
 
@@ -242,7 +245,7 @@ def test_workers_that_never_come_are_missed(scheduler, monkeypatch):
     said: list[str] = []
     monkeypatch.setattr(cluster.warnings, "warn", lambda text, *_, **__: said.append(text))
     with cluster.existing(file=scheduler[1]) as workers:
-        assert dict(workers.outcomes([Job("a", max, (1,)), Job("b", max, (2,))], asked=lambda: bool(said))) == {}
+        assert dict(workers.outcomes([Task("a", max, (1,)), Task("b", max, (2,))], lambda: bool(said))) == {}
     assert said == ["the scheduler has no workers: the runs wait until some come"]
 
 
@@ -312,17 +315,17 @@ def test_nobody_without_the_keys_gets_in(two, capfd):
     done = subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=True, cwd="/")
     assert json.loads(done.stdout) == []
     assert capfd.readouterr() == ("", "")
-    assert dict(two.outcomes([Job("after", square, (3.0,))])) == {"after": 9.0}
+    assert dict(two.outcomes([Task("after", square, (3.0,))])) == {"after": 9.0}
 
 
-def imported_from(wire: Wire | None) -> list[str]:
+def imported_from() -> list[str]:
     """The directories of dask from which this process imports modules."""
     return [place for place in sys.path if "dask-scratch-space" in place]
 
 
 def test_modules_come_from_no_directory_of_other_users(two):
     """By default dask imports from /tmp/dask-scratch-space, which anybody can make before."""
-    places = [imported_from(None), dict(two.outcomes([Job("a", imported_from)]))["a"]]
+    places = [imported_from(), dict(two.outcomes([Task("a", imported_from)]))["a"]]
     assert all(places)
     for place in [place for each in places for place in each]:
         private = os.stat(place.partition("/dask-scratch-space")[0])
@@ -343,8 +346,6 @@ def test_no_directory_of_dask_is_imported_from_afterwards(monkeypatch):
 
 KILLED = """
 from ertel.runs.cluster import local
-from ertel.runs.drive import simulate
-from ertel.runs.studies import gather, run_study
 from ertel.runs.tasks import Task, run_tasks
 from test_cluster import never_ends
 if __name__ == "__main__":

@@ -16,13 +16,13 @@ from cases import ertel_, impact, names, physics, stop_after
 
 import ertel
 from ertel.case.case import Case
-from ertel.case.height_map import HeightMap
+from ertel.case.height_map import HeightMap, Measured
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
-from ertel.physics.surfaces import Feature, Measured, SelfAffine
+from ertel.physics.surfaces import Feature, SelfAffine
 from ertel.plots.view import View
 from ertel.results import diagnostics
-from ertel.runs import compiling
+from ertel.runs.compile import compilations
 from ertel.runs.drive import simulate
 from ertel.runs.store import RunStore, StoreError, compute
 from ertel.solvers import steady
@@ -120,10 +120,10 @@ def test_what_the_grid_and_the_map_lack_is_said(shape, nodes, said) -> None:
 def test_another_surface_needs_no_compilation() -> None:
     """Its heights are data of the programs."""
     simulate(rough(33))
-    compiled = compiling.count()
+    compiled = compilations()
     for shape in (replace(ROUGH, seed=5, longest=0.7), Measured(HeightMap(HEIGHTS), 6.0, 4.0, 0.02)):
         simulate(rough(33, shape))
-    assert compiling.count() == compiled
+    assert compilations() == compiled
 
 
 # -- in a run directory -----------------------------------------------------------------------------------------------

@@ -2,7 +2,8 @@
 
 import itertools
 import pickle
-from collections.abc import Mapping
+import time
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -13,15 +14,16 @@ from cases import names
 
 import ertel
 from ertel.case.case import Case
-from ertel.inputs.messages import ConfigError
+from ertel.case.records import ConfigError
 from ertel.inputs.studies import load_study, parse_study
-from ertel.results.scalars import scalars
+from ertel.results.numbers import scalars
 from ertel.results.study_result import StudyResult
+from ertel.runs import directory, studies
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
-from ertel.runs.studies import left_of, run_directory, run_study, write
-from ertel.runs.study_jobs import job_of, program_of
-from ertel.runs.workers import READY, Here
+from ertel.runs.studies import left_of, run_directory, run_study, study_bars, write
+from ertel.runs.warm_up import STEPS, has_compiled, program_of
+from ertel.runs.workers import LocalWorker, StopSignal
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "E_prime": "226.37 GPa"}
 OIL = {"eta0": "10 mPa*s", "alpha": "22 / GPa"}
@@ -41,11 +43,11 @@ def study_of(until: float = 0.02, mode: str = "product", **varying: Any) -> dict
     }
 
 
-class Nobody:
-    """Workers that have nothing to do."""
+class Remembering:
+    """Workers that do nothing, but remember what they should do."""
 
-    def outcomes(self, jobs, hear, asked):
-        assert not jobs
+    def outcomes(self, tasks, should_stop):
+        self.tasks = tasks
         return iter(())
 
 
@@ -84,7 +86,7 @@ def test_what_is_written_opens_without_ertel(four, recwarn):
 def test_what_is_done_is_not_done_again(four):
     study = parse_study(study_of())
     assert left_of(study, four) == {}
-    assert run_study(study, four, Nobody()) == {}
+    assert run_study(study, four, workers := Remembering()) == {} and workers.tasks == []
 
 
 def test_an_edited_study_runs_only_what_is_new(four):
@@ -112,17 +114,26 @@ def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
     """Stopped after three steps of the first run: it is an ordinary run that is continued."""
     study = parse_study(study_of(until=0.1, speed=["0.1 m/s"], eta0=["10 mPa*s", "20 mPa*s"]))
     steps = itertools.count()
-    said = run_study(study, tmp_path / "a", Here(), asked=lambda: next(steps) > 3)
+    said = run_study(study, tmp_path / "a", LocalWorker(), asked=lambda: next(steps) > 3)
     assert list(said.values()) == ["interrupted", "interrupted"]
     result = gathered(study, tmp_path / "a", said)
     assert not result.complete and result.failed == []
     first = run_directory(tmp_path / "a", study.cases[0])
     assert 0 < ertel.open(first).summary["steps"] <= 4
-    again = run_study(study, tmp_path / "a", Here())
-    whole = run_study(study, tmp_path / "b", Here())
+    again = run_study(study, tmp_path / "a", LocalWorker())
+    whole = run_study(study, tmp_path / "b", LocalWorker())
     assert again == whole and set(whole.values()) == {"converged"}
     found, wanted = (gathered(study, tmp_path / name).dataset["h_min_extreme"].values for name in "ab")
     assert np.array_equal(found, wanted)
+
+
+def test_a_wish_to_stop_reaches_other_processes_by_a_file(tmp_path):
+    asked: list[bool] = []
+    stop = StopSignal(tmp_path / "stop", lambda: bool(asked))
+    elsewhere = pickle.loads(pickle.dumps(stop))
+    assert not stop() and not elsewhere()
+    asked.append(True)
+    assert not elsewhere() and stop() and elsewhere()
 
 
 def test_a_run_that_cannot_be_done_is_a_value(tmp_path):
@@ -144,12 +155,46 @@ def test_a_table_a_figure_and_a_page(four):
     assert "4 runs: 4 converged" in repr(result) and "<table>" in result._repr_html_()
 
 
-def test_news_are_told_while_runs_are_done(tmp_path):
-    heard: list[Mapping[str, Any]] = []
+class Bars:
+    """Progress bars that remember their news."""
+
+    disable = False
+
+    def __init__(self):
+        self.news: dict[str, list[tuple[float, str]]] = {}
+
+    def add_task(self, name, total, news):
+        self.news[name] = []
+        return name
+
+    def update(self, name, completed=0.0, advance=0, news=""):
+        self.news[name].append((completed, news))
+
+    def remove_task(self, name):
+        assert name in self.news
+
+
+def test_the_bars_say_what_the_runs_write_of_their_progress(tmp_path, monkeypatch):
+    """So does the file tell when the programs of a run are compiled."""
     study = parse_study(study_of(until=0.2, speed="0.1 m/s"))
-    run_study(study, tmp_path, Here(), hear=lambda key, news: heard.append(news))
-    assert all(0 <= news["done"] <= 1 and "T " in news["text"] for news in heard)
-    assert sum(news[READY] for news in heard) == 2
+    monkeypatch.setattr(directory, "INTERVAL", 0.0)
+    monkeypatch.setattr(studies, "LOOK", 0.001)
+    said, compiled = Bars(), []
+    monkeypatch.setattr(studies, "bars", lambda shown: nullcontext(said))
+    original = RunStore.__call__
+
+    def take(self, item):
+        compiled.append(has_compiled(self.case, self.directory))
+        time.sleep(0.005)
+        original(self, item)
+
+    monkeypatch.setattr(RunStore, "__call__", take)
+    with study_bars(tmp_path, left_of(study, tmp_path), True) as shown:
+        run_study(study, tmp_path, LocalWorker(), on_done=shown.done)
+    runs = [said.news[case.digest[:8]] for case in study.cases]
+    assert all(0 <= done <= 1 and text.startswith("T 0.") for news in runs for done, text in news) and all(runs)
+    assert [text.split()[1] for _, text in said.news["runs"]] == ["converged", "converged"]
+    assert compiled[: STEPS + 1] == [False] * (STEPS + 1) and compiled[STEPS + 2]
 
 
 def test_arguments_are_checked(tmp_path):
@@ -185,8 +230,9 @@ def test_a_measured_surface_goes_with_its_case_to_another_process(tmp_path):
     np.save(tmp_path / "disc.npy", np.random.default_rng(0).normal(size=(20, 30)))
     (tmp_path / "rough.toml").write_text(ROUGH)
     study = load_study(tmp_path / "rough.toml")
-    jobs = [job_of(run_directory(tmp_path, case), case) for case in study.cases]
-    arrived = [Case.from_data(*pickle.loads(pickle.dumps(job.arguments))[1:]) for job in jobs]
+    workers = Remembering()
+    run_study(study, tmp_path, workers)
+    arrived = [Case.from_data(*pickle.loads(pickle.dumps(task.arguments))[1:3]) for task in workers.tasks]
     assert tuple(arrived) == study.cases and arrived[0] != arrived[1]
 
 
@@ -197,7 +243,7 @@ ROLLING = {
 
 
 def test_errors_stand_beside_their_numbers():
-    found = scalars(ROLLING, None)
+    found = scalars(ROLLING)
     assert found["H_c_error"].value == 0.01 and "H_min_error" not in found
     assert found["H_c_error"].attributes == {
         "long_name": "estimated error of the central film thickness", "units": "1", "in_units_of": "a^2/R"

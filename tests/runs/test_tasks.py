@@ -15,7 +15,7 @@ from cases import names
 from ertel.runs import plain
 from ertel.runs import tasks as tasks_module
 from ertel.runs.tasks import Failure, Task, kept, run_tasks
-from ertel.runs.workers import Here
+from ertel.runs.workers import LocalWorker, never
 from ertel.version import source_digest
 
 CALLS: list[float] = []
@@ -30,11 +30,11 @@ def one_over(x: float) -> float:
     return 1 / x
 
 
-class Backwards(Here):
-    """Does the last job first."""
+class Backwards(LocalWorker):
+    """Does the last task first."""
 
-    def outcomes(self, jobs, hear, asked):
-        return super().outcomes(jobs[::-1], hear, asked)
+    def outcomes(self, tasks, should_stop=never):
+        return super().outcomes(tasks[::-1])
 
 
 def test_results_come_in_the_order_of_the_tasks():
@@ -42,23 +42,23 @@ def test_results_come_in_the_order_of_the_tasks():
 
 
 def test_a_failure_is_a_value():
-    results = run_tasks([Task("good", one_over, (2,)), Task("bad", one_over, (0,))], Here())
+    results = run_tasks([Task("good", one_over, (2,)), Task("bad", one_over, (0,))], LocalWorker())
     assert results == [0.5, Failure("ZeroDivisionError: division by zero")]
 
 
 def test_what_is_kept_is_not_run_again(tmp_path: Path):
     tasks = [Task(str(x), double, (x,)) for x in (1, 2)]
-    run_tasks(tasks[:1], Here(), tmp_path)
+    run_tasks(tasks[:1], LocalWorker(), tmp_path)
     CALLS.clear()
     seen = []
-    assert run_tasks(tasks, Here(), tmp_path, lambda task, result: seen.append((task.name, result))) == [2, 4]
+    assert run_tasks(tasks, LocalWorker(), tmp_path, lambda task, result: seen.append((task.name, result))) == [2, 4]
     assert CALLS == [2]
     assert seen == [("1", 2), ("2", 4)]
 
 
 def test_other_arguments_are_run_again(tmp_path: Path):
-    run_tasks([Task("a", double, (1,))], Here(), tmp_path)
-    assert run_tasks([Task("a", double, (5,))], Here(), tmp_path) == [10]
+    run_tasks([Task("a", double, (1,))], LocalWorker(), tmp_path)
+    assert run_tasks([Task("a", double, (5,))], LocalWorker(), tmp_path) == [10]
 
 
 def flipped(content: bytes, bit: int) -> bytes:
@@ -69,7 +69,7 @@ def flipped(content: bytes, bit: int) -> bytes:
 
 def test_a_kept_result_with_any_bit_flipped_is_computed_again(tmp_path: Path, caplog: pytest.LogCaptureFixture):
     task = Task("a", double, (1.5,))
-    run_tasks([task], Here(), tmp_path)
+    run_tasks([task], LocalWorker(), tmp_path)
     file = tmp_path / "a.result"
     whole = file.read_bytes()
     for bit in range(0, 8 * len(whole), 97):
@@ -79,7 +79,7 @@ def test_a_kept_result_with_any_bit_flipped_is_computed_again(tmp_path: Path, ca
         file.write_bytes(whole[:length])
         assert kept([task], tmp_path) == {}, f"{length} bytes"
     assert "a.result: is damaged, its checksum does not fit" in caplog.text
-    assert run_tasks([task], Here(), tmp_path) == [3.0]
+    assert run_tasks([task], LocalWorker(), tmp_path) == [3.0]
     assert file.read_bytes() == whole
 
 
@@ -103,7 +103,7 @@ def test_a_file_beside_the_results_runs_no_code(tmp_path: Path, name: str):
     body = archive.getvalue() if name.endswith("result") else pickle.dumps(Evil(proof))
     checksum = hashlib.sha256(body).digest() if name.endswith("result") else b""
     (directory / name).write_bytes(checksum + body)
-    assert run_tasks([task], Here(), directory) == [2]
+    assert run_tasks([task], LocalWorker(), directory) == [2]
     assert not proof.exists()
 
 
@@ -111,7 +111,7 @@ def test_a_file_beside_the_results_runs_no_code(tmp_path: Path, name: str):
 def test_a_file_of_another_kind_is_computed_again(tmp_path: Path, caplog: pytest.LogCaptureFixture, body: bytes):
     """Also with the right checksum: only somebody else can have written it."""
     (tmp_path / "a.result").write_bytes(hashlib.sha256(body).digest() + body)
-    assert run_tasks([Task("a", double, (1,))], Here(), tmp_path) == [2]
+    assert run_tasks([Task("a", double, (1,))], LocalWorker(), tmp_path) == [2]
     assert "is no file of plain data" in caplog.text
 
 
@@ -137,17 +137,17 @@ def test_datasets_numbers_and_lists_come_back_exactly(tmp_path: Path):
 )
 def test_what_is_not_plain_data_is_refused_where_it_would_be_kept(tmp_path: Path, task: Task, message: str):
     with pytest.raises(TypeError, match=message):
-        run_tasks([task], Here(), tmp_path)
+        run_tasks([task], LocalWorker(), tmp_path)
 
 
 def test_a_full_disk_leaves_the_results_before_it_and_nothing_half_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     tasks = [Task(str(x), double, (x,)) for x in (1, 2)]
-    run_tasks(tasks[:1], Here(), tmp_path)
+    run_tasks(tasks[:1], LocalWorker(), tmp_path)
     monkeypatch.setattr(Path, "replace", disk_full)
     with pytest.raises(OSError, match=f"No space left on device: '{tmp_path / '2.result'}'"):
-        run_tasks(tasks, Here(), tmp_path)
+        run_tasks(tasks, LocalWorker(), tmp_path)
     assert names(tmp_path) == {"1.result"}
     assert kept(tasks, tmp_path) == {"1": 2}
 
@@ -162,7 +162,7 @@ def test_a_directory_that_cannot_be_written_is_refused_before_anything_is_comput
     CALLS.clear()
     monkeypatch.setattr(tasks_module, "TemporaryFile", lambda dir: disk_full())
     with pytest.raises(OSError, match="No space left"):
-        run_tasks([Task("a", double, (1,))], Here(), tmp_path)
+        run_tasks([Task("a", double, (1,))], LocalWorker(), tmp_path)
     assert CALLS == []
 
 
@@ -172,19 +172,19 @@ def test_an_interrupt_keeps_what_is_done(tmp_path: Path):
 
     tasks = [Task(str(x), double, (x,)) for x in (1, 2)]
     with pytest.raises(KeyboardInterrupt):
-        run_tasks(tasks, Here(), tmp_path, interrupt)
+        run_tasks(tasks, LocalWorker(), tmp_path, interrupt)
     assert kept(tasks, tmp_path) == {"1": 2}
 
 
 def test_failures_are_not_kept(tmp_path: Path):
     task = Task("bad", one_over, (0,))
-    run_tasks([task], Here(), tmp_path)
+    run_tasks([task], LocalWorker(), tmp_path)
     assert kept([task], tmp_path) == {}
 
 
 def test_names_must_differ():
     with pytest.raises(ValueError, match="must differ"):
-        run_tasks([Task("a", double, (1,)), Task("a", double, (2,))], Here())
+        run_tasks([Task("a", double, (1,)), Task("a", double, (2,))], LocalWorker())
 
 
 # -- what belongs to the stamp of a kept result ------------------------------------------------------------------------
@@ -218,7 +218,7 @@ def test_the_digest_of_sources_sees_only_sources(sources: Path):
 
 def test_a_result_of_other_sources_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     task = Task("a", double, (1,))
-    run_tasks([task], Here(), tmp_path)
+    run_tasks([task], LocalWorker(), tmp_path)
     assert kept([task], tmp_path) == {"a": 2}
     monkeypatch.setattr(tasks_module, "own_sources", lambda: "other sources")
     assert kept([task], tmp_path) == {}

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import ripples
 from cases import OIL, march, rolled, steady_solver
 
 from ertel.case.case import Case
@@ -22,7 +23,6 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Waviness
-from ertel.results import ripples
 from ertel.runs.response import respond_in_rolling
 from ertel.solvers import harmonic, steady
 from ertel.solvers.harmonic import Wave

@@ -21,7 +21,7 @@ from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness
 from ertel.results.fronts import at_max_approach
 from ertel.results.result import Result
-from ertel.runs import compiling
+from ertel.runs.compile import compilations
 from ertel.runs.drive import simulate
 from ertel.solvers import transient
 from ertel.solvers.transient import Transient2D
@@ -247,9 +247,9 @@ def test_a_cavity_grows_and_shrinks_in_few_iterations() -> None:
 
 def test_one_compilation_serves_every_case_of_a_shape() -> None:
     simulate(impact(50, 5, 33, time={"until": 0.5}))
-    before = compiling.count()
+    before = compilations()
     simulate(impact(80, 7, 33, time={"until": 0.5}))
-    assert compiling.count() == before
+    assert compilations() == before
 
 
 def test_the_film_formula_for_trapped_oil() -> None:

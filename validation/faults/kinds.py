@@ -23,7 +23,7 @@ from ertel.case.case import Case
 from ertel.inputs.case_files import load_case
 from ertel.inputs.studies import load_study
 from ertel.numerics.programs import Program
-from ertel.runs import arrays, forks
+from ertel.runs import arrays, workers
 from ertel.runs.courses import course_of
 from ertel.runs.drive import drive
 from ertel.runs.store import RunStore, compute, open_run
@@ -142,7 +142,7 @@ def record(chosen: dict[str, Kind]) -> None:
         return programs.setdefault(program, Remembered(lambda *given: compiled_of(program, *given)(*given)))
 
     Program.ready = ready  # type: ignore[method-assign, assignment]
-    forks.check = lambda: None  # the children compute nothing for which JAX needs its threads
+    workers.check_fork = lambda: None  # the children compute nothing for which JAX needs its threads
     with TemporaryDirectory() as scratch:
         for kind in chosen.values():
             for number, case in enumerate(kind.cases()):

@@ -5,6 +5,8 @@
 The traction curves take the film of one slide-to-roll ratio, so that they show what heat does.
 """
 
+import sys
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -18,9 +20,12 @@ from ertel.equations.heat import Heated
 from ertel.equations.state import GridSolution
 from ertel.numerics.integrals import Plane
 from ertel.physics.flash import flash_temperature
-from ertel.physics.thermal import Solid, gupta_factor, mean_rise, nahme, wilson_sheu_factor
+from ertel.physics.thermal import Solid, gupta_factor, wilson_sheu_factor
 from ertel.physics.warming import cold, warmed
 from ertel.solvers import steady
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
+from closed_forms import mean_rise, nahme
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 

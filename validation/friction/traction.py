@@ -2,7 +2,7 @@
 
     python validation/friction/traction.py
 
-prints the table of traction.md and draws traction.png.  The formula is `ertel.physics.traction.arana_traction`.  Both
+prints the table of traction.md and draws traction.png.  The formula is `arana_traction` of tests/closed_forms.py.  Both
 have Eyring's law with tau_E = 2 Lambda/alpha, alpha the secant coefficient at the mean pressure, both the film that is
 computed here for S = 0, and both an oil of 60 degC.  They differ in three things: the formula has one pressure, the
 mean of Hertz, where the curve has the pressure of the contact; it cuts off at Lambda, where the curve has the law
@@ -10,6 +10,7 @@ mean of Hertz, where the curve has the pressure of the contact; it cuts off at L
 stress cut off at Lambda p, node by node.
 """
 
+import sys
 from functools import cache
 from math import log, pi
 from pathlib import Path
@@ -26,9 +27,11 @@ from ertel.equations import friction
 from ertel.equations.state import GridSolution
 from ertel.numerics.integrals import Plane
 from ertel.physics.fluidity import cut_off
-from ertel.physics.traction import arana_traction
 from ertel.runs.curves import curve_of
 from ertel.solvers import steady
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
+from closed_forms import arana_traction
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 

@@ -6,15 +6,19 @@ prints the table of waviness.md.
 """
 
 import argparse
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import jax
 
 import ertel
 from ertel.case.case import Case
 from ertel.physics.fluidity import ReeEyring
-from ertel.results import ripples
 from ertel.runs.response import respond_in_rolling
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
+import ripples
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 

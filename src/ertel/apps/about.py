@@ -7,9 +7,10 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import ertel
-from ertel.apps.paths import shown
+from ertel.apps.terminal import shown
 from ertel.case.status import Status
-from ertel.runs import compiling, progress_file
+from ertel.runs.compile import NoDevice, cache_directory, jax_devices, wrong_version
+from ertel.runs.directory import read_progress
 from ertel.runs.store import RunStore
 
 PACKAGES = {"JAX": "jax", "jaxlib": "jaxlib", "NumPy": "numpy", "SciPy": "scipy", "xarray": "xarray", "zarr": "zarr"}
@@ -39,9 +40,9 @@ def about() -> dict[str, str]:
         "ertel": ertel.__version__,
         "Python": f"{platform.python_version()} on {platform.system()} {platform.machine()}",
         **{name: _version(package) for name, package in PACKAGES.items()},
-        "known faults": compiling.wrong_version(_version("jaxlib")) or "none in this version of JAX",
+        "known faults": wrong_version(_version("jaxlib")) or "none in this version of JAX",
         "devices": devices(),
-        "compile cache": str(compiling.cache_directory() or "none: there is no home directory"),
+        "compile cache": str(cache_directory() or "none: there is no home directory"),
         "citation": CITATION.format(version=ertel.__version__),
     }
 
@@ -71,7 +72,7 @@ def _end(run: RunStore) -> str:
     """How a run ended, or how far it is."""
     summary: dict[str, Any] | None = run.summary()
     if summary is None:
-        progress = progress_file.read(run.directory)
+        progress = read_progress(run.directory)
         far = f", {progress['done']:.0%} done at {progress['written']}" if progress else ""
         return f"not yet{far}"
     status = Status(summary["status"])
@@ -82,8 +83,8 @@ def _end(run: RunStore) -> str:
 def devices() -> str:
     """The devices that JAX computes on."""
     try:
-        found = [device.device_kind for device in compiling.devices()]
-    except (ImportError, compiling.NoDevice) as error:
+        found = [device.device_kind for device in jax_devices()]
+    except (ImportError, NoDevice) as error:
         return f"none: {error}"
     return ", ".join(f"{kind} ({os.cpu_count()} cores)" if kind == "cpu" else kind for kind in found)
 

@@ -1,36 +1,77 @@
-"""Arguments and flags that several commands have."""
+"""Arguments and flags that several commands have, with what the tab key completes."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ertel.apps import completion
-from ertel.apps.paths import local_path
+from ertel.apps.terminal import local_path
+
+CASE = "case.toml"  # in a run directory
+
+# -- completion: these functions run at each press of the tab key and import little -----------------------------------
 
 
-def _file(metavar: str, text: str) -> Any:
-    return typer.Argument(
-        parser=local_path, metavar=metavar, help=text, autocompletion=completion.case_files, show_default=False
-    )
+def run_directories(incomplete: str) -> list[str]:
+    """Directories of runs that begin so, and directories in which there may be some."""
+    return [text for path, text in _entries(incomplete) if path.is_dir()]
 
 
-CaseFile = Annotated[Path, _file("CASE.toml", "Case file; see examples/.")]
-StudyFile = Annotated[Path, _file("SWEEP.toml", "Case file with lists or ranges of values.")]
+def case_files(incomplete: str) -> list[str]:
+    """Case files that begin so, and directories in which there may be some."""
+    return [text for path, text in _entries(incomplete) if path.is_dir() or path.suffix == ".toml"]
 
 
-def _run_directory(metavar: str) -> Any:
-    return typer.Argument(
-        parser=local_path,
-        metavar=metavar,
-        help="Directory of a run.",
-        autocompletion=completion.run_directories,
-        show_default=False,
-    )
+def settings(incomplete: str) -> list[str]:
+    """section.key= for the keys of case files that begin so."""
+    from ertel.inputs.layout import SECTIONS, section
+
+    found = [f"{name}.{key.name}=" for name in SECTIONS for key in section(name).keys]
+    return [text for text in found if text.startswith(incomplete)]
 
 
-RunDirectory = Annotated[Path, _run_directory("DIR")]
-OptionalRun = Annotated[Path | None, _run_directory("[DIR]")]
+def figures(incomplete: str) -> list[str]:
+    """Names of figures that begin so."""
+    from ertel import plots
+
+    return [name for name in plots.NAMES if name.startswith(incomplete)]
+
+
+def _entries(incomplete: str) -> Iterator[tuple[Path, str]]:
+    """What lies in the directory that a text names so far and begins like its end: the path and the whole text.
+
+    A directory of a run is complete; any other one ends with a slash, so that one can go on.
+    """
+    folder, slash, start = incomplete.rpartition("/")
+    place = Path(f"{folder}{slash}").expanduser() if slash else Path()
+    try:
+        found = sorted(place.iterdir())
+    except OSError:
+        return
+    for path in found:
+        if path.name.startswith(start) and (start or not path.name.startswith(".")):
+            is_open = path.is_dir() and not (path / CASE).exists()
+            yield path, f"{folder}{slash}{path.name}{'/' if is_open else ''}"
+
+
+# -- arguments and flags ----------------------------------------------------------------------------------------------
+
+
+def path_argument(metavar: str, text: str, completes: Any = None) -> Any:
+    """An argument that is a file or a directory."""
+    return typer.Argument(parser=local_path, metavar=metavar, help=text, autocompletion=completes, show_default=False)
+
+
+def path_option(text: str, metavar: str = "DIR") -> Any:
+    """An option that is a directory or a file."""
+    return typer.Option(parser=local_path, metavar=metavar, help=text)
+
+
+CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.", case_files)]
+StudyFile = Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.", case_files)]
+RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
+OptionalRun = Annotated[Path | None, path_argument("[DIR]", "Directory of a run.", run_directories)]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
 Estimate = Annotated[
@@ -43,39 +84,22 @@ Flush = Annotated[
         min=0.0,
         metavar="SECONDS",
         help="Write at least so far apart; default 5 s, and each grid of a steady run. A killed run loses this much.",
-        show_default=False,
     ),
 ]
 Jobs = Annotated[
     int | None,
-    typer.Option(
-        min=1,
-        help="Number of processes; default one per core. 1: this process, with all cores.",
-        show_default=False,
-    ),
+    typer.Option(min=1, help="Number of processes; default one per core. 1: this process, with all cores."),
 ]
 Scheduler = Annotated[
     str | None,
     typer.Option(
         metavar="ADDRESS",
         help="Use the workers of a dask scheduler that runs. Who reaches it can run programs as you.",
-        show_default=False,
     ),
 ]
-SchedulerFile = Annotated[
-    Path | None,
-    typer.Option(
-        parser=local_path, metavar="FILE", help="The same, by the file that the scheduler wrote.", show_default=False
-    ),
-]
+SchedulerFile = Annotated[Path | None, path_option("The same, by the file that the scheduler wrote.", "FILE")]
 Tls = Annotated[
-    Path | None,
-    typer.Option(
-        parser=local_path,
-        metavar="FILE",
-        help="PEM file with certificate, key and authority, for a scheduler at tls://.",
-        show_default=False,
-    ),
+    Path | None, path_option("PEM file with certificate, key and authority, for a scheduler at tls://.", "FILE")
 ]
 Set = Annotated[
     list[str] | None,
@@ -83,16 +107,11 @@ Set = Annotated[
         "--set",
         metavar="KEY=VALUE",
         help="Replace a value of the case, e.g. solver.nodes=129.",
-        autocompletion=completion.settings,
+        autocompletion=settings,
     ),
 ]
 
 
-def directory_option(text: str) -> Any:
-    """An option for a directory."""
-    return typer.Option(parser=local_path, metavar="DIR", help=text, show_default=False)
-
-
 def values_option(example: str, text: str) -> Any:
     """An option for what varies along a curve."""
-    return typer.Option(metavar="VALUES", help=f"{text} Such as {example}.", show_default=False)
+    return typer.Option(metavar="VALUES", help=f"{text} Such as {example}.")

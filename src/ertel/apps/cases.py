@@ -1,16 +1,13 @@
 """`ertel new`, `ertel schema` and `ertel check`: case files before they are run."""
 
-from enum import StrEnum
 from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from ertel.apps import output
-from ertel.apps.arguments import CaseFile, Json, Set
-from ertel.apps.exits import BAD_INPUT, bad_input, leave
-from ertel.apps.paths import in_shell, local_path, shown
+from ertel.apps.arguments import CaseFile, Json, Set, path_argument
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, shown
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -18,20 +15,11 @@ if TYPE_CHECKING:
 WIDTH = 100
 
 
-class Kind(StrEnum):
-    """Kinds of contact."""
-
-    impact = "impact"
-    rolling = "rolling"
-
-
 def new(
-    kind: Annotated[Kind, typer.Argument(help="Kind of contact.", show_default=False)],
+    kind: Annotated[Literal["impact", "rolling"], typer.Argument(help="Kind of contact.")],
     file: Annotated[
         Path | None,
-        typer.Argument(
-            parser=local_path, metavar="[FILE]", help="New case file; default KIND.toml.", show_default=False
-        ),
+        path_argument("[FILE]", "New case file; default KIND.toml."),
     ] = None,
 ) -> None:
     """Write a new case file that runs, with all keys and their meanings.
@@ -42,15 +30,15 @@ def new(
     from ertel.inputs.json_schema import json_schema_text
     from ertel.inputs.templates import SCHEMA_FILE, template
 
-    path = file or Path(f"{kind.value}.toml").absolute()
+    path = file or Path(f"{kind}.toml").absolute()
     with bad_input():
         path.parent.mkdir(parents=True, exist_ok=True)
-        if not _write_new(path, template(kind.value, in_shell(path))):
+        if not _write_new(path, template(kind, in_shell(path))):
             leave(BAD_INPUT, f"{shown(path)} is there already and is left as it is; give another FILE")
         schema = path.with_name(SCHEMA_FILE)
         written = [path, schema] if _write_new(schema, json_schema_text()) else [path]
     for each in written:
-        print(output.printable(shown(each)))
+        print_path(each)
 
 
 def _write_new(path: Path, text: str) -> bool:
@@ -71,24 +59,25 @@ def schema(
     With ertel schema > ertel.schema.json and the line #:schema ./ertel.schema.json at the head of a case file editors
     show what keys mean, complete them, and mark what is wrong. Units are known to it in their usual spellings only.
     """
-    from ertel.inputs import keys
     from ertel.inputs.json_schema import json_schema_text
+    from ertel.inputs.layout import places
+    from ertel.inputs.templates import table
 
-    print(keys.table(keys.places()) if as_table else json_schema_text(), end="")
+    print(table(places()) if as_table else json_schema_text(), end="")
 
 
 def print_keys(wanted: bool) -> None:
     """Print all keys with their meanings, and end; the callback of --help-keys."""
     if not wanted:
         return
-    from ertel.inputs import keys
+    from ertel.inputs.layout import places
 
-    for title, text, found in keys.places():
+    for title, text, found in places():
         print(f"\n{title}  {text}" if title != "(top)" else "Keys of case files")
         for key in found:
             default = f"; default {key.default}" if key.default else ""
             print(f"  {key.name}  ({key.kind}{default})")
-            for line in wrap(key.meaning, WIDTH):
+            for line in wrap(key.meaning.text, WIDTH):
                 print(f"      {line}")
     raise typer.Exit
 
@@ -105,7 +94,7 @@ def check(case_file: CaseFile, set_: Set = None, as_json: Json = False) -> None:
         case = load_case(case_file, set_ or [])
     found = outlook(case)
     if as_json:
-        output.print_json(found)
+        print_json(found)
     else:
         _print_outlook(case, found)
 

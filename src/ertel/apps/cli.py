@@ -9,13 +9,12 @@ Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing wr
 import os
 import sys
 from collections.abc import Mapping
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from ertel.apps import cases, completion, freed_memory, looking, output
+from ertel.apps import cases, looking, process
 from ertel.apps.arguments import (
     CaseFile,
     Estimate,
@@ -30,16 +29,17 @@ from ertel.apps.arguments import (
     Set,
     StudyFile,
     Tls,
-    directory_option,
+    figures,
+    path_argument,
+    path_option,
     values_option,
 )
 from ertel.apps.browser.command import browse
-from ertel.apps.exits import bad_input
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
 from ertel.apps.paper import paper
-from ertel.apps.paths import local_path, shown
 from ertel.apps.plotting import Interferogram, PlotOptions, Wavelength
+from ertel.apps.terminal import bad_input, print_json, say, shown
 
 app = typer.Typer(
     cls=Commands,
@@ -49,25 +49,14 @@ app = typer.Typer(
 )
 
 
-class Format(StrEnum):
-    """What `ertel plot` writes."""
-
-    png = "png"
-    svg = "svg"
-    pdf = "pdf"
-    gif = "gif"
-    webp = "webp"
-    mp4 = "mp4"
-
-
 def main() -> None:
     """The entry point `ertel`."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the small dense solves lose more than they gain by threads
     os.environ["JAX_ENABLE_X64"] = "1"  # for all that a command computes, also in the processes that it starts
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # or XLA calls code that it compiled itself an error
     sys.modules["dask.array"] = None  # type: ignore[assignment]  # or xarray imports it, for arrays that ertel never makes
-    freed_memory.keep()
-    with output.never_failing():
+    process.keep_freed_memory()
+    with process.safe_streams():
         app()
 
 
@@ -90,7 +79,7 @@ def _options(
 @app.command()
 def run(
     case_file: CaseFile,
-    out: Annotated[Path | None, directory_option("New directory for the run; default runs/NAME.")] = None,
+    out: Annotated[Path | None, path_option("New directory for the run; default runs/NAME.")] = None,
     set_: Set = None,
     as_json: Json = False,
     error: Estimate = False,
@@ -103,17 +92,19 @@ def run(
 ) -> None:
     """Run a case and store the results."""
     from ertel.inputs.case_files import load_case
-    from ertel.runs import compiling
+    from ertel.runs.compile import jax_prepared
 
     with bad_input():
         case = load_case(case_file, set_ or [])
-    with compiling.prepared(case):
+
+    def tell() -> None:
+        if not quiet:
+            say("The run is done; compiling faster programs for later runs, which Ctrl-C ends")
+
+    with jax_prepared(case, tell):
         from ertel.apps import running  # while programs are loaded
-        from ertel.numerics import programs
 
         running.run(case, out, running.Wishes(as_json, error, quiet, flush))
-        if programs.hurried() and not quiet:
-            output.say("The run is done; compiling faster programs for later runs, which Ctrl-C ends")
 
 
 @app.command()
@@ -133,10 +124,10 @@ def traction(
     mean_speed: Annotated[str | None, values_option("0.1 m/s:10 m/s:12:log", "The mean speed varies.")] = None,
     load: Annotated[str | None, values_option("10 N:100 N:5", "The load varies.")] = None,
     film: Annotated[
-        str | None, typer.Option(metavar="each|once", help="Solve the film at each point, or once.", show_default=False)
+        str | None, typer.Option(metavar="each|once", help="Solve the film at each point, or once.")
     ] = None,
     set_: Set = None,
-    out: Annotated[Path | None, directory_option("New directory for the curve; default traction/NAME.")] = None,
+    out: Annotated[Path | None, path_option("New directory for the curve; default traction/NAME.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -162,7 +153,7 @@ def traction(
 @app.command()
 def sweep(
     study_file: StudyFile,
-    out: Annotated[Path | None, directory_option("Directory of the study; default sweeps/NAME.")] = None,
+    out: Annotated[Path | None, path_option("Directory of the study; default sweeps/NAME.")] = None,
     set_: Set = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
@@ -173,7 +164,6 @@ def sweep(
         typer.Option(
             metavar="I/N",
             help="Do the I-th of N parts only, such as one task of a job array; the command without it gathers.",
-            show_default=False,
         ),
     ] = None,
     as_json: Json = False,
@@ -201,12 +191,7 @@ def sweep(
 def warm_up(
     case_files: Annotated[
         list[Path] | None,
-        typer.Argument(
-            parser=local_path,
-            metavar="[CASE.toml]...",
-            help="Case files; default the usual grids.",
-            show_default=False,
-        ),
+        path_argument("[CASE.toml]...", "Case files; default the usual grids."),
     ] = None,
     set_: Set = None,
 ) -> None:
@@ -244,22 +229,20 @@ def plot(
         typer.Option(
             metavar="NAME",
             help="Draw one figure only, such as film.",
-            autocompletion=completion.figures,
-            show_default=False,
+            autocompletion=figures,
         ),
     ] = None,
     at: Annotated[
         str | None,
-        typer.Option(
-            metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.", show_default=False
-        ),
+        typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end."),
     ] = None,
     interferogram: Interferogram = None,
     wavelength: Wavelength = None,
     format_: Annotated[
-        Format, typer.Option("--format", help="File format; gif, webp and mp4 are movies of an interferogram.")
-    ] = Format.png,
-    out: Annotated[Path | None, directory_option("Directory for the figures; default DIR/plots.")] = None,
+        Literal["png", "svg", "pdf", "gif", "webp", "mp4"],
+        typer.Option("--format", help="File format; gif, webp and mp4 are movies of an interferogram."),
+    ] = "png",
+    out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
 ) -> None:
     """Draw the figures of a run, or with --interferogram what an experimenter sees through coated glass.
 
@@ -268,7 +251,7 @@ def plot(
     """
     from ertel.apps import plotting, running
 
-    options = PlotOptions(what, at, interferogram, wavelength, format_.value)
+    options = PlotOptions(what, at, interferogram, wavelength, format_)
     options.check()
     with running.opened(directory) as run:
         plotting.write(run.dataset(), options, out or directory / "plots")
@@ -295,7 +278,7 @@ def params(given: Mapping[str, object], as_json: Json = False) -> None:
         case = case_of_flags(given)
     content = parameter_summary(case)
     if as_json:
-        output.print_json(content)
+        print_json(content)
     else:
         from ertel.apps import tables
 
@@ -308,9 +291,7 @@ def film(
     given: Mapping[str, object],
     case_file: Annotated[
         Path | None,
-        typer.Argument(
-            parser=local_path, metavar="[CASE.toml]", help="Case file of a rolling contact.", show_default=False
-        ),
+        path_argument("[CASE.toml]", "Case file of a rolling contact."),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -332,7 +313,7 @@ def film(
             raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
     found = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if as_json:
-        output.print_json(tables.films_as_data(case, found))
+        print_json(tables.films_as_data(case, found))
     else:
         console = tables.console()
         console.print(tables.film_table(case, found, {}))
@@ -341,9 +322,7 @@ def film(
 
 @app.command()
 def oils(
-    name: Annotated[
-        str | None, typer.Argument(metavar="[NAME]", help="An oil or a material.", show_default=False)
-    ] = None,
+    name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="An oil or a material.")] = None,
     as_json: Json = False,
 ) -> None:
     """Print the oils and materials that case files know by name, or all data of one with their sources."""
@@ -352,7 +331,7 @@ def oils(
     with bad_input():
         entry = oils.find(name) if name else None
     if as_json:
-        output.print_json(oils.as_data(entry) if entry else oils.library_data())
+        print_json(oils.as_data(entry) if entry else oils.library_data())
     elif entry:
         oils.print_entry(tables.console(), entry)
     else:

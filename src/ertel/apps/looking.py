@@ -1,40 +1,23 @@
 """`ertel ls`, `ertel compare` and `ertel export`: many runs, two, or one for other programs."""
 
 from collections.abc import Sequence
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from ertel.apps import completion, output
-from ertel.apps.arguments import Json, RunDirectory, directory_option
-from ertel.apps.exits import bad_input
-from ertel.apps.paths import local_path, shown
+from ertel.apps.arguments import Json, RunDirectory, path_argument, path_option, run_directories
+from ertel.apps.terminal import bad_input, print_json, print_path, say, shown
 
 if TYPE_CHECKING:
-    from ertel.results.comparison import Pair
+    from ertel.results.numbers import Pair
     from ertel.runs.listing import Listed
-
-
-class Form(StrEnum):
-    """Forms of `ertel export`."""
-
-    netcdf = "netcdf"
-    csv = "csv"
-    vtk = "vtk"
 
 
 def ls(
     folder: Annotated[
         Path | None,
-        typer.Argument(
-            parser=local_path,
-            metavar="[DIR]",
-            help="Folder with runs, also in folders below it; default this one.",
-            autocompletion=completion.run_directories,
-            show_default=False,
-        ),
+        path_argument("[DIR]", "Folder with runs, also in folders below it; default this one.", run_directories),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -45,9 +28,9 @@ def ls(
     with bad_input():
         found = listed(folder)
     if as_json:
-        output.print_json([_as_data(run, folder) for run in found])
+        print_json([_as_data(run, folder) for run in found])
     elif not found:
-        output.say(f"no runs in {shown(folder)}")
+        say(f"no runs in {shown(folder)}")
     else:
         _print_runs(found, folder)
 
@@ -65,9 +48,10 @@ def _below(directory: Path, folder: Path) -> str:
 
 
 def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
-    from ertel.results.scalars import SHOWN, in_si
+    from ertel.results.numbers import SHOWN
+    from ertel.results.variables import name_in_si
 
-    names = [name for name in SHOWN if any(name in run.numbers or in_si(name) in run.numbers for run in runs)]
+    names = [name for name in SHOWN if any(name in run.numbers or name_in_si(name) in run.numbers for run in runs)]
     about = [(f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else "") for run in runs]
     columns = [
         ["run", *(_below(run.directory, folder) for run in runs)],
@@ -75,16 +59,16 @@ def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
         ["status", *(run.status if run.done >= 1 else f"{run.status} {run.done:.0%}" for run in runs)],
         ["written", *(f"{run.written:%Y-%m-%d %H:%M}" for run in runs)],
     ]
-    columns += [[name, *(_number(run, name, in_si(name)) for run in runs)] for name in ("M", "L", *names)]
+    columns += [[name, *(_number(run, name, name_in_si(name)) for run in runs)] for name in ("M", "L", *names)]
     _print_lines(columns, 4)
 
 
 def _print_lines(columns: Sequence[Sequence[str]], left: int) -> None:
     from ertel.apps import tables
-    from ertel.results.text import lines
+    from ertel.results.report import aligned
 
     out = tables.console()
-    for line in lines(columns, left):
+    for line in aligned(columns, left):
         out.print(line)
 
 
@@ -103,29 +87,23 @@ def compare(
     first: RunDirectory,
     second: RunDirectory,
     plot: Annotated[
-        Path | None,
-        typer.Option(
-            parser=local_path,
-            metavar="FILE",
-            help="Draw film and pressure of both into a file, such as both.png.",
-            show_default=False,
-        ),
+        Path | None, path_option("Draw film and pressure of both into a file, such as both.png.", "FILE")
     ] = None,
     as_json: Json = False,
 ) -> None:
     """Compare two runs: where their cases differ, and their numbers side by side."""
     from ertel.apps import running
-    from ertel.results import comparison
+    from ertel.results import numbers
 
     with running.opened(first) as one, running.opened(second) as two:
         summaries = [run.summary() or run.summary_so_far() for run in (one, two)]
         data = [run.dataset() for run in (one, two)] if plot else []
     cases = [run.case for run in (one, two)]
-    differing = comparison.differences(*cases)
-    pairs = comparison.pairs((cases[0], summaries[0]), (cases[1], summaries[1]))
+    differing = numbers.differences(*cases)
+    pairs = numbers.pairs(*summaries)
     if as_json:
         rows = [{**pair._asdict(), "change": pair.change} for pair in pairs]
-        output.print_json({"case": [difference._asdict() for difference in differing], "numbers": rows})
+        print_json({"case": [difference._asdict() for difference in differing], "numbers": rows})
     else:
         _print_differences(differing, [shown(first), shown(second)])
         _print_pairs(pairs, [summary["status"] for summary in summaries])
@@ -159,14 +137,17 @@ def _draw(data: Sequence[Any], names: Sequence[str], path: Path) -> None:
     with bad_input():
         figure = plots.comparison(data, names)
         figure.savefig(path)
-    print(output.printable(shown(path)))
+    print_path(path)
 
 
 def export(
     directory: RunDirectory,
-    to: Annotated[Form, typer.Option("--to", help="NetCDF, tables of the scalars, or maps for ParaView.")],
+    to: Annotated[
+        Literal["netcdf", "csv", "vtk"],
+        typer.Option("--to", help="NetCDF, tables of the scalars, or maps for ParaView."),
+    ],
     in_si: Annotated[bool, typer.Option("--si", help="Convert to SI; needs a case in SI.")] = False,
-    out: Annotated[Path | None, directory_option("Directory for the files; default DIR/export.")] = None,
+    out: Annotated[Path | None, path_option("Directory for the files; default DIR/export.")] = None,
 ) -> None:
     """Write a run for other programs.
 
@@ -185,6 +166,6 @@ def export(
     with bad_input():
         shown_data = to_si(data) if in_si else data
         target.mkdir(parents=True, exist_ok=True)
-        paths = exports.EXPORTS[to.value](shown_data, target)
+        paths = exports.EXPORTS[to](shown_data, target)
     for path in paths:
-        print(output.printable(shown(path)))
+        print_path(path)

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ertel.apps import interrupts, output
+from ertel.apps import process
 from ertel.apps.arguments import Jobs, Quiet, Scheduler, SchedulerFile, Tls
-from ertel.apps.exits import FAILED, bad_input, leave, reason_of
-from ertel.apps.paths import local_path, shown
+from ertel.apps.terminal import FAILED, bad_input, leave, local_path, print_path, reason_of, say, shown
 
 if TYPE_CHECKING:
-    from ertel.runs.sweep import Engine
+    from ertel.runs.tasks import Engine
 
 
 def paper(
@@ -35,18 +34,18 @@ def paper(
     After an interruption the same command continues.
     """
     from ertel.apps.boundary_layers import figures
-    from ertel.runs.sweep import Engine
+    from ertel.runs.tasks import Engine
 
     with bad_input():
         names = figures.names_of(figure)
         out.mkdir(parents=True, exist_ok=True)
     try:
         page, missing = _make_page(names, quick, out, Engine(jobs, scheduler, scheduler_file, tls), quiet)
-    except interrupts.Interrupted as error:
+    except process.Interrupted as error:
         leave(error.code, "interrupted; the same command continues")
     except OSError as error:
         leave(FAILED, f"cannot write to {shown(out)}: {reason_of(error)}; the same command continues")
-    print(output.printable(shown(page)))
+    print_path(page)
     if missing:
         leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))
 
@@ -54,15 +53,15 @@ def paper(
 def _make_page(names: list[str], quick: bool, out: Path, engine: "Engine", quiet: bool) -> tuple[Path, dict[str, str]]:
     """Run what is missing and write the page: its path, and why figures are missing."""
     from ertel.apps.boundary_layers import figures
-    from ertel.runs import compiling
-    from ertel.runs.progress import bars
+    from ertel.runs.compile import prepare_jax
+    from ertel.runs.drive import bars
 
-    compiling.prepare()  # or no run can begin
+    prepare_jax()  # or no run can begin
     runs, done, seconds = figures.expected(names, quick, out, engine.processes)
     if not quiet:
-        output.say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
+        say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
     with bars(not quiet) as progress, ExitStack() as stack:
-        with interrupts.deferred():
+        with process.deferred():
             workers = stack.enter_context(engine.workers(runs - done))
         bar = progress.add_task("runs", total=runs, news="")
 

@@ -2,31 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from ertel.apps.exits import BAD_INPUT, bad_input, leave
-from ertel.apps.output import printable
-from ertel.apps.paths import shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_path
 
 if TYPE_CHECKING:  # these take long to import
     import xarray as xr
 
     from ertel.optics import Light, Rig
 
+Lighting = Literal["mono", "two-beam", "white"]
 MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplotlib's name of its writer
-
-
-class Lighting(StrEnum):
-    """The light of an interferogram."""
-
-    mono = "mono"
-    two_beam = "two-beam"
-    white = "white"
 
 
 Interferogram = Annotated[
@@ -71,7 +61,7 @@ class PlotOptions:
             leave(BAD_INPUT, f"--format {self.kind}: only an interferogram moves; add --interferogram mono")
         if self.kind in MOVIES and self.at is not None:
             leave(BAD_INPUT, f"--at {self.at}: a movie shows all times; leave it out, or use --format png")
-        if self.wavelength is not None and self.lighting in (None, Lighting.white):
+        if self.wavelength is not None and self.lighting in (None, "white"):
             leave(BAD_INPUT, f"--wavelength {self.wavelength}: only for --interferogram mono or two-beam")
 
     def moment(self) -> float | str | None:
@@ -87,9 +77,9 @@ class PlotOptions:
         from ertel.optics import Monochromatic, Rig, TwoBeams, White
         from ertel.physics.units import Unit
 
-        if self.lighting is Lighting.white:
+        if self.lighting == "white":
             return White(), Rig()
-        rig = TwoBeams() if self.lighting is Lighting.two_beam else Rig()
+        rig = TwoBeams() if self.lighting == "two-beam" else Rig()
         if not self.wavelength:
             return Monochromatic(), rig
         try:
@@ -120,7 +110,7 @@ def write(data: "xr.Dataset", options: PlotOptions, target: Path) -> None:
     for name, save in saves.items():
         path = target / f"{name}.{options.kind}"
         save(path)
-        print(printable(shown(path)))
+        print_path(path)
 
 
 def _find_ffmpeg() -> None:

@@ -7,16 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from ertel.apps import tables
-from ertel.apps.exits import ASKED, BAD_INPUT, FAILED, bad_input, leave, reason_of
-from ertel.apps.interrupts import Stop, interruptible
-from ertel.apps.output import print_json, say
-from ertel.apps.paths import in_shell, shown
+from ertel.apps.process import Stop, interruptible
+from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, reason_of, say, shown
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.runs import beforehand, compiling, memory, store
-from ertel.runs.courses import Course, course_of
-from ertel.runs.drive import Gathering, drive
-from ertel.runs.progress import bars, watch
+from ertel.runs import outlook, store
+from ertel.runs.compile import cache_directory, prepare_jax
+from ertel.runs.courses import Run, course_of
+from ertel.runs.drive import Recorder, bars, drive, watch
 from ertel.runs.store import CASE, CHECKPOINT, SUMMARY, Damaged, RunStore, StoreError, Taken
 from ertel.runs.warm_up import warm_up
 
@@ -35,7 +33,7 @@ class Wishes:
 
 
 def run(case: Case, directory: Path | None, wishes: Wishes) -> None:
-    """Run a case in a new directory: that one, or runs/NAME; `compiling.prepare` comes first."""
+    """Run a case in a new directory: that one, or runs/NAME; `prepare_jax` comes first."""
     if not wishes.quiet:
         say_before([case])
     with within_memory(case):
@@ -51,12 +49,12 @@ def resume(directory: Path, wishes: Wishes) -> None:
         if done and (not wishes.error or done.get("error_estimate")):
             report(found, done, wishes)
             return
-        compiling.prepare()
+        prepare_jax()
         with within_memory(found.case):
             _finish(found, _compared(found.course, wishes), wishes)
 
 
-def _compared(course: Course, wishes: Wishes) -> Mapping[str, Course]:
+def _compared(course: Run, wishes: Wishes) -> Mapping[str, Run]:
     """The runs with which a run is compared for its error.  A grid may have no half grid for them."""
     with bad_input():
         return course.comparisons if wishes.error else {}
@@ -76,11 +74,11 @@ def show(directory: Path, as_json: bool) -> None:
 
 def warm_up_all(cases: Sequence[Case]) -> None:
     """Compile ahead for all cases, with a line for each on stderr."""
-    if compiling.cache_directory() is None:
+    if cache_directory() is None:
         leave(BAD_INPUT, "compiled programs cannot be kept without a home directory; set XDG_CACHE_HOME to a directory")
-    directory = compiling.prepare()
+    directory = prepare_jax()
     if directory is None:
-        leave(BAD_INPUT, f"compiled programs cannot be kept in {compiling.cache_directory()}")
+        leave(BAD_INPUT, f"compiled programs cannot be kept in {cache_directory()}")
     for number, case in enumerate(cases, start=1):
         say(f"{number}/{len(cases)}  {case.name or case.kind}: compiling")
         with within_memory(case):
@@ -90,7 +88,7 @@ def warm_up_all(cases: Sequence[Case]) -> None:
 
 def say_before(cases: Sequence[Case]) -> None:
     """Say what follows from cases before they are computed, each sentence once."""
-    for sentence in dict.fromkeys(sentence for case in cases for sentence in beforehand.warnings_of(case)):
+    for sentence in dict.fromkeys(sentence for case in cases for sentence in outlook.warnings_of(case)):
         say(f"ertel: warning: {sentence}")
 
 
@@ -117,7 +115,7 @@ def _to_repair(run: RunStore, damaged: Path) -> str:
     return f"ertel run {in_shell(run.directory / CASE)}"
 
 
-def _create(directory: Path | None, course: Course) -> RunStore:
+def _create(directory: Path | None, course: Run) -> RunStore:
     """The store of a new run.  Raises StoreError with advice if the directory cannot be used."""
     if directory is None:
         return RunStore.create_unused(course.case, Path("runs").absolute(), course)
@@ -136,18 +134,18 @@ def _create(directory: Path | None, course: Course) -> RunStore:
 @contextmanager
 def within_memory(case: Case) -> Iterator[None]:
     """Warn of a grid that is too large for the memory, and say so if memory ends."""
-    there = memory.available()
-    if 0 < there < memory.needed(case):
-        say(f"ertel: warning: {memory.shortage(case)}")
+    there = outlook.memory_available()
+    if 0 < there < outlook.memory_needed(case):
+        say(f"ertel: warning: {outlook.memory_shortage(case)}")
     try:
         yield
     except Exception as error:
-        if not memory.is_exhausted(error):
+        if not outlook.is_out_of_memory(error):
             raise
-        leave(FAILED, f"out of memory: {memory.shortage(case)}")
+        leave(FAILED, f"out of memory: {outlook.memory_shortage(case)}")
 
 
-def _finish(run: RunStore, others: Mapping[str, Course], wishes: Wishes) -> None:
+def _finish(run: RunStore, others: Mapping[str, Run], wishes: Wishes) -> None:
     """Continue a run to its end and report; exit with a code if it did not reach its end."""
     run.flush_interval = wishes.flush
     to_continue = f"to continue: ertel resume {in_shell(run.directory)}{' --error' if others else ''}"
@@ -168,7 +166,7 @@ def _finish(run: RunStore, others: Mapping[str, Course], wishes: Wishes) -> None
         leave(FAILED, f"failed: {reason}. Results so far are in {shown(run.directory)}")
 
 
-def _computed(run: RunStore, others: Mapping[str, Course], quiet: bool, stop: Stop) -> Mapping[str, Any] | None:
+def _computed(run: RunStore, others: Mapping[str, Run], quiet: bool, stop: Stop) -> Mapping[str, Any] | None:
     """The summary at the end or at a stop, with errors if other runs are compared; None if those were stopped."""
     with bars(not quiet) as shown_bars, run.alone():
         compared = {}
@@ -183,8 +181,8 @@ def _computed(run: RunStore, others: Mapping[str, Course], quiet: bool, stop: St
     return summary
 
 
-def _summary_of(course: Course, observers: list[Any]) -> Mapping[str, Any]:
-    gathering = Gathering(course)
+def _summary_of(course: Run, observers: list[Any]) -> Mapping[str, Any]:
+    gathering = Recorder(course)
     return gathering.result(drive(course, [gathering, *observers])).summary
 
 

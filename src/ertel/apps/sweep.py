@@ -4,18 +4,15 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from ertel.apps import output, tables
-from ertel.apps.exits import ASKED, FAILED, bad_input, leave, reason_of
-from ertel.apps.interrupts import interruptible
-from ertel.apps.paths import in_shell, shown
+from ertel.apps import tables
+from ertel.apps.process import interruptible
+from ertel.apps.terminal import ASKED, FAILED, bad_input, in_shell, leave, print_json, reason_of, say, shown
 from ertel.case.status import Status
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
-from ertel.runs import compiling
-from ertel.runs.progress import bars
-from ertel.runs.studies import EVERY, Part, alone, gather, left_of, run_study, write
-from ertel.runs.sweep import Engine as Engine
-from ertel.runs.sweep import Watched
+from ertel.runs.compile import prepare_jax
+from ertel.runs.studies import EVERY, Part, alone, gather, left_of, run_study, study_bars, write
+from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
 LISTED = 5  # failed runs that the last line names
@@ -33,19 +30,18 @@ def part_of(text: str | None) -> Part:
 
 def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bool, quiet: bool) -> None:
     """Do what is left of a study, write and print what all its runs say."""
-    compiling.prepare()
+    prepare_jax()
     left = left_of(study, directory, part)
     if not quiet:
-        output.say(f"{len(study.cases)} runs, {len(left)} of them to do{_in_part(part)}")
+        say(f"{len(study.cases)} runs, {len(left)} of them to do{_in_part(part)}")
     with interruptible() as stop, ExitStack() as stack:
         with bad_input():
             workers = stack.enter_context(engine.workers(len(left)))
         if part == EVERY:
             stack.enter_context(alone(directory))
         try:
-            with bars(not quiet) as progress:
-                watched = Watched(progress, len(left))
-                said = run_study(study, directory, workers, part, watched.hear, stop.asked, watched.done)
+            with study_bars(directory, left, not quiet) as shown_bars:
+                said = run_study(study, directory, workers, part, stop, shown_bars.done)
             result = gather(study, directory, said)
             files = write(result, directory) if part == EVERY else []
         except OSError as error:
@@ -75,7 +71,7 @@ def _leave_if_failed(said: Mapping[str, str], result: StudyResult, directory: Pa
 def _report(result: StudyResult, directory: Path, files: Sequence[str], as_json: bool, quiet: bool) -> None:
     """Print the study in the form that the user asked for."""
     if as_json:
-        output.print_json({"title": result.dataset.attrs["title"], "runs": result.rows()})
+        print_json({"title": result.dataset.attrs["title"], "runs": result.rows()})
     elif not quiet:
         out = tables.console()
         out.print(result.dataset.attrs["title"], style="bold")

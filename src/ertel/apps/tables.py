@@ -6,16 +6,17 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
-from ertel.apps.output import printable
-from ertel.results.key_numbers import more_lines
-from ertel.results.kinds import KINDS, Errors
-from ertel.results.parameters import rheology_of
+from ertel.apps.terminal import printable
+from ertel.results.numbers import errors_of, moment, values_of
+from ertel.results.parameters import domain, rheology_of
+from ertel.results.report import more_lines
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
     from ertel.physics.film_formulas import Film
 
 
+Errors = Mapping[str, tuple[float, float]]  # estimated error and extrapolated value, by name
 NO_ERRORS: Errors = {}
 
 
@@ -38,7 +39,7 @@ def console() -> Console:
 def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
     """The outcome of a run."""
     parameters = f"M = {summary['M']:.5g}, L = {summary['L']:.4g}"
-    grid = f"{case.solver.method}, {KINDS[case.kind].domain(case.solver)}"
+    grid = f"{case.solver.method}, {domain(case)}"
     out.print(f"{case.name or case.kind}: {parameters} ({grid}): {summary['status']}", style="bold")
     if case.scales:
         out.print(f"Rheology: {rheology_of(case)}")
@@ -52,12 +53,12 @@ def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
 
 def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
     """Values with their errors, restitution, what holds of the whole run, and the film formulas at that moment."""
-    kind = KINDS[case.kind]
-    values, errors = kind.values(summary), kind.errors(summary)
+    values, errors = values_of(summary), errors_of(summary)
     if values:
-        out.print(value_table(case, kind.heading(summary), values, errors))
+        heading = "at the last time" if "T" in summary else moment(summary)
+        out.print(value_table(case, heading, values, errors))
     else:
-        out.print(f"{kind.moment(summary).capitalize()}.")
+        out.print(f"{moment(summary).capitalize()}.")
     estimate = summary.get("error_estimate") or {}
     if estimate:
         said = ", ".join(f"of {name} that of the {parts['dominant']}" for name, parts in estimate.items())

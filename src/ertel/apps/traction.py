@@ -4,17 +4,15 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ertel.apps import running, tables
-from ertel.apps.exits import FAILED, bad_input, leave, reason_of
-from ertel.apps.interrupts import interruptible
-from ertel.apps.output import print_json
-from ertel.apps.paths import shown
+from ertel.apps.process import interruptible
+from ertel.apps.terminal import FAILED, bad_input, leave, print_json, reason_of, shown
 from ertel.case.case import Case
 from ertel.case.estimates import newtonian_stress
 from ertel.results.traction_curve import TractionCurve
-from ertel.runs import compiling
+from ertel.runs.compile import prepare_jax
 from ertel.runs.curves import Curve, curve_of
+from ertel.runs.drive import bars
 from ertel.runs.files import StoreError
-from ertel.runs.progress import bars
 from ertel.runs.traction import run, watched
 from ertel.runs.traction_store import PICTURE, TABLE, CurveStore
 
@@ -29,7 +27,7 @@ def traction(
         curve = curve_of(case, given, film)
     if not quiet:
         running.say_before([max(curve.cases, key=newtonian_stress)])
-    compiling.prepare()
+    prepare_jax()
     with running.within_memory(case), interruptible() as stop:
         store = _store(curve, directory)
         try:

@@ -48,7 +48,7 @@ from ertel.equations.flow import wedge
 from ertel.equations.friction import Friction
 from ertel.equations.state import GridSolution
 from ertel.numerics.integrals import Plane, Space
-from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair, inside
 from ertel.physics.far_field import Motion
 from ertel.physics.lubricant import Lubricant
@@ -78,6 +78,7 @@ class Film(NamedTuple):
     gap_change: Number
 
 
+@exportable
 class Account(NamedTuple):
     """The terms of the budgets, and the friction."""
 

@@ -27,9 +27,8 @@ from ertel.numerics.grid import WHOLE, Even, Grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, diffusion, inside
 from ertel.numerics.symmetry import total
-from ertel.physics.geometry import CIRCLE, Geometry
+from ertel.physics.geometry import Geometry
 from ertel.physics.lubricant import Lubricant
-from ertel.physics.rheology import NEWTONIAN, Rheology
 
 Number = Array | float
 
@@ -75,9 +74,7 @@ class Details(NamedTuple):
 
 
 class NewtonianFlow(NamedTuple):
-    """The flow of a law whose mobilities do not depend on the pressure gradient."""
-
-    law: Rheology = NEWTONIAN
+    """The flow of a Newtonian oil: its mobility is the same in all directions and for any pressure gradient."""
 
     def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
         return diffusion(self.mobility(contact, P, H), P, contact.even) / contact.spacing**2
@@ -87,9 +84,8 @@ class NewtonianFlow(NamedTuple):
         return Mobilities(eps, eps)
 
     def mobility(self, contact: "Contact", P: Array, H: Array) -> Pair:
-        """The same for any gradient."""
-        oil = contact.lubricant
-        return Pair.of(*self.law.mobility(oil.density(P), oil.viscosity(P), H, contact.lambda_bar))
+        """eps = rho H^3/(eta lambda_bar)."""
+        return Pair(contact.lubricant.mobility(P, H, contact.lambda_bar))
 
     def details(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> Details:
         oil, eps = contact.lubricant, self.mobility(contact, P, H)
@@ -129,11 +125,6 @@ def smooth_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant:
     gap = jax.device_put(geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
     kernel = halfspace.spectrum(grid, geometry.compliance)
     return Contact(gap, kernel, grid.spacing, lambda_bar, traceable(lubricant), grid.even)
-
-
-def ball_on_plane(grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
-    """A smooth ball on a smooth plane, or any two bodies of the same reduced radius."""
-    return smooth_contact(CIRCLE, grid, lambda_bar, lubricant)
 
 
 def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array:

@@ -31,12 +31,13 @@ from ertel.equations import discretise
 from ertel.equations.contact import Contact, Details
 from ertel.equations.state import GridSolution
 from ertel.numerics.integrals import Plane
-from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.programs import ANY_SIZE, Program, exportable
 
 Number = Array | float
 NUMBERS = ("mu_sliding", "mu_sliding_y", "mu_rolling", "power_loss")
 
 
+@exportable
 class Friction(NamedTuple):
     """The friction of a film.
 

@@ -9,8 +9,8 @@ The film's shape and pressure are those of the isothermal contact.  Three things
   phi_T, and the oil carries it along.
 * the viscosity at the film's mean temperature, from which the stress tau_m follows.
 
-Heat is conducted across the film only, with one temperature for the viscosity; for one that varies across the film see
-`physics.thermal.nahme`.  A surface below the Peclet number `flash.AT_REST` counts as one at rest.
+Heat is conducted across the film only, with one temperature for the viscosity (Nahme R. Ing Arch 1940;11:191-209 has
+one that varies across the film).  A surface below the Peclet number `flash.AT_REST` counts as one at rest.
 """
 
 from dataclasses import dataclass, field

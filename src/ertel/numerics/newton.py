@@ -18,6 +18,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from ertel.numerics.krylov import gcr
+from ertel.numerics.programs import exportable
 
 Map = Callable[[Array], Array]
 
@@ -57,6 +58,7 @@ class Border(NamedTuple):
 NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
 
 
+@exportable
 class Solution(NamedTuple):
     """P and H, both (n, n); the maximum residual in units of the tolerance; whether it converged; the work.
 

@@ -152,6 +152,13 @@ class Lubricant:
         """rho/rho0 at P = p/p_h; same shape as P."""
         return self.density_law.density(self.p_h * P)
 
+    def mobility(self, P: Array, H: Array, lambda_bar: Array | float) -> Array:
+        """eps = rho H^3/(eta lambda_bar) of a Newtonian oil, eq. (1): the flux is - eps grad P; zero where H <= 0.
+
+        H <= 0 occurs where the surfaces overlap because the grid is too coarse for the film; nothing flows there.
+        """
+        return self.density(P) * arrays_of(H).maximum(H, 0.0) ** 3 / (self.viscosity(P) * lambda_bar)
+
     def enthalpy(self, P: Array) -> Array:
         """The integral of dP/(rho/rho0) from 0 to P, by Gauss' rule: the work that brings a unit of oil to P."""
         return P * sum(weight / self.density(share * P) for share, weight in _GAUSS)

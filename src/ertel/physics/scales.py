@@ -364,12 +364,3 @@ def hamrock_dowson(scales: Scales, eta0: float, alpha: float) -> HamrockDowson:
         G=alpha * scales.E_prime,
         W=scales.load / (scales.E_prime * scales.R**2),
     )
-
-
-def parameters_from_ugw(U: float, G: float, W: float, radius_ratio: float = 1.0) -> Parameters:
-    """lambda_bar and alpha_bar from Hamrock and Dowson's parameters by Moes' M = W (2U)^{-3/4}, L = G (2U)^{1/4}."""
-    require_positive("U", U)
-    require_not_negative("G", G)
-    require_positive("W", W)
-    root = _fourth_root(2 * U)
-    return Parameters.from_moes(M=W / root**3, L=G * root, radius_ratio=radius_ratio)

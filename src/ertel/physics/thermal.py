@@ -1,11 +1,11 @@
-"""Heat in the film: inlet shear heating, temperatures in the film, viscosity of the warm oil, thermal data of a solid.
+"""Heat in the film: inlet shear heating, viscosity of the warm oil, thermal data of a solid.
 
 All quantities in SI.  The viscosity's coefficient of temperature is beta = -d ln(eta)/dT in 1/K.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import asinh, inf, log, sqrt
+from math import inf, log, sqrt
 from typing import Annotated, Any, Literal, NamedTuple
 
 from ertel.physics.checks import require_not_negative, require_positive
@@ -158,42 +158,3 @@ WARM_VISCOSITIES: dict[ViscosityName, type[Houpert] | type[Exponential]] = {
     "houpert": Houpert,
     "exponential": Exponential,
 }
-
-
-# -- the film ---------------------------------------------------------------------------------------------------------
-
-
-def middle_rise(stress: float, sliding: float, film: float, conductivity: float) -> float:
-    """Rise in the middle of the film above the mean of its walls, tau |u1 - u2| h/(8 k), in K.
-
-    Conduction across the film only, heat released uniformly.  stress in Pa, sliding in m/s, film in m; also arrays.
-    """
-    return stress * sliding * film / (8.0 * conductivity)
-
-
-def mean_rise(stress: float, sliding: float, film: float, conductivity: float) -> float:
-    """Mean rise across the film above the mean of its walls, tau |u1 - u2| h/(12 k), in K; see `middle_rise`."""
-    return stress * sliding * film / (12.0 * conductivity)
-
-
-class Nahme(NamedTuple):
-    """A sheared film that heats itself: largest beta (T - T_wall), and effective viscosity over that at the walls."""
-
-    largest_rise: float
-    viscosity: float
-
-
-def nahme(number: float) -> Nahme:
-    """Shear between walls of one temperature with eta = eta_wall exp(-beta (T - T_wall)), in closed form.
-
-    number: Na = eta_wall beta (u1 - u2)^2/k.  theta_max = ln(1 + Na/8) and tau h/(eta_wall |u1 - u2|) = asinh(s)/(s (1
-    + s^2)^{1/2}) with s^2 = Na/8.  Nahme R. Ing Arch 1940;11:191-209.
-
-    Examples
-    --------
-    >>> round(nahme(8.0).viscosity, 6)
-    0.623225
-    """
-    require_not_negative("number", number)
-    s = sqrt(number / 8.0)
-    return Nahme(log(1.0 + number / 8.0), asinh(s) / (s * sqrt(1.0 + s**2)) if s > 0 else 1.0)

@@ -42,7 +42,7 @@ from ertel.plots.lines import (
     draw_pressure_profiles,
 )
 from ertel.plots.view import At, View
-from ertel.results.kinds import is_steady
+from ertel.results.variables import is_steady
 
 __all__ = [
     "BLUE",

@@ -20,8 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ertel.results.kinds import KINDS
-from ertel.results.variables import PREFIXES, exponent
+from ertel.results.variables import PREFIXES, exponent, unit_of
 
 Values = NDArray[np.float64]
 Subject = TypeVar("Subject")
@@ -71,7 +70,7 @@ class Scale:
         unit, factor = about.get("si_units", about["units"]), about.get("si_factor", 1.0)
         if unit == "1":
             own = "" if "si_units" in about else about.get("in_units_of", "")
-            own = KINDS[kind].unit(own) if kind else own
+            own = unit_of(kind, own) if kind else own
             return cls(factor, symbol, UNITS.get(own, own), long_name)
         power = 0 if "/" in unit or unit == "K" else exponent(abs(largest) * factor)
         share, shown = PER_AREA.get(unit, (10.0**-power, PREFIXES[power] + unit))

@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline, RectBivariateSpline
 from ertel.optics import Chart, Light, Monochromatic, Rig
 from ertel.plots.drawing import NoFigure, Scale, Values, compose
 from ertel.plots.view import At, View
-from ertel.results.kinds import is_steady
+from ertel.results.variables import is_steady
 
 PIXELS = 480  # along the longer side of a picture
 ROUND = 1.7  # how far round the contact the picture reaches, in its half widths

@@ -24,8 +24,7 @@ from ertel.plots.drawing import (
 )
 from ertel.plots.view import case_of
 from ertel.results.curve_points import largest_of, shown_name
-from ertel.results.kinds import KINDS
-from ertel.results.variables import PREFIXES, exponent, with_prefix
+from ertel.results.variables import PREFIXES, exponent, unit_of, with_prefix
 
 PANELS: Mapping[str, Mapping[str, str]] = {  # title: variables with their colours
     "Traction": {"mu_sliding": BLUE, "mu_rolling": ORANGE},
@@ -80,7 +79,7 @@ def _scale(dataset: xr.Dataset, values: xr.DataArray, largest: float) -> Scale:
     about = values.attrs
     symbol = mathtext(about["symbol"])
     if about["units"] == "1":
-        unit = KINDS[dataset.attrs["kind"]].unit(about.get("in_units_of", ""))
+        unit = unit_of(dataset.attrs["kind"], about.get("in_units_of", ""))
         return Scale(1.0, symbol, UNITS.get(unit, unit), about["long_name"])
     power = 0 if "/" in about["units"] or about["units"] == "K" else exponent(largest)
     return Scale(10.0**-power, symbol, PREFIXES[power] + about["units"], about["long_name"])

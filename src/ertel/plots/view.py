@@ -19,8 +19,7 @@ from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
 from ertel.results.height_maps import maps_of
-from ertel.results.kinds import KINDS, is_steady
-from ertel.results.variables import EVENTS, FILMS, FRICTION, with_prefix
+from ertel.results.variables import EVENTS, FILMS, FRICTION, is_steady, with_prefix
 
 At = float | str | None  # a time in t0, an event, or None: maximum approach, or the last map
 MAXIMUM, LAST, END, CHOSEN = "maximum approach", "last map", "end of the run", "chosen map"
@@ -30,6 +29,10 @@ LOADED = 0.02  # of the maximum pressure or load: with less the film carries not
 ROUNDING = 1e-9  # t0
 NOTHING = 1e-6  # of the scale of a load or a speed
 NO_FRICTION = 1e-12  # in a/R: a coefficient that is zero but for round-off
+CONDITIONS = {  # by kind, for the heading of a physical case: symbol, attribute of the Dataset, unit
+    "impact": (("$v_0$", "v0_m_per_s", "m/s"), ("$p_h^*$", "p_h_Pa", "Pa")),
+    "rolling": (("$u_m$", "u_m_m_per_s", "m/s"), ("$F$", "F_N", "N"), ("$p_h$", "p_h_Pa", "Pa")),
+}
 FRICTION_NAMES = {
     "mu_sliding": "traction coefficient",
     "mu_sliding_y": "along y",
@@ -169,17 +172,17 @@ class View:
     @property
     def title(self) -> list[str]:
         """The name of the run, then its conditions."""
-        about, kind = self.dataset.attrs, KINDS[self.dataset.attrs["kind"]]
+        about = self.dataset.attrs
         name = str(about["title"]).partition(", M = ")[0].replace("_", " ")  # a case without name has M and L there
         conditions = [f"$M$ = {about['M']:.4g}", f"$L$ = {about['L']:.3g}"]
         if "radius_ratio" in about:
             conditions.append(f"$R_x/R_y$ = {about['radius_ratio']:.3g}")
         if about.get("entrainment_angle"):
             conditions.append(f"angle {about['entrainment_angle']:.3g}°")
-        if kind.names_sliding and self.slides:
+        if about["kind"] == "rolling" and self.slides:
             conditions.append(f"slide-to-roll {self.case.motion.slide_to_roll:.3g}")
         if self.in_si:
-            driven = [f"{symbol} = {with_prefix(about[key], unit)}" for symbol, key, unit in kind.conditions]
+            driven = [f"{symbol} = {with_prefix(about[key], unit)}" for symbol, key, unit in CONDITIONS[about["kind"]]]
             conditions = [f"$R$ = {with_prefix(about['R_m'], 'm')}", *driven, *conditions]
         return [name[:1].upper() + name[1:], *conditions]
 

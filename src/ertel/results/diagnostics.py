@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ertel.case.case import Case
+from ertel.case.height_map import Measured
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
 from ertel.numerics.grid import allowed_nodes
 from ertel.numerics.richardson import extrapolate
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
-from ertel.physics.surfaces import CELLS_KEPT, Measured, has_waves
+from ertel.physics.surfaces import CELLS_KEPT, has_waves
 from ertel.results import domain, variables
 from ertel.results.budgets import Budgets
 

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from ertel.results.columns import with_units
-from ertel.results.kinds import is_steady
+from ertel.results.variables import is_steady
 
 RUN, HISTORY, GRIDS, MAPS = "run.nc", "history.csv", "grids.csv", "maps"  # the files; maps.pvd, maps_0000.vti, ...
 PLANE = (("Y", "X"), ("y", "x"))  # the axes of maps: dimensionless, and in SI

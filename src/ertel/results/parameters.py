@@ -4,21 +4,18 @@ This module imports neither JAX nor xarray, so that `ertel params` is fast.
 """
 
 from math import cbrt
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ertel.case.case import Case
 from ertel.case.records import law_data, show
-from ertel.physics import film_formulas
+from ertel.physics import film_formulas, hertz
 from ertel.physics.film_formulas import Film
 from ertel.physics.oils import RHEOLOGY
 from ertel.physics.registry import FLUIDITY_LAWS
-from ertel.physics.scales import HamrockDowson, Parameters, hamrock_dowson
-from ertel.results.kinds import KINDS
-
-if TYPE_CHECKING:  # the case brings JAX with it
-    from ertel.case.case import Case
+from ertel.physics.scales import HamrockDowson, Parameters, Scales, hamrock_dowson
 
 
-def parameters_of(case: "Case") -> dict[str, float]:
+def parameters_of(case: Case) -> dict[str, float]:
     """The dimensionless parameters by name; of an ellipse also its shape and the angle of entrainment in degrees."""
     p = case.parameters
     found = {"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar, "M": p.M, "L": p.L}
@@ -28,7 +25,7 @@ def parameters_of(case: "Case") -> dict[str, float]:
     return {**found, **shape, "M_BH": p.M_BH, "L_BH": p.L_BH}
 
 
-def parameter_summary(case: "Case") -> dict[str, Any]:
+def parameter_summary(case: Case) -> dict[str, Any]:
     """The parameters of a case, known before it is run.
 
     For a physical case U, G, W are those of Hamrock and Dowson (for an impact with load F* and speed a*/t0), and `si`
@@ -36,14 +33,27 @@ def parameter_summary(case: "Case") -> dict[str, Any]:
     scale of the film in a*^2/R, at which a rigid ball stops; and in `si` contact_time_s, the contact time of the dry
     impact, and h_c_least_m and h_c_most_m, between which the central film of an elastic ball is expected.
     """
-    p, s, kind = case.parameters, case.scales, KINDS[case.kind]
-    content: dict[str, Any] = {**parameters_of(case), **kind.parameters(p)}
+    p, s = case.parameters, case.scales
+    falls = {"stokes": p.stokes, "trapped_film": p.trapped_film} if case.starts_apart else {}
+    content: dict[str, Any] = {**parameters_of(case), **falls}
     if s is None:
         return content
-    return {**content, **ugw_of(case)._asdict(), "si": {**scales_of(case), **kind.si(p, s)}}
+    return {**content, **ugw_of(case)._asdict(), "si": {**scales_of(case), **(_fall_in_si(p, s) if falls else {})}}
 
 
-def rheology_of(case: "Case") -> str:
+def _fall_in_si(p: Parameters, s: Scales) -> dict[str, float]:
+    """What is expected of an impact."""
+    least, most = p.impact_films
+    return {
+        "contact_time_s": hertz.CONTACT_TIME * p.ellipse.approach * s.t0,
+        "mass_kg": s.ball_mass,
+        "trapped_film_m": p.trapped_film * s.film,
+        "h_c_least_m": least * s.film,
+        "h_c_most_m": most * s.film,
+    }
+
+
+def rheology_of(case: Case) -> str:
     """The law of shear thinning of a case as it is written, and its source or why there is none, as far as known."""
     law = case.oil.rheology
     written = "Newtonian" if case.oil.is_newtonian else show(law_data(law, FLUIDITY_LAWS))
@@ -51,7 +61,7 @@ def rheology_of(case: "Case") -> str:
     return f"{written} ({reason})" if reason else written
 
 
-def ugw_of(case: "Case") -> HamrockDowson:
+def ugw_of(case: Case) -> HamrockDowson:
     """Hamrock and Dowson's U, G, W of a physical case.  Raises ValueError for a dimensionless one."""
     p, s = case.parameters, case.scales
     if s is None:
@@ -60,17 +70,28 @@ def ugw_of(case: "Case") -> HamrockDowson:
     return hamrock_dowson(s, eta0, p.alpha_bar / s.p_h)
 
 
-def scales_of(case: "Case") -> dict[str, float]:
+def scales_of(case: Case) -> dict[str, float]:
     """The SI scales of a physical case, named with their units; empty for a dimensionless one."""
     s = case.scales
     if s is None:
         return {}
     across = {} if s.radius_ratio == 1.0 else {"a_y_m": s.a_y}
     named = {"R_m": s.R, "E_prime_Pa": s.E_prime, "a_m": s.a, **across, "p_h_Pa": s.p_h, "delta_m": s.approach}
-    return named | {"F_N": s.load, "t0_s": s.t0} | KINDS[case.kind].speed(s)
+    speed = {"v0_m_per_s": s.speed} if case.starts_apart else {"u_m_m_per_s": s.front_speed}
+    return named | {"F_N": s.load, "t0_s": s.t0} | speed
 
 
-def films(case: "Case", load: float = 1.0, entrainment: float = 1.0) -> list[Film]:
+def domain(case: Case) -> str:
+    """The number of nodes and the reach of the grid, in words."""
+    s = case.solver
+    across = "" if s.half_width_y is None else f", {s.half_width_y:.4g} a across"
+    if case.starts_apart:
+        return f"{s.nodes} nodes to {s.half_width:.4g} a*{across}"
+    inlet = s.inlet or s.half_width
+    return f"{s.nodes} nodes, {inlet:.4g} a upstream to {2 * s.half_width - inlet:.4g} a downstream{across}"
+
+
+def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]:
     """Film thickness of a rolling contact by every formula of `physics.film_formulas`, in the case's own a^2/R.
 
     Parameters

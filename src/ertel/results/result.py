@@ -10,10 +10,8 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.results import html
-from ertel.results.key_numbers import Summary, html_table, lines
-from ertel.results.kinds import is_steady
-from ertel.results.variables import to_si
+from ertel.results.report import html_image, html_table, lines
+from ertel.results.variables import is_steady, to_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
@@ -99,6 +97,16 @@ class Plot:
         return "Plot: " + ", ".join(f"{name}()" for name in self._names())
 
 
+class Summary(dict[str, Any]):
+    """A summary: a plain dict with all results; its text shows only the key numbers."""
+
+    def __repr__(self) -> str:
+        return "\n".join([f"Summary: {self['status']}", *lines(self)])
+
+    def _repr_html_(self) -> str:
+        return html_table(self)
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class Result:
     """The result of a run.
@@ -156,6 +164,6 @@ class Result:
     def _picture(self) -> str:
         """The overview as an HTML image; empty where there is nothing to draw yet."""
         try:
-            return html.image(self.plot.overview(), "overview")
+            return html_image(self.plot.overview(), "overview")
         except ValueError:
             return ""

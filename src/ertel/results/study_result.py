@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ertel.results import html, text
 from ertel.results.columns import column, with_units
 from ertel.results.curve_points import largest_of
-from ertel.results.scalars import SHOWN, in_si
+from ertel.results.numbers import SHOWN
+from ertel.results.report import aligned, html_image, html_row
 from ertel.results.study_runs import MISSING, RUNNING, UNFINISHED
+from ertel.results.variables import name_in_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
@@ -68,7 +69,7 @@ class StudyResult:
         """The columns of a table to read, each with its heading first."""
         flat = self._flat(self.dataset).isel(each=slice(MOST_ROWS))
         found = [column(str(name), flat[name]) for name in self.dataset.coords]
-        numbers = dict.fromkeys(each for name in SHOWN for each in (name, in_si(name)) if each in flat)
+        numbers = dict.fromkeys(each for name in SHOWN for each in (name, name_in_si(name)) if each in flat)
         found += [column(name, flat[name]) for name in numbers if largest_of(flat[name]) > 0]
         found += [column("warnings", flat["warnings"])] if flat["warnings"].any() else []
         return [*found, column("status", flat["status"]), column("directory", flat["directory"])]
@@ -85,7 +86,7 @@ class StudyResult:
 
     def table_lines(self) -> Iterator[str]:
         """The table as lines of text."""
-        yield from text.lines(self.table())
+        yield from aligned(self.table())
 
     def __repr__(self) -> str:
         lines = (*self.table_lines(), *self.remarks)
@@ -93,13 +94,13 @@ class StudyResult:
 
     def _repr_html_(self) -> str:
         heads, *rows = (list(cells) for cells in zip(*self.table(), strict=True))
-        table = f"<table>{html.row('th', heads)}{''.join(html.row('td', cells) for cells in rows)}</table>"
+        table = f"<table>{html_row('th', heads)}{''.join(html_row('td', cells) for cells in rows)}</table>"
         remarks = "".join(f"<div>{escape(line)}</div>" for line in self.remarks)
         return f"<div><b>{escape(self.dataset.attrs['title'])}</b>{table}{remarks}</div>{self._picture()}"
 
     def _picture(self) -> str:
         """The figure as an HTML image; empty where there is nothing to draw yet."""
         try:
-            return html.image(self.plot(), "study")
+            return html_image(self.plot(), "study")
         except ValueError:
             return ""

@@ -8,14 +8,14 @@ import numpy as np
 import xarray as xr
 
 from ertel.case.case import Case
-from ertel.results.scalars import scalars
+from ertel.results.numbers import scalars
 from ertel.version import installed_version
 
 MISSING = "missing"  # the status of a run that has not begun
 RUNNING, UNFINISHED = "running", "unfinished"  # that a process is at, and that was killed
 
 
-class Ran(NamedTuple):
+class StudyRun(NamedTuple):
     """One run of a study.
 
     summary: None where there is none yet.  status: as in the summary, or `MISSING`, `RUNNING`, `UNFINISHED`, or why it
@@ -33,7 +33,7 @@ def assemble(
     mode: str,
     shape: Sequence[int],
     coordinates: Mapping[str, tuple[Sequence[Any], Mapping[str, str]]],
-    runs: Sequence[Ran],
+    runs: Sequence[StudyRun],
 ) -> xr.Dataset:
     """The numbers of all runs over what varies.
 
@@ -47,7 +47,7 @@ def assemble(
         The numbers of values along the dimensions.
     coordinates : mapping
         Name -> values and attributes.
-    runs : sequence of Ran
+    runs : sequence of StudyRun
         In C order of the shape.
 
     Returns
@@ -60,7 +60,7 @@ def assemble(
     along = {key: ((key,) if mode == "product" else dims, _values(v), dict(a)) for key, (v, a) in coordinates.items()}
     found: dict[str, Any] = {}
     for number, run in enumerate(runs):
-        for key, scalar in (scalars(run.summary, run.case.scales) if run.summary else {}).items():
+        for key, scalar in (scalars(run.summary) if run.summary else {}).items():
             if key not in coordinates:
                 if key not in found:
                     found[key] = dims, np.full(shape, np.nan), dict(scalar.attributes)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from ertel.case.case import Case
-from ertel.results import html, text
 from ertel.results.columns import column, with_units
 from ertel.results.curve_points import AXES, SHOWN, SHOWN_WARM, shown_name
+from ertel.results.report import aligned, html_image, html_row
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
@@ -97,7 +97,7 @@ class TractionCurve:
     def table_lines(self) -> Iterator[str]:
         """The same as lines of text."""
         heads, rows = self.table()
-        yield from text.lines(list(zip(heads, *rows, strict=True)))
+        yield from aligned(list(zip(heads, *rows, strict=True)))
 
     @property
     def remarks(self) -> list[str]:
@@ -128,7 +128,7 @@ class TractionCurve:
 
     def _repr_html_(self) -> str:
         heads, rows = self.table()
-        table = f"<table>{html.row('th', heads)}{''.join(html.row('td', cells) for cells in rows)}</table>"
+        table = f"<table>{html_row('th', heads)}{''.join(html_row('td', cells) for cells in rows)}</table>"
         remarks = "".join(f"<div>{escape(line)}</div>" for line in self.remarks)
-        picture = html.image(self.plot(), "traction curve") if rows else ""
+        picture = html_image(self.plot(), "traction curve") if rows else ""
         return f"<div><b>{escape(self.heading)}</b>{table}{remarks}</div>{picture}"

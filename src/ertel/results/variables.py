@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 COEFFICIENT = "coefficient"  # in place of a scale: computed in units a/R, and a plain number in a physical case
 KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+ROLLING_UNITS = {  # of a rolling contact, whose scales are those of the static contact and not of the dry impact
+    "a*": "a", "a*^2/R": "a^2/R", "p_h*": "p_h", "F*": "F", "a*/t0": "u_m", "a*/R": "a/R", "p_h* a*/R": "p_h a/R",
+    "p_h* a*^2/(R t0)": "p_h u_m a/R", "F* a*^2/(R t0)": "F u_m a/R", "F* a*^2/R": "F a^2/R",
+}  # fmt: skip
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
 
 
@@ -158,9 +162,42 @@ OF_A_GRID: Mapping[str, Variable] = {  # of a steady contact, with some of the s
 }
 EVENT = Variable("why the map was kept", "event")
 VARIABLES: Mapping[str, Variable] = {**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, "event": EVENT}
+OUTCOME: Mapping[str, Variable] = {  # of the numbers of a run, besides `VARIABLES`
+    "M": Variable("load parameter", "M"),
+    "L": Variable("oil parameter", "L"),
+    "T": AXES["time"],
+    "H_min_extreme": _film("thinnest film of the run", "H_min", "h_min_extreme"),
+    "P_max_extreme": _pressure("highest pressure of the run", "P_max_extreme"),
+    "restitution": Variable("coefficient of restitution", "e"),
+    "h_c_warm": Variable("central film thickness, warm", "h_c", "m"),
+    "h_min_warm": Variable("minimum film thickness, warm", "h_min", "m"),
+    "mu_sliding_warm": Variable("traction coefficient, warm", "mu_sliding"),
+    "T_1_max_warm": Variable("highest temperature of surface 1", "T_1", KELVIN),
+    "T_2_max_warm": Variable("highest temperature of surface 2", "T_2", KELVIN),
+    "T_film_max_warm": Variable("highest temperature of the film", "T_film", KELVIN),
+    "phi_T_warm": Variable("inlet factor of the film", "phi_T"),
+    "newton_iterations": Variable("Newton iterations", "n_N"),
+    "krylov_iterations": Variable("Krylov iterations", "n_K"),
+    "wall_time": Variable("time of computing", "t_wall", "s"),
+}
 FILMS = ("H_c", "H_min")  # that have an error estimate
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
 AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min")  # of a summary
+
+
+def unit_of(kind: str, unit: str) -> str:
+    """A unit of `VARIABLES` as a contact of this kind, "impact" or "rolling", names it."""
+    return ROLLING_UNITS.get(unit, unit) if kind == "rolling" else unit
+
+
+def name_in_si(name: str) -> str:
+    """The name of a variable in SI; its own where it has no unit."""
+    return (name in VARIABLES and VARIABLES[name].si_name) or name
+
+
+def is_steady(dataset: "xr.Dataset") -> bool:
+    """Whether a Dataset holds a steady contact, on its grids, and not a run in time."""
+    return "grid" in dataset.dims
 
 
 def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:

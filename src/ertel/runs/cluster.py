@@ -1,20 +1,22 @@
-"""Jobs on the processes of dask.distributed: of this machine, or of a cluster that is there already.
+"""Tasks on the processes of dask.distributed: of this machine, or of a cluster that is there already.
 
     with local(2) as workers:
-        for key, outcome in workers.outcomes(jobs):
+        for name, outcome in workers.outcomes(tasks):
             ...
 
-This module and `on_workers` are the only ones that know dask.
+This module is the only one that knows dask.
 
 Each worker process has one thread.  NPROC=1 keeps the pool of XLA's threads to one too, so that as many runs as there
 are cores do not fight for them.  XLA_FLAGS are those of this process, because JAX's cache of compiled programs keeps
-programs of other flags apart.  A worker that dies is replaced, and its job begins again on another one.
+programs of other flags apart.  A worker that dies is replaced, and its task begins again on another one.
 
 Whoever reaches a scheduler, a worker or its nanny of dask has it run any function.  So `local` makes a key of its own,
 without which none of them talks to anybody, and keeps their files where no other user can write.
 """
 
 import logging
+import os
+import signal
 import sys
 import time
 import warnings
@@ -22,32 +24,41 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from math import inf
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from tempfile import TemporaryDirectory
 from typing import Any
 from uuid import uuid4
 
 import dask
-from distributed import Client, Event, Future, KilledWorker, LocalCluster, Security
+from distributed import (
+    Client,
+    Future,
+    KilledWorker,
+    LocalCluster,
+    Security,
+    Worker,
+    WorkerPlugin,
+    as_completed,
+)
 from distributed.comm.core import FatalCommClosedError
 from distributed.utils import json_load_robust, silence_logging_cmgr
 
-from ertel.inputs.messages import ConfigError
-from ertel.runs.on_workers import SETTINGS, Start, performed
-from ertel.runs.workers import READY, Asked, Failure, Hear, Job, cores, deaf, never
+from ertel.case.records import ConfigError
+from ertel.runs.compile import ENTRY_WARNINGS, chosen_cache
+from ertel.runs.workers import Condition, Failure, Task, cores, never
 from ertel.version import own_sources
 
-Inbox = SimpleQueue[tuple[str, Any]]  # of keys with news, or with None when the job is done
-RETRIES = 2  # of a job that raised an error of the system, on this worker or another one
-LOOK = 0.2  # s between looks for a wish to stop, here
+RETRIES = 2  # of a task that raised an error of the system, on this worker or another one
+LOOK = 0.1  # s between looks at the tasks
 ANSWER = 20  # s in which a scheduler must answer
 PATIENCE = 10  # s without any worker, after which this is said
 RUNNING = "running"  # the status of a client that has its scheduler
 LOST = Failure("the scheduler was lost")
+SETTINGS = {"NPROC": "1", "XLA_PYTHON_CLIENT_PREALLOCATE": "false"}  # workers share the memory of a GPU
+ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 LOCAL: dict[str, Any] = {
     "distributed.scheduler.worker-ttl": None,  # compiled code may keep a worker from a sign of life for long
     "distributed.worker.multiprocessing-method": "spawn",  # JAX fears forks
-    "distributed.scheduler.http.routes": [],  # its pages take no key, and show jobs and logs to everybody
+    "distributed.scheduler.http.routes": [],  # its pages take no key, and show tasks and logs to everybody
     "distributed.worker.http.routes": [],
 }
 
@@ -82,7 +93,7 @@ def local(jobs: int | None = None) -> Iterator["Cluster"]:
                 env=SETTINGS,
             )
         )
-        yield stack.enter_context(_connected(cluster.scheduler_address, Start(deaf=True), security))
+        yield stack.enter_context(_connected(cluster.scheduler_address, security, ignore_signals=True))
 
 
 @contextmanager
@@ -99,7 +110,7 @@ def _private_directory() -> Iterator[str]:
 def existing(address: str | None = None, file: Path | None = None, tls: Path | None = None) -> Iterator["Cluster"]:
     """The workers of a scheduler that runs, by its address or the file that it wrote; they stay.
 
-    They need this version of ertel, and the directories of the jobs under the same names.  tls: a PEM file with a
+    They need this version of ertel, and the directories of the runs under the same names.  tls: a PEM file with a
     certificate, its key and the certificate of the authority, for a scheduler at tls://; None: dask's configuration.
     Raises NoScheduler.
     """
@@ -111,12 +122,12 @@ def existing(address: str | None = None, file: Path | None = None, tls: Path | N
     _check_encryption(where, found, security)
     with ExitStack() as stack:
         try:
-            cluster = stack.enter_context(_connected(found, Start(), security))
+            cluster = stack.enter_context(_connected(found, security))
         except FatalCommClosedError as error:
             raise NoScheduler(f"{where}: the scheduler has another authority for its certificates") from error
         except (OSError, ValueError) as error:
             raise NoScheduler(
-                f"{where}: no scheduler answers there within {ANSWER} s; see to it that it runs"
+                f"{where}: no scheduler answers there within {ANSWER} s; make sure that it runs"
             ) from error
         yield cluster
 
@@ -155,11 +166,11 @@ def _address_in(file: Path) -> str:
 
 
 @contextmanager
-def _connected(address: str, start: Start, security: Security | None) -> Iterator["Cluster"]:
+def _connected(address: str, security: Security | None, ignore_signals: bool = False) -> Iterator["Cluster"]:
     quiet = silence_logging_cmgr(logging.CRITICAL)
     with quiet, Client(address, timeout=ANSWER, set_as_default=False, security=security) as client:
         name = f"ertel-{uuid4().hex[:8]}"
-        client.register_plugin(start, name=name)
+        client.register_plugin(Start(ignore_signals), name=name)
         try:
             yield Cluster(client)
         finally:
@@ -176,43 +187,45 @@ class Cluster:
     def __init__(self, client: Client):
         self._client = client
 
-    def outcomes(self, jobs: Sequence[Job], hear: Hear = deaf, asked: Asked = never) -> Iterator[tuple[str, Any]]:
-        """See `Workers`.  Of jobs that need the same programs one goes ahead, so that not all compile the same.
+    def outcomes(self, tasks: Sequence[Task], should_stop: Condition = never) -> Iterator[tuple[str, Any]]:
+        """See `Workers`.  Of tasks that need the same programs one goes ahead, so that not all compile the same.
 
-        Warns where no worker comes; jobs that none has when all are told to stop have no outcome.
+        Warns where no worker comes; then tasks have no outcome after a wish to stop, which nobody else would hear.
         """
-        topic, inbox = f"ertel-{uuid4().hex}", Inbox()
-        stop = Event(topic, client=self._client)
-        line, left, patience = _Line(jobs), {job.key for job in jobs}, _Patience(self._has_workers)
-        futures: dict[str, Future[Any]] = {}
-        self._client.subscribe_topic(topic, lambda event: inbox.put((*event[1],)))
+        alike: dict[str, list[Task]] = {}
+        for task in tasks:
+            alike.setdefault(task.program or task.name, []).append(task)
+        ready = [first for first, *_ in alike.values()]
+        waiting = {first.name: (first.has_compiled, others) for first, *others in alike.values() if others}
+        left, call, patience = {task.name for task in tasks}, uuid4().hex, _NoWorkerWarning(self._has_workers)
+        done = as_completed(loop=self._client.loop)
+        names: dict[Future[Any], str] = {}
         try:
             while left and not self._is_lost:
-                for job in line.ready():
-                    futures[job.key] = self._submit(job, topic, inbox)
-                if asked():
-                    with suppress(OSError):  # the scheduler is lost, see above
-                        stop.set()
-                        if not self._has_workers():
-                            return
-                try:
-                    key, news = inbox.get(timeout=LOOK)
-                except Empty:
+                for task in ready:
+                    future = self._submit(task, call)
+                    names[future] = task.name
+                    done.add(future)
+                if should_stop() and not self._has_workers():
+                    return
+                ended = done.next_batch(block=False)
+                for future in ended:
+                    left.remove(names[future])
+                    yield names[future], self._outcome(future)
+                if not ended:
                     patience.look()
-                    continue
-                if news is None:
-                    left.remove(key)
-                    line.release(key)
-                    yield key, self._outcome(futures.pop(key))
-                elif key in left:
-                    hear(key, news)
-                    if news.get(READY):
-                        line.release(key)
-            yield from ((key, LOST) for key in left)
+                    time.sleep(LOOK)
+                free = [name for name, (compiled, _) in waiting.items() if name not in left or compiled()]
+                ready = [task for name in free for task in waiting.pop(name)[1]]
+            yield from ((name, LOST) for name in left)
         finally:
             if not self._is_lost:
-                self._client.unsubscribe_topic(topic)
-                self._client.cancel(list(futures.values()))
+                self._client.cancel(list(names))
+
+    def _submit(self, task: Task, call: str) -> Future[Any]:
+        """Submit a task.  Its key is of this call only: another study may hold the same case on this scheduler."""
+        content = performed, task.function, task.arguments, own_sources()
+        return self._client.submit(*content, key=f"ertel-{call}-{task.name}", retries=RETRIES, pure=False)
 
     def _outcome(self, future: Future[Any]) -> Any:
         try:
@@ -231,18 +244,11 @@ class Cluster:
             return bool(self._client.nthreads())
         return True
 
-    def _submit(self, job: Job, topic: str, inbox: Inbox) -> Future[Any]:
-        content = job.function, job.arguments, job.key, topic, own_sources()
-        key = f"{topic}-{job.key}"  # of this call only: another study on the same scheduler may hold the same case
-        future = self._client.submit(performed, *content, key=key, retries=RETRIES, pure=False)
-        future.add_done_callback(lambda _: inbox.put((job.key, None)))
-        return future
 
-
-class _Patience:
+class _NoWorkerWarning:
     """Warns once when there was no worker for some seconds."""
 
-    def __init__(self, has_workers: Callable[[], bool]):
+    def __init__(self, has_workers: Condition):
         self._has_workers, self._next = has_workers, time.monotonic() + PATIENCE
 
     def look(self) -> None:
@@ -255,27 +261,40 @@ class _Patience:
             warnings.warn("the scheduler has no workers: the runs wait until some come", RuntimeWarning, stacklevel=2)
 
 
-class _Line:
-    """Jobs in their order, of which those that need the same programs wait for the first of them."""
+# -- on the workers ---------------------------------------------------------------------------------------------------
 
-    def __init__(self, jobs: Sequence[Job]):
-        self._program = {job.key: job.program for job in jobs}
-        self._behind: dict[str, list[Job]] = {}
-        self._ready: list[Job] = []
-        for job in jobs:
-            if job.program in self._behind:
-                self._behind[job.program].append(job)
-            else:
-                self._ready.append(job)
-                if job.program:
-                    self._behind[job.program] = []
 
-    def ready(self) -> list[Job]:
-        """The jobs that may begin now, each once."""
-        found, self._ready = self._ready, []
-        return found
+class Start(WorkerPlugin):
+    """The preparation of a worker before its first task.  ignore_signals: whether signals are left to the parent.
 
-    def release(self, key: str) -> None:
-        """Let all go on that wait for a job."""
-        self._ready += self._behind.get(self._program[key], [])
-        self._behind[self._program[key]] = []
+    A worker keeps programs on disk as the process does that asks for the tasks.
+    """
+
+    def __init__(self, ignore_signals: bool):
+        self.ignore_signals, self.flags, self.keep = ignore_signals, os.environ.get("XLA_FLAGS"), chosen_cache()
+
+    def setup(self, worker: Worker) -> None:
+        """Prepare the process, in its main thread."""
+        for number in ENDING if self.ignore_signals else ():
+            signal.signal(number, signal.SIG_IGN)
+        if "jax" not in sys.modules:  # which reads them when it starts
+            os.environ.update(SETTINGS if self.flags is None else {**SETTINGS, "XLA_FLAGS": self.flags})
+        if self.keep:
+            for beginning in ENTRY_WARNINGS:
+                warnings.filterwarnings("ignore", message=beginning)
+            self.keep()
+
+
+def performed(function: Callable[..., Any], arguments: tuple[Any, ...], sources: str) -> Any:
+    """The outcome of a task, on a worker.  Errors of the system are raised, so that the task is tried again."""
+    if own_sources() != sources:
+        return Failure("the worker has another version of ertel; install the same one everywhere")
+    from ertel.numerics.precision import double_precision  # imports JAX, which reads SETTINGS
+
+    try:
+        with double_precision():
+            return function(*arguments)
+    except (OSError, MemoryError):
+        raise
+    except Exception as error:
+        return Failure.of(error)

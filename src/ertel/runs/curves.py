@@ -13,9 +13,8 @@ from typing import Literal, get_args
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.records import show
+from ertel.case.records import ConfigError, show
 from ertel.case.sections import Drive
-from ertel.inputs.messages import ConfigError
 from ertel.inputs.ranges import Given, parse_values
 from ertel.results.curve_points import AXES
 

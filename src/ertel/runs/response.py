@@ -33,9 +33,9 @@ from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import LARGE_ERROR
-from ertel.runs import forks
-from ertel.runs.courses import METHODS, ImpactCourse
-from ertel.runs.drive import Gathering, Observer, drive, warn
+from ertel.runs import workers
+from ertel.runs.courses import METHODS, TransientRun
+from ertel.runs.drive import Observer, Recorder, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
 from ertel.solvers import harmonic, steady, tangent
 from ertel.solvers.harmonic import Wave
@@ -153,7 +153,7 @@ def _smooth(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> tuple[Case,
     """The smooth impact up to maximum approach, on a part of the plane that all responses share; and these, scaled."""
     if not case.starts_apart or METHODS[case.solver.method] is not Transient2D:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "2d" for a response to roughness')
-    forks.check()
+    workers.check_fork()
     found = [scaled_all(some, case.scales, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(features) == (True, True) for features in found)
     solver, time = replace(case.solver, fold=fold), replace(case.time or Time(), until="max-approach")
@@ -168,8 +168,8 @@ def _in_lockstep(
     observers: Sequence[Observer],
 ) -> xr.Dataset:
     """The smooth run with its companions, and their fields at maximum approach."""
-    course = ImpactCourse(smooth, method)
-    gathering, lockstep = Gathering(course), Lockstep(companions)
+    course = TransientRun(smooth, method)
+    gathering, lockstep = Recorder(course), Lockstep(companions)
     last = drive(course, [gathering, lockstep, *observers])
     status = last.status if lockstep.status.ok else lockstep.status
     data = _assemble(method, gathering, last, companions, status)
@@ -182,14 +182,14 @@ def _heights(method: Transient2D, roughnesses: Sequence[Sequence[Feature]]) -> n
 
 
 def _assemble(
-    method: Transient2D, gathering: Gathering, last: Step, companions: Sequence[Companion], status: Status
+    method: Transient2D, gathering: Recorder, last: Step, companions: Sequence[Companion], status: Status
 ) -> xr.Dataset:
     """All fields at maximum approach, interpolated between the last levels."""
     levels = last.state.levels
     T = turning_time(levels) if status.ok else levels[0].T
     peak = interpolated(levels, T)
     frame = frame_of(method, peak, "max-approach")
-    data = gathering.course.dataset(gathering.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
+    data = gathering.run.dataset(gathering.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]
     return data.assign(dH=(("wave", "Y", "X"), np.stack([np.asarray(change) for change in changes]), FILM_CHANGE))
@@ -231,7 +231,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)
     case = replace(case, solver=replace(case.solver, fold=fold))
-    forks.check()
+    workers.check_fork()
     rolling = steady.steady(case)
     film = rolling.finest
     waves = [_wave(case, some, film.grid) for some in features]

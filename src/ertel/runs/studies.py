@@ -1,11 +1,13 @@
-"""The directory of a study, and its runs on workers.
+"""Parameter studies: the runs of all cases of a study in one directory, on workers, and their numbers.
+
+    ertel.sweep("speeds.toml", "sweeps/speeds", jobs=2)
 
 ======================  =========================================================================================
 runs/DIGEST             an ordinary run directory for each case, named by the digest of the case
 sweep.zarr              the numbers of all runs over what varies; `xarray.open_zarr` alone opens it
 sweep.csv               the same as a table
 sweep.png               and as a figure
-stop                    made by whoever wants the study to stop, see `stop_file`
+stop                    made by whoever wants the study to stop, see `directory`
 .lock                   empty; the process at the study holds a lock on it, see `files.locked`
 ======================  =========================================================================================
 
@@ -14,21 +16,30 @@ edited and started again.  Runs that the study no longer has are left alone.
 """
 
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
+from itertools import islice
 from pathlib import Path
+from typing import Any
 from uuid import uuid4
 
 from ertel.case.case import Case
+from ertel.case.height_map import HeightMap
+from ertel.case.status import Status
 from ertel.inputs.coordinates import coordinates
-from ertel.inputs.studies import Study
+from ertel.inputs.studies import Study, load_study, parse_study
 from ertel.results.study_result import StudyResult
-from ertel.results.study_runs import MISSING, RUNNING, UNFINISHED, Ran, assemble
-from ertel.runs import stop_file
+from ertel.results.study_runs import MISSING, RUNNING, UNFINISHED, StudyRun, assemble
+from ertel.runs.compile import check_jax
+from ertel.runs.directory import heeding_stop, is_asked_to_stop, read_progress
+from ertel.runs.drive import bars
 from ertel.runs.files import StoreError, is_locked, locked
-from ertel.runs.store import CASE, RunStore
-from ertel.runs.study_jobs import job_of
-from ertel.runs.workers import Asked, Failure, Hear, Workers, deaf, never
+from ertel.runs.store import CASE, RunStore, Taken, compute
+from ertel.runs.tasks import Engine
+from ertel.runs.warm_up import has_compiled, program_of
+from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
 RUNS, DATA, TABLE, PICTURE = "runs", "sweep.zarr", "sweep.csv", "sweep.png"
 FAILED = "failed: "  # how the status of a run begins that raised an exception
@@ -36,6 +47,71 @@ EVERY = (1, 1)  # the part that is all of it
 
 Part = tuple[int, int]  # i of n
 OnDone = Callable[[str, str], object]  # takes the digest and the status of a run
+
+
+def sweep(
+    study: str | Path | Mapping[str, Any],
+    directory: str | Path,
+    *,
+    overrides: Sequence[str] = (),
+    jobs: int | None = 1,
+    scheduler: str | None = None,
+    scheduler_file: str | Path | None = None,
+    tls: str | Path | None = None,
+    progress: bool = False,
+) -> StudyResult:
+    """Run all cases of a parameter study that are not there yet, and gather their numbers.
+
+    Parameters
+    ----------
+    study : str, Path or mapping
+        A case file, or plain data of the same layout, in which a list or { from, to, number, spacing } may stand for
+        any value; [sweep] mode is "product" or "zip".  See `ertel.inputs.studies`.
+    directory : str or Path
+        Of the study: made if it is not there.  Its runs are ordinary run directories, runs/DIGEST of the case.  What
+        is missing or unfinished is done, and nothing else is remembered.
+    overrides : sequence of str
+        Values of the case, "contact.M=[100, 200]".
+    jobs : int
+        Number of processes on this machine, with one thread each; None: one for each core.  1: this process, with all
+        cores.  A script that asks for more must begin its work below `if __name__ == "__main__":`, because they
+        import it.
+    scheduler, scheduler_file : str or Path
+        Address of a scheduler of dask.distributed that runs, or the file that it wrote: its workers do the runs.
+        Whoever reaches the scheduler can run programs as you.
+    tls : str or Path
+        For a scheduler at tls://: a PEM file with a certificate, its key and the certificate of the authority.  Without
+        it the configuration of dask holds.
+    progress : bool
+        Whether to show a progress bar.
+
+    Returns
+    -------
+    StudyResult
+        It shows itself as a table; `dataset`, `plot()`, `to_csv(path)`.  They are also in the directory.  A run that
+        failed is a row with its reason.
+
+    Raises
+    ------
+    ConfigError
+        A value is not allowed; the message names the field, its value and what is allowed.
+    StoreError
+        Another process is working on the study.
+    """
+    check_jax()
+    file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
+    engine = Engine(jobs, scheduler, file, keys)
+    found = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
+    place = Path(directory).absolute()
+    left = left_of(found, place)
+    with engine.workers(len(left)) as workers, alone(place), study_bars(place, left, progress) as shown:
+        said = run_study(found, place, workers, on_done=shown.done)
+        result = gather(found, place, said)
+        write(result, place)
+    return result
+
+
+# -- runs -------------------------------------------------------------------------------------------------------------
 
 
 def run_directory(directory: Path, case: Case) -> Path:
@@ -47,8 +123,8 @@ def left_of(study: Study, directory: Path, part: Part = EVERY) -> dict[str, Case
     """The cases of a part whose runs are missing or unfinished, each once, by digest: cases i, i + n, i + 2n, ..."""
     number, parts = part
     every = {case.digest: case for case in study.cases}
-    own = dict(list(every.items())[number - 1 :: parts])
-    return {digest: case for digest, case in own.items() if not _is_done(run_directory(directory, case))}
+    chosen = dict(list(every.items())[number - 1 :: parts])
+    return {digest: case for digest, case in chosen.items() if not _is_done(run_directory(directory, case))}
 
 
 def _is_done(directory: Path) -> bool:
@@ -60,60 +136,153 @@ def _is_done(directory: Path) -> bool:
         return False
 
 
+@contextmanager
+def alone(directory: Path) -> Iterator[None]:
+    """Keep other processes from this study as a whole.  Raises StoreError where one is working on it."""
+    directory.mkdir(parents=True, exist_ok=True)
+    with locked(directory):
+        yield
+
+
 def run_study(
     study: Study,
     directory: Path,
     workers: Workers,
     part: Part = EVERY,
-    hear: Hear = deaf,
-    asked: Asked = never,
+    asked: Condition = never,
     on_done: OnDone = lambda digest, status: None,
 ) -> dict[str, str]:
     """Do what is left of a part; the status of each run that was worked on, by digest, or why it failed.
 
-    hear, asked: see `workers.Workers`; a file in the directory asks too, see `stop_file`.  Raises OSError where the
-    directory cannot be made.
+    asked: whether all should stop, asked again and again; a file in the directory asks too, see `directory`.  Raises
+    OSError where the directory cannot be made.
     """
-    left = left_of(study, directory, part)
     (directory / RUNS).mkdir(parents=True, exist_ok=True)
-    jobs = [job_of(run_directory(directory, case), case) for case in left.values()]
+    file = directory / f".stop-{uuid4().hex[:8]}"  # of this call only: other parts of the study go on
+    stop = StopSignal(file, lambda: asked() or is_asked_to_stop(directory))
     found = {}
-    with stop_file.fresh(directory):
-        for digest, outcome in workers.outcomes(jobs, hear, lambda: asked() or stop_file.is_asked(directory)):
-            found[digest] = f"{FAILED}{outcome.reason}" if isinstance(outcome, Failure) else str(outcome)
-            on_done(digest, found[digest])
+    try:
+        with heeding_stop(directory):
+            tasks = [_task_of(case, directory, stop) for case in left_of(study, directory, part).values()]
+            for digest, outcome in workers.outcomes(tasks, stop):
+                found[digest] = f"{FAILED}{outcome.reason}" if isinstance(outcome, Failure) else str(outcome)
+                on_done(digest, found[digest])
+    finally:
+        file.unlink(missing_ok=True)
     return found
+
+
+def _task_of(case: Case, directory: Path, stop: Condition) -> Task:
+    """The task that brings the run of a case to its end."""
+    place = run_directory(directory, case)
+    arguments = str(place), case.to_data(), case.maps, stop
+    return Task(case.digest, run_case, arguments, 0.0, program_of(case), partial(has_compiled, case, place))
+
+
+def run_case(directory: str, data: Mapping[str, Any], maps: Mapping[str, HeightMap], stop: Condition) -> str:
+    """Begin or continue the run of a case in a directory, on whichever worker takes it; its status.
+
+    data, maps: of the case, see `Case.from_data`.  Raises StoreError where the directory holds something else or
+    another process is computing the run.
+    """
+    if stop():
+        return Status.INTERRUPTED.value
+    store = _store(Path(directory), Case.from_data(data, maps))
+    return str(compute(store, [lambda item: stop()])["status"])
+
+
+def _store(directory: Path, case: Case) -> RunStore:
+    if not (directory / CASE).exists():
+        with suppress(Taken):  # by another process, just now
+            return RunStore.create(directory, case)
+    return RunStore.open(directory)
+
+
+# -- progress ---------------------------------------------------------------------------------------------------------
+
+LOOK = 0.5  # s between looks at what the runs say of their progress
+IN_SIGHT = 100  # runs that may be computed now, next in the study
+
+
+class StudyBars:
+    """A bar for all runs that are left, and one for each that is computed now, as its progress.json says."""
+
+    def __init__(self, progress: Any, directory: Path, left: Mapping[str, Case]):
+        self._progress = progress
+        self._all = progress.add_task("runs", total=len(left), news="")
+        self._directories = {digest: run_directory(directory, case) for digest, case in left.items()}
+        self._bars: dict[str, Any] = {}
+        self._lock = threading.Lock()
+
+    def follow(self, ended: threading.Event) -> None:
+        """Renew the bars until this has ended."""
+        while not ended.wait(LOOK):
+            with self._lock:
+                for digest, directory in islice(self._directories.items(), IN_SIGHT):
+                    self._renew(digest, read_progress(directory))
+
+    def _renew(self, digest: str, said: Mapping[str, Any] | None) -> None:
+        if not said or said["status"] != Status.RUNNING.value:
+            return
+        if digest not in self._bars:
+            self._bars[digest] = self._progress.add_task(digest[:8], total=1.0, news="")
+        time = "" if said["T"] is None else f"T {said['T']:.3f}  "
+        self._progress.update(self._bars[digest], completed=said["done"], news=f"{time}step {said['step']}")
+
+    def done(self, digest: str, status: str) -> None:
+        """Count a run that is done."""
+        with self._lock:
+            self._directories.pop(digest, None)
+            self._progress.update(self._all, advance=1, news=f"{digest[:8]} {status}"[:60])
+            if digest in self._bars:
+                self._progress.remove_task(self._bars.pop(digest))
+
+
+@contextmanager
+def study_bars(directory: Path, left: Mapping[str, Case], shown: bool) -> Iterator[StudyBars]:
+    """The progress of the runs that are left of a study, while this block does them."""
+    ended = threading.Event()
+    with bars(shown) as progress:
+        found = StudyBars(progress, directory, left)
+        if not progress.disable:
+            threading.Thread(target=found.follow, args=[ended], daemon=True).start()
+        try:
+            yield found
+        finally:
+            ended.set()
+
+
+# -- numbers ----------------------------------------------------------------------------------------------------------
 
 
 def gather(study: Study, directory: Path, said: Mapping[str, str] | None = None) -> StudyResult:
     """The numbers of all runs as they are on the disk.  said: why runs failed, from `run_study`."""
-    runs = [_ran(case, directory, said or {}) for case in study.cases]
+    runs = [_study_run(case, directory, said or {}) for case in study.cases]
     data = assemble(study.name, study.mode, study.shape, coordinates(study), runs)
     return StudyResult(data, directory)
 
 
-def _ran(case: Case, directory: Path, said: Mapping[str, str]) -> Ran:
+def _study_run(case: Case, directory: Path, said: Mapping[str, str]) -> StudyRun:
     """A run as it is on the disk."""
     place = run_directory(directory, case)
     status, summary = said.get(case.digest, ""), None
     try:
         if not status.startswith(FAILED):
             summary = RunStore.open(place).summary() if (place / CASE).exists() else None
-            status = summary["status"] if summary else _standing(place)
+            status = summary["status"] if summary else _status_without_summary(place)
     except (StoreError, OSError) as error:
         status = f"{FAILED}{error}"
-    return Ran(case, summary, status, str(place.relative_to(directory)))
+    return StudyRun(case, summary, status, str(place.relative_to(directory)))
 
 
-def _standing(place: Path) -> str:
-    """The status of a run without a summary."""
+def _status_without_summary(place: Path) -> str:
     if not place.exists():
         return MISSING
     return RUNNING if is_locked(place) else UNFINISHED
 
 
 def write(result: StudyResult, directory: Path) -> list[str]:
-    """Write what all runs say into the directory of the study; the names of what is there now.
+    """Write the numbers of all runs into the directory of the study; the names of what is there now.
 
     There is no figure before a run has numbers to draw.
     """
@@ -131,11 +300,3 @@ def write(result: StudyResult, directory: Path) -> list[str]:
     with suppress(NoFigure):
         result.plot().savefig(directory / PICTURE)
     return [name for name in (DATA, TABLE, PICTURE) if (directory / name).exists()]
-
-
-@contextmanager
-def alone(directory: Path) -> Iterator[None]:
-    """Keep other processes from this study as a whole.  Raises StoreError where one is at it."""
-    directory.mkdir(parents=True, exist_ok=True)
-    with locked(directory):
-        yield

@@ -1,38 +1,29 @@
 """Functions that are run side by side, with results in order that are kept on disk::
 
     tasks = [Task(f"M{M}", run, (M,)) for M in (200, 500, 1000)]
-    with cluster.local(2) as workers:
+    with Engine(jobs=2).workers(len(tasks)) as workers:
         results = run_tasks(tasks, workers, Path("runs"))
 
 Results that are kept are plain data, see `ertel.runs.plain`.  A failure is a value.
 """
 
 import logging
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from numbers import Integral
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
 
+from ertel.case.records import ConfigError, show
 from ertel.runs import plain
 from ertel.runs.workers import Failure as Failure
-from ertel.runs.workers import Job, Wire, Workers, deaf, never
+from ertel.runs.workers import LocalWorker, Workers, cores
+from ertel.runs.workers import Task as Task
 from ertel.version import installed_version, own_sources
 
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Task:
-    """One run of a function with its arguments.
-
-    name: names the file that keeps the result, unique among the tasks.  seconds: expected duration.
-    """
-
-    name: str
-    function: Callable[..., Any]
-    arguments: tuple[Any, ...] = ()
-    seconds: float = 0.0
 
 
 def run_tasks(
@@ -48,7 +39,7 @@ def run_tasks(
     tasks : sequence of Task
         Their names must differ.
     workers : Workers
-        Who runs the tasks: `cluster.local`, `cluster.existing`, or `workers.Here` for this process.
+        Who runs the tasks: `workers.LocalWorker()` is this process, `Engine` gives others.
     directory : Path, optional
         Where results are kept.  A kept result is used again, so that what was interrupted goes on where it was.  It
         must come from the same function, arguments, version and source code of ertel.  The source code of functions
@@ -79,18 +70,12 @@ def run_tasks(
     found = kept(tasks, directory)
     for name, result in found.items():
         on_done(by_name[name], result)
-    jobs = [Job(task.name, _run, (task.function, task.arguments)) for task in tasks if task.name not in found]
-    for name, result in workers.outcomes(jobs, deaf, never):
+    for name, result in workers.outcomes([task for task in tasks if task.name not in found]):
         found[name] = result
         if directory and not isinstance(result, Failure):
             _keep(directory, by_name[name], result)
         on_done(by_name[name], result)
     return [found[task.name] for task in tasks]
-
-
-def _run(wire: Wire, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """The job that a task is; it tells no news."""
-    return function(*arguments)
 
 
 def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
@@ -134,3 +119,48 @@ def _stamp(task: Task) -> str:
         return plain.digest([installed_version(), own_sources(), *function, task.arguments])
     except TypeError as error:
         raise TypeError(f"arguments of task {task.name}: {error}") from error
+
+
+# -- who does them ----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Who does the runs.
+
+    jobs: processes of this machine, None for one for each core; 1 is this process.  scheduler, scheduler_file: the
+    address of a scheduler that runs, or the file that it wrote; its workers do them.  tls: for a scheduler at tls://,
+    a PEM file with a certificate, its key and the certificate of the authority.
+    """
+
+    jobs: int | None = None
+    scheduler: str | None = None
+    scheduler_file: Path | None = None
+    tls: Path | None = None
+
+    def __post_init__(self) -> None:
+        if self.scheduler and self.scheduler_file:
+            raise ConfigError(f"scheduler = {show(self.scheduler)}: give it, or scheduler_file, not both")
+        if self.tls and not (self.scheduler or self.scheduler_file):
+            raise ConfigError(f"tls = {self.tls}: only with scheduler or scheduler_file; local processes have own keys")
+        if self.jobs is not None and not (isinstance(self.jobs, Integral) and self.jobs >= 1):
+            raise ConfigError(f"jobs = {show(self.jobs)}: must be one or more, a whole number")
+
+    @property
+    def processes(self) -> int:
+        """The number of processes of this machine."""
+        return self.jobs or cores()
+
+    @contextmanager
+    def workers(self, runs: int) -> Iterator[Workers]:
+        """Those who do so many runs: no more processes than these.  Raises NoScheduler."""
+        elsewhere = self.scheduler or self.scheduler_file
+        jobs = min(self.processes, runs)
+        if runs == 0 or (jobs == 1 and not elsewhere):
+            yield LocalWorker()
+            return
+        from ertel.runs import cluster  # imports dask
+
+        there = self.scheduler, self.scheduler_file, self.tls
+        with cluster.existing(*there) if elsewhere else cluster.local(jobs) as found:
+            yield found

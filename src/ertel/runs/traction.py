@@ -24,17 +24,17 @@ from ertel.results.curve_points import WORK, Point, assemble, point
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import TractionCurve
 from ertel.results.variables import with_coefficients
-from ertel.runs import compiling, forks
-from ertel.runs.beforehand import beyond
-from ertel.runs.courses import GridStep, SteadyCourse
+from ertel.runs import workers
+from ertel.runs.compile import check_jax
+from ertel.runs.courses import GridStep, SteadyRun
 from ertel.runs.curves import Curve, Film, curve_of
-from ertel.runs.drive import Observer, drive, warn
-from ertel.runs.progress import bars
+from ertel.runs.drive import Observer, bars, drive, warn
+from ertel.runs.outlook import beyond
 from ertel.runs.traction_store import CurveStore
 
 NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but not that of a surface
 
-ObserversOf = Callable[[int, SteadyCourse], Sequence[Observer]]  # of the film for a point, by the number of the point
+ObserversOf = Callable[[int, SteadyRun], Sequence[Observer]]  # of the film for a point, by the number of the point
 
 
 @double_precision()
@@ -62,12 +62,12 @@ def run(
 
 def _computed(curve: Curve, done: int, observers_of: ObserversOf, stop: Callable[[object], bool]) -> Iterator[Point]:
     """The points of a curve from number `done` on, up to a stop."""
-    forks.check()
+    workers.check_fork()
     film: GridStep | None = None
     for number in range(done, len(curve.values)):
         fresh = film is None or curve.film == "each"
         if film is None or fresh:
-            course = SteadyCourse(curve.cases[number if curve.film == "each" else curve.of_film])
+            course = SteadyRun(curve.cases[number if curve.film == "each" else curve.of_film])
             film = drive(course, [*observers_of(number, course), stop])
             if film.status is Status.INTERRUPTED:
                 return
@@ -186,7 +186,7 @@ def traction(
     >>> case = ertel.load_case("examples/squalane.toml")  # doctest: +SKIP
     >>> ertel.traction(case, slide_to_roll="0:0.5:15").plot()  # doctest: +SKIP
     """
-    compiling.check_jax()
+    check_jax()
     curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
     store = CurveStore.of(Path(directory), curve) if directory else None
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
@@ -200,11 +200,11 @@ def watched(progress: Any, curve: Curve) -> ObserversOf:
         curve.case.name or curve.case.kind, total=len(curve.values), news="compiling (once per machine and grid size)"
     )
 
-    def observers_of(number: int, course: SteadyCourse) -> list[Observer]:
+    def observers_of(number: int, course: SteadyRun) -> list[Observer]:
         where = f"{number + 1}/{len(curve.values)}  {curve.axis} = {curve.values[number]:.4g}"
 
         def show(item: GridStep) -> None:
-            progress.update(bar, completed=number + course.fraction(item), news=f"{where}  {course.news(item)}")
+            progress.update(bar, completed=number + course.fraction(item), news=f"{where}  {course.message(item)}")
 
         return [show]
 

@@ -14,15 +14,13 @@ after an interruption.
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from itertools import count
 from pathlib import Path
 from typing import Any
 
 from ertel.results.curve_points import Point
 from ertel.results.traction_curve import TractionCurve
-from ertel.runs import directories
 from ertel.runs.curves import Curve
-from ertel.runs.directories import Taken
+from ertel.runs.directory import Taken, changes, make, numbered
 from ertel.runs.files import content_of, locked, reading, replace, sealed, unsealed
 from ertel.version import installed_version, own_sources
 
@@ -45,17 +43,15 @@ class CurveStore:
         if (directory / POINTS).exists():
             return cls(directory, curve, _points(directory, curve))
         new = cls(directory, curve, ())
-        with directories.draft(directory, curve.case, new._write_first) as draft:
-            directories.move(draft, directory)
+        make(directory, curve.case, new._write_first)
         return new
 
     @classmethod
     def in_turn(cls, parent: Path, curve: Curve) -> "CurveStore":
         """The store in parent/NAME, parent/NAME-2, ...: the first that holds this curve or does not exist."""
-        for number in count(1):
-            name = curve.case.name or curve.case.kind
+        for directory in numbered(parent / (curve.case.name or curve.case.kind)):
             try:
-                return cls.of(parent / (name if number == 1 else f"{name}-{number}"), curve)
+                return cls.of(directory, curve)
             except Taken:
                 continue
         raise AssertionError("there is always a next number")
@@ -102,7 +98,7 @@ def _points(directory: Path, curve: Curve) -> tuple[Point, ...]:
     with reading(path, "choose another directory"):
         content = unsealed(content_of(path))
         points = tuple(content.pop("points"))
-    if said := directories.changes(content, _identity(curve)):
+    if said := changes(content, _identity(curve)):
         said = "another version of ertel" if said.startswith(OF_VERSION) else said
         raise Taken(f"{directory}: holds another curve ({said})")
     return points

@@ -1,7 +1,7 @@
-"""Compiling ahead: short runs that leave nothing to compile for the run of the same case, or of one like it.
+"""Which runs share their compiled programs, and compiling ahead by short runs.
 
 A program depends on the kind of run, the number of nodes, the axes of symmetry and the laws of the oil; not on M, L,
-the constants of the oil, tolerances or times.
+the constants of the oil, tolerances, times or how far the grid reaches.
 """
 
 from collections.abc import Iterator
@@ -10,9 +10,13 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from ertel.case.case import Case
+from ertel.case.status import Status
+from ertel.equations import discretise
 from ertel.inputs.case_files import parse_case
-from ertel.runs import compiling
+from ertel.runs.batch import shape_of
+from ertel.runs.compile import compilations
 from ertel.runs.courses import course_of
+from ertel.runs.directory import read_progress
 from ertel.runs.store import RunStore, compute
 
 STEPS = 4  # the first three have histories of different length
@@ -24,6 +28,20 @@ USUAL = (
     {"name": "impact, radial, 401", "contact": {"kind": "impact"}, "solver": {"method": "radial", "nodes": 401}},
 )
 OIL = {"viscosity": "roelands", "density": "dowson-higginson", "eta0": "40 mPa*s", "alpha": "22 / GPa"}
+EXTENT = ("solver.half_width", "solver.half_width_y", "solver.inlet")  # numbers that a program is given
+
+
+def program_of(case: Case) -> str:
+    """A text that is the same for runs that need the same compiled programs."""
+    shape = {name: value for name, value in shape_of(case).items() if name not in EXTENT}
+    across = discretise.grid_of(case).nodes_y
+    return repr((case.kind, across, sorted(shape.items()), case.thermal is not None))
+
+
+def has_compiled(case: Case, directory: Path) -> bool:
+    """Whether the run in a directory, which goes on, has all its programs; each grid of a steady run has its own."""
+    said = None if case.is_steady else read_progress(directory)
+    return said is not None and said["status"] == Status.RUNNING.value and said["step"] > STEPS
 
 
 def usual_cases() -> Iterator[Case]:
@@ -37,7 +55,7 @@ def warm_up(case: Case) -> int:
 
     A steady case is run to its end, a run in time for a few steps; the results are deleted.
     """
-    before = compiling.count()
+    before = compilations()
     steps = iter(range(STEPS))
 
     def enough(item: Any) -> bool:
@@ -51,4 +69,4 @@ def warm_up(case: Case) -> int:
     method = None if case.is_steady else course.method
     with TemporaryDirectory() as directory:
         compute(RunStore.create(Path(directory) / "run", case, course), [enough])
-    return compiling.count() - before
+    return compilations() - before

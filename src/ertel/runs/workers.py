@@ -1,51 +1,46 @@
-"""Independent jobs, and who does them: this process one after the other, or the processes of a cluster.
+"""Independent tasks, and who does them: this process one after the other, or the processes of a cluster.
 
-    for key, outcome in Here().outcomes([Job("a", function, (1, 2))]):
+    for name, outcome in LocalWorker().outcomes([Task("a", function, (1, 2))]):
         ...
 
-A job is a function with plain arguments.  Its first argument is a `Wire`, by which it tells news and hears a wish to
-stop.  A job that raises has a `Failure` as its outcome: the others go on.
+A task is a function with its arguments.  One that raises has a `Failure` as its outcome: the others go on.
 """
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from pathlib import Path
+from typing import Any, Protocol
 
-News = Mapping[str, Any]  # what a job tells while it is done, as plain data
-Hear = Callable[[str, News], object]  # takes the key of a job and its news
-Asked = Callable[[], bool]  # whether all should stop
-READY = "ready"  # a key of news: the programs of the job are compiled
+Condition = Callable[[], bool]
 
 
-class Wire(Protocol):
-    """What connects a job to those who wait for it."""
-
-    def tell(self, news: News) -> None:
-        """Tell news; they may be lost."""
-        ...
-
-    def stopped(self) -> bool:
-        """Whether the job should end as soon as it can, and so that it can be continued."""
-        ...
+def never() -> bool:
+    """Say no."""
+    return False
 
 
-class Job(NamedTuple):
-    """One job: function(wire, *arguments).
+@dataclass(frozen=True)
+class Task:
+    """One run of a function with its arguments.
 
-    key: differs from that of every other job.  program: jobs of the same one need the same compiled programs; "" for
-    one that shares none.
+    name: unique among the tasks; it also names the file that keeps the result.  seconds: expected duration.  program:
+    tasks of the same one need the same compiled programs; "" for one that shares none.  has_compiled: whether these
+    programs are there, asked in the process that waits for the task, while the task runs.
     """
 
-    key: str
+    name: str
     function: Callable[..., Any]
     arguments: tuple[Any, ...] = ()
+    seconds: float = 0.0
     program: str = ""
+    has_compiled: Condition = never
 
 
 @dataclass(frozen=True)
 class Failure:
-    """A job that raised an exception, and its message."""
+    """A task that raised an exception, and its message."""
 
     reason: str
 
@@ -55,54 +50,48 @@ class Failure:
         return cls(f"{type(error).__name__}: {error}")
 
 
+class StopSignal:
+    """A wish to stop, true after it was asked for in this process; a file passes it on to all workers.
+
+    A copy in another process, as pickle makes it, looks for the file only.
+    """
+
+    def __init__(self, file: Path, asked: Condition = never):
+        self._file, self._asked = file, asked
+
+    def __call__(self) -> bool:
+        if self._asked():
+            with suppress(OSError):
+                self._file.touch()
+            return True
+        return self._file.is_file()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return StopSignal, (self._file,)
+
+
 class Workers(Protocol):
-    """Those who do jobs."""
+    """Those who do tasks."""
 
-    def outcomes(self, jobs: Sequence[Job], hear: Hear, asked: Asked) -> Iterator[tuple[str, Any]]:
-        """Do all jobs: key and outcome of each as soon as it is there, in any order.
+    def outcomes(self, tasks: Sequence[Task], should_stop: Condition = never) -> Iterator[tuple[str, Any]]:
+        """Do all tasks: name and outcome of each as soon as it is there, in any order.
 
-        hear: sees the news of the jobs.  asked: is asked again and again; after true the jobs are told to stop.
+        should_stop: is asked again and again, so that tasks with the same `StopSignal` hear of it and end.
         """
         ...
 
 
-def deaf(key: str, news: News) -> None:
-    """Hears nothing."""
+class LocalWorker:
+    """This process: one task after the other, each with all cores."""
 
-
-def never() -> bool:
-    """Asks for no stop."""
-    return False
-
-
-class Here:
-    """This process: one job after the other, each with all cores."""
-
-    def outcomes(self, jobs: Sequence[Job], hear: Hear = deaf, asked: Asked = never) -> Iterator[tuple[str, Any]]:
-        """See `Workers`."""
-        for job in jobs:
-            yield job.key, _attempted(job, _Direct(job.key, hear, asked))
-
-
-class _Direct(NamedTuple):
-    """A `Wire` inside of one process."""
-
-    key: str
-    hear: Hear
-    asked: Asked
-
-    def tell(self, news: News) -> None:
-        self.hear(self.key, news)
-
-    def stopped(self) -> bool:
-        return self.asked()
-
-
-def _attempted(job: Job, wire: Wire) -> Any:
-    try:
-        return job.function(wire, *job.arguments)
-    except Exception as error:
-        return Failure.of(error)
+    def outcomes(self, tasks: Sequence[Task], should_stop: Condition = never) -> Iterator[tuple[str, Any]]:
+        """See `Workers`; a task asks its `StopSignal` itself."""
+        for task in tasks:
+            try:
+                outcome = task.function(*task.arguments)
+            except Exception as error:
+                outcome = Failure.of(error)
+            yield task.name, outcome
 
 
 def cores() -> int:
@@ -110,3 +99,27 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):  # not on macOS and Windows
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+# -- forks ------------------------------------------------------------------------------------------------------------
+
+_computing: int | None = None  # the process that has computed first
+
+
+class Forked(RuntimeError):
+    """This process is a copy of one that has computed, in which JAX would wait for ever."""
+
+
+def check_fork() -> None:
+    """Raise Forked where this process is a copy of one that has computed before.
+
+    JAX waits there for threads that only the parent has.
+    """
+    global _computing
+    if _computing is None:
+        _computing = os.getpid()
+    if _computing != os.getpid():
+        raise Forked(
+            "this process was forked from one in which JAX runs, and would hang; start processes with "
+            'multiprocessing.get_context("spawn"), or run the cases with ertel.sweep'
+        )

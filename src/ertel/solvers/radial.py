@@ -32,13 +32,12 @@ from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc, disc_weights
 from ertel.numerics.precision import require_double
-from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair
 from ertel.numerics.tridiagonal import diagonals, times
 from ertel.physics.far_field import Motion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
-from ertel.physics.rheology import NEWTONIAN, Rheology
 
 Floats = NDArray[np.float64]
 
@@ -71,7 +70,6 @@ class Equations(NamedTuple):
 
     mesh: Mesh
     oil: Lubricant
-    flow: Rheology
     lambda_bar: float
     rate: float
     past: Array
@@ -98,6 +96,7 @@ class Problem(NamedTuple):
     tolerance: float
 
 
+@exportable
 class StepSolution(NamedTuple):
     """The new fields, and all numbers of the step in one array, in the order of `NUMBERS`."""
 
@@ -162,7 +161,7 @@ def outflow(eq: Equations, P: Array, H: Array) -> Array:
 
     The surfaces do not overlap in a solution, but they may during the iteration; the flow is then zero.
     """
-    eps, _ = eq.flow.mobility(eq.oil.density(P), eq.oil.viscosity(P), H, eq.lambda_bar)
+    eps = eq.oil.mobility(P, H, eq.lambda_bar)
     return -eq.mesh.face * (eps[1:] + eps[:-1]) / 2 * jnp.diff(P) / jnp.diff(eq.mesh.r)
 
 
@@ -231,7 +230,7 @@ def equations(
     masses = [weight * oil.density(P) * H for weight, (P, H) in zip(rates[1:], past, strict=False)]
     apart = CIRCLE.gap(mesh.r, 0.0) + uplift - line.value / line.approach_weight
     stiffness = mesh.kernel + line.load_weight / line.approach_weight * mesh.load
-    return Equations(mesh, oil, NEWTONIAN, lambda_bar, rates[0], sum(masses, jnp.zeros_like(mesh.r)), apart, stiffness)
+    return Equations(mesh, oil, lambda_bar, rates[0], sum(masses, jnp.zeros_like(mesh.r)), apart, stiffness)
 
 
 @jax.jit
@@ -360,7 +359,7 @@ class RadialImpact(Method):
 
 def account_of(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> Account:
     """The account after a step.  Nothing slides and nothing rolls."""
-    eps, _ = eq.flow.mobility(eq.oil.density(P), eq.oil.viscosity(P), H, eq.lambda_bar)
+    eps = eq.oil.mobility(P, H, eq.lambda_bar)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     heat = disc.of_slopes(Pair(eps), P, eq.oil.enthalpy(P))
     film = Film(P, H, Pair(eps), heat, deformation, residual(eq, P, H), 0.0, 0.0)

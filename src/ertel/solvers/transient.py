@@ -28,7 +28,7 @@ from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Even, check_grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import Elasticity
-from ertel.numerics.programs import Program
+from ertel.numerics.programs import Program, exportable
 from ertel.numerics.symmetry import total, unfolded
 from ertel.physics.far_field import Motion
 from ertel.solvers import nonlinear, steady
@@ -110,6 +110,7 @@ class StepProblem:
     options: newton.Options = field(metadata={"static": True})
 
 
+@exportable
 class StepSolution(NamedTuple):
     """The new fields, each of shape (n, n), and all numbers of the step in one array, in the order of `NUMBERS`."""
 

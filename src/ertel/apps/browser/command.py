@@ -5,9 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ertel.apps.exits import BAD_INPUT, bad_input, leave
-from ertel.apps.output import say
-from ertel.apps.paths import in_shell, local_path
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, local_path, say
 
 PORT = 8642
 MISSING = "the app needs NiceGUI: pip install 'ertel[app]'"

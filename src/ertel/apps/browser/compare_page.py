@@ -10,7 +10,7 @@ from ertel.apps.browser.run_page import TABS
 from ertel.apps.browser.site import Site
 from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish, stamp_of
 from ertel.apps.browser.words import pretty
-from ertel.results.key_numbers import key_numbers
+from ertel.results.numbers import key_numbers
 
 STEPS = 200  # of the slider
 NARROW = {"film": "Film", "pressure": "Pressure"}  # figures of one panel, that stand beside each other
@@ -74,9 +74,9 @@ class Comparison:
         with self._numbers[number]:
             for found in key_numbers(summary) if summary else []:
                 with ui.row().classes("line"):
-                    ui.label(found.label)
+                    ui.label(found.long_name)
                     ui.space()
-                    ui.label(found.si or pretty(found.value)).classes("value")
+                    ui.label(found.text_in_si or pretty(found.text)).classes("value")
         self._show()
 
     def _begin(self) -> None:

@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 from ertel import plots
 from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish
 from ertel.plots.view import View
-from ertel.results.kinds import is_steady
-from ertel.results.variables import EVENTS, VARIABLES
+from ertel.results.variables import EVENTS, VARIABLES, is_steady
 from ertel.runs.checked_zarr import RegularStore
 
 IN_TIME = ("maps", "profiles", "history", "front", "friction", INTERFEROGRAM, "overview")
@@ -46,9 +45,8 @@ def _news(data: xr.Dataset) -> tuple[tuple[str, str, str], ...]:
     """The last values of a run; a friction that is zero is none."""
     last = {name: float(data[name].values[-1]) for name in NEWS if name in data and data[name].size}
     told = {name: value for name, value in last.items() if value or not name.startswith("mu")}
-    return tuple(
-        (VARIABLES[name].long_name, name, _plain(View(data).with_unit(name, value))) for name, value in told.items()
-    )
+    view = View(data)
+    return tuple((VARIABLES[name].long_name, name, _plain(view.with_unit(name, value))) for name, value in told.items())
 
 
 def _plain(text: str) -> str:

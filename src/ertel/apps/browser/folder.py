@@ -1,17 +1,13 @@
 """The folder that the app was opened in: its runs and case files.  Nothing outside is read, written or started."""
 
 import os
-from collections import deque
-from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import count
 from pathlib import Path
 
-from ertel.runs.directories import CASE
-from ertel.runs.listing import DATA, folders_in, is_run
+from ertel.runs.directory import CASE, DATA, numbered
+from ertel.runs.listing import find_runs, is_run
 
 RUNS = "runs"  # where `ertel run` puts a run, too
-DEEPEST = 4  # levels of folders in which runs are looked for: a study has runs of its own
 MOST_FOLDERS = 1000  # that are looked into
 MOST = 300  # runs that are listed
 
@@ -63,7 +59,7 @@ class Folder:
 
     def runs(self) -> list[Path]:
         """The runs in the folder, the latest first."""
-        return sorted(_runs_below(self.root), key=_changed, reverse=True)[:MOST]
+        return sorted(find_runs(self.root, MOST_FOLDERS), key=_changed, reverse=True)[:MOST]
 
     def case_files(self) -> list[Path]:
         """The case files at the top of the folder, by name."""
@@ -82,9 +78,8 @@ class Folder:
 
         Where either is taken, the first of NAME-2, NAME-3, ... that is free.
         """
-        for number in count(1):
-            free = name if number == 1 else f"{name}-{number}"
-            file, run = self.root / f"{free}.toml", self.root / RUNS / free
+        for run in numbered(self.root / RUNS / name):
+            file = self.root / f"{run.name}.toml"
             if run.exists():
                 continue
             try:
@@ -94,19 +89,6 @@ class Folder:
                 continue
             return file, run
         raise AssertionError("there is always a next number")
-
-
-def _runs_below(folder: Path) -> Iterator[Path]:
-    """The runs below a folder, those near it first; in a large tree not all of them."""
-    left, looked = deque([(folder, DEEPEST)]), 0
-    while left and looked < MOST_FOLDERS:
-        place, depth = left.popleft()
-        looked += 1
-        for path in folders_in(place):
-            if is_run(path):
-                yield path
-            elif depth > 1:
-                left.append((path, depth - 1))
 
 
 def _changed(path: Path) -> float:

@@ -11,9 +11,9 @@ from ertel.apps.browser import checking
 from ertel.apps.browser.answer import show_answer, show_fault, show_waiting
 from ertel.apps.browser.form import DECIDE, ENDS, GRIDS, MATERIALS, METHODS, OILS, RHEOLOGIES, Form, field_of, read_text
 from ertel.apps.browser.site import Site, address_of
-from ertel.apps.exits import reason_of
+from ertel.apps.terminal import reason_of
 from ertel.case.rules import plain_name
-from ertel.runs.directories import CASE
+from ertel.runs.directory import CASE
 from ertel.runs.files import content_of
 
 PAUSE = 0.5  # seconds after the last change before ertel is asked

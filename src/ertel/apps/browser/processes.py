@@ -19,7 +19,8 @@ from typing import IO, Any
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.records import fault_of, summary_of
 from ertel.case.status import Status
-from ertel.runs import files, progress_file, stop_file
+from ertel.runs import files
+from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
@@ -139,10 +140,10 @@ class Processes:
             ours.asked_to_stop = True
         elif not computes:
             raise ValueError(f"{self.folder.name_of(run)}: does not run; there is nothing to stop")
-        elif stop_file.is_asked(run):
+        elif is_asked_to_stop(run):
             raise ValueError(f"{self.folder.name_of(run)}: is asked to stop already; it does so after its current step")
         if computes:
-            stop_file.ask(run)
+            ask_to_stop(run)
 
     def knows(self, run: Path) -> bool:
         """Whether this app started a run, the directory of which may not be there yet."""
@@ -156,7 +157,7 @@ class Processes:
 
     def standing(self, run: Path) -> Standing:
         """How a run stands."""
-        progress, ours = progress_file.read(run), self._started.get(run)
+        progress, ours = read_progress(run), self._started.get(run)
         if ours and ours.process.poll() is None:
             return Standing(_phase_of(ours, progress), progress, seconds=monotonic() - ours.since)
         if ours and not ours.has_stopped and not _outcome(run):
@@ -176,7 +177,7 @@ def _phase_of(ours: _Started, progress: Mapping[str, Any] | None) -> Phase:
 
 def _phase_elsewhere(run: Path, progress: Mapping[str, Any] | None) -> Phase:
     """The phase of a run that a process of another program, perhaps on another machine, works on."""
-    if stop_file.is_asked(run):
+    if is_asked_to_stop(run):
         return Phase.STOPPING
     return Phase.RUNNING if progress and progress["status"] == Status.RUNNING.value else Phase.COMPILING
 

@@ -12,9 +12,9 @@ from ertel.apps.browser.records import summary_of
 from ertel.apps.browser.site import SAID, Site, address_of
 from ertel.apps.browser.wishes import INTERFEROGRAM, LIGHTS, Told, Wish, stamp_of
 from ertel.apps.browser.words import news, show_number
-from ertel.apps.exits import reason_of
-from ertel.results.key_numbers import Number, key_numbers
-from ertel.runs.directories import CASE
+from ertel.apps.terminal import reason_of
+from ertel.results.numbers import key_numbers
+from ertel.runs.directory import CASE
 from ertel.runs.files import content_of
 
 TABS = {
@@ -228,12 +228,13 @@ class RunPage:
         """The key numbers of the summary, or the last values of a run that goes on."""
         summary = summary_of(self.path)
         numbers = key_numbers(summary) if summary else []
-        if not numbers and self._told and self._told.T:  # those of the first grids of a steady contact mean nothing
-            numbers = [Number(label, symbol, value) for label, symbol, value in self._told.news]
+        cards = [(n.long_name, n.symbol, n.text, n.text_in_si, n.text_of_error) for n in numbers]
+        if not cards and self._told and self._told.T:  # those of the first grids of a steady contact mean nothing
+            cards = [(*texts, "", "") for texts in self._told.news]
         self._numbers.clear()
         with self._numbers:
-            for number in numbers:
-                show_number(number)
+            for card in cards:
+                show_number(*card)
         self._notes.clear()
         with self._notes:
             for sentence in (summary or {}).get("warnings", []):

@@ -5,7 +5,6 @@ from html import escape
 from nicegui import ui
 
 from ertel.apps.browser.processes import Phase, Standing
-from ertel.results.key_numbers import Number
 
 COMPILING = (
     "Starting, then compiling: once per machine and grid size, usually 10 to 60 s. "
@@ -13,15 +12,15 @@ COMPILING = (
 )
 
 
-def show_number(number: Number) -> None:
+def show_number(label: str, symbol: str, text: str, text_in_si: str = "", text_of_error: str = "") -> None:
     """A key number as a card."""
-    more = [pretty(number.value)] if number.si else []
-    more += [f"± {number.error}"] if number.error else []
+    more = [pretty(text)] if text_in_si else []
+    more += [f"± {text_of_error}"] if text_of_error else []
     with ui.element("div").classes("number"):
-        ui.label(number.label).classes("what")
+        ui.label(label).classes("what")
         with ui.row().classes("known"):
-            ui.label(number.si or pretty(number.value)).classes("value")
-            ui.html(_symbol(number.symbol), sanitize=False).classes("symbol")
+            ui.label(text_in_si or pretty(text)).classes("value")
+            ui.html(_symbol(symbol), sanitize=False).classes("symbol")
         ui.label("  ".join(more)).classes("also")
 
 

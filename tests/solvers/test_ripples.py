@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import ripples
 import xarray as xr
+from ripples import SlidingWaviness
 
 from ertel.case.case import Case
 from ertel.inputs.python import Oil, rolling
 from ertel.physics.fluidity import Fluidity, ReeEyring
-from ertel.physics.traction import SlidingWaviness
-from ertel.results import ripples
 from ertel.runs.response import respond_in_rolling
 
 
@@ -91,3 +91,34 @@ def test_eyrings_oil_leaves_the_waves_that_a_newtonian_oil_flattens() -> None:
     """The same contact and the same viscosity at rest: 0.75 and 0.13 of the height."""
     left, flattened = (found(law, 129, 0.5, alpha=20e-9)[0].clearance for law in (ReeEyring(5e6), "newtonian"))
     assert abs(left) > 5 * abs(flattened)
+
+
+# -- Hooke ------------------------------------------------------------------------------------------------------------
+
+
+def waviness(lag: float, bulk: float = float("inf")) -> tuple[complex, complex]:
+    return ripples.hooke_waviness(100e-6, 200e-9, 226e9, effective_viscosity=10.0, lag=lag, bulk_modulus=bulk)
+
+
+def test_waviness_stays_where_the_oil_carries_it() -> None:
+    assert waviness(0.0) == (1.0, 0.0)
+
+
+def test_fast_waviness_is_flattened_elastically() -> None:
+    """Q -> infinity without compressibility: no ripple of the film, pressure ripple w E'/4."""
+    clearance, pressure = waviness(1e9)
+    assert abs(clearance) < 1e-6
+    assert abs(pressure) == pytest.approx(2 * pi / 100e-6 * 226e9 / 4, rel=1e-9)
+
+
+def test_compressible_oil_leaves_a_ripple() -> None:
+    clearance, _ = waviness(1e9, bulk=5e9)
+    C = 200e-9 * 226e9 * 2 * pi / 100e-6 / (4 * 5e9)
+    assert abs(clearance) == pytest.approx(C / (1 + C), rel=1e-6)
+
+
+def test_ripples_of_film_and_of_pressure_add_up_to_the_waviness() -> None:
+    """The pressure ripple flattens the waviness by 4 p/(w E'), in its own phase."""
+    for lag in (1e-3, 1e-2, -0.3):
+        clearance, pressure = waviness(lag, bulk=5e9)
+        assert abs(clearance - 4 / (2 * pi / 100e-6 * 226e9) * pressure - 1.0) < 1e-12

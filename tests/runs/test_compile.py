@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import ertel
-from ertel.runs import compiling
+from ertel.runs import compile
 
 SOURCE = str(Path(ertel.__path__[0]).parent)
 
@@ -32,7 +32,7 @@ def test_jax_computes_right():
     command = [sys.executable, "-c", WRONG_SUMS]
     plain = {name: value for name, value in environment().items() if name != "XLA_FLAGS"}
     done = subprocess.run(command, capture_output=True, text=True, check=True, env=plain)
-    assert done.stdout == "0\n", f'this JAX computes wrongly: pip install "{compiling.REQUIREMENT}"'
+    assert done.stdout == "0\n", f'this JAX computes wrongly: pip install "{compile.REQUIREMENT}"'
 
 
 # -- versions ---------------------------------------------------------------------------------------------------------
@@ -40,46 +40,38 @@ def test_jax_computes_right():
 
 @pytest.mark.parametrize("version", ["0.10.2", "0.11.0"])
 def test_wrong_versions(version):
-    said = compiling.wrong_version(version)
+    said = compile.wrong_version(version)
     assert version in said
     assert 'pip install "jax!=0.10.2,!=0.11.0"' in said
 
 
 @pytest.mark.parametrize("version", ["0.7.0", "0.10.1", "0.10.20", "0.11.1"])
 def test_right_versions(version):
-    assert compiling.wrong_version(version) == ""
+    assert compile.wrong_version(version) == ""
 
 
 @pytest.fixture
 def wrong_jax(monkeypatch):
     """As if a JAX that computes wrongly were installed."""
-    monkeypatch.setattr(compiling, "version", lambda package: "0.10.2")
-    monkeypatch.setattr(compiling, "_told", False)
+    monkeypatch.setattr(compile, "version", lambda package: "0.10.2")
+    compile.check_jax.cache_clear()
 
 
 def test_a_wrong_jax_is_told_once(wrong_jax):
     with pytest.warns(RuntimeWarning, match=r"JAX 0\.10\.2 computes wrongly"):
-        compiling.check_jax()
+        compile.check_jax()
     with warnings.catch_warnings(action="error"):
-        compiling.check_jax()
-
-
-def test_a_wrong_jax_is_told_to_whom_one_says(wrong_jax):
-    told: list[str] = []
-    with warnings.catch_warnings(action="error"):
-        compiling.check_jax(told.append)
-        compiling.check_jax()
-    assert told == [compiling.wrong_version("0.10.2")]
+        compile.check_jax()
 
 
 def test_a_right_jax_is_not_mentioned(monkeypatch):
-    monkeypatch.setattr(compiling, "version", lambda package: "0.10.1")
+    monkeypatch.setattr(compile, "version", lambda package: "0.10.1")
     with warnings.catch_warnings(action="error"):
-        compiling.check_jax()
+        compile.check_jax()
 
 
 def test_the_version_is_known_without_jax():
-    code = "import sys; from ertel.runs import compiling; compiling.cache_directory(); print('jax' in sys.modules)"
+    code = "import sys; from ertel.runs import compile; compile.cache_directory(); print('jax' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment())
     assert done.stdout.strip() == "False"
 
@@ -87,10 +79,10 @@ def test_the_version_is_known_without_jax():
 # -- the cache --------------------------------------------------------------------------------------------------------
 
 COMMAND = """
-from ertel.runs import compiling
+from ertel.runs import compile
 from ertel.apps.faults import warnings_said
 with warnings_said():
-    compiling.prepare()
+    compile.prepare_jax()
     import jax
     hits = []
     jax.monitoring.register_event_listener(
@@ -128,18 +120,18 @@ def test_an_entry_cut_short_is_replaced_in_silence(tmp_path):
 def test_the_cache_has_a_folder_per_processor_and_version(monkeypatch, tmp_path):
     monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    first = compiling.cache_directory()
+    first = compile.cache_directory()
     assert first.parent == tmp_path / "ertel" / "jax"
-    assert first == compiling.cache_directory()
-    monkeypatch.setattr(compiling, "version", lambda package: "0.0.0")
-    assert compiling.cache_directory() != first
-    monkeypatch.setattr(compiling, "_processor", lambda: "other")
-    assert compiling.cache_directory().name == "other-jaxlib-0.0.0"
+    assert first == compile.cache_directory()
+    monkeypatch.setattr(compile, "version", lambda package: "0.0.0")
+    assert compile.cache_directory() != first
+    monkeypatch.setattr(compile, "_processor", lambda: "other")
+    assert compile.cache_directory().name == "other-jaxlib-0.0.0"
 
 
 def test_a_cache_that_the_user_chose_is_taken(monkeypatch, tmp_path):
     monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(tmp_path))
-    assert compiling.cache_directory() == tmp_path
+    assert compile.cache_directory() == tmp_path
 
 
 # -- who may write to the cache ---------------------------------------------------------------------------------------
@@ -170,7 +162,7 @@ def place(monkeypatch, tmp_path):
     """The directory in which ertel keeps programs below `tmp_path`."""
     monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    found = compiling.cache_directory()
+    found = compile.cache_directory()
     assert found is not None
     return found
 

@@ -10,17 +10,42 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from closed_forms import small_gradient_mobility
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from ertel.case.case import Case
 from ertel.physics.lubricant import Oil
-from ertel.physics.shear import small_gradient_mobility
 from ertel.physics.surfaces import Feature, Waviness
-from ertel.physics.traction import SlidingWaviness, hooke_waviness
 
 REACH = 1.0  # wavelengths on both sides of the centre
 STEP = 1e-3  # relative, of the pressure, for the bulk modulus
+
+
+class SlidingWaviness(NamedTuple):
+    """Ripples in a sliding contact over those of the undeformed surface, complex: modulus and phase."""
+
+    clearance: complex
+    pressure: complex
+
+
+def hooke_waviness(
+    wavelength: float, film: float, E_prime: float, effective_viscosity: float, lag: float, bulk_modulus: float
+) -> SlidingWaviness:
+    """Ripples of clearance and of pressure (Pa/m) under sliding over the amplitude of the waviness: linear theory.
+
+        clearance = (1 - i C Q)/(1 - i Q - i C Q),    pressure = (w E'/4) i Q/(1 - i Q - i C Q)
+        Q = (12/pi^2) eta_eff (v - u) wavelength^2/(E' h^3),    C = h E' w/(4 B),    w = 2 pi/wavelength
+
+    Hooke CJ. Proc Inst Mech Eng J 2006;220:259-275.  effective_viscosity: dtau/d(shear rate) in the contact, for
+    Eyring's law eta/(1 + B^2)^{1/2}, Pa s.  lag: v - u, speed of the waviness minus mean speed of the oil, m/s.
+    bulk_modulus: of the oil, B in Pa (infinite: an oil that is not compressible).
+    """
+    w = 2.0 * pi / wavelength
+    Q = 12.0 / pi**2 * effective_viscosity * lag * wavelength**2 / (E_prime * film**3)
+    C = film * E_prime * w / (4.0 * bulk_modulus)
+    below = 1.0 - 1j * Q - 1j * C * Q
+    return SlidingWaviness((1.0 - 1j * C * Q) / below, 0.25 * w * E_prime * 1j * Q / below)
 
 
 def pair(wavelength: float) -> list[list[Feature]]:

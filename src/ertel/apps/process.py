@@ -1,0 +1,193 @@
+"""The process of a command: its memory, its standard streams, and the signals that end it.
+
+The signals are Ctrl-C, SIGTERM, and SIGHUP when the terminal is closed; the exit code is 128 + the number of the
+signal.
+"""
+
+import codecs
+import ctypes
+import errno
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from io import TextIOWrapper
+from types import FrameType
+from typing import Any, TextIO, cast
+
+from ertel.apps.terminal import FAILED, reason_of, say
+
+# what mallopt(3) calls each setting, its number there, and its value: one arena, and no limit on what is kept
+MALLOC = (("ARENA_MAX", -8, 1), ("MMAP_THRESHOLD_", -3, 2**30), ("TRIM_THRESHOLD_", -1, 2**31 - 1))
+SPELLED = {"µ": "u", "Δ": "Delta", "→": "->", "±": "+-", "²": "^2", "∞": "inf"}  # where a terminal cannot show them
+ERRORS = "ertel.spelled"
+UNHEARD = (errno.EPIPE, errno.EBADF)  # nobody reads any more: `ertel ... | head -1`
+SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+SHOW_CURSOR = b"\x1b[?25h\n"  # which a progress bar hides
+
+
+def keep_freed_memory() -> None:
+    """Keep freed memory in this process and in those that it starts; what the user has set in the environment wins.
+
+    On grids from about 513 x 513 nodes on, glibc returns the arrays of each time step to the kernel, and the kernel
+    clears them page by page before the next step gets them back: a quarter of the time of a step.
+    """
+    with suppress(OSError, AttributeError):  # another C library
+        mallopt = ctypes.CDLL("libc.so.6").mallopt
+        for name, number, value in MALLOC:
+            if f"MALLOC_{name}" not in os.environ:
+                mallopt(number, value)
+                os.environ[f"MALLOC_{name}"] = str(value)
+
+
+# -- streams ----------------------------------------------------------------------------------------------------------
+
+
+class SafeStream:
+    """A text stream that takes every character; after a first error, which it keeps, its text goes nowhere."""
+
+    def __init__(self, stream: TextIO | None):
+        self._stream = cast(TextIOWrapper, stream or open(os.devnull, "w"))  # noqa: SIM115 - open until the end
+        self._stream.reconfigure(errors=ERRORS)
+        self.fault: OSError | None = None
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        """Write a text."""
+        with self._kept():
+            self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Write what waits."""
+        with self._kept():
+            self._stream.flush()
+
+    @contextmanager
+    def _kept(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self.fault = error
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
+
+
+@contextmanager
+def safe_streams() -> Iterator[None]:
+    """Let no command stop because its output is closed or full: what it computes is kept.
+
+    The program ends with its own exit code, with 1 instead of 0 if its output could not be written.
+    """
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:  # closed: the next file would receive the text
+        os.set_inheritable(number, True)
+    os.close(number)
+    codecs.register_error(ERRORS, _spelled)
+    out, err = SafeStream(sys.stdout), SafeStream(sys.stderr)
+    sys.stdout, sys.stderr = cast(TextIO, out), cast(TextIO, err)
+    try:
+        yield
+    except SystemExit as end:
+        out.flush()
+        if out.fault and out.fault.errno not in UNHEARD:
+            say(f"ertel: cannot write to standard output: {reason_of(out.fault)}")
+            raise SystemExit(end.code or FAILED) from None
+        raise
+
+
+def _spelled(error: UnicodeError) -> tuple[str, int]:
+    """Characters that the terminal cannot show, in letters or as escapes; a handler of `codecs`."""
+    assert isinstance(error, UnicodeEncodeError)
+    missing = error.object[error.start : error.end]
+    return "".join(SPELLED.get(c) or c.encode("ascii", "backslashreplace").decode() for c in missing), error.end
+
+
+# -- signals ----------------------------------------------------------------------------------------------------------
+
+
+class Interrupted(BaseException):
+    """A signal asked the program to end.  number: of the signal.  code: the exit code."""
+
+    def __init__(self, number: int):
+        super().__init__(number)
+        self.number, self.code = number, 128 + number
+
+
+class Stop:
+    """An observer that stops a run after a signal.  code: the exit code, 0 before."""
+
+    code = 0
+
+    def __call__(self, item: object = None) -> bool:
+        """Whether a signal came."""
+        return self.code > 0
+
+
+@contextmanager
+def raised() -> Iterator[None]:
+    """Signals raise `Interrupted` where the program is."""
+
+    def on_signal(number: int, frame: FrameType | None) -> None:
+        raise Interrupted(number)
+
+    def raise_again(unraisable: Any) -> None:
+        """It came in a destructor or another place where Python ignores exceptions."""
+        if isinstance(unraisable.exc_value, Interrupted):
+            threading.Timer(0.01, os.kill, [os.getpid(), unraisable.exc_value.number]).start()
+        else:
+            before(unraisable)
+
+    with _handled(on_signal):
+        before, sys.unraisablehook = sys.unraisablehook, raise_again
+        try:
+            yield
+        finally:
+            sys.unraisablehook = before
+
+
+@contextmanager
+def deferred() -> Iterator[None]:
+    """Signals wait for the end of this block, which must be short: what it starts is then whole and can be ended."""
+    came: list[int] = []
+    with _handled(lambda number, frame: came.append(number)):
+        yield
+    for number in came[:1]:
+        signal.raise_signal(number)
+
+
+@contextmanager
+def interruptible() -> Iterator[Stop]:
+    """An observer that stops the run after a signal; the current step or grid is finished first.
+
+    A second Ctrl-C or SIGTERM ends the process at once.  A second SIGHUP does not: a terminal that is closed and its
+    shell both send one.
+    """
+    stop = Stop()
+
+    def on_signal(number: int, frame: FrameType | None) -> None:
+        stop.code = 128 + number
+        for each in (signal.SIGINT, signal.SIGTERM):
+            if signal.getsignal(each) is on_signal:
+                signal.signal(each, signal.SIG_DFL)
+        if os.isatty(2):
+            os.write(2, SHOW_CURSOR)
+
+    with _handled(on_signal):
+        yield stop
+
+
+@contextmanager
+def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """Handle the signals; one that is ignored remains ignored, so that `nohup` works."""
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    ours = {number: old for number, old in before.items() if old not in (signal.SIG_IGN, None)}
+    for number in ours:
+        signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        for number, old in ours.items():
+            signal.signal(number, old)

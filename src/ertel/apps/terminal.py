@@ -1,0 +1,91 @@
+"""The words of a command: messages, JSON, paths, and the exit codes that go with them."""
+
+import json
+import shlex
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NoReturn
+
+import typer
+
+LONGEST = 2000  # characters of a message
+FAILED, BAD_INPUT = 1, 2  # exit codes; and 128 + the number of a signal, see `process`
+ASKED = 130  # stopped by a file, see `ertel.runs.directory`: as by Ctrl-C
+
+
+def printable(text: str) -> str:
+    """The text with control characters escaped; lines and tabs remain."""
+    return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
+
+
+def say(message: str) -> None:
+    """Print a message on stderr, without its middle where it is very long."""
+    half = LONGEST // 2
+    short = message if len(message) <= LONGEST else f"{message[:half]} ... {message[-half:]}"
+    print(printable(short), file=sys.stderr, flush=True)
+
+
+def print_json(content: Any) -> None:
+    """Print data as JSON, in ASCII: every terminal takes it, and it reads back as the same data."""
+    print(json.dumps(content, indent=2, allow_nan=False))
+
+
+def print_path(path: Path) -> None:
+    """Print the path of a file that was written."""
+    print(printable(shown(path)))
+
+
+# -- exit codes -------------------------------------------------------------------------------------------------------
+
+
+def leave(code: int, message: str) -> NoReturn:
+    """End with an exit code and a message."""
+    say(f"ertel: {message}")
+    raise typer.Exit(code)
+
+
+def reason_of(error: OSError) -> str:
+    """The message of the system, without number and file name."""
+    return (error.strerror or str(error)).lower()
+
+
+@contextmanager
+def bad_input() -> Iterator[None]:
+    """Report errors in this block as errors of the input."""
+    try:
+        yield
+    except ValueError as error:
+        leave(BAD_INPUT, str(error))
+    except OSError as error:
+        leave(BAD_INPUT, f"{error.filename or 'output'}: {reason_of(error)}")
+
+
+# -- paths ------------------------------------------------------------------------------------------------------------
+
+
+def local_path(text: str | Path) -> Path:
+    """A path as a user writes it, made absolute; ~ is the home directory.  Raises BadParameter if it cannot be."""
+    if not str(text):
+        raise typer.BadParameter("must not be empty")
+    if "://" in str(text) or "::" in str(text):  # xarray and others read a::b as two addresses
+        raise typer.BadParameter(f"{text}: must be a path on this machine, not an address")
+    try:
+        return Path(text).expanduser().absolute()
+    except (RuntimeError, OSError) as error:  # no such home directory, or no working directory any more
+        raise typer.BadParameter(f"{text}: {str(error).lower().rstrip('.')}; give the whole path") from error
+
+
+def shown(path: Path) -> str:
+    """A path as short as it is clear: relative if it lies in the working directory."""
+    try:
+        return str(path.relative_to(Path.cwd()))
+    except (ValueError, OSError):
+        return str(path)
+
+
+def in_shell(path: Path) -> str:
+    """A path as a word of a command; one that begins with - would be read as a flag."""
+    word = shown(path)
+    return shlex.quote(f"./{word}" if word.startswith("-") else word)
