@@ -215,7 +215,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     from ertel.equations.approach import balanced
     from ertel.equations.flow import steady_rate
     from ertel.numerics import multigrid
-    from ertel.physics.geometry import COMPLIANCE
+    from ertel.physics.geometry import CIRCLE
     from ertel.solvers import nonlinear, preconditioner, steady
 
     keep_compiled()
@@ -231,7 +231,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
         walls, solutions = zip(*_each(steady.nested(case)), strict=True)
     last = solutions[-1]
     c = discretise.contact_of(case, last.grid)
-    elastic = multigrid.elasticities(last.grid, COMPLIANCE, preconditioner.PRECISION)
+    elastic = multigrid.elasticities(last.grid, CIRCLE.compliance, preconditioner.PRECISION)
     how = nonlinear.bordered, preconditioner.line_preconditioner, steady.OPTIONS
     problem = nonlinear.Problem(c, elastic, steady_rate(1.0), balanced(), 1.0, 1.0, *how)
     parts = _parts(problem, last.P, last.H)
@@ -274,7 +274,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
     import jax.numpy as jnp
 
     from ertel.equations import contact
-    from ertel.numerics import halfspace, krylov, multigrid, stencils
+    from ertel.numerics import halfspace, multigrid, newton, stencils
 
     call = seconds(jax.jit(lambda x: x + 1), 0.0)  # which parts in one program do not need
 
@@ -310,7 +310,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
     jvp = clock(jax.jit(jax.linearize(residual, P, H)[1]), P, H)
     iterations = 4
     diagonal = 1.0 + jnp.arange(P.size, dtype=P.dtype).reshape(P.shape) / P.size  # so that it does not converge at once
-    search = jax.jit(lambda b: krylov.gcr(lambda x: diagonal * x, lambda k, r: r, b, 0.0, iterations))
+    search = jax.jit(lambda b: newton.gcr(lambda x: diagonal * x, lambda k, r: r, b, 0.0, iterations))
     room = clock(jax.jit(lambda: jnp.zeros((2 * problem.options.krylov_limit, *P.shape))))
     return {
         "fft": (exact, exact, exact + fft),

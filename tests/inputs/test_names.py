@@ -10,7 +10,7 @@ import ertel
 from ertel.case.records import ConfigError
 from ertel.inputs import oils
 from ertel.inputs.case_files import apply_overrides, parse_case
-from ertel.physics.pressure_laws import Doolittle
+from ertel.physics.lubricant import Doolittle
 
 CONTACT = {"kind": "rolling", "radius": "10 mm", "load": "20 N", "mean_speed": "0.5 m/s"}
 BODIES = {"material_1": "steel", "material_2": "glass"}

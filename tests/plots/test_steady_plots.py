@@ -14,7 +14,7 @@ from ertel.case.sections import SOLVERS, Drive
 from ertel.equations.state import Rolling
 from ertel.inputs.python import rolling
 from ertel.physics import hertz
-from ertel.physics.geometry import Ellipse
+from ertel.physics.geometry import Geometry
 from ertel.physics.surfaces import Feature, Waviness
 from ertel.plots.view import estimate_of
 from ertel.results.dataset import assemble_steady
@@ -148,7 +148,7 @@ def ellipse():
 
 
 def test_maps_of_an_ellipse_have_equal_axes_and_show_all_of_it(ellipse):
-    geometry = Ellipse(0.2, 30.0)
+    geometry = Geometry(0.2, 30.0)
     along, across = geometry.extent
     pressed = geometry.dry_pressure(1.0, ellipse["X"].values[None, :], ellipse["Y"].values[:, None])
     for axes in panels(plots.maps(ellipse.assign(P=(("Y", "X"), pressed, ellipse["P"].attrs)))):
@@ -170,8 +170,8 @@ def test_dashed_is_the_hertz_pressure_of_the_ellipse(ellipse):
     axes = panels(plots.midlines(ellipse))[1]  # across the flow
     (dry,) = [each for each in right_of(axes).get_lines() if each.get_linestyle() == "--"]
     y, P = dry.get_data()
-    load = float(ellipse["load"][-1]) / Ellipse(0.2).hertz_load
-    assert P == pytest.approx(Ellipse(0.2, 30.0).dry_pressure(load, 0 * y, y))
+    load = float(ellipse["load"][-1]) / Geometry(0.2).hertz_load
+    assert P == pytest.approx(Geometry(0.2, 30.0).dry_pressure(load, 0 * y, y))
 
 
 def test_two_contacts(ball, moes):

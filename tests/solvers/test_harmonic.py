@@ -16,7 +16,7 @@ from ertel.equations import contact, discretise
 from ertel.equations.contact import Rate
 from ertel.equations.state import GridSolution
 from ertel.inputs.python import rolling
-from ertel.numerics.symmetry import folded
+from ertel.numerics.stencils import folded
 from ertel.physics.fluidity import ReeEyring
 from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.lubricant import Oil

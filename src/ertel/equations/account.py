@@ -50,7 +50,7 @@ from ertel.equations.state import GridSolution
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair, inside
-from ertel.physics.far_field import Motion
+from ertel.physics.far_field import ContactMotion
 from ertel.physics.lubricant import Lubricant
 
 Number = Array | float
@@ -154,7 +154,7 @@ def steady(case: Case, s: GridSolution) -> tuple[dict[str, float], Friction]:
     U, load = m.entrainment(0.0), m.load(0.0)
     moment = Moment(s.approach, U, m.sliding(0.0), discretise.gap_change(case, s.grid, 0.0), load, scale)
     found: Account = _steady_program(Plane.of(s.grid), c, s.P, s.H, moment)
-    around = discretise.outside_of(case, s.grid).at(Motion(s.approach, 0.0, load, U))
+    around = discretise.outside_of(case, s.grid).at(ContactMotion(s.approach, 0.0, load, U))
     plain = jax.device_get(found.terms)
     return terms(plain, 0.0, Around(s.outside, around.uplift), scale), found.friction
 

@@ -31,13 +31,12 @@ from ertel.equations.pytrees import traceable, traceable_law
 from ertel.equations.shear import shear
 from ertel.equations.state import GridSolution
 from ertel.numerics import halfspace
-from ertel.numerics.grid import Even, Grid
+from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program
-from ertel.numerics.stencils import central_slopes, inside
-from ertel.numerics.symmetry import extended
+from ertel.numerics.stencils import central_slopes, extended, inside
 from ertel.physics import flash
-from ertel.physics.fluidity import Fluidity, carried
+from ertel.physics.fluidity import Fluidity, limited_stress
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.thermal import Exponential, Houpert, Solid, WarmViscosity
 from ertel.physics.warming import Real, Rise, warmed
@@ -85,7 +84,7 @@ class _Film:
     H: Array
     speed: float
     spacing: float
-    even: Even = field(metadata={"static": True})
+    even: Symmetry = field(metadata={"static": True})
 
     def stress(self, warmer: Array) -> Array:
         """tau_m in Pa along X and Y in a film that is so much warmer (K) than the inlet; zero where P = 0."""
@@ -96,7 +95,7 @@ class _Film:
         sliding = viscosity * self.speed / self.H
         pressure = self.p_h * self.P
         found = shear(self.law, pressure, jnp.stack([sliding, jnp.zeros_like(sliding)]), gradient)
-        return jnp.where(self.P > 0.0, carried(self.law, found.stress, pressure), 0.0)
+        return jnp.where(self.P > 0.0, limited_stress(self.law, found.stress, pressure), 0.0)
 
     def heat(self, warmer: Real) -> tuple[Real, Real]:
         """tau_m.(u1 - u2) in W/m^2, and its derivative by the temperature."""

@@ -10,9 +10,8 @@ import numpy as np
 from ertel.case.status import Status
 from ertel.equations.measure import measure
 from ertel.numerics import bdf
-from ertel.numerics.grid import Grid
-from ertel.numerics.richardson import Extrapolation, extrapolate
-from ertel.numerics.symmetry import unfolded
+from ertel.numerics.grid import Extrapolation, Grid, extrapolate
+from ertel.numerics.stencils import unfolded
 
 Array = Any
 Outcome = TypeVar("Outcome")

@@ -22,8 +22,7 @@ from ertel.inputs.quantities import number_or_quantity, parse_temperature
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.oils import NamedOil, Sourced
-from ertel.physics.pressure_rules import PowerOfViscosity, SoKlaus
-from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, Walther
+from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, PowerOfViscosity, SoKlaus, Walther
 
 __all__ = ["at", "data_sheet", "get", "names"]
 
@@ -61,7 +60,7 @@ def data_sheet(
     """A mineral oil from its data sheet, at a temperature.
 
     Its viscosity is by ASTM D341, alpha by So and Klaus' correlation unless it is given (for its scatter see
-    `ertel.physics.pressure_rules.SoKlaus`; it is made for mineral oils), the pressure laws by Roelands and by Dowson
+    `ertel.physics.temperature_laws.SoKlaus`; it is made for mineral oils), the pressure laws by Roelands and by Dowson
     and Higginson.
 
     Parameters

@@ -14,7 +14,7 @@ import jax
 import numpy as np
 from jax import export, tree
 
-from ertel.numerics.precision import require_double
+from ertel.numerics.arrays import require_double
 
 # XLA's newer way of joining loops takes half as long again to compile, and level 3 twice as long as level 1; the
 # programs are equally fast (measured on 65 to 513 nodes per side).  Level 0: a fifth to compile, two to three times

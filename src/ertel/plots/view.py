@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
-from ertel.numerics.richardson import Extrapolation, extrapolate
+from ertel.numerics.grid import Extrapolation, extrapolate
 from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of

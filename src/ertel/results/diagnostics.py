@@ -9,8 +9,7 @@ import numpy as np
 from ertel.case.case import Case
 from ertel.case.height_map import Measured
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
-from ertel.numerics.grid import allowed_nodes
-from ertel.numerics.richardson import extrapolate
+from ertel.numerics.grid import allowed_nodes, extrapolate
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_KEPT, has_waves

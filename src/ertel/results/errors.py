@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from math import hypot
 from typing import Any, NamedTuple
 
-from ertel.numerics.richardson import extrapolate
+from ertel.numerics.grid import extrapolate
 
 SMALLER_STEPS = 0.5**0.5  # of the run for the error in time: half the error of second order
 WIDER_DOMAIN = 1.5  # of the run for the error of the domain

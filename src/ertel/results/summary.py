@@ -12,7 +12,7 @@ from ertel.case.status import Status
 from ertel.equations import account
 from ertel.equations.friction import coefficients
 from ertel.equations.state import GridSolution, Rolling
-from ertel.numerics.richardson import Extrapolation
+from ertel.numerics.grid import Extrapolation
 from ertel.results import budgets, diagnostics, errors, variables
 from ertel.results.extremes import extremes, in_si
 from ertel.results.parameters import parameters_of, scales_of

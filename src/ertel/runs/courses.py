@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.equations.state import GridSolution, Method, State, solved
-from ertel.numerics.grid import Even, Grid
+from ertel.numerics.grid import Grid, Symmetry
 from ertel.results.dataset import assemble, assemble_steady
 from ertel.results.summary import (
     impact_summary,
@@ -255,7 +255,7 @@ class SteadyRun(Run):
         for i, (nodes_x, nodes_y, spacing, x, y, *even) in enumerate(arrays["grid"].tolist()):
             solutions.append(
                 GridSolution(
-                    grid=Grid(int(nodes_x), int(nodes_y), spacing, x, y, Even(*(bool(e) for e in even))),
+                    grid=Grid(int(nodes_x), int(nodes_y), spacing, x, y, Symmetry(*(bool(e) for e in even))),
                     P=jax.device_put(arrays[f"P_{i}"]),
                     H=jax.device_put(arrays[f"H_{i}"]),
                     status=Status(str(arrays["grid_status"][i])),

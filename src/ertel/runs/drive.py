@@ -14,7 +14,7 @@ from typing import Any
 
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.numerics.precision import double_precision
+from ertel.numerics.arrays import double_precision
 from ertel.results import accessor as accessor  # datasets of runs have .ertel
 from ertel.results.result import Result
 from ertel.results.summary import attributes

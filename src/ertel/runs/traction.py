@@ -18,7 +18,7 @@ from ertel.equations.heat import Heated
 from ertel.equations.state import Rolling
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.ranges import Given
-from ertel.numerics.precision import double_precision
+from ertel.numerics.arrays import double_precision
 from ertel.results import diagnostics
 from ertel.results.curve_points import WORK, Point, assemble, point
 from ertel.results.temperatures import thermal_warnings

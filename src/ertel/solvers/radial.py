@@ -30,12 +30,12 @@ from ertel.equations.outside import Surroundings
 from ertel.equations.pytrees import traceable
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf
+from ertel.numerics.arrays import require_double
 from ertel.numerics.integrals import Disc, disc_weights
-from ertel.numerics.precision import require_double
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair
 from ertel.numerics.tridiagonal import diagonals, times
-from ertel.physics.far_field import Motion
+from ertel.physics.far_field import ContactMotion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
 
@@ -283,7 +283,7 @@ class RadialImpact(Method):
 
     def start(self) -> State:
         """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
-        motion = Motion(self.start_approach, 1.0, 0.0, 0.0)
+        motion = ContactMotion(self.start_approach, 1.0, 0.0, 0.0)
         around, P = self.outside.at(motion), np.asarray(self.outside.at_first(motion))
         r, kernel, weights = (np.asarray(each) for each in (self.mesh.r, self.mesh.kernel, self.mesh.load))
         H = CIRCLE.gap(r, 0.0) - self.start_approach + kernel @ P + around.uplift
@@ -298,7 +298,7 @@ class RadialImpact(Method):
         approaches = [level.approach for level in levels]
         # in the rebound the pressure collapses behind the receding edge, and a parabola overshoots
         known = times if levels[0].velocity > 0 else times[:2]
-        around = self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], 0.0))
+        around = self.outside.at(outside.predicted(levels, T, [self.carried_load(level) for level in levels], 0.0))
         solution: StepSolution = yield Problem(
             self.mesh,
             self.disc,
@@ -326,7 +326,7 @@ class RadialImpact(Method):
         """The step's solution, on this device."""
         return _step_program(problem)
 
-    def carried(self, level: State) -> float:
+    def carried_load(self, level: State) -> float:
         """F, with the load of the oil outside, in units of the dry maximum load."""
         return (level.load + level.outside) / CIRCLE.hertz_load
 

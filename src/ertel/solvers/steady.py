@@ -23,12 +23,12 @@ from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import steady_rate
 from ertel.equations.state import GridSolution, Rolling
-from ertel.numerics import multigrid, newton, richardson, stencils
-from ertel.numerics.grid import Grid, check_grid
-from ertel.numerics.precision import double_precision
+from ertel.numerics import multigrid, newton, stencils
+from ertel.numerics.arrays import double_precision
+from ertel.numerics.grid import Grid, check_grid, expected
 from ertel.numerics.programs import ANY_SIZE, Program
-from ertel.numerics.symmetry import folded, unfolded
-from ertel.physics.far_field import Motion
+from ertel.numerics.stencils import folded, unfolded
+from ertel.physics.far_field import ContactMotion
 from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear, preconditioner
 from ertel.solvers.nonlinear import Problem
@@ -73,7 +73,7 @@ def nested(
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = discretise.contact_of(case, grid)
         if solutions:
-            guess = first_guess(c, solutions[-1], richardson.expected([s.approach for s in solutions]))
+            guess = first_guess(c, solutions[-1], expected([s.approach for s in solutions]))
         else:
             first = solve(case, grid, c, *_rough_guess(case, grid), tolerance, precision)
             guess = first.P, first.approach  # with the oil outside of the lubricated contact
@@ -142,9 +142,9 @@ def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
     return P + outside.guess(motion_of(case, approach)), approach
 
 
-def motion_of(case: Case, approach: float) -> Motion:
+def motion_of(case: Case, approach: float) -> ContactMotion:
     """What the oil outside knows of the steady contact."""
-    return Motion(approach, 0.0, case.motion.load(0.0), case.motion.entrainment(0.0))
+    return ContactMotion(approach, 0.0, case.motion.load(0.0), case.motion.entrainment(0.0))
 
 
 def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:

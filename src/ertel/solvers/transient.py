@@ -25,12 +25,12 @@ from ertel.equations.measure import Axes
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
-from ertel.numerics.grid import Even, check_grid
+from ertel.numerics.grid import Symmetry, check_grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import Elasticity
 from ertel.numerics.programs import Program, exportable
-from ertel.numerics.symmetry import total, unfolded
-from ertel.physics.far_field import Motion
+from ertel.numerics.stencils import total, unfolded
+from ertel.physics.far_field import ContactMotion
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import Close, Problem
 from ertel.solvers.preconditioner import PRECISION, point_preconditioner
@@ -173,7 +173,7 @@ class Transient2D(Method):
             work = Work(s.newton, s.krylov, rolling.convolutions)
             fields, load = _first_fields(c, s.P, s.H)
             return State(0.0, s.approach, 0.0, fields, s.status, work, s.outside, float(load))
-        motion = Motion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
+        motion = ContactMotion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
         around, P = self.outside.at(motion), jax.device_put(self.outside.at_first(motion))
         fields, load = _squeezed(c, P, motion.approach, around.uplift)
         work = Work(convolutions=1.0)
@@ -234,7 +234,7 @@ class Transient2D(Method):
         fields = solution.fields
         return State(T, approach, velocity, fields, status, work, around.load, load, found["error"], record)
 
-    def motion(self, levels: Sequence[State], T: float) -> Motion:
+    def motion(self, levels: Sequence[State], T: float) -> ContactMotion:
         """What the oil outside knows of the new level.
 
         The squeeze of a rolling contact is left out there: with little or no inertia V follows from the film of the
@@ -294,7 +294,7 @@ def _squeezed(c: Contact, P: Array, approach: float, uplift: float) -> tuple[dic
     return _first_fields(c, P, contact.film_thickness(c, P, approach) + uplift)
 
 
-def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Even, coarsenings: int) -> Array:
+def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Symmetry, coarsenings: int) -> Array:
     """Relative difference of two films, root mean square over the load that P carries; `thin`: see `THIN`.
 
     It is taken on a coarser grid: a pressure spike of a few cells that moves has an error at every node that it

@@ -17,8 +17,15 @@ from ertel.inputs.quantities import parse_quantity, parse_temperature
 from ertel.physics.fluidity import Carreau
 from ertel.physics.materials import Elasticity, Material, Strength
 from ertel.physics.oils import LimitingStress, NamedOil, Sourced, ThermalData
-from ertel.physics.pressure_rules import DoolittleOfTemperature, ModulusOfTemperature, PowerOfViscosity, SoKlaus
-from ertel.physics.temperature_laws import Expansion, Vogel, Walther
+from ertel.physics.temperature_laws import (
+    DoolittleOfTemperature,
+    Expansion,
+    ModulusOfTemperature,
+    PowerOfViscosity,
+    SoKlaus,
+    Vogel,
+    Walther,
+)
 from ertel.physics.units import Unit, marks
 
 LAWS: Mapping[str, Callable[..., Any]] = {
