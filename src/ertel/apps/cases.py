@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from ertel.apps.arguments import CaseFile, Json, Set, path_argument
-from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, rough_time, shown
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -132,12 +132,5 @@ def _needs(found: dict[str, Any]) -> dict[str, str]:
         "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
         "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
         "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",
-        "time": f"roughly {_said(time['seconds'])}{steps}",
+        "time": f"roughly {rough_time(time['seconds'])}{steps}",
     }
-
-
-def _said(seconds: float) -> str:
-    """A rough duration in words."""
-    if seconds < 60:
-        return f"{max(seconds, 5):.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
