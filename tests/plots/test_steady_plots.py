@@ -11,13 +11,14 @@ from made_up import MOES_ROLLS as MOES
 
 from ertel import plots
 from ertel.case.sections import SOLVERS, Drive
-from ertel.equations.state import Rolling
+from ertel.equations.discretise import grid_of
 from ertel.inputs.python import rolling
 from ertel.physics import hertz
 from ertel.physics.geometry import Geometry
 from ertel.physics.surfaces import Feature, Waviness
 from ertel.plots.view import estimate_of
 from ertel.results.dataset import assemble_steady
+from ertel.solvers.steady import Rolling
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +51,7 @@ def test_what_a_steady_contact_does_not_have(moes):
     with pytest.raises(plots.NoFigure, match=r"history: a steady contact has no such figure; it has overview, .*maps"):
         plots.history(moes)
     with pytest.raises(plots.NoFigure, match="no solution"):
-        plots.overview(assemble_steady(MOES, ()))
+        plots.overview(assemble_steady(MOES, grid_of(MOES), ()))
 
 
 def test_heading_gives_films_with_their_errors(ball, moes):

@@ -18,7 +18,7 @@ from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
-from ertel.results.height_maps import maps_of
+from ertel.results.dataset import maps_of
 from ertel.results.variables import EVENTS, FILMS, FRICTION, is_steady, with_prefix
 
 At = float | str | None  # a time in t0, an event, or None: maximum approach, or the last map

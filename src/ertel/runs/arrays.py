@@ -16,7 +16,7 @@ from zarr.storage import LocalStore
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results import dataset
-from ertel.results.provenance import provenance
+from ertel.results.dataset import provenance
 from ertel.runs import checked_zarr as zarrs
 from ertel.runs.courses import Run, StepResult
 from ertel.runs.files import Damaged
