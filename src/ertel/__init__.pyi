@@ -67,8 +67,9 @@ from ertel.physics.motion import Motion as Motion
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.scales import Parameters as Parameters
 from ertel.physics.scales import Scales as Scales
-from ertel.results import accessor as accessor
+from ertel.results import result
 
+accessor = result
 density_laws = DENSITY_LAWS
 fluidity_laws = FLUIDITY_LAWS
 shapes = SHAPES
