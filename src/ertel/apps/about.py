@@ -1,4 +1,4 @@
-"""The content of `ertel about`: versions, devices, the compile cache, the citation; the origin of a run, and its end."""
+"""The content of `ertel about`: versions, devices, cache, citation; the origin and the end of a run."""
 
 import json
 import os

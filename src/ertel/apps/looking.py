@@ -89,10 +89,10 @@ def compare(
         _print_differences(differing, names)
         _print_pairs(pairs, statuses)
     if plot:
-        from ertel.plots import comparison
+        from ertel import plots
 
         with bad_input():
-            comparison.figure(data, names).savefig(plot)
+            plots.comparison(data, names).savefig(plot)
         print_path(plot)
 
 

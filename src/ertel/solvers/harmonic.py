@@ -30,7 +30,6 @@ from ertel.equations import contact, discretise
 from ertel.equations.approach import ClosureLine, balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Rate, steady_rate
-from ertel.equations.state import GridSolution
 from ertel.numerics import multigrid
 from ertel.numerics.arrays import require_double
 from ertel.numerics.grid import Symmetry
@@ -40,6 +39,7 @@ from ertel.numerics.newton import gcr
 from ertel.numerics.stencils import Pair, curvature, inside, upstream_slope
 from ertel.solvers import nonlinear
 from ertel.solvers.preconditioner import PRECISION
+from ertel.solvers.steady import GridSolution
 
 NODES_PER_WAVE = 4  # a coarse grid that has fewer is for long waves alone
 REDUCTION, LIMIT = 1e-6, 60  # of the linear solve, which mostly takes 13 to 20 iterations; each keeps two fields
