@@ -91,16 +91,6 @@ def test_a_resumed_run_equals_an_uninterrupted_one_bit_for_bit() -> None:
         assert (a.T, a.approach, a.velocity) == (b.T, b.approach, b.velocity)
 
 
-@pytest.mark.parametrize("history", [1, 2, 3])
-def test_a_state_survives_storage(history: int) -> None:
-    course, whole = whole_course()
-    state = whole[history - 1].state
-    again = course.from_arrays(course.to_arrays(whole[history - 1])).state
-    assert again.counts == state.counts and again.next_step == state.next_step
-    assert len(again.levels) == len(state.levels)
-    assert np.array_equal(again.levels[0].P, state.levels[0].P)
-
-
 class Unwilling(Method):
     """A method that fails whenever the step is longer than it likes."""
 
