@@ -27,7 +27,7 @@ from ertel.equations import friction
 from ertel.equations.state import GridSolution
 from ertel.numerics.integrals import Plane
 from ertel.physics.fluidity import cut_off
-from ertel.runs.curves import curve_of
+from ertel.runs.traction import curve_of
 from ertel.solvers import steady
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))

@@ -1,4 +1,4 @@
-"""The picture of a study: Dataset of `results.study_runs` -> matplotlib Figure."""
+"""The picture of a study: Dataset of `results.study_result` -> matplotlib Figure."""
 
 from collections.abc import Iterator, Mapping
 from itertools import product
@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodF
 
 from ertel.plots.drawing import BLUE, ORDERED_COLOURS, UNITS, NoFigure, Picture, mathtext
 from ertel.plots.traction import has_equal_ratios
-from ertel.results.curve_points import largest_of
+from ertel.results.report import largest_of
 from ertel.results.variables import PREFIXES, exponent, with_prefix
 
 PANELS = (  # numbers that are drawn together, in SI or not

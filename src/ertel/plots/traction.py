@@ -23,7 +23,8 @@ from ertel.plots.drawing import (
     compose,
     mathtext,
 )
-from ertel.results.curve_points import largest_of, shown_name
+from ertel.results.report import largest_of
+from ertel.results.traction_curve import shown_name
 from ertel.results.variables import PREFIXES, exponent, unit_of, with_prefix
 
 PANELS: Mapping[str, Mapping[str, str]] = {  # title: variables with their colours
@@ -45,7 +46,7 @@ def figure(dataset: xr.Dataset) -> Figure:
 
     Raises NoFigure where there are no points yet.
     """
-    if not dataset.sizes[dataset.attrs["varies"]]:
+    if not np.isfinite(dataset["mu_rolling"]).any():
         raise NoFigure("dataset: has no points yet, there is nothing to draw")
     shown = WARM_PANELS if "phi_T" in dataset else PANELS
     panels: list[Panel] = [partial(_draw, title=title, names=names) for title, names in shown.items()]
