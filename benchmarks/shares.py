@@ -110,12 +110,12 @@ def measure_outside(nodes: int) -> tuple[float, float]:
 
     def solve(problem: Any) -> Any:
         asked.append(problem)
-        return course.solve(problem)
+        return course.method.solve(problem)
 
     times = []
     for _ in range(SETTLE + COUNTED):
         start = time.process_time()
-        item = solved(course.following(item), solve)
+        item = solved(course.attempts(item), solve)
         jax.block_until_ready(item.state.levels[0].H)
         whole = time.process_time() - start
         program = alone.ready(asked[-1])
@@ -129,7 +129,7 @@ def measure_outside(nodes: int) -> tuple[float, float]:
 def _run_of_steps(nodes: int) -> tuple[Any, Any]:
     """A course of fixed steps of an impact, and its item in the middle of the impact."""
     from ertel.case.status import Status
-    from ertel.runs.courses import ImpactCourse
+    from ertel.runs.courses import TransientRun
     from ertel.runs.stepping import RunState, Step
     from ertel.solvers.transient import Transient2D
 
@@ -137,7 +137,7 @@ def _run_of_steps(nodes: int) -> tuple[Any, Any]:
     method = Transient2D(case)
     levels, _, _ = march(method, impact_levels(method), STEP, SETTLE, 1)
     frame = int(levels[0].T / case.schedule.interval) + 1
-    return ImpactCourse(case, method), Step(RunState(tuple(levels), STEP, next_frame=frame), {}, (), Status.RUNNING)
+    return TransientRun(case, method), Step(RunState(tuple(levels), STEP, next_frame=frame), {}, (), Status.RUNNING)
 
 
 def measure_impact(nodes: int) -> dict[str, float]:
@@ -147,8 +147,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     from ertel.case.status import Status
     from ertel.equations.approach import balanced
     from ertel.equations.flow import Rate
-    from ertel.equations.state import solved
-    from ertel.runs.courses import ImpactCourse
+    from ertel.runs.courses import TransientRun
     from ertel.runs.stepping import RunState, Step
     from ertel.solvers import nonlinear, preconditioner, transient
 
@@ -164,11 +163,11 @@ def measure_impact(nodes: int) -> dict[str, float]:
     method = transient.Transient2D(case)
     method.solve = solve
     levels, _, found = march(method, impact_levels(method), STEP, SETTLE, TIMED)
-    course = ImpactCourse(case, method)
+    course = TransientRun(case, method)
     item = Step(RunState(tuple(levels), STEP), {}, (), Status.RUNNING)
     steps = []
     for number in range(1 + TIMED):
-        wall, item = timed(lambda item=item: solved(course.following(item), course.solve))
+        wall, item = timed(lambda item=item: course.advance(item))
         if number == 0:  # it compiles what is measured of a step
             on_device.clear()
         else:
@@ -216,7 +215,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     from ertel.equations.approach import balanced
     from ertel.equations.flow import steady_rate
     from ertel.numerics import multigrid
-    from ertel.physics.geometry import COMPLIANCE
+    from ertel.physics.geometry import CIRCLE
     from ertel.solvers import nonlinear, preconditioner, steady
 
     keep_compiled()
@@ -232,7 +231,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
         walls, solutions = zip(*_each(steady.nested(case)), strict=True)
     last = solutions[-1]
     c = discretise.contact_of(case, last.grid)
-    elastic = multigrid.elasticities(last.grid, COMPLIANCE, preconditioner.PRECISION)
+    elastic = multigrid.elasticities(last.grid, CIRCLE.compliance, preconditioner.PRECISION)
     how = nonlinear.bordered, preconditioner.line_preconditioner, steady.OPTIONS
     problem = nonlinear.Problem(c, elastic, steady_rate(1.0), balanced(), 1.0, 1.0, *how)
     parts = _parts(problem, last.P, last.H)
@@ -275,7 +274,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
     import jax.numpy as jnp
 
     from ertel.equations import contact
-    from ertel.numerics import halfspace, krylov, multigrid, stencils
+    from ertel.numerics import halfspace, multigrid, newton, stencils
 
     call = seconds(jax.jit(lambda x: x + 1), 0.0)  # which parts in one program do not need
 
@@ -311,7 +310,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
     jvp = clock(jax.jit(jax.linearize(residual, P, H)[1]), P, H)
     iterations = 4
     diagonal = 1.0 + jnp.arange(P.size, dtype=P.dtype).reshape(P.shape) / P.size  # so that it does not converge at once
-    search = jax.jit(lambda b: krylov.gcr(lambda x: diagonal * x, lambda k, r: r, b, 0.0, iterations))
+    search = jax.jit(lambda b: newton.gcr(lambda x: diagonal * x, lambda k, r: r, b, 0.0, iterations))
     room = clock(jax.jit(lambda: jnp.zeros((2 * problem.options.krylov_limit, *P.shape))))
     return {
         "fft": (exact, exact, exact + fft),

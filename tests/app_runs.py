@@ -23,7 +23,8 @@ SUMMARY = {
 }  # fmt: skip
 STANDS_FOR_ERTEL = """
 import json, os, pathlib, shutil, sys, time
-from ertel.runs import files, stop_file
+from ertel.runs import files
+from ertel.runs.directory import heeding_stop, is_asked_to_stop
 command, first, *rest = sys.argv[1:]
 run = pathlib.Path(rest[rest.index("--out") + 1] if command == "run" else first)
 if command == "run":
@@ -33,14 +34,14 @@ def tell(status, done):
     (run / "progress.json").write_text(json.dumps({"status": status, "T": 1.0, "step": 20, "done": done,
         "seconds": 1.0, "seconds_left": 2.0, "written": "2026-11-22T10:15:03+00:00", "process": os.getpid()}))
 
-with files.locked(run), stop_file.fresh(run):
+with files.locked(run), heeding_stop(run):
     tell("running", 0.4)
     if command == "resume":
         shutil.move(run / "later.json", run / "summary.json")
         tell("converged", 1.0)
         sys.exit()
     deadline = time.monotonic() + 20
-    while not stop_file.is_asked(run) and time.monotonic() < deadline:
+    while not is_asked_to_stop(run) and time.monotonic() < deadline:
         time.sleep(0.02)
     tell("interrupted", 0.4)
 print("ertel: interrupted", file=sys.stderr)

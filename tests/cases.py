@@ -19,7 +19,7 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature
 from ertel.runs import files
-from ertel.runs.courses import ImpactCourse, RollingCourse
+from ertel.runs.courses import TransientRun
 from ertel.runs.drive import drive
 from ertel.runs.stepping import Step
 
@@ -81,9 +81,9 @@ def march(method: Method, step: float, steps: int) -> list[State]:
     return levels
 
 
-def course_with(case: Case, method: Method) -> ImpactCourse | RollingCourse:
+def course_with(case: Case, method: Method) -> TransientRun:
     """A run in time by a method that may not be the case's own."""
-    return (ImpactCourse if case.starts_apart else RollingCourse)(case, method)
+    return TransientRun(case, method)
 
 
 def steps_of(case: Case, method: Method, start: Step | None = None) -> list[Step]:

@@ -85,5 +85,5 @@ def nothing_outside(monkeypatch: pytest.MonkeyPatch) -> None:
     """P = 0 at the edge of every grid, as in the reference computations: the oil outside resists nothing."""
     from ertel.physics import far_field  # not above: what it imports reads the environment
 
-    for name in ("pressure", "at_first"):
+    for name in ("far_pressure", "rigid_pressure"):
         monkeypatch.setattr(far_field, name, lambda X, Y, *_: 0.0 * X * Y)

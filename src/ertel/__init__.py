@@ -47,8 +47,8 @@ if TYPE_CHECKING:
     from ertel.physics.surfaces import SelfAffine as SelfAffine
     from ertel.physics.surfaces import Spot as Spot
     from ertel.physics.surfaces import Waviness as Waviness
-    from ertel.results import accessor as accessor
     from ertel.results import fronts as fronts
+    from ertel.results import result as accessor
     from ertel.results import waves as waves
     from ertel.results.result import Result as Result
     from ertel.results.study_result import StudyResult as StudyResult
@@ -119,7 +119,7 @@ _MODULES = {
     "oils": "inputs.oils",
     "optics": "optics",
     "units": "physics.units",
-    "accessor": "results.accessor",
+    "accessor": "results.result",
     "fronts": "results.fronts",
     "plots": "plots",
     "waves": "results.waves",

@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 import ertel
 from ertel import plots
 from ertel.apps import about, running
-from ertel.runs import compile, stop_file, store
+from ertel.runs import compile, store
+from ertel.runs.directory import ask_to_stop, is_asked_to_stop
 from ertel.runs.store import RunStore
 
 MOES = """
@@ -145,7 +146,7 @@ def test_run_quiet(here):
 
 def test_run_with_a_jax_that_computes_wrongly(here, monkeypatch):
     monkeypatch.setattr(compile, "version", lambda package: "0.10.2")
-    monkeypatch.setattr(compile, "_told", False)
+    compile.check_jax.cache_clear()
     result = ertel_("run", "ball.toml", "--quiet", "--set", "time.until=0.1")
     assert result.stdout == ""
     assert result.stderr == f"ertel: warning: {compile.wrong_version('0.10.2')}\n"
@@ -225,22 +226,22 @@ def test_a_file_stops_a_run_as_ctrl_c_does(here, runs, monkeypatch):
     def take(self, step):
         original(self, step)
         if step.state.counts.steps == 5:
-            stop_file.ask(self.directory)
+            ask_to_stop(self.directory)
 
     with monkeypatch.context() as patch:
         patch.setattr(RunStore, "__call__", take)
         result = ertel_("run", "small.toml", "--out", "cut", code=130)
     assert "interrupted; to continue: ertel resume cut" in result.stderr
     assert json.loads(ertel_("show", "cut", "--json").stdout)["steps"] == 5
-    assert not stop_file.is_asked(here / "cut")
-    stop_file.ask(here / "cut")
+    assert not is_asked_to_stop(here / "cut")
+    ask_to_stop(here / "cut")
     ertel_("resume", "cut", "-q")
-    assert not stop_file.is_asked(here / "cut")
+    assert not is_asked_to_stop(here / "cut")
     whole, resumed = (RunStore.open(path).dataset() for path in (runs[0] / "small", here / "cut"))
     assert whole.drop_attrs(deep=False).identical(resumed.drop_attrs(deep=False))
 
 
-@pytest.mark.parametrize("ask", [lambda run: signal.raise_signal(signal.SIGINT), stop_file.ask], ids=["signal", "file"])
+@pytest.mark.parametrize("ask", [lambda run: signal.raise_signal(signal.SIGINT), ask_to_stop], ids=["signal", "file"])
 def test_interrupt_of_the_half_grid(here, monkeypatch, ask):
     original = running.drive
 

@@ -14,9 +14,9 @@ from ertel import plots
 from ertel.apps import arguments
 from ertel.apps.cli import app
 from ertel.inputs.case_files import load_case
-from ertel.runs import drive, progress_file, store
+from ertel.runs import directory, drive, store
 from ertel.runs.courses import course_of
-from ertel.runs.progress_file import PROGRESS, ProgressFile
+from ertel.runs.directory import PROGRESS, ProgressFile, read_progress
 
 CASE = "[contact]\nM = 200\nL = 10\n[solver]\nnodes = 33\n[time]\nstep = 0.01\nuntil = 0.06\n"
 STEADY = '[contact]\nkind = "rolling"\nM = 20\nL = 10\n[solver]\nnodes = 33\ntolerance = 0.03\n'
@@ -184,7 +184,7 @@ def test_progress_of_a_steady_run(here):
 
 
 def test_progress_on_the_way(here, monkeypatch):
-    monkeypatch.setattr(progress_file, "INTERVAL", 0.0)
+    monkeypatch.setattr(directory, "INTERVAL", 0.0)
     course, seen = course_of(load_case("small.toml")), []
     watched = ProgressFile(here, course)
     drive.drive(course, [watched, lambda item: seen.append(progress(here))])
@@ -206,5 +206,5 @@ def test_progress_that_cannot_be_written_stops_no_run(here):
     run = store.RunStore.create(here / "run", load_case("small.toml"))
     (here / "run" / PROGRESS).mkdir()
     assert store.compute(run)["status"] == "converged"
-    assert progress_file.read(here / "run") is None
+    assert read_progress(here / "run") is None
     assert not list((here / "run").glob("*.partial"))

@@ -12,9 +12,9 @@ from cases import ertel_, names
 from ertel.case.sections import SOLVERS
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.inputs.json_schema import json_schema
-from ertel.inputs.keys import places
+from ertel.inputs.layout import places
 from ertel.inputs.templates import SCHEMA_FILE, template
-from ertel.runs import duration
+from ertel.runs import outlook
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 KINDS = ("impact", "rolling")
@@ -91,7 +91,7 @@ def test_the_template_has_all_keys_of_its_kind(kind):
     other = KINDS[1 - KINDS.index(kind)]
     for key in next(place.keys for place in places() if place.title == "[contact]"):
         there = re.search(rf"^(# )?{key.name} = ", contact, re.MULTILINE) is not None
-        assert there != key.meaning.startswith(f"{other}:"), key.name
+        assert there != key.meaning.text.startswith(f"{other}:"), key.name
 
 
 # -- schema -----------------------------------------------------------------------------------------------------------
@@ -148,7 +148,7 @@ def test_warnings_without_a_run(name, change, said):
 
 
 def test_a_grid_beyond_the_memory_is_said(monkeypatch):
-    monkeypatch.setattr("ertel.runs.memory.available", lambda: 1e9)
+    monkeypatch.setattr("ertel.runs.outlook.memory_available", lambda: 1e9)
     found = json.loads(ertel_("check", str(EXAMPLES / "rolling.toml"), "--set", "solver.nodes=2049", "--json").stdout)
     assert re.match(r"solver.nodes = 2049 needs about \S+ GB of memory, the machine has 1 GB; ", found["warnings"][0])
 
@@ -210,21 +210,21 @@ def test_real_contacts_are_not_refused(changes):
 def test_steps_are_those_that_were_counted(name, changes, measured):
     """Counted on 33 nodes; within a factor of 1.5."""
     case = load_case(EXAMPLES / f"{name}.toml", ["solver.nodes=33", *changes])
-    assert measured / 1.5 < duration.steps(case) < 1.5 * measured
+    assert measured / 1.5 < outlook.expected_steps(case) < 1.5 * measured
 
 
 def test_seconds_of_the_benchmarks():
     """benchmarks/README.md: 0.29 s a step on 1025 nodes per side, 6.8 s for steady rolling, both of M = 1000."""
     impact = load_case(EXAMPLES / "moes_impact.toml", ["solver.method=2d", "solver.nodes=1025"])
-    a_step = (duration.seconds(impact) - duration.SECONDS_TO_START) / duration.steps(impact)
+    a_step = (outlook.expected_seconds(impact) - outlook.SECONDS_TO_START) / outlook.expected_steps(impact)
     assert a_step == pytest.approx(0.29, rel=0.5)
     rolling = load_case(EXAMPLES / "rolling.toml", ["solver.nodes=1025"])
-    assert duration.seconds(rolling) - duration.SECONDS_TO_START == pytest.approx(6.8, rel=0.5)
+    assert outlook.expected_seconds(rolling) - outlook.SECONDS_TO_START == pytest.approx(6.8, rel=0.5)
 
 
 def test_an_oscillation_needs_steps():
     case = load_case(EXAMPLES / "reversal.toml", ["motion.entrainment={ mean = 1, amplitude = 0.5, period = 0.01 }"])
-    assert duration.steps(case) == pytest.approx(16 * 8 / 0.01, rel=0.01)
+    assert outlook.expected_steps(case) == pytest.approx(16 * 8 / 0.01, rel=0.01)
 
 
 def test_the_usual_tolerance_is_that_of_the_counts():

@@ -14,7 +14,7 @@ from cases import ertel_, names
 from ertel.apps import running
 from ertel.apps.process import SIGNALS
 from ertel.inputs import case_files
-from ertel.runs import memory, store
+from ertel.runs import outlook, store
 from ertel.runs.store import RunStore
 
 CASE = """
@@ -271,7 +271,7 @@ def test_out_of_memory(here, monkeypatch, error):
 
 
 def test_a_grid_beyond_the_memory_is_told_before(here, monkeypatch):
-    monkeypatch.setattr(memory, "available", lambda: 1e9)
+    monkeypatch.setattr(outlook, "memory_available", lambda: 1e9)
     monkeypatch.setattr(running, "course_of", lambda case: 1 / 0)
     result = ertel_("run", "case.toml", "--set", "solver.nodes=2049", "--set", "output.interval=0.05", code=1)
     assert "warning: solver.nodes = 2049 needs about" in result.stderr

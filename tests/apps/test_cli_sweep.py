@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from cases import ertel_, names
 
-from ertel.runs import stop_file
+from ertel.runs.directory import STOP, ask_to_stop
 from ertel.runs.store import RunStore
 
 STUDY = """
@@ -69,7 +69,7 @@ def test_a_file_stops_a_study_as_ctrl_c_does(here, monkeypatch, where):
         original(self, step)
         if step.state.counts.steps == 1 and not (study / "asked").exists():
             (study / "asked").touch()
-            stop_file.ask(study if where == "study" else self.directory)
+            ask_to_stop(study if where == "study" else self.directory)
 
     with monkeypatch.context() as patch:
         patch.setattr(RunStore, "__call__", take)
@@ -77,10 +77,10 @@ def test_a_file_stops_a_study_as_ctrl_c_does(here, monkeypatch, where):
     assert done.stderr.splitlines()[-1] == "ertel: interrupted; the same command continues"
     other = "1 missing" if where == "study" else "1 converged"
     assert "1 interrupted" in done.stdout and other in done.stdout
-    stop_file.ask(study)  # of before: it says nothing
+    ask_to_stop(study)  # of before: it says nothing
     again = ertel_("sweep", "loads.toml", "--jobs", "1")
     assert "2 runs: 2 converged" in again.stdout
-    assert not list(study.rglob(stop_file.STOP))
+    assert not list(study.rglob(STOP))
 
 
 def test_a_part_gathers_nothing(here):

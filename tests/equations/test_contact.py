@@ -16,7 +16,7 @@ from ertel.numerics import stencils
 from ertel.numerics.grid import Grid
 from ertel.numerics.stencils import Pair
 from ertel.physics import hertz
-from ertel.physics.geometry import CIRCLE, Ellipse
+from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Isoviscous, Lubricant, Roelands
 from ertel.solvers import nonlinear
 
@@ -132,7 +132,7 @@ def test_the_wedge_is_exact_for_parabolas(b: float, U: float) -> None:
 @pytest.mark.parametrize(("D", "angle"), [(0.2, 0.0), (3.0, 0.0), (0.3, 35.0)])
 def test_dry_contact_of_an_ellipse(D: float, angle: float) -> None:
     """The Hertz ellipsoid under the solver's kernel makes the gap zero inside, with order 2."""
-    ellipse = Ellipse(D, angle)
+    ellipse = Geometry(D, angle)
     wide, high = ellipse.extent
     errors = []
     for cells in (10, 20, 40):  # per smaller half width

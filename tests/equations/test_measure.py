@@ -9,8 +9,8 @@ from ertel.case.case import Case
 from ertel.case.sections import Solver
 from ertel.equations.measure import measure
 from ertel.equations.state import State
-from ertel.numerics.grid import Even, Grid
-from ertel.numerics.symmetry import folded
+from ertel.numerics.grid import Grid, Symmetry
+from ertel.numerics.stencils import folded
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Spot
 from ertel.solvers.transient import Transient2D
@@ -54,14 +54,14 @@ def test_an_axisymmetric_film_is_thinnest_on_a_ring(features: tuple[Feature, ...
 def test_of_two_lobes_the_one_at_positive_y_is_named_on_half_and_whole_planes() -> None:
     H = np.minimum(dip(0.25, 0.75), dip(0.25, -0.75))
     H[x < 0] -= 1e-12  # round-off
-    for even in (Even(), Even(y=True)):
+    for even in (Symmetry(), Symmetry(y=True)):
         grid = Grid(33, 33, 0.125, even=even)
         values = measure(grid, *(folded(jnp.asarray(field), even) for field in (P, H)))
         assert (values["X_min"], values["Y_min"]) == (0.25, 0.75)
 
 
 def test_a_peak_of_one_node_falls_to_its_neighbours_and_a_smooth_one_does_not() -> None:
-    for even in (Even(), Even(True, True)):
+    for even in (Symmetry(), Symmetry(True, True)):
         grid = Grid(33, 33, 0.125, even=even)
         needle = np.where((X == 0) & (Y == 0), 3.0, P)
         falls = [measure(grid, *(folded(jnp.asarray(f), even) for f in (p, P)))["P_fall"] for p in (P, needle, 0 * P)]

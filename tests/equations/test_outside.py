@@ -5,14 +5,14 @@ import pytest
 
 from ertel.equations import outside
 from ertel.equations.state import State
-from ertel.numerics.grid import Even, Grid
-from ertel.physics.far_field import Motion
+from ertel.numerics.grid import Grid, Symmetry
+from ertel.physics.far_field import ContactMotion
 
 LAMBDA_BAR = 0.05
-APPROACHING, ROLLING = Motion(-0.5, 1.0, 0.0, 0.0), Motion(0.9, 0.0, 1.0, 1.0)
+APPROACHING, ROLLING = ContactMotion(-0.5, 1.0, 0.0, 0.0), ContactMotion(0.9, 0.0, 1.0, 1.0)
 
 
-def around(grid: Grid, motion: Motion) -> outside.Surroundings:
+def around(grid: Grid, motion: ContactMotion) -> outside.Surroundings:
     return outside.around_grid(grid, LAMBDA_BAR).at(motion)
 
 
@@ -24,20 +24,20 @@ def test_load_outside_a_circle_is_that_of_the_closed_form() -> None:
 
 
 @pytest.mark.parametrize("motion", [APPROACHING, ROLLING])
-def test_load_outside_a_square_differs_from_that_of_a_circle_by_the_oil_between(motion: Motion) -> None:
+def test_load_outside_a_square_differs_from_that_of_a_circle_by_the_oil_between(motion: ContactMotion) -> None:
     n, w = 800, 3.0
     X, Y = np.meshgrid(*[(np.arange(n) + 0.5) * 2 * w / n - w] * 2)
-    between = outside.far_field.pressure(X, Y, motion, LAMBDA_BAR)[np.hypot(X, Y) > w].sum() * (2 * w / n) ** 2
+    between = outside.far_field.far_pressure(X, Y, motion, LAMBDA_BAR)[np.hypot(X, Y) > w].sum() * (2 * w / n) ** 2
     X, Y, area = outside.beyond_rectangle(-w, w, -w, w)
-    square = area @ outside.far_field.pressure(X, Y, motion, LAMBDA_BAR)
+    square = area @ outside.far_field.far_pressure(X, Y, motion, LAMBDA_BAR)
     theta, u = (np.arange(400) + 0.5) * np.pi / 200, ((np.arange(400) + 0.5) / 400)[:, None]
-    P = outside.far_field.pressure(w / u * np.cos(theta), w / u * np.sin(theta), motion, LAMBDA_BAR)
+    P = outside.far_field.far_pressure(w / u * np.cos(theta), w / u * np.sin(theta), motion, LAMBDA_BAR)
     circle = (P * w**2 / u**3).sum() * np.pi / 200 / 400
     assert circle - between == pytest.approx(square, rel=2e-3)
 
 
 def test_a_folded_grid_has_the_same_oil_outside() -> None:
-    whole, folded = Grid.square(17, 2.0), Grid(17, 17, 0.25, even=Even(True, True))
+    whole, folded = Grid.square(17, 2.0), Grid(17, 17, 0.25, even=Symmetry(True, True))
     one, other = around(whole, APPROACHING), around(folded, APPROACHING)
     assert (one.load, one.uplift) == (other.load, other.uplift)
     assert np.array_equal(one.edge[8:, 8:], other.edge)
@@ -53,5 +53,5 @@ def test_a_guess_is_zero_near_the_contact() -> None:
 def test_motion_is_predicted_from_two_levels() -> None:
     levels = [State(T, 2 * T, 1 - T, {}) for T in (0.3, 0.2, -5.0)]
     motion = outside.predicted(levels, 0.4, [0.5, 0.4, 9.0], 0.7)
-    assert motion == pytest.approx(Motion(0.8, 0.6, 0.6, 0.7))
-    assert outside.predicted(levels[:1], 0.4, [0.5], 0.0) == Motion(0.6, 0.7, 0.5, 0.0)
+    assert motion == pytest.approx(ContactMotion(0.8, 0.6, 0.6, 0.7))
+    assert outside.predicted(levels[:1], 0.4, [0.5], 0.0) == ContactMotion(0.6, 0.7, 0.5, 0.0)

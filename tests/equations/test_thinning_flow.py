@@ -16,9 +16,9 @@ from ertel.equations.pytrees import traceable_law
 from ertel.equations.shear import NODES
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics import stencils
-from ertel.numerics.grid import Even, Grid
+from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.integrals import Plane
-from ertel.numerics.symmetry import folded, unfolded
+from ertel.numerics.stencils import folded, unfolded
 from ertel.physics.fluidity import Fluidity, NewtonianOil, ReeEyring
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import DowsonHigginson, Lubricant, Roelands
@@ -91,7 +91,7 @@ def test_half_a_plane_and_a_quarter_of_it_are_enough():
     grid = square_grid(33)
     P, H = fields(grid)
     whole = stencils.inside(GAIN(thinning(grid), P, H))
-    for even in (Even(True, False), Even(True, True)):
+    for even in (Symmetry(True, False), Symmetry(True, True)):
         kept = replace(grid, even=even)
         part = stencils.inside(GAIN(thinning(kept), folded(P, even), folded(H, even)), even)
         assert_allclose(part, folded(whole, even), rtol=0, atol=1e-12 * float(jnp.abs(whole).max()))
@@ -99,7 +99,7 @@ def test_half_a_plane_and_a_quarter_of_it_are_enough():
 
 def test_the_details_on_half_a_plane_are_those_of_the_whole():
     """The stress across the sliding changes its sign at the axis along it."""
-    grid, even = square_grid(33), Even(True, False)
+    grid, even = square_grid(33), Symmetry(True, False)
     P, H = fields(grid)
     half = replace(grid, even=even)
     whole = DETAILS(thinning(grid), P, H, 0.7, Plane.of(grid))

@@ -18,14 +18,14 @@ import numpy as np
 import tomli_w
 from hypothesis import strategies as st
 
+from ertel.case.case import SECTIONS
 from ertel.case.conditions import BARS, KINDS, MOES, NEEDED, OPTIONAL, Conditions
 from ertel.case.records import law_fields
 from ertel.case.sections import METHODS, STOPS, Drive, Output, Solver, Time
 from ertel.case.thermal import Thermal
 from ertel.inputs.case_files import ConfigError, load_case, parse_case, to_toml
+from ertel.inputs.layout import DataSheet, Materials, MeasuredFile, NamedLubricant
 from ertel.inputs.library import material_names, oil_names
-from ertel.inputs.named import DataSheet, Materials, MeasuredFile, NamedLubricant
-from ertel.inputs.schema import case_file, keys_of
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
@@ -225,7 +225,6 @@ def _places(data: Any) -> list[tuple[Any, Any]]:
 RECORDS = (Conditions, Oil, Solver, Drive, Time, Output, Thermal, Materials, NamedLubricant, DataSheet, MeasuredFile)
 WITH_KEYS: tuple[Any, ...] = (*RECORDS, *FLUIDITY_LAWS.values(), *SHAPES.values())
 KNOWN = [item.name for record in WITH_KEYS for item in fields(record)]
-SECTIONS = keys_of(case_file())
 new_keys = st.one_of(*map(st.sampled_from, (KEYS, KNOWN, SECTIONS)), st.text(max_size=5))  # type: ignore[arg-type]
 
 

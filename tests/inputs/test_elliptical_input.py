@@ -6,10 +6,10 @@ import pytest
 from cases import ertel_
 
 import ertel
+from ertel.case.records import ConfigError
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case, parse_case
-from ertel.inputs.messages import ConfigError
-from ertel.physics.geometry import CIRCLE, Ellipse
+from ertel.physics.geometry import CIRCLE, Geometry
 
 ROLLING = {"kind": "rolling", "load": "100 N", "mean_speed": "0.5 m/s", "E_prime": "226.37 GPa"}
 IMPACT = {"mass": "33 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
@@ -64,8 +64,8 @@ def test_keywords_are_those_of_case_files(tmp_path) -> None:
     case = ertel.rolling(M=200, L=10, radius_ratio=0.4, entrainment_angle="0.5 rad")
     assert load_case(path).contact == case.contact
     assert case.contact.angle == pytest.approx(28.64788975654)
-    assert ertel.rolling(M=200, L=10, radius_ratio=0.4, entrainment_angle=30).geometry == Ellipse(0.4, 30.0)
-    assert ertel.rolling(M=200, L=10, radius_ratio=0.4, entrainment_angle="90 deg").geometry == Ellipse(0.4, 90.0)
+    assert ertel.rolling(M=200, L=10, radius_ratio=0.4, entrainment_angle=30).geometry == Geometry(0.4, 30.0)
+    assert ertel.rolling(M=200, L=10, radius_ratio=0.4, entrainment_angle="90 deg").geometry == Geometry(0.4, 90.0)
     assert ertel.Case.from_data(case.to_data()) == case
     assert ertel.impact(
         radius_x=0.01, radius_y=0.05, **IMPACT, oil=ertel.Oil(**OIL)

@@ -414,7 +414,7 @@ def test_the_file_that_ertel_wrote_is_taken_as_it_is(tmp_path) -> None:
     own = HeightMap(WAVE + TILT)
     (tmp_path / own.name).write_bytes(own.to_bytes())
     assert read(tmp_path, file=own.name, length_y=1.0, **table).file == own
-    with pytest.raises(ConfigError, match=r'^roughness\[1\].detrend = "mean": has been seen to where ertel wrote'):
+    with pytest.raises(ConfigError, match=r'^roughness\[1\].detrend = "mean": was already applied when ertel wrote'):
         read(tmp_path, file=own.name, detrend="mean", length_y=1.0, **table)
     with pytest.raises(ConfigError, match=r"^roughness\[1\].length_y: missing"):
         read(tmp_path, file=own.name, **table)

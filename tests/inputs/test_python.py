@@ -9,9 +9,9 @@ import pytest
 
 import ertel
 from ertel.case.conditions import FOREIGN, Conditions
+from ertel.case.reading import NOT_THERE
 from ertel.case.sections import Output, Solver, Time
 from ertel.inputs.case_files import ConfigError, parse_case
-from ertel.inputs.messages import NOT_THERE
 from ertel.physics.lubricant import Roelands
 from ertel.physics.units import Quantity
 

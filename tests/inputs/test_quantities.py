@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ertel.inputs.quantities import parse_amount, parse_quantity
+from ertel.inputs.layout import READER
+from ertel.inputs.quantities import parse_quantity
 from ertel.physics.units import COMPLIANCE, LENGTH, POSITION, WIDTH, Quantity
 
 
@@ -33,12 +34,12 @@ def test_decimal_input_stays_decimal():
 
 
 def test_an_amount_is_a_number_or_a_quantity():
-    assert parse_amount(0.5, WIDTH) == 0.5
-    assert parse_amount("50 um", WIDTH) == Quantity(5e-5, "m")
-    assert parse_amount(-1, POSITION) == -1.0
+    assert READER.amount(0.5, WIDTH) == 0.5
+    assert READER.amount("50 um", WIDTH) == Quantity(5e-5, "m")
+    assert READER.amount(-1, POSITION) == -1.0
     for value in (0, -1.0, inf, True, [1]):
         with pytest.raises(ValueError, match="must be a number above zero, in units a, or a quantity such as"):
-            parse_amount(value, WIDTH)
+            READER.amount(value, WIDTH)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +72,7 @@ def test_sizes_are_bounded(text):
 @pytest.mark.parametrize("value", [10**400, 1e31, 1e-31])
 def test_sizes_of_amounts_are_bounded(value):
     with pytest.raises(ValueError, match=r"^must be between 1e-06 and 1e\+06, in units a$"):
-        parse_amount(value, WIDTH)
+        READER.amount(value, WIDTH)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ertel.inputs.messages import ConfigError
+from ertel.case.records import ConfigError
 from ertel.inputs.ranges import parse_values
 from ertel.physics.units import FINITE, LOAD, VELOCITY, Bounds, Unit
 

@@ -5,8 +5,8 @@ from pstats import Stats
 
 import pytest
 
+from ertel.case.records import ConfigError
 from ertel.inputs.coordinates import coordinates
-from ertel.inputs.messages import ConfigError
 from ertel.inputs.studies import load_study, parse_study
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 import ertel
+from ertel.case.records import ConfigError
 from ertel.inputs.case_files import parse_case
-from ertel.inputs.messages import ConfigError
 
 CONTACT = {"kind": "rolling", "radius": "10 mm", "load": "20 N", "mean_speed": "0.5 m/s"}
 BODIES = {"material_1": "steel", "material_2": "glass"}

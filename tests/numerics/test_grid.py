@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from ertel.numerics.grid import (
     LARGEST_COARSEST,
     SMALLEST_COARSEST,
-    Even,
     Grid,
+    Symmetry,
     allowed_nodes,
     check_grid,
     check_nodes,
@@ -80,7 +80,7 @@ def test_a_side_that_can_be_coarsened_as_often_as_the_other(nodes: int, ratio: f
     across = nodes_across(nodes, ratio)
     wanted = ratio * (nodes - 1)
     assert -1e-4 <= (across - 1) - wanted < max(8, 0.25 * wanted) and across % 2 == 1
-    grid = Grid(nodes, across, 0.1, even=Even(True, False))
+    grid = Grid(nodes, across, 0.1, even=Symmetry(True, False))
     check_grid(grid)
     assert min(grid.hierarchy()[-1].shape) >= 3
     if across > 17 and nodes > 33:

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.integrate import dblquad
 
 from ertel.numerics import halfspace
-from ertel.numerics.grid import WHOLE, Even, Grid
-from ertel.numerics.symmetry import folded, unfolded
+from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
+from ertel.numerics.stencils import folded, unfolded
 from ertel.physics import hertz
-from ertel.physics.geometry import COMPLIANCE
+from ertel.physics.geometry import CIRCLE
 
 
 def random_pressure(nodes: int, seed: int) -> NDArray[np.float64]:
@@ -32,20 +32,20 @@ def direct_sum(K: NDArray[np.float64], P: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def displaced(grid: Grid, P: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(halfspace.displacement(halfspace.spectrum(grid, COMPLIANCE), jnp.asarray(P)))
+    return np.asarray(halfspace.displacement(halfspace.spectrum(grid, CIRCLE.compliance), jnp.asarray(P)))
 
 
 @settings(max_examples=8, deadline=None)
 @given(st.sampled_from([9, 17, 25, 33]), st.floats(0.1, 5.0), st.integers(0, 1000))
 def test_fft_equals_the_direct_sum(nodes: int, half_width: float, seed: int) -> None:
     grid, P = Grid.square(nodes, half_width), random_pressure(nodes, seed)
-    expected = COMPLIANCE * direct_sum(halfspace.love_coefficients(nodes, nodes, grid.spacing), P)
+    expected = CIRCLE.compliance * direct_sum(halfspace.love_coefficients(nodes, nodes, grid.spacing), P)
     np.testing.assert_allclose(displaced(grid, P), expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize("even", [WHOLE, Even(y=True), Even(x=True), Even(True, True)], ids=str)
+@pytest.mark.parametrize("even", [NO_SYMMETRY, Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str)
 @pytest.mark.parametrize(("nodes_x", "nodes_y"), [(33, 9), (17, 25)])
-def test_on_a_rectangle_too_whatever_the_symmetry(nodes_x: int, nodes_y: int, even: Even) -> None:
+def test_on_a_rectangle_too_whatever_the_symmetry(nodes_x: int, nodes_y: int, even: Symmetry) -> None:
     grid = Grid(nodes_x, nodes_y, 0.2, even=even)
     P = np.zeros((nodes_y, nodes_x))
     P[1:-1, 1:-1] = np.random.default_rng(2).random((nodes_y - 2, nodes_x - 2))
@@ -143,6 +143,6 @@ def test_a_smooth_pressure_is_second_order_everywhere() -> None:
 
 def test_single_precision_is_single_precision() -> None:
     grid, P = Grid.square(65, 2.0), random_pressure(65, 3)
-    single = halfspace.displacement(halfspace.spectrum(grid, COMPLIANCE, "float32"), jnp.asarray(P, "float32"))
+    single = halfspace.displacement(halfspace.spectrum(grid, CIRCLE.compliance, "float32"), jnp.asarray(P, "float32"))
     assert single.dtype == jnp.float32
     np.testing.assert_allclose(np.asarray(single), displaced(grid, P), rtol=1e-5)

@@ -6,16 +6,17 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from ertel.numerics.grid import WHOLE, Even, Grid
+from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Disc, Plane
-from ertel.numerics.stencils import Pair
-from ertel.numerics.symmetry import folded
+from ertel.numerics.stencils import Pair, folded
 
-every_symmetry = pytest.mark.parametrize("even", [WHOLE, Even(y=True), Even(x=True), Even(True, True)], ids=str)
+every_symmetry = pytest.mark.parametrize(
+    "even", [NO_SYMMETRY, Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str
+)
 W = 1.6  # half width of the rectangle
 
 
-def plane(even: Even, nodes: int = 17) -> tuple[Plane, np.ndarray, np.ndarray]:
+def plane(even: Symmetry, nodes: int = 17) -> tuple[Plane, np.ndarray, np.ndarray]:
     """The rectangle, and X and Y of its kept nodes."""
     grid = Grid(nodes, nodes, 2 * W / (nodes - 1), even=even)
     X, Y = np.meshgrid(grid.kept_x, grid.kept_y)
@@ -23,7 +24,7 @@ def plane(even: Even, nodes: int = 17) -> tuple[Plane, np.ndarray, np.ndarray]:
 
 
 @every_symmetry
-def test_linear_and_quadratic_fields_on_a_plane(even: Even) -> None:
+def test_linear_and_quadratic_fields_on_a_plane(even: Symmetry) -> None:
     space, X, Y = plane(even)
     assert float(space.total(jnp.asarray(3 + np.abs(X) + np.abs(Y)))) == pytest.approx(4 * W**2 * (3 + W), rel=1e-14)
     f = jnp.asarray(X**2 / 2 + Y**2)
@@ -37,14 +38,14 @@ def test_linear_and_quadratic_fields_on_a_plane(even: Even) -> None:
 
 
 def test_what_flows_along_x_enters_on_one_side_and_leaves_on_the_other() -> None:
-    for even in (WHOLE, Even(y=True)):
+    for even in (NO_SYMMETRY, Symmetry(y=True)):
         space, X, _ = plane(even)
         assert float(space.around(space.along_x(jnp.asarray(5 + X)))) == pytest.approx(4 * W**2, rel=1e-13)
 
 
-@pytest.mark.parametrize("even", [Even(y=True), Even(x=True), Even(True, True)], ids=str)
-def test_a_part_of_the_plane_gives_what_the_whole_gives(even: Even) -> None:
-    whole, X, Y = plane(WHOLE)
+@pytest.mark.parametrize("even", [Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str)
+def test_a_part_of_the_plane_gives_what_the_whole_gives(even: Symmetry) -> None:
+    whole, X, Y = plane(NO_SYMMETRY)
     f, g = np.exp(-(X**2) - 2 * Y**2) + 1, np.cos(X) * np.cosh(Y)
     part, *_ = plane(even)
     found = []

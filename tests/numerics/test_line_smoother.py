@@ -8,7 +8,7 @@ from ertel.numerics.grid import Grid
 from ertel.numerics.line_smoother import line_smoother
 from ertel.numerics.multigrid import Coefficients, Elasticity
 from ertel.numerics.stencils import Pair
-from ertel.physics.geometry import COMPLIANCE
+from ertel.physics.geometry import CIRCLE
 
 
 def rolling_like(nodes: int, depth: float = 1e-5) -> Coefficients:
@@ -24,7 +24,7 @@ def rolling_like(nodes: int, depth: float = 1e-5) -> Coefficients:
 def contraction(nodes: int, c: Coefficients) -> float:
     """The asymptotic factor by which one V-cycle alone reduces the error."""
     e = np.random.default_rng(1).standard_normal(c.free.shape) * c.free
-    elastic = multigrid.elasticities(Grid(nodes, nodes, 6.0 / (nodes - 1), -1.5), COMPLIANCE, "float64")
+    elastic = multigrid.elasticities(Grid(nodes, nodes, 6.0 / (nodes - 1), -1.5), CIRCLE.compliance, "float64")
     return float(_contraction(elastic, c, e))
 
 
@@ -60,7 +60,7 @@ def test_a_v_cycle_contracts_where_diffusion_hardly_exceeds_the_deformation() ->
 
 def test_a_uniform_change_has_no_slope() -> None:
     """What the bands of a line leave out must not make a drift of a uniform mass."""
-    (elastic,) = multigrid.elasticities(Grid(5, 5, 0.1), COMPLIANCE, "float64")[:1]
+    (elastic,) = multigrid.elasticities(Grid(5, 5, 0.1), CIRCLE.compliance, "float64")[:1]
     one = jnp.ones((5, 5))
     smoother = line_smoother(elastic, Coefficients(Pair(0 * one), 0 * one, one, one), 0.0, 1.0)
     assert not smoother.factors.halvings  # the matrix as it is

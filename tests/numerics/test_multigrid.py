@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from jax import Array
 
 from ertel.numerics import halfspace, multigrid
-from ertel.numerics.grid import WHOLE, Grid
+from ertel.numerics.grid import NO_SYMMETRY, Grid
 from ertel.numerics.multigrid import Coefficients, Elasticity, GridLevel
 from ertel.numerics.stencils import Pair
-from ertel.physics.geometry import COMPLIANCE
+from ertel.physics.geometry import CIRCLE
 
 
 def impact_on(grid: Grid, dt: float = 0.01, depth: float = 3e-6) -> Coefficients:
@@ -30,7 +30,9 @@ def impact_like(nodes: int, dt: float = 0.01, depth: float = 3e-6) -> Coefficien
 
 
 def levels_of(nodes: int, coefficients: Coefficients) -> tuple[GridLevel, ...]:
-    return multigrid.hierarchy(multigrid.elasticities(Grid.square(nodes, 2.0), COMPLIANCE, "float64"), coefficients)
+    return multigrid.hierarchy(
+        multigrid.elasticities(Grid.square(nodes, 2.0), CIRCLE.compliance, "float64"), coefficients
+    )
 
 
 @jax.jit
@@ -47,7 +49,7 @@ def contraction(elastic: tuple[Elasticity, ...], c: Coefficients, e: Array) -> A
 
 def contraction_on(grid: Grid, c: Coefficients) -> float:
     e = np.random.default_rng(1).standard_normal(c.free.shape) * c.free
-    return float(contraction(multigrid.elasticities(grid, COMPLIANCE, "float64"), c, e))
+    return float(contraction(multigrid.elasticities(grid, CIRCLE.compliance, "float64"), c, e))
 
 
 def contraction_of(nodes: int, c: Coefficients) -> float:
@@ -95,7 +97,7 @@ def test_the_solution_with_two_mobilities_is_that_of_the_matrix() -> None:
     c = impact_like(nodes)._replace(eps=Pair(*(jnp.asarray(0.5 + rng.random((nodes, nodes))) for _ in range(2))))
     h = 4.0 / (nodes - 1)
     eps_x, eps_y, stretch, free = (np.asarray(f) for f in (c.eps.x, c.eps.y, c.stretch, c.free))
-    K = COMPLIANCE * halfspace.love_coefficients(nodes, nodes, h)
+    K = CIRCLE.compliance * halfspace.love_coefficients(nodes, nodes, h)
     matrix = np.zeros((nodes, nodes, nodes, nodes))
     for i, j in itertools.product(range(1, nodes - 1), repeat=2):
         for (k, m), eps in (((i, j - 1), eps_x), ((i, j + 1), eps_x), ((i - 1, j), eps_y), ((i + 1, j), eps_y)):
@@ -109,7 +111,7 @@ def test_the_solution_with_two_mobilities_is_that_of_the_matrix() -> None:
     r = rng.standard_normal((nodes, nodes)) * free
     expected = np.zeros(nodes**2)
     expected[inner] = np.linalg.solve(matrix, r.ravel()[inner])
-    elastic = multigrid.elasticities(Grid.square(nodes, 2.0), COMPLIANCE, "float64")
+    elastic = multigrid.elasticities(Grid.square(nodes, 2.0), CIRCLE.compliance, "float64")
 
     @jax.jit
     def solution(c: Coefficients) -> Array:
@@ -213,7 +215,7 @@ def test_smooth_prolongation_is_exact_for_cubics_inside() -> None:
 
 def test_lowest_mean_is_a_bound_that_sees_the_neighbourhood() -> None:
     field = jnp.ones((33, 33)).at[16, 16].set(-100.0)
-    least = np.asarray(multigrid.lowest_mean(field, WHOLE, 2))
+    least = np.asarray(multigrid.lowest_mean(field, NO_SYMMETRY, 2))
     assert np.all(least <= np.asarray(field))
     assert np.all(least[14:19, 14:19] < 0) and np.all(least[:8] > 0)
-    np.testing.assert_allclose(multigrid.lowest_mean(jnp.ones((33, 33)), WHOLE, 2)[4:-4, 4:-4], 1.0)
+    np.testing.assert_allclose(multigrid.lowest_mean(jnp.ones((33, 33)), NO_SYMMETRY, 2)[4:-4, 4:-4], 1.0)

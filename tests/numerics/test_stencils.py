@@ -2,21 +2,26 @@
 
 import itertools
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
 
 from ertel.numerics import stencils
-from ertel.numerics.grid import WHOLE, Even
-from ertel.numerics.stencils import Pair
-from ertel.numerics.symmetry import folded
+from ertel.numerics.grid import NO_SYMMETRY, Symmetry
+from ertel.numerics.stencils import POINTS, Pair, folded
 
 NODES = 9
 FACES = ((0, -1, 0), (0, 1, 0), (-1, 0, 1), (1, 0, 1))  # to a neighbour in Y, in X; which mobility
-every_symmetry = pytest.mark.parametrize("even", [WHOLE, Even(y=True), Even(x=True), Even(True, True)], ids=str)
+every_symmetry = pytest.mark.parametrize(
+    "even", [NO_SYMMETRY, Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str
+)
 
 
-def some_fields(even: Even) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def some_fields(even: Symmetry) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """f and both mobilities on the whole plane, even where asked."""
     fields = np.random.default_rng(5).random((3, NODES, NODES))
     fields = (fields + fields[:, ::-1]) / 2 if even.y else fields
@@ -42,7 +47,7 @@ def face_sum_in_loops(eps: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
 
 @every_symmetry
 @pytest.mark.parametrize("directions", ["twice as readily along X", "independent", "equal"])
-def test_diffusion_is_that_of_plain_loops(even: Even, directions: str) -> None:
+def test_diffusion_is_that_of_plain_loops(even: Symmetry, directions: str) -> None:
     f, eps_x, other = some_fields(even)
     eps_y = {"twice as readily along X": eps_x / 2, "independent": other, "equal": eps_x}[directions]
     kept = [jnp.asarray(folded(field, even)) for field in (f, eps_x, eps_y)]
@@ -55,8 +60,61 @@ def test_diffusion_is_that_of_plain_loops(even: Even, directions: str) -> None:
 
 
 @every_symmetry
-def test_the_largest_value_around_a_node(even: Even) -> None:
+def test_the_largest_value_around_a_node(even: Symmetry) -> None:
     f, _, _ = some_fields(even)
     around = [f[max(j - 1, 0) : j + 2, max(i - 1, 0) : i + 2].max() for j in range(NODES) for i in range(NODES)]
     found = stencils.largest_around(folded(jnp.asarray(f), even), even)
     np.testing.assert_array_equal(found, folded(jnp.asarray(around).reshape(NODES, NODES), even))
+
+
+# -- shifts along X ---------------------------------------------------------------------------------------------------
+
+
+shifted = jax.jit(stencils.shifted_along_x)
+
+LINE = np.arange(65.0)
+MIDDLE = slice(24, 41)  # far enough from the ends
+
+
+@given(st.integers(-20, 20), st.integers(0, 10**6))
+def test_a_shift_by_whole_nodes_is_exact(shift: int, seed: int) -> None:
+    field = np.random.default_rng(seed).random((3, 65))
+    moved = np.asarray(shifted(jnp.asarray(field), float(shift)))
+    assert_array_equal(moved, field[:, np.clip(np.arange(65) - shift, 0, 64)])
+
+
+@given(st.floats(-15.0, 15.0))
+def test_polynomials_are_carried_exactly(shift: float) -> None:
+    def polynomial(x: np.ndarray) -> np.ndarray:
+        t = (x - 32) / 16
+        return 1 + t - 2 * t**3 + t ** (POINTS - 1)
+
+    moved = np.asarray(shifted(jnp.asarray(polynomial(LINE))[None], shift))[0]
+    assert_allclose(moved[MIDDLE], polynomial(LINE - shift)[MIDDLE], atol=1e-11)
+
+
+@given(st.floats(-9.0, 9.0), st.integers(0, 10**6))
+def test_both_directions_are_treated_alike(shift: float, seed: int) -> None:
+    field = jnp.asarray(np.random.default_rng(seed).random((2, 65)))
+    assert_allclose(shifted(field[:, ::-1], -shift)[:, ::-1], shifted(field, shift), atol=1e-13)
+
+
+def test_beyond_its_ends_the_field_keeps_the_value_of_the_end() -> None:
+    field = jnp.asarray(np.linspace(2.0, 3.0, 65))[None]
+    assert_allclose(shifted(field, 100.0), 2.0)
+    assert_allclose(shifted(field, -100.0), 3.0)
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, np.pi))
+def test_no_wave_grows(shift: float, per_node: float) -> None:
+    """So that no number of steps makes it unstable."""
+    wave = np.stack([np.cos(per_node * LINE), np.sin(per_node * LINE)])
+    found = np.asarray(shifted(jnp.asarray(wave), shift))[:, MIDDLE]
+    assert np.hypot(*found).max() <= 1 + 1e-12
+
+
+@pytest.mark.parametrize("step", [0.1, 0.3, 0.5, 0.8])
+def test_a_wave_of_eight_nodes_loses_less_than_half_a_percent_per_wavelength(step: float) -> None:
+    wave = np.stack([np.cos(np.pi / 4 * LINE), np.sin(np.pi / 4 * LINE)])
+    kept = np.hypot(*np.asarray(shifted(jnp.asarray(wave), step))[:, MIDDLE]).mean()
+    assert 1 - kept ** (8 / step) < 0.005

@@ -11,8 +11,8 @@ from ertel.equations import contact, discretise
 from ertel.equations.flow import Rate
 from ertel.equations.state import State
 from ertel.numerics import halfspace
-from ertel.numerics.grid import WHOLE, Even, Grid
-from ertel.numerics.symmetry import extended, folded, total, unfolded
+from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
+from ertel.numerics.stencils import extended, folded, total, unfolded
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Barus, DowsonHigginson, Lubricant
 from ertel.physics.scales import Parameters
@@ -22,14 +22,16 @@ from ertel.solvers.transient import Transient2D
 
 PARAMETERS = Parameters.from_moes(50, 5)
 LAWS = Lubricant(Barus(5.0), DowsonHigginson(1.0))
-every_symmetry = pytest.mark.parametrize("even", [WHOLE, Even(y=True), Even(x=True), Even(True, True)], ids=str)
+every_symmetry = pytest.mark.parametrize(
+    "even", [NO_SYMMETRY, Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str
+)
 
 
-def grid(even: Even = WHOLE) -> Grid:
+def grid(even: Symmetry = NO_SYMMETRY) -> Grid:
     return Grid(17, 17, 0.2, even=even)
 
 
-def bump(even: Even, seed: int = 0) -> np.ndarray:
+def bump(even: Symmetry, seed: int = 0) -> np.ndarray:
     """Random and even, zero on the edge, on the whole plane."""
     field = np.zeros((17, 17))
     field[1:-1, 1:-1] = np.random.default_rng(seed).random((15, 15))
@@ -54,7 +56,7 @@ def test_the_total_is_that_of_the_whole_plane(even) -> None:
 @every_symmetry
 def test_beyond_an_axis_is_the_mirror_image(even) -> None:
     whole = jnp.asarray(bump(even))
-    found, expected = extended(jnp.asarray(folded(whole, even)), even), extended(whole, WHOLE)
+    found, expected = extended(jnp.asarray(folded(whole, even)), even), extended(whole, NO_SYMMETRY)
     rows, columns = found.shape
     assert_allclose(found, expected[-rows:, -columns:])
 
@@ -87,7 +89,7 @@ def test_the_residual_is_that_of_the_whole_plane(even) -> None:
 
 def test_a_symmetric_grid_is_centred() -> None:
     with pytest.raises(ValueError, match="centred"):
-        Grid(17, 17, 0.2, centre_x=-1.0, even=Even(x=True))
+        Grid(17, 17, 0.2, centre_x=-1.0, even=Symmetry(x=True))
 
 
 # -- whole solutions --------------------------------------------------------------------------------------------------

@@ -63,7 +63,7 @@ def test_formula_of_arana() -> None:
     assert rising[0] == pytest.approx(100.0 * 1e-4 / 2e-7 / 6.7e8, rel=1e-3)  # Newtonian: eta V/(h p)
 
 
-# -- Eyring's flow ---
+# -- Eyring's flow ----------------------------------------------------------------------------------------------------
 
 SIGMA = np.array([0.5, 1.0, 2.0, 4.0, 8.0])
 
@@ -98,7 +98,7 @@ def test_small_gradients() -> None:
     assert_allclose(across, np.sqrt(1 + x**2), rtol=1e-13)
 
 
-# -- a film that heats itself ---
+# -- a film that heats itself -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -14,10 +14,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.physics import film_formulas, hertz
-from ertel.physics.bodies import conforming_radius
-from ertel.physics.ellipse import hertz_ellipse
 from ertel.physics.film_formulas import Flow
-from ertel.physics.geometry import CIRCLE, Ellipse, geometry
+from ertel.physics.geometry import CIRCLE, Geometry, geometry, hertz_ellipse
+from ertel.physics.materials import conforming_radius
 from ertel.physics.scales import (
     Parameters,
     hamrock_dowson,
@@ -96,21 +95,23 @@ X, Y = np.meshgrid(np.linspace(-3, 3, 13), np.linspace(-4, 4, 17))
 
 
 @pytest.mark.parametrize("angle", [0.0, 30.0, 90.0])
-def test_an_ellipse_of_equal_radii_is_the_circle(angle: float) -> None:
-    near = Ellipse(1.0, angle)
-    for name in ("hertz_load", "compliance", "free_inertia", "extent", "smaller"):
-        assert getattr(near, name) == pytest.approx(getattr(CIRCLE, name), rel=1e-15)
-    assert near.gap(X, Y) == pytest.approx(CIRCLE.gap(X, Y), abs=1e-14)
-    assert near.dry_pressure(0.5, X, Y) == pytest.approx(CIRCLE.dry_pressure(0.5, X, Y), abs=1e-7)
-    assert near.dry_approach(0.5) == pytest.approx(CIRCLE.dry_approach(0.5), rel=1e-15)
-    assert near.distance(X, Y) == pytest.approx(CIRCLE.distance(X, Y), abs=1e-14)
-    assert near.far_flow(1.0, 0.5, X, Y) == pytest.approx(CIRCLE.far_flow(1.0, 0.5, X, Y), abs=1e-14)
+def test_the_circle(angle: float) -> None:
+    """Equal radii, whatever the angle: A = load^(1/3), sqrt(A^2 - r^2), A^2, V/4 - U X/5."""
+    circle, r2 = Geometry(1.0, angle), X**2 + Y**2
+    constants = (2 * pi / 3, 2 / pi**2, 4 / 5, *(1.0, 1.0), 1.0)
+    found = circle.hertz_load, circle.compliance, circle.free_inertia, *circle.extent, circle.smaller
+    assert found == pytest.approx(constants, rel=1e-15)
+    assert circle.gap(X, Y) == pytest.approx(r2 / 2, abs=1e-14)
+    assert circle.dry_pressure(0.5, X, Y) == pytest.approx(np.sqrt(np.maximum(0.5 ** (2 / 3) - r2, 0)), abs=1e-7)
+    assert circle.dry_approach(0.5) == pytest.approx(0.5 ** (2 / 3), rel=1e-15)
+    assert circle.distance(X, Y) == pytest.approx(np.sqrt(r2), abs=1e-14)
+    assert circle.far_flow(1.0, 0.5, X, Y) == pytest.approx(1 / 4 - 0.5 * X / 5, abs=1e-14)
 
 
 @pytest.mark.parametrize("D", [0.2, 3.0])
 def test_a_quarter_turn_exchanges_the_axes(D: float) -> None:
     """In units of the swapped ellipse lengths are kappa times, displacements kappa^2/D times as large."""
-    turned, swapped = Ellipse(D, 90.0), Ellipse(1 / D)
+    turned, swapped = Geometry(D, 90.0), Geometry(1 / D)
     kappa, film = hertz_ellipse(D).kappa, hertz_ellipse(D).kappa ** 2 / D
     assert turned.gap(X, Y) * film == pytest.approx(swapped.gap(kappa * X, kappa * Y), rel=1e-12)
     assert turned.dry_pressure(0.7, X, Y) == pytest.approx(swapped.dry_pressure(0.7, kappa * X, kappa * Y), abs=1e-6)
@@ -122,7 +123,7 @@ def test_a_quarter_turn_exchanges_the_axes(D: float) -> None:
 
 @pytest.mark.parametrize("angle", [0.0, 25.0, 90.0])
 def test_the_dry_contact_fills_its_extent_and_carries_its_load(angle: float) -> None:
-    ellipse = Ellipse(0.3, angle)
+    ellipse = Geometry(0.3, angle)
     assert ellipse.even == ((angle % 90 == 0),) * 2
     wide, high = ellipse.extent
     x, y = np.linspace(-wide, wide, 801), np.linspace(-high, high, 801)
@@ -230,7 +231,7 @@ def test_stokes_number_of_an_ellipsoid() -> None:
 
 def test_the_dry_motion_scales_with_the_dry_approach() -> None:
     """inertia Delta'' = -(Delta/Delta_H)^{3/2}, inertia (4/5) Delta_H: Delta_H times the circle's Delta(T/Delta_H)."""
-    ellipse, T, step = Ellipse(0.2), 1.0, 1e-3
+    ellipse, T, step = Geometry(0.2), 1.0, 1e-3
     full = ellipse.dry_approach(1.0)
 
     def Delta(T: float) -> float:

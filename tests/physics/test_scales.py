@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.physics import scales
-from ertel.physics.bodies import drop_speed, reduced_modulus, reduced_radius, sphere_mass
+from ertel.physics.materials import drop_speed, reduced_modulus, reduced_radius, sphere_mass
 from ertel.physics.scales import (
     Parameters,
     Scales,

@@ -10,14 +10,15 @@ from made_up import MOES_ROLLS as MOES
 
 from ertel import plots
 from ertel.case.sections import SOLVERS
-from ertel.equations.state import Rolling
+from ertel.equations.discretise import grid_of
 from ertel.inputs.python import rolling
 from ertel.physics import hertz
-from ertel.physics.geometry import Ellipse
+from ertel.physics.geometry import Geometry
 from ertel.plots import steady as steady_plots
 from ertel.plots import transient
 from ertel.plots.steady import estimate_of
 from ertel.results.dataset import assemble_steady
+from ertel.solvers.steady import Rolling
 
 
 @pytest.fixture(scope="module")
@@ -183,7 +184,7 @@ def test_a_steady_film_is_not_drawn_over_decades():
 
 def test_without_a_solution_there_is_nothing_to_draw():
     with pytest.raises(ValueError, match="no solution"):
-        steady_plots.STEADY_FIGURES["overview"](assemble_steady(MOES, ()))
+        steady_plots.STEADY_FIGURES["overview"](assemble_steady(MOES, grid_of(MOES), ()))
 
 
 def test_sliding_is_said():
@@ -206,7 +207,7 @@ def ellipse():
 
 
 def test_maps_of_an_ellipse_have_equal_axes_and_show_all_of_it(ellipse):
-    geometry = Ellipse(0.2, 30.0)
+    geometry = Geometry(0.2, 30.0)
     along, across = geometry.extent
     for name in ("film", "pressure"):
         pressed = geometry.dry_pressure(1.0, ellipse["X"].values[None, :], ellipse["Y"].values[:, None])
@@ -229,8 +230,8 @@ def test_dashed_is_the_hertz_pressure_of_the_ellipse(ellipse):
     axes = panels(plots.midlines(ellipse))[1]  # across the flow
     (dry,) = [line for line in right_of(axes.figure, axes).get_lines() if line.get_linestyle() == "--"]
     y, P = dry.get_data()
-    load = float(ellipse["load"][-1]) / Ellipse(0.2).hertz_load
-    assert P == pytest.approx(Ellipse(0.2, 30.0).dry_pressure(load, 0 * y, y))
+    load = float(ellipse["load"][-1]) / Geometry(0.2).hertz_load
+    assert P == pytest.approx(Geometry(0.2, 30.0).dry_pressure(load, 0 * y, y))
 
 
 # -- friction ---------------------------------------------------------------------------------------------------------

@@ -15,8 +15,9 @@ import pytest
 from distributed import Security
 
 from ertel.inputs.studies import parse_study
-from ertel.runs import cluster, progress_file
+from ertel.runs import cluster
 from ertel.runs.cluster import Cluster, NoScheduler
+from ertel.runs.directory import read_progress
 from ertel.runs.drive import simulate
 from ertel.runs.studies import gather, run_directory, run_study
 from ertel.runs.tasks import Task, run_tasks
@@ -153,13 +154,13 @@ def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
 
     def kill_once() -> bool:
         for case in study.cases if not killed else ():
-            said = progress_file.read(run_directory(tmp_path, case))
+            said = read_progress(run_directory(tmp_path, case))
             if said and said["status"] == "running" and said["step"] > 0 and not killed:
                 killed.append(case.digest)
                 os.kill(said["process"], signal.SIGKILL)
         return False
 
-    said = run_study(study, tmp_path, two, asked=kill_once)
+    said = run_study(study.cases, tmp_path, two, asked=kill_once)
     assert len(killed) == 1 and said == {case.digest: "converged" for case in study.cases}
     found = gather(study, tmp_path).dataset["H_min_extreme"]
     assert found.values[0] == pytest.approx(simulate(study.cases[0]).summary["extremes"]["H_min"]["value"], rel=1e-6)

@@ -21,8 +21,8 @@ from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.units import COMPLIANCE
 from ertel.results import summary
 from ertel.results.result import Result
-from ertel.runs.courses import TransientCourse, course_of
-from ertel.runs.drive import Gathering, drive, simulate
+from ertel.runs.courses import TransientRun, course_of
+from ertel.runs.drive import Recorder, drive, simulate
 from ertel.runs.stepping import Step
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
@@ -35,7 +35,7 @@ def short(**time: object) -> Case:
 def simulated(case: Case, method: Method) -> Result:
     """A run in memory with a method that is not the case's own."""
     course = course_with(case, method)
-    gathering = Gathering(course)
+    gathering = Recorder(course)
     return gathering.result(drive(course, [gathering]))
 
 
@@ -50,7 +50,7 @@ def to_the_maximum() -> Result:
 
 
 @cache
-def whole_course() -> tuple[TransientCourse, list[Step]]:
+def whole_course() -> tuple[TransientRun, list[Step]]:
     """A short run, step by step."""
     case = short()
     course = course_with(case, Transient2D(case))

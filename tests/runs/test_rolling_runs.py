@@ -15,7 +15,7 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.results import diagnostics, variables
-from ertel.results.provenance import provenance
+from ertel.results.dataset import provenance
 from ertel.results.summary import steady_summary
 from ertel.runs import checked_zarr
 from ertel.runs.arrays import ReplacedData

@@ -9,13 +9,13 @@ from cases import OIL, course_with, rolled, steps_of
 
 from ertel.case.case import Case
 from ertel.case.sections import SOLVERS, Drive, Output, Time
-from ertel.equations.friction import Friction
+from ertel.equations.account import Friction
 from ertel.equations.state import Method, State, Stepping, combined
 from ertel.numerics import bdf
 from ertel.physics.motion import Oscillation, Polyline, Signal
 from ertel.physics.scales import Parameters
 from ertel.results.variables import BUDGET, FRICTION
-from ertel.runs.drive import Gathering, drive
+from ertel.runs.drive import Recorder, drive
 
 PULSE = Polyline(((0.0, 1.0), (1.0, 1.0), (1.02, 3.0), (1.04, 1.0)))
 
@@ -99,7 +99,7 @@ def test_a_short_period_bounds_the_step() -> None:
 def test_the_last_map_is_kept_once(interval: float, step: float | None) -> None:
     case = rolling(Time(until=1.5, step=step), Output(interval=interval))
     course = course_with(case, LikeTheLoad(case))
-    gathering = Gathering(course)
+    gathering = Recorder(course)
     drive(course, [gathering])
     frames = gathering.frames
     assert [frame.event for frame in frames][-2:] == ["", "end"]

@@ -19,7 +19,7 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.runs import checked_zarr
 from ertel.runs.arrays import AppendedData
-from ertel.runs.courses import ImpactCourse, method_of
+from ertel.runs.courses import TransientRun, method_of
 from ertel.runs.drive import simulate
 from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, StoreError, compute
@@ -166,7 +166,7 @@ def deaths():
         (checked_zarr, "write_root"),
         (Path, "replace"),
         (RunStore, "_write_checkpoint"),
-        (ImpactCourse, "to_arrays"),
+        (TransientRun, "to_arrays"),
     ]
     quick = [("before", 2), ("after", 5)]
     slow = [("before", 5), ("after", 2)]
@@ -229,7 +229,7 @@ def test_killed_process(tmp_path, case, uninterrupted):
 
 
 def test_a_run_that_gives_up_keeps_what_it_has(tmp_path, case, uninterrupted):
-    course = ImpactCourse(case, method_of(case), StepLimits(first=0.03, smallest=0.02))
+    course = TransientRun(case, method_of(case), StepLimits(first=0.03, smallest=0.02))
     run = RunStore.create(tmp_path / "run", case, course)
     summary = compute(run)
     assert summary["status"] == Status.STEP_TOO_SMALL.value

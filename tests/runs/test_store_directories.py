@@ -17,8 +17,9 @@ from cases import physics, stop_after
 import ertel
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
-from ertel.runs import checked_zarr, directories, files, store
-from ertel.runs.courses import ImpactCourse, method_of
+from ertel.runs import checked_zarr, files, store
+from ertel.runs.courses import TransientRun, method_of
+from ertel.runs.directory import changes
 from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, StoreError, Taken, compute
 
@@ -223,7 +224,7 @@ def test_something_else_in_the_place_of_the_lock(tmp_path, make):
     run = RunStore.create(tmp_path / "run", CASE)
     make(tmp_path / "run" / files.LOCK)
     assert not files.is_locked(tmp_path / "run")
-    with pytest.raises(StoreError, match=r"run/.lock: is no regular file, so that .* delete it$"), run.alone():
+    with pytest.raises(StoreError, match=r"run/.lock: is not a regular file, so that .* delete it$"), run.alone():
         pytest.fail("not locked")
     assert not (tmp_path / "run" / "other").exists()
 
@@ -275,7 +276,7 @@ def test_a_file_system_without_locks(tmp_path, monkeypatch, number):
     ours = [str(warning.message) for warning in said if "locked" in str(warning.message)]
     assert len(ours) == 1
     assert ours[0].startswith(
-        f"{tmp_path / 'run'}: cannot be locked ({os.strerror(number).lower()}); see to it that no"
+        f"{tmp_path / 'run'}: cannot be locked ({os.strerror(number).lower()}); make sure that no"
     )
 
 
@@ -347,7 +348,7 @@ def ends():
     return {
         "time": (CASE, None),
         "event": (event, None),
-        "given up": (CASE, ImpactCourse(CASE, method_of(CASE), StepLimits(first=0.03, smallest=0.02))),
+        "given up": (CASE, TransientRun(CASE, method_of(CASE), StepLimits(first=0.03, smallest=0.02))),
     }
 
 
@@ -393,4 +394,4 @@ def test_a_cut_between_the_last_checkpoint_and_the_summary(ended, tmp_path, monk
 
 def test_directories_say_what_changed():
     before, now = {"contact": {"M": 200.0}, "name": "a"}, {"contact": {"M": 300.0}, "name": "b"}
-    assert directories.changes(before, now) == "contact.M 200.0 → 300.0"
+    assert changes(before, now) == "contact.M 200.0 → 300.0"

@@ -11,19 +11,18 @@ import pytest
 from cases import march, parse_case
 
 from ertel.case.case import Case
-from ertel.case.conditions import Conditions
 from ertel.case.sections import Drive
 from ertel.equations import discretise
-from ertel.equations.friction import Friction, friction
-from ertel.equations.state import GridSolution, State
+from ertel.equations.account import Friction, friction
+from ertel.equations.state import State
 from ertel.numerics.integrals import Plane
-from ertel.numerics.symmetry import unfolded
-from ertel.physics.ellipse import hertz_ellipse
-from ertel.physics.geometry import CIRCLE, Ellipse
+from ertel.numerics.stencils import unfolded
+from ertel.physics.geometry import hertz_ellipse
 from ertel.physics.surfaces import Feature, Waviness
 from ertel.runs.comparisons import comparisons
 from ertel.runs.response import respond, respond_in_rolling, respond_linearly
 from ertel.solvers import steady
+from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import Transient2D
 
 D, M, L = 0.4, 50.0, 5.0
@@ -100,16 +99,6 @@ def test_an_impact_does_not_know_which_axis_is_called_x() -> None:
 
 
 # -- limits -----------------------------------------------------------------------------------------------------------
-
-
-def test_an_ellipse_of_equal_radii_has_the_film_of_the_circle(monkeypatch: pytest.MonkeyPatch) -> None:
-    ball = rolled(33, ratio=1.0)
-    assert ball.geometry is CIRCLE
-    circle = steady.steady(ball).finest
-    monkeypatch.setattr(Conditions, "geometry", Ellipse(1.0))
-    same = steady.steady(ball).finest
-    assert np.abs(np.asarray(same.H) - np.asarray(circle.H)).max() < 1e-10
-    assert (same.newton, same.krylov) == (circle.newton, circle.krylov)
 
 
 def test_the_film_carries_the_load() -> None:

@@ -28,8 +28,8 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
 from ertel.results.result import Result
-from ertel.runs.courses import ImpactCourse
-from ertel.runs.drive import Gathering, drive, simulate
+from ertel.runs.courses import TransientRun
+from ertel.runs.drive import Recorder, drive, simulate
 from ertel.solvers import radial
 from ertel.solvers.radial import RadialImpact
 
@@ -378,8 +378,8 @@ def alone(case: Case) -> Result:
     """The result with P = 0 at the edge, as in the reference computations, whose radius was 3.5 to 4."""
     method = RadialImpact(case)
     method.outside = replace(method.outside, lambda_bar=0.0)  # the oil outside resists nothing
-    course = ImpactCourse(case, method)
-    gathering = Gathering(course)
+    course = TransientRun(case, method)
+    gathering = Recorder(course)
     return gathering.result(drive(course, [gathering]))
 
 

@@ -102,7 +102,7 @@ def nothing(X: Any, Y: Any, *_: Any) -> Any:
     return 0.0 * X * Y
 
 
-@mock.patch.multiple(far_field, pressure=nothing, at_first=nothing)
+@mock.patch.multiple(far_field, far_pressure=nothing, rigid_pressure=nothing)
 def reference() -> str:
     """Every case of the reference, by the 2-D method (M <= 1000) and by the radial twin, on two grids each."""
     text = "## Reference numbers\n\n"

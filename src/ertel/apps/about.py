@@ -9,8 +9,8 @@ from typing import Any
 import ertel
 from ertel.apps.terminal import shown
 from ertel.case.status import Status
-from ertel.runs import progress_file
 from ertel.runs.compile import NoDevice, cache_directory, jax_devices, wrong_version
+from ertel.runs.directory import read_progress
 from ertel.runs.store import RunStore
 
 PACKAGES = {"JAX": "jax", "jaxlib": "jaxlib", "NumPy": "numpy", "SciPy": "scipy", "xarray": "xarray", "zarr": "zarr"}
@@ -72,7 +72,7 @@ def _end(run: RunStore) -> str:
     """How a run ended, or how far it is."""
     summary: dict[str, Any] | None = run.summary()
     if summary is None:
-        progress = progress_file.read(run.directory)
+        progress = read_progress(run.directory)
         far = f", {progress['done']:.0%} done at {progress['written']}" if progress else ""
         return f"not yet{far}"
     status = Status(summary["status"])

@@ -25,11 +25,9 @@ def case_files(incomplete: str) -> list[str]:
 
 def settings(incomplete: str) -> list[str]:
     """section.key= for the keys of case files that begin so."""
-    from ertel.inputs.keys import keys_of
-    from ertel.inputs.schema import SECTIONS
+    from ertel.inputs.layout import SECTIONS, section
 
-    records = [(name, record) for name, part in SECTIONS.items() for record in (part.named, part.record) if record]
-    found = [f"{name}.{key.name}=" for name, record in records for key in keys_of(record)]
+    found = [f"{name}.{key.name}=" for name in SECTIONS for key in section(name).keys]
     return [text for text in found if text.startswith(incomplete)]
 
 

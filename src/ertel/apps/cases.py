@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from ertel.apps.arguments import CaseFile, Json, Set, path_argument
-from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, rough_time, shown
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -59,24 +59,25 @@ def schema(
     With ertel schema > ertel.schema.json and the line #:schema ./ertel.schema.json at the head of a case file editors
     show what keys mean, complete them, and mark what is wrong. Units are known to it in their usual spellings only.
     """
-    from ertel.inputs import keys
     from ertel.inputs.json_schema import json_schema_text
+    from ertel.inputs.layout import places
+    from ertel.inputs.templates import table
 
-    print(keys.table(keys.places()) if as_table else json_schema_text(), end="")
+    print(table(places()) if as_table else json_schema_text(), end="")
 
 
 def print_keys(wanted: bool) -> None:
     """Print all keys with their meanings, and end; the callback of --help-keys."""
     if not wanted:
         return
-    from ertel.inputs import keys
+    from ertel.inputs.layout import places
 
-    for title, text, found in keys.places():
+    for title, text, found in places():
         print(f"\n{title}  {text}" if title != "(top)" else "Keys of case files")
         for key in found:
             default = f"; default {key.default}" if key.default else ""
             print(f"  {key.name}  ({key.kind}{default})")
-            for line in wrap(key.meaning, WIDTH):
+            for line in wrap(key.meaning.text, WIDTH):
                 print(f"      {line}")
     raise typer.Exit
 
@@ -131,12 +132,5 @@ def _needs(found: dict[str, Any]) -> dict[str, str]:
         "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
         "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
         "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",
-        "time": f"roughly {_said(time['seconds'])}{steps}",
+        "time": f"roughly {rough_time(time['seconds'])}{steps}",
     }
-
-
-def _said(seconds: float) -> str:
-    """A rough duration in words."""
-    if seconds < 60:
-        return f"{max(seconds, 5):.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

@@ -34,12 +34,11 @@ from ertel.apps.arguments import (
     path_option,
     values_option,
 )
-from ertel.apps.browser.command import browse
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
 from ertel.apps.interferograms import Interferogram, Wavelength
 from ertel.apps.paper import paper
-from ertel.apps.terminal import bad_input, print_json, say, shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, say, shown
 
 app = typer.Typer(
     cls=Commands,
@@ -96,13 +95,15 @@ def run(
 
     with bad_input():
         case = load_case(case_file, set_ or [])
-    with jax_prepared(case):
+
+    def tell() -> None:
+        if not quiet:
+            say("The run is done; compiling faster programs for later runs, which Ctrl-C ends")
+
+    with jax_prepared(case, tell):
         from ertel.apps import running  # while programs are loaded
-        from ertel.numerics import programs
 
         running.run(case, out, running.Wishes(as_json, error, quiet, flush))
-        if programs.hurried() and not quiet:
-            say("The run is done; compiling faster programs for later runs, which Ctrl-C ends")
 
 
 @app.command()
@@ -360,6 +361,31 @@ def about(
         tables.print_names(tables.console(), found)
 
 
+@app.command("app")
+def browse(
+    folder: Annotated[Path, path_argument("[DIR]", "Folder with case files and runs; default here.")] = Path(),
+    port: Annotated[int, typer.Option(min=1024, max=65535, help="Port on this machine.")] = 8642,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the app in the browser.")] = True,
+) -> None:
+    """Describe, run and watch cases in a browser on this machine.
+
+    The app reads and writes in DIR only. It answers only the browser that opens its address, which carries a token:
+    whoever has the address can use the app. Each run is a process of its own that goes on
+    when the app is closed; its Close button can stop the runs, too. Ctrl-C closes the app.
+    """
+    try:
+        from ertel.apps.browser import server
+    except ModuleNotFoundError as error:
+        if error.name != "nicegui":
+            raise
+        leave(BAD_INPUT, "the app needs NiceGUI: pip install 'ertel[app]'")
+    with bad_input():
+        going = server.serve(
+            folder.absolute(), port, browser, lambda address: say(f"The app is at {address}, Ctrl-C closes it")
+        )
+    for name in going:
+        say(f"{in_shell(folder.absolute() / name)} goes on without the app; to watch it open the app again")
+
+
 for command in (cases.new, cases.check, cases.schema, paper, looking.ls, looking.compare, looking.export):
     app.command()(command)
-app.command("app")(browse)

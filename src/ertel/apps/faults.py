@@ -55,14 +55,14 @@ def _judged(error: BaseException) -> tuple[int, str]:
         return interrupt.code, "interrupted"
     if isinstance(error, WrongUsage):
         return BAD_INPUT, _usage(error)
-    from ertel.inputs.messages import ConfigError
-    from ertel.runs import memory
+    from ertel.case.records import ConfigError
+    from ertel.runs import outlook
     from ertel.runs.compile import NoDevice, jax_devices
     from ertel.runs.store import StoreError
 
     if isinstance(error, ConfigError | StoreError | NoDevice):
         return BAD_INPUT, str(error)
-    if memory.is_exhausted(error):
+    if outlook.is_out_of_memory(error):
         return FAILED, "out of memory"
     if isinstance(error, OSError):
         return BAD_INPUT, f"{error.filename or 'input or output'}: {reason_of(error)}"

@@ -7,9 +7,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from ertel.case.records import show
+from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
-from ertel.inputs.messages import ConfigError
 from ertel.physics.materials import Material
 from ertel.physics.oils import NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks

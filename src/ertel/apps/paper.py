@@ -54,7 +54,7 @@ def _make_page(names: list[str], quick: bool, out: Path, engine: "Engine", quiet
     """Run what is missing and write the page: its path, and why figures are missing."""
     from ertel.apps.boundary_layers import figures
     from ertel.runs.compile import prepare_jax
-    from ertel.runs.progress import bars
+    from ertel.runs.drive import bars
 
     prepare_jax()  # or no run can begin
     runs, done, seconds = figures.expected(names, quick, out, engine.processes)

@@ -11,11 +11,10 @@ from ertel.apps.process import Stop, interruptible
 from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, reason_of, say, shown
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.runs import beforehand, memory, store
+from ertel.runs import outlook, store
 from ertel.runs.compile import cache_directory, prepare_jax
-from ertel.runs.courses import Course, course_of
-from ertel.runs.drive import Gathering, drive
-from ertel.runs.progress import bars, watch
+from ertel.runs.courses import Run, course_of
+from ertel.runs.drive import Recorder, bars, drive, watch
 from ertel.runs.store import CASE, CHECKPOINT, SUMMARY, Damaged, RunStore, StoreError, Taken
 from ertel.runs.warm_up import warm_up
 
@@ -55,7 +54,7 @@ def resume(directory: Path, wishes: Wishes) -> None:
             _finish(found, _compared(found.course, wishes), wishes)
 
 
-def _compared(course: Course, wishes: Wishes) -> Mapping[str, Course]:
+def _compared(course: Run, wishes: Wishes) -> Mapping[str, Run]:
     """The runs with which a run is compared for its error.  A grid may have no half grid for them."""
     with bad_input():
         return course.comparisons if wishes.error else {}
@@ -89,7 +88,7 @@ def warm_up_all(cases: Sequence[Case]) -> None:
 
 def say_before(cases: Sequence[Case]) -> None:
     """Say what follows from cases before they are computed, each sentence once."""
-    for sentence in dict.fromkeys(sentence for case in cases for sentence in beforehand.warnings_of(case)):
+    for sentence in dict.fromkeys(sentence for case in cases for sentence in outlook.warnings_of(case)):
         say(f"ertel: warning: {sentence}")
 
 
@@ -116,7 +115,7 @@ def _to_repair(run: RunStore, damaged: Path) -> str:
     return f"ertel run {in_shell(run.directory / CASE)}"
 
 
-def _create(directory: Path | None, course: Course) -> RunStore:
+def _create(directory: Path | None, course: Run) -> RunStore:
     """The store of a new run.  Raises StoreError with advice if the directory cannot be used."""
     if directory is None:
         return RunStore.create_unused(course.case, Path("runs").absolute(), course)
@@ -135,18 +134,18 @@ def _create(directory: Path | None, course: Course) -> RunStore:
 @contextmanager
 def within_memory(case: Case) -> Iterator[None]:
     """Warn of a grid that is too large for the memory, and say so if memory ends."""
-    there = memory.available()
-    if 0 < there < memory.needed(case):
-        say(f"ertel: warning: {memory.shortage(case)}")
+    there = outlook.memory_available()
+    if 0 < there < outlook.memory_needed(case):
+        say(f"ertel: warning: {outlook.memory_shortage(case)}")
     try:
         yield
     except Exception as error:
-        if not memory.is_exhausted(error):
+        if not outlook.is_out_of_memory(error):
             raise
-        leave(FAILED, f"out of memory: {memory.shortage(case)}")
+        leave(FAILED, f"out of memory: {outlook.memory_shortage(case)}")
 
 
-def _finish(run: RunStore, others: Mapping[str, Course], wishes: Wishes) -> None:
+def _finish(run: RunStore, others: Mapping[str, Run], wishes: Wishes) -> None:
     """Continue a run to its end and report; exit with a code if it did not reach its end."""
     run.flush_interval = wishes.flush
     to_continue = f"to continue: ertel resume {in_shell(run.directory)}{' --error' if others else ''}"
@@ -167,7 +166,7 @@ def _finish(run: RunStore, others: Mapping[str, Course], wishes: Wishes) -> None
         leave(FAILED, f"failed: {reason}. Results so far are in {shown(run.directory)}")
 
 
-def _computed(run: RunStore, others: Mapping[str, Course], quiet: bool, stop: Stop) -> Mapping[str, Any] | None:
+def _computed(run: RunStore, others: Mapping[str, Run], quiet: bool, stop: Stop) -> Mapping[str, Any] | None:
     """The summary at the end or at a stop, with errors if other runs are compared; None if those were stopped."""
     with bars(not quiet) as shown_bars, run.alone():
         compared = {}
@@ -182,8 +181,8 @@ def _computed(run: RunStore, others: Mapping[str, Course], quiet: bool, stop: St
     return summary
 
 
-def _summary_of(course: Course, observers: list[Any]) -> Mapping[str, Any]:
-    gathering = Gathering(course)
+def _summary_of(course: Run, observers: list[Any]) -> Mapping[str, Any]:
+    gathering = Recorder(course)
     return gathering.result(drive(course, [gathering, *observers])).summary
 
 

@@ -12,7 +12,7 @@ import typer
 
 LONGEST = 2000  # characters of a message
 FAILED, BAD_INPUT = 1, 2  # exit codes; and 128 + the number of a signal, see `process`
-ASKED = 130  # stopped by a file, see `ertel.runs.stop_file`: as by Ctrl-C
+ASKED = 130  # stopped by a file, see `ertel.runs.directory`: as by Ctrl-C
 
 
 def printable(text: str) -> str:
@@ -35,6 +35,13 @@ def print_json(content: Any) -> None:
 def print_path(path: Path) -> None:
     """Print the path of a file that was written."""
     print(printable(shown(path)))
+
+
+def rough_time(seconds: float) -> str:
+    """A rough duration in words."""
+    if seconds < 60:
+        return f"{max(seconds, 5):.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
 # -- exit codes -------------------------------------------------------------------------------------------------------

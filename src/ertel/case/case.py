@@ -6,29 +6,25 @@ A `Case` holds the input, in SI or dimensionless.  The solvers use the propertie
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from math import inf
-from typing import Any
+from typing import Any, TypeVar
 
 from ertel.case import description, extents, rules, thermal
 from ertel.case.conditions import Conditions, Kind
 from ertel.case.height_map import NO_MAPS, HeightMap
+from ertel.case.reading import Reader, check_key
 from ertel.case.records import (
     checked,
     data_of,
     feature_data,
-    feature_of,
-    maps_in,
     named,
     oil_data,
-    oil_of,
-    record_of,
     scaled,
     scaled_all,
     show,
-    signal_of,
     with_own_numbers,
 )
 from ertel.case.sections import (
@@ -38,7 +34,6 @@ from ertel.case.sections import (
     ROLLING_UNTIL,
     SOLVERS,
     START_APPROACH,
-    STOPS,
     Drive,
     Output,
     Schedule,
@@ -58,6 +53,8 @@ from ertel.physics.units import plain
 
 SCHEMA = 1  # of the layout of case files
 USUAL_OIL, USUAL_SOLVER = Oil(), SOLVERS["2d"]
+READER = Reader()
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, repr=False)
@@ -227,7 +224,8 @@ class Case:
     @property
     def maps(self) -> dict[str, HeightMap]:
         """The measured heights that belong to the case, by the names of their files in its plain data."""
-        return maps_in(self.roughness)
+        values = [value for feature in self.roughness for value in vars(feature.shape).values()]
+        return {value.name: value for value in values if isinstance(value, HeightMap)}
 
     @cached_property
     def schedule(self) -> Schedule:
@@ -283,34 +281,50 @@ class Case:
         return data_of(replace(self.solver, inlet=self.solver.half_width) if centred else self.solver)
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any], maps: Mapping[str, HeightMap] = NO_MAPS) -> "Case":
+    def from_data(
+        cls, data: Mapping[str, Any], maps: Mapping[str, HeightMap] = NO_MAPS, reader: Reader = READER
+    ) -> "Case":
         """The case from plain data, with defaults filled in.
 
-        A quantity is a string with its SI unit ("0.01 m") or, if only a quantity is allowed, a number.  `inputs` reads
-        case files with other units.  maps: as the property, of a case that has any.  Raises ValueError at the first
-        error.
+        Parameters
+        ----------
+        data : mapping
+            The sections and keys of a case file; quantities as the reader takes them.
+        maps : mapping
+            Measured heights by their names in the data, as the property `maps`.
+        reader : Reader
+            By default one that takes SI units only: "0.01 m", or a number.  `inputs` has one for all units.
+
+        Raises
+        ------
+        ValueError
+            At the first error, naming the field, its value and what is allowed.
         """
-        known = ("schema", "name", *(_SECTIONS.get(f.name, f.name) for f in fields(cls) if f.name != "name"))
         for name in data:
-            if name not in known:
-                raise ValueError(f"{name} = {show(data[name])}: unknown section; allowed: {', '.join(known)}")
-        if data.get("schema", SCHEMA) != SCHEMA:
-            raise ValueError(f"schema = {show(data['schema'])}: allowed: {SCHEMA}")
-        contact = record_of(Conditions, data.get("contact", {}), "contact")
-        oil = oil_of(data.get("lubricant", {}), "lubricant")
-        drive = _optional(_drive_of, data.get("motion"))
-        time = _optional(_time_of, data.get("time"))
+            check_key(name, data[name], SECTIONS)
+        schema = data.get("schema", SCHEMA)
+        if type(schema) is not int or schema != SCHEMA:
+            raise ValueError(f"schema = {show(schema)}: allowed: {SCHEMA}")
+        reader = replace(reader, maps=maps)
+
+        def section(name: str, record: Callable[..., T]) -> T | None:
+            return None if data.get(name) is None else reader.record(record, data[name], name)
+
+        contact, oil = section("contact", Conditions) or Conditions(), section("lubricant", Oil) or USUAL_OIL
+        solver = section("solver", Solver) or USUAL_SOLVER
+        drive, time = section("motion", Drive), section("time", Time)
+        roughness = data.get("roughness") or []
+        if not isinstance(roughness, list):
+            raise ValueError(f"roughness = {show(roughness)}: must be an array of tables, [[roughness]]")
         return cls(
             contact=contact,
             oil=oil,
-            solver=_solver_of(data.get("solver", {}), contact, oil, drive, time),
+            solver=_completed(solver, data.get("solver") or {}, contact, oil, drive, time),
             drive=drive,
-            roughness=tuple(
-                feature_of(feature, f"roughness[{i}]", maps) for i, feature in enumerate(data.get("roughness", ()), 1)
-            ),
+            roughness=tuple(reader.feature(table, f"roughness[{i}]") for i, table in enumerate(roughness, 1)),
             time=time,
-            output=_optional(lambda section: record_of(Output, section, "output"), data.get("output")),
-            thermal=_optional(lambda section: record_of(Thermal, section, "thermal"), data.get("thermal")),
+            output=section("output", Output),
+            thermal=section("thermal", Thermal),
             name=data.get("name", ""),
         )
 
@@ -323,35 +337,17 @@ class Case:
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
 
 
-_SECTIONS = {"oil": "lubricant", "drive": "motion"}  # of a case file, where the field has another name
+SECTIONS = ("schema", "name", "contact", "lubricant", "solver", "motion", "time", "output", "thermal", "roughness")
 
 
-def _optional(read: Any, section: Any) -> Any:
-    return None if section is None else read(section)
-
-
-def _time_of(section: Mapping[str, Any]) -> Time:
-    until = section.get("until")
-    event = next((stop for stop in STOPS if stop == until), None)
-    rest = {key: value for key, value in section.items() if key != "until" or event is None}
-    time = record_of(Time, rest, "time")
-    return replace(time, until=event) if event else time
-
-
-def _drive_of(section: Mapping[str, Any]) -> Drive:
-    read = {k: signal_of(v, f"motion.{k}") if k in ("load", "entrainment") else v for k, v in section.items()}
-    return record_of(Drive, read, "motion")
-
-
-def _solver_of(
-    section: Mapping[str, Any], contact: Conditions, oil: Oil, drive: Drive | None, time: Time | None
+def _completed(
+    given: Solver, written: Mapping[str, Any], contact: Conditions, oil: Oil, drive: Drive | None, time: Time | None
 ) -> Solver:
-    """The solver with what is left out filled in, an inlet of its default's share of the half width."""
-    method = section.get("method") or METHODS[contact.kind][0]
-    if method not in METHODS[contact.kind]:
-        rules.check_method(contact.kind, Solver(method=method))
-    written = {key: value for key, value in section.items() if value is not None}
-    given, found = checked(record_of(Solver, written, "solver"), "solver"), SOLVERS[method]
+    """The solver with what is not written filled in, an inlet of its default's share of the half width."""
+    written = {key: getattr(given, key) for key, value in written.items() if value is not None}
+    method = written.get("method") or METHODS[contact.kind][0]
+    rules.check_method(contact.kind, Solver(method=method))
+    found = SOLVERS[method]
     half_width, inlet = found.half_width, found.inlet
     if method == "transient" and drive and _reverses(contact, drive, time):
         half_width, inlet = CENTRED_HALF_WIDTH, None
@@ -363,11 +359,9 @@ def _solver_of(
     found = replace(found, half_width=half_width, inlet=inlet)
     if method != "radial":
         found = extents.suited(found, contact.geometry)
-    half_width, inlet = found.half_width, found.inlet
-    width = given.half_width if "half_width" in written else half_width
-    share = inlet and inlet * width / half_width
-    rest = {key: getattr(given, key) for key in written if key not in ("half_width", "inlet")}
-    return replace(found, **rest, half_width=width, inlet=given.inlet if "inlet" in written else share)
+    if "half_width" in written and "inlet" not in written:
+        written["inlet"] = found.inlet and found.inlet * given.half_width / found.half_width
+    return replace(found, **written)
 
 
 def _reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 from ertel.case import radii
 from ertel.case.records import checked, show
-from ertel.physics import bodies, scales
+from ertel.physics import materials, scales
 from ertel.physics.geometry import Geometry, geometry
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters, Scales
@@ -262,10 +262,10 @@ class Conditions:
         if not self.is_physical:
             return None
         R, _ = radii.reduced(self)
-        E_prime = self.E_prime or _following(bodies.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
+        E_prime = self.E_prime or _following(materials.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
         if self.kind == "rolling":
             return _following(scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime, self.ratio)
-        speed = self.speed or _following(bodies.drop_speed, self.drop_height)
+        speed = self.speed or _following(materials.drop_speed, self.drop_height)
         return _following(scales.impact_scales, R, self.ball_mass, speed, E_prime, self.ratio)
 
     @property
@@ -297,7 +297,7 @@ class Conditions:
         if not any(key in self.given for keys in BALL for key in keys):
             return 0.0
         self._only_one(BALL)
-        return self.mass or _following(bodies.sphere_mass, self.radius or self.radius_1, self.ball_density)
+        return self.mass or _following(materials.sphere_mass, self.radius or self.radius_1, self.ball_density)
 
     @property
     def speeds(self) -> Speeds:

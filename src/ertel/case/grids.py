@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.numerics.grid import WHOLE, Even, Grid, nodes_across
+from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry, nodes_across
 from ertel.physics import surfaces
 
 CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
@@ -25,10 +25,10 @@ def grid_of(case: Case) -> Grid:
     return Grid(s.nodes, nodes_y, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
 
 
-def _symmetry(case: Case, centre_x: float) -> Even:
+def _symmetry(case: Case, centre_x: float) -> Symmetry:
     """The axes about which a case is symmetric; the flow is along X."""
     in_y, in_x = (a and b for a, b in zip(surfaces.even(case.features), case.geometry.even, strict=True))
-    return Even(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else WHOLE
+    return Symmetry(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else NO_SYMMETRY
 
 
 def coarsenings(case: Case, spacing: float, most: int) -> int:

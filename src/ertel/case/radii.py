@@ -3,8 +3,8 @@
 from math import inf
 from typing import Protocol
 
-from ertel.physics import bodies
-from ertel.physics.ellipse import LARGEST_RATIO, LEAST_RATIO
+from ertel.physics import materials
+from ertel.physics.geometry import LARGEST_RATIO, LEAST_RATIO
 from ertel.physics.units import Bounds
 
 Keys = tuple[str, ...]
@@ -30,7 +30,9 @@ class Given(Protocol):
 def reduced(contact: Given) -> tuple[float, float]:
     """The reduced radii (m) of a physical contact along x and along y."""
     if contact.is_ball:
-        R = bodies.reduced_radius(_of(contact, "radius") or _of(contact, "radius_1"), _of(contact, "radius_2") or inf)
+        R = materials.reduced_radius(
+            _of(contact, "radius") or _of(contact, "radius_1"), _of(contact, "radius_2") or inf
+        )
         return R, R
     if "radius_x" in contact.given:
         return _of(contact, "radius_x"), _of(contact, "radius_y")
@@ -39,7 +41,7 @@ def reduced(contact: Given) -> tuple[float, float]:
 
 def _of_pair(contact: Given, keys: Keys) -> float:
     first, second = (_of(contact, key) or inf for key in keys)
-    return bodies.conforming_radius(first, second)
+    return materials.conforming_radius(first, second)
 
 
 def _of(contact: Given, key: str) -> float:

@@ -1,4 +1,4 @@
-"""Conversion of records to plain data and back, checks of their fields, and conversion to the units of a case.
+"""Records: written as plain data, checked, converted to the units of a case, and shown in messages.
 
 Plain data is the content of a case file: numbers, strings, lists, tables.  A quantity is a string with its SI unit,
 "0.01 m", which reads back as the same float.  The unit of a field is in the mark of its annotation (`physics.units`).
@@ -7,24 +7,23 @@ Plain data is the content of a case file: numbers, strings, lists, tables.  A qu
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import MISSING, Field, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from math import inf, log10
 from typing import Any, TypeVar, get_type_hints
 
 import numpy as np
 
-from ertel.case.height_map import NO_MAPS, HeightMap
+from ertel.case.height_map import HeightMap
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil
-from ertel.physics.motion import Oscillation, Polyline, Signal, constant
+from ertel.physics.motion import Oscillation, Polyline
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
 from ertel.physics.scales import Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import TIME, Bounds, Quantity, Unit, marks
+from ertel.physics.units import TIME, Bounds, Mark, Quantity, Unit, marks
 
 T = TypeVar("T")
-Data = Mapping[str, Any]
 OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}  # by field of an oil
 
 
@@ -67,6 +66,12 @@ def _plain(value: Any, mark: object = None) -> Any:
     raise ValueError(f"{show(value)}: cannot be written down; allowed: numbers, texts, signals, records with a name")
 
 
+@cache
+def law_fields(record: Any) -> tuple[str, ...]:
+    """The fields of a law (a class) that are laws of shear thinning themselves."""
+    return tuple(name for name, hint in get_type_hints(record).items() if hint is Fluidity)
+
+
 def law_data(law: object, laws: Registry) -> Any:
     """A law as its name if its data are those of the oil, otherwise as a table."""
     return law if isinstance(law, str) else {"law": laws.name_of(law), **data_of(law)}
@@ -82,113 +87,6 @@ def oil_data(oil: Oil) -> dict[str, Any]:
 def feature_data(feature: Feature) -> dict[str, Any]:
     """A feature as plain data."""
     return {"shape": SHAPES.name_of(feature.shape), **data_of(feature.shape), "surface": feature.surface}
-
-
-def maps_in(features: Sequence[Feature]) -> dict[str, HeightMap]:
-    """The measured heights of some features, by the names that stand for them in their plain data."""
-    values = [value for feature in features for value in vars(feature.shape).values()]
-    return {value.name: value for value in values if isinstance(value, HeightMap)}
-
-
-# -- reading ----------------------------------------------------------------------------------------------------------
-
-
-def record_of(record: Callable[..., T], data: Data, place: str) -> T:
-    """A record from plain data.  place: its section, for messages.  Raises ValueError at the first error."""
-    if not isinstance(data, Mapping):
-        raise ValueError(f"{place} = {show(data)}: must be a table")
-    known = {item.name: item for item in fields(record)}  # type: ignore[arg-type]
-    for name in data:
-        if name not in known:
-            raise ValueError(f"{place}.{show_key(name)} = {show(data[name])}: unknown key; allowed: {', '.join(known)}")
-    for name, item in known.items():
-        if name not in data and item.default is MISSING and item.default_factory is MISSING:
-            raise ValueError(f"{place}.{name}: missing")
-    kinds = marks(record)
-    values = {name: _read(value, kinds.get(name), f"{place}.{name}") for name, value in data.items()}
-    return named(place, record, **values)
-
-
-def _read(value: Any, mark: object, place: str) -> Any:
-    if isinstance(mark, Unit) and isinstance(value, str):
-        number, _, unit = value.partition(" ")
-        try:
-            if unit == mark.unit:
-                return Quantity(float(number), unit) if mark.scale else float(number)
-        except ValueError:
-            pass
-        raise ValueError(f"{place} = {show(value)}: must be a number and the unit {mark.unit}")
-    if isinstance(value, list):  # of a law with a table
-        return tuple(_read(item, None, place) for item in value)
-    whole = isinstance(mark, Bounds) and mark.whole
-    if mark is not None and not whole and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
-    return value
-
-
-def signal_of(data: Any, place: str) -> Signal:
-    """A signal from a number, a list of [T, value], or a table { mean, amplitude, period, phase }."""
-    if isinstance(data, Mapping):
-        return record_of(Oscillation, data, place)
-    if isinstance(data, int | float):
-        return constant(float(data))
-    points = [(_read(T, TIME, place), float(value)) for T, value in data]
-    return named(place, Polyline, tuple(points), text=show(data))
-
-
-def law_of(data: Any, laws: Registry, place: str) -> Any:
-    """A law: a name, or a record from a table with its name under `law`."""
-    if not isinstance(data, Mapping):
-        return data
-    name = data.get("law")
-    if name not in laws:
-        raise ValueError(f"{place}.law = {show(name)}: allowed: {', '.join(laws)}")
-    record: Any = laws[str(name)]
-    inside = law_fields(record)
-    rest = {k: law_of(v, laws, f"{place}.{k}") if k in inside else v for k, v in data.items() if k != "law"}
-    return checked(record_of(record, rest, place), place)
-
-
-def checked_law(law: T, place: str) -> T:
-    """The same law of shear thinning; see `checked`, also for a law inside of it."""
-    kind: Any = type(law)
-    for name in law_fields(kind):
-        checked_law(getattr(law, name), f"{place}.{name}")
-    return checked(law, place)
-
-
-@cache
-def law_fields(record: Any) -> tuple[str, ...]:
-    """The fields of a law (a class) that are laws of shear thinning themselves."""
-    return tuple(name for name, hint in get_type_hints(record).items() if hint is Fluidity)
-
-
-def oil_of(data: Data, place: str) -> Oil:
-    """An oil from plain data."""
-    read = {k: law_of(v, OIL_LAWS[k], f"{place}.{k}") if k in OIL_LAWS else v for k, v in data.items()}
-    return record_of(Oil, read, place)
-
-
-def feature_of(data: Data, place: str, maps: Mapping[str, HeightMap] = NO_MAPS) -> Feature:
-    """A feature from plain data, its shape by a registered name, its maps of heights by the names of their files."""
-    name, surface = data.get("shape"), data.get("surface", 1)
-    if name not in SHAPES:
-        said = "missing" if name is None else f"= {show(name)}"
-        raise ValueError(f"{place}.shape{' ' if name else ': '}{said}; allowed: {', '.join(SHAPES)}")
-    if surface not in (1, 2):
-        raise ValueError(f"{place}.surface = {show(surface)}: allowed: 1 or 2")
-    shape: Any = SHAPES[str(name)]
-    read = {key: value for key, value in data.items() if key not in ("shape", "surface")}
-    for key in map_fields(shape) & read.keys():
-        if read[key] not in maps:
-            raise ValueError(f"{place}.{key} = {show(read[key])}: its heights are not given with the case")
-        read[key] = maps[read[key]]
-    return Feature(record_of(shape, read, place), surface)
-
-
-def map_fields(record: Any) -> set[str]:
-    """The fields of a shape (a class) that are maps of heights."""
-    return {name for name, hint in get_type_hints(record).items() if hint is HeightMap}
 
 
 # -- NumPy's numbers --------------------------------------------------------------------------------------------------
@@ -218,29 +116,37 @@ def checked(record: T, place: str) -> T:
     kinds = marks(type(record))
     for item in fields(record):  # type: ignore[arg-type]
         value, mark = getattr(record, item.name), kinds.get(item.name)
-        if value is not None and mark is not None and not _is_default(value, item):
-            _check(value, mark, f"{place}.{item.name}")
+        is_default = type(value) is type(item.default) and bool(value == item.default)  # which may be infinite
+        if value is not None and mark is not None and not is_default:
+            try:
+                check_value(value, mark)
+            except ValueError as error:
+                raise ValueError(f"{place}.{item.name} = {_shown_with_unit(value, mark)}: {error}") from error
     return record
 
 
-def _is_default(value: Any, item: "Field[Any]") -> bool:
-    """Whether a value is the field's default, which may be infinite."""
-    return type(value) is type(item.default) and bool(value == item.default)
-
-
-def _check(value: Any, mark: Unit | Bounds, place: str) -> None:
+def check_value(value: Any, mark: Mark) -> None:
+    """Raise ValueError unless a value, a quantity in SI or an amount, is one that its mark allows."""
     number = with_own_numbers(value.value if isinstance(value, Quantity) else value)
-    if isinstance(number, bool) or not isinstance(number, int | float):
-        raise ValueError(f"{place} = {show(value)}: must be a number")
+    if not is_number(number):
+        whole = isinstance(mark, Bounds) and mark.whole
+        raise ValueError("must be an integer" if whole else "must be a number")
     if isinstance(mark, Unit) and isinstance(value, Quantity):
         mark = mark.in_si
     if complaint := mark.complaint(number):
-        shown = _shown_si(number, mark.unit) if isinstance(mark, Unit) and not mark.scale else show(value)
-        raise ValueError(f"{place} = {shown}: {complaint}")
+        raise ValueError(complaint)
 
 
-def _shown_si(number: float, unit: str) -> str:
-    return show(f"{float(number)!r} {unit}" if isinstance(number, float) else f"{show(number)} {unit}")
+def is_number(value: object) -> bool:
+    """Whether a value is one of Python's numbers; true and false are none."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _shown_with_unit(value: Any, mark: Mark) -> str:
+    number = with_own_numbers(value)
+    if not isinstance(mark, Unit) or mark.scale or not is_number(number):
+        return show(value)
+    return show(f"{number!r} {mark.unit}" if isinstance(number, float) else f"{show(number)} {mark.unit}")
 
 
 def named(place: str, function: Callable[..., T], *arguments: Any, text: str = "", **keywords: Any) -> T:
@@ -257,6 +163,14 @@ def named(place: str, function: Callable[..., T], *arguments: Any, text: str = "
 
 
 # -- showing, in messages ---------------------------------------------------------------------------------------------
+
+
+class ConfigError(ValueError):
+    """The input is wrong: the message, one line, names the field, its value and what is allowed."""
+
+    def __init__(self, message: str):
+        super().__init__(printable(message))
+
 
 SHOWN = 100  # characters of a value in a message
 BARE_KEY = re.compile(r"[\w-]{1,40}")
@@ -286,6 +200,12 @@ def _shown(value: object, room: int) -> str:
 def shortened(text: str) -> str:
     """A text of any origin for a message: its beginning and its end."""
     return printable(text if len(text) <= SHOWN else f"{text[: SHOWN // 2]} ... {text[-SHOWN // 2 :]}")
+
+
+def field_name(place: Sequence[str | int]) -> str:
+    """section.key, an element of an array by its number from 1: roughness[1].amplitude."""
+    parts = (f"[{part + 1}]" if isinstance(part, int) else f".{show_key(part)}" for part in place)
+    return "".join(parts).removeprefix(".")
 
 
 def show_key(key: object) -> str:

@@ -3,9 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass, replace
 from math import inf
+from typing import Any, TypeVar
 
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED, Conditions, Kind
-from ertel.case.records import checked, checked_law, show
+from ertel.case.records import checked, law_fields, show
 from ertel.case.sections import METHODS, STOPS, WIDEST_HALF_WIDTH, Drive, Output, Schedule, Solver, Stop, Time
 from ertel.numerics import grid
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, Geometry
@@ -16,6 +17,7 @@ from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import ABOVE_ZERO, FINITE, LARGEST, NOT_NEGATIVE, Bounds, Quantity, Unit
 
+T = TypeVar("T")
 LONGEST_NAME = 100  # bytes: a file name may have 255, and a run's directory has temporary ones made of it
 LONGEST_TEXT = 1000  # characters of the source of an oil's data
 LONGEST_RUN = 1e5  # t0; an impact lasts about 3
@@ -71,7 +73,7 @@ def check_oil(oil: Oil, scales: Scales | None) -> None:
 
 def check_rheology(oil: Oil, scales: Scales | None, solver: Solver) -> None:
     """An oil that thins under shear has a stress in Pa, and flows on the 2-D grid only."""
-    law = checked_law(oil.fluidity_law, "lubricant.rheology")
+    law = _checked_law(oil.fluidity_law, "lubricant.rheology")
     if oil.is_newtonian:
         return
     given = f'lubricant.rheology = {{ law = "{FLUIDITY_LAWS.name_of(law)}", ... }}'
@@ -85,6 +87,14 @@ def check_rheology(oil: Oil, scales: Scales | None, solver: Solver) -> None:
             f'{given}: solver.method = "radial" is for Newtonian oils only; use solver.method = "2d" or '
             'lubricant.rheology = "newtonian"'
         )
+
+
+def _checked_law(law: T, place: str) -> T:
+    """The same law of shear thinning; see `checked`, also for a law inside of it."""
+    kind: Any = type(law)
+    for name in law_fields(kind):
+        _checked_law(getattr(law, name), f"{place}.{name}")
+    return checked(law, place)
 
 
 def check_scales(scales: Scales | None, parameters: Parameters) -> None:

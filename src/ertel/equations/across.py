@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ertel.numerics.pointwise import TINY, Tensor, dot, length, square
+from ertel.numerics.arrays import TINY, Tensor, dot, length, square
 from ertel.physics.fluidity import Fluidity
 
 SPREAD = 10.0  # growth of ln(phi) towards a wall over half the film at which the nodes begin to move to the walls

@@ -23,10 +23,9 @@ from jax.tree_util import register_dataclass
 from ertel.equations.flow import Rate
 from ertel.equations.pytrees import traceable
 from ertel.numerics import halfspace
-from ertel.numerics.grid import WHOLE, Even, Grid
+from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Plane
-from ertel.numerics.stencils import Pair, diffusion, inside
-from ertel.numerics.symmetry import total
+from ertel.numerics.stencils import Pair, diffusion, inside, total
 from ertel.physics.geometry import Geometry
 from ertel.physics.lubricant import Lubricant
 
@@ -108,7 +107,7 @@ class Contact:
     """Two surfaces and the oil between them.
 
     gap: undeformed gap minus roughness, shape (n, n).  kernel: from `halfspace.spectrum`.  flow: how the pressure
-    gradient drives the oil.  even: the axes about which fields are even and stored on one side (`symmetry`).
+    gradient drives the oil.  even: the axes about which fields are even and stored on one side (`stencils`).
     """
 
     gap: Array
@@ -116,7 +115,7 @@ class Contact:
     spacing: float
     lambda_bar: float
     lubricant: Lubricant
-    even: Even = field(default=WHOLE, metadata={"static": True})
+    even: Symmetry = field(default=NO_SYMMETRY, metadata={"static": True})
     flow: PressureFlow = NEWTONIAN_FLOW
 
 
@@ -163,6 +162,8 @@ def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     return inside(change - contact.flow.gain(contact, P, H), contact.even)
 
 
-def balance(mass: Array, eps: Pair, P: Array, rate: Rate, spacing: Array | float, even: Even = WHOLE) -> Array:
+def balance(
+    mass: Array, eps: Pair, P: Array, rate: Rate, spacing: Array | float, even: Symmetry = NO_SYMMETRY
+) -> Array:
     """The residual for given mass rho H and mobility eps: the equation without the laws of the oil."""
     return inside(rate.of(mass, spacing) - diffusion(eps, P, even) / spacing**2, even)

@@ -24,8 +24,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from ertel.numerics.bdf import Weights
-from ertel.numerics.stencils import upstream_slope
-from ertel.numerics.transport import carried
+from ertel.numerics.stencils import shifted_along_x, upstream_slope
 
 Number = Array | float
 
@@ -84,9 +83,9 @@ def followed(weights: Weights | Array, masses: Sequence[Array], distances: Seque
     in all of them, and the differences in time are not disturbed by it.
     """
     *newer, oldest = zip(weights, masses, distances, strict=True)
-    moved = carried(oldest[0] * oldest[1], oldest[2])
+    moved = shifted_along_x(oldest[0] * oldest[1], oldest[2])
     for weight, mass, distance in reversed(newer):
-        moved = carried(weight * mass + moved, distance)
+        moved = shifted_along_x(weight * mass + moved, distance)
     return moved
 
 

@@ -9,9 +9,9 @@ import numpy as np
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.numerics.grid import Even, Grid
+from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.programs import ANY_SIZE, Program
-from ertel.numerics.symmetry import extended, total
+from ertel.numerics.stencils import extended, total
 
 TIE = 1e-6  # relative difference of two extremes that mirror each other
 
@@ -49,7 +49,7 @@ class Axes:
     y: Array
     x: Array
     centre: int
-    even: Even = field(metadata={"static": True})
+    even: Symmetry = field(metadata={"static": True})
 
     @classmethod
     def of(cls, grid: Grid) -> "Axes":

@@ -12,7 +12,7 @@ from ertel.equations.state import State, combined
 from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
 from ertel.physics import far_field
-from ertel.physics.far_field import Motion
+from ertel.physics.far_field import ContactMotion
 from ertel.physics.geometry import CIRCLE, Geometry
 
 Floats = NDArray[np.float64]
@@ -48,19 +48,19 @@ class Outside:
     lambda_bar: float
     geometry: Geometry
 
-    def at(self, motion: Motion) -> Surroundings:
+    def at(self, motion: ContactMotion) -> Surroundings:
         """The oil around the grid for a given motion."""
         X, Y, area = self.far
         edge = self._pressure(self._edge, motion)
-        forces = area * far_field.pressure(X, Y, motion, self.lambda_bar, self.geometry)
+        forces = area * far_field.far_pressure(X, Y, motion, self.lambda_bar, self.geometry)
         uplift = self.geometry.compliance * float((forces / np.hypot(X, Y)).sum())
         return Surroundings(edge, float(forces.sum()), uplift)
 
-    def at_first(self, motion: Motion) -> Floats:
+    def at_first(self, motion: ContactMotion) -> Floats:
         """P on the grid while the surfaces are apart."""
-        return far_field.at_first(self.X, self.Y, motion, self.lambda_bar, self.geometry)
+        return far_field.rigid_pressure(self.X, self.Y, motion, self.lambda_bar, self.geometry)
 
-    def guess(self, motion: Motion) -> Floats:
+    def guess(self, motion: ContactMotion) -> Floats:
         """A guess of P on the grid where it is far from the contact, zero elsewhere."""
         return self._pressure(self.is_edge | (self.geometry.distance(self.X, self.Y) >= far_field.NEAREST), motion)
 
@@ -69,9 +69,9 @@ class Outside:
         """The indices of the edge nodes: at each step they are found much faster than by a mask of the whole grid."""
         return np.nonzero(self.is_edge)
 
-    def _pressure(self, where: Any, motion: Motion) -> Floats:
+    def _pressure(self, where: Any, motion: ContactMotion) -> Floats:
         P = np.zeros(self.is_edge.shape)
-        P[where] = far_field.pressure(self.X[where], self.Y[where], motion, self.lambda_bar, self.geometry)
+        P[where] = far_field.far_pressure(self.X[where], self.Y[where], motion, self.lambda_bar, self.geometry)
         return P
 
 
@@ -113,7 +113,7 @@ def beyond_rectangle(left: float, right: float, low: float, high: float) -> Floa
     return np.concatenate(found, axis=1)
 
 
-def predicted(levels: Sequence[State], T: float, loads: Sequence[float], entrainment: float) -> Motion:
+def predicted(levels: Sequence[State], T: float, loads: Sequence[float], entrainment: float) -> ContactMotion:
     """The motion at the next level, from the last levels (newest first) and their loads in units F*."""
     known = levels[:NEWEST]
     weights = bdf.interpolation_weights(T, [level.T for level in known])
@@ -121,7 +121,7 @@ def predicted(levels: Sequence[State], T: float, loads: Sequence[float], entrain
         float(combined(weights, values[:NEWEST]))
         for values in ([level.approach for level in known], [level.velocity for level in known], loads)
     )
-    return Motion(approach, velocity, load, entrainment)
+    return ContactMotion(approach, velocity, load, entrainment)
 
 
 def _gauss(start: float, end: float) -> tuple[Floats, Floats]:

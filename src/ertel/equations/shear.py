@@ -48,8 +48,7 @@ from ertel.equations.across import (
     sliding_moments,
     with_slope,
 )
-from ertel.numerics.blocks import in_blocks
-from ertel.numerics.pointwise import Matrix, Tensor, divided, dot, length, product, square, times, transposed
+from ertel.numerics.arrays import Matrix, Tensor, divided, dot, in_blocks, length, product, square, times, transposed
 from ertel.physics.fluidity import Fluidity
 
 NODES = 8  # across the film, even

@@ -22,9 +22,8 @@ from jax.tree_util import register_dataclass
 from ertel.equations.contact import NEWTONIAN_FLOW, Contact, Details, Mobilities, opened
 from ertel.equations.shear import NODES, Mobility, Shear, secant_mobility, shear, tangent_mobility
 from ertel.numerics.integrals import Plane
-from ertel.numerics.stencils import Pair, central_slopes, to_x_faces, to_y_faces
-from ertel.numerics.symmetry import extended
-from ertel.physics.fluidity import Fluidity, carried
+from ertel.numerics.stencils import Pair, central_slopes, extended, to_x_faces, to_y_faces
+from ertel.physics.fluidity import Fluidity, limited_stress
 
 Number = Array | float
 ROUGHLY = 4  # nodes across the film for the preconditioner
@@ -62,7 +61,7 @@ class ThinningFlow:
         in_X, in_Y = faces.fluxes(self._force(whole, film)[:, :n])
         stress, gradient = (field[:, n:].reshape(2, *P.shape) for field in (whole.stress, gradient))
         return Details(
-            carried(self.law, stress, self.p_h * P) / self.unit,
+            limited_stress(self.law, stress, self.p_h * P) / self.unit,
             plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], contact.lubricant.enthalpy(P)),
             _gain(in_X, in_Y, contact.spacing),
             self._secant(contact, P, H, stress, gradient),

@@ -7,18 +7,15 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
-from ertel.case.records import shortened, show
+from ertel.case.records import ConfigError, shortened, show
 from ertel.case.rules import plain_name
 from ertel.inputs.heat import require_rheology, with_thermal_data
 from ertel.inputs.height_maps import with_maps
-from ertel.inputs.messages import ConfigError, message
+from ertel.inputs.layout import READER, Materials, names_of
 from ertel.inputs.names import without_names
-from ertel.inputs.quantities import plain_data
-from ertel.inputs.schema import case_file, keys_of, plain, section_of
+from ertel.inputs.quantities import parse_quantity, plain_data
 from ertel.physics.units import Unit, marks
 
 __all__ = ["ConfigError", "apply_overrides", "as_case", "load_case", "parse_case", "path_of", "read_toml", "to_toml"]
@@ -54,20 +51,15 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
         raise ConfigError(f"data = {written(data)}: must be a mapping; load_case reads a case file")
     data = plain_data(data)
     if "contact" not in data:
-        keys = ", ".join(keys_of(section_of(Conditions)))
+        keys = ", ".join((*names_of(Materials), *names_of(Conditions)))
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
-    lubricant = data.get("lubricant")
-    data = without_names(with_thermal_data(data))
+    named = without_names(with_thermal_data(data))
     try:
-        read = plain(case_file().model_validate(data))
-    except ValidationError as error:
-        raise ConfigError(message(error)) from error
-    try:
-        read, maps = with_maps(read, Path(folder))
-        case = Case.from_data(read, maps)
+        read, maps = with_maps(named, Path(folder))
+        case = Case.from_data(read, maps, READER)
     except ValueError as error:
-        raise ConfigError(_as_written(str(error), data["contact"], read["contact"])) from error
-    require_rheology(case, lubricant)
+        raise ConfigError(_as_written(str(error), named["contact"])) from error
+    require_rheology(case, data.get("lubricant"))
     return case
 
 
@@ -98,11 +90,15 @@ def written(value: object) -> str:
     return shortened(" ".join(repr(value).split()))
 
 
-def _as_written(text: str, written: Any, read: Mapping[str, Any]) -> str:
-    """A message of the model, which knows SI only, with the quantities of [contact] as the user wrote them."""
-    for key, mark in marks(Conditions).items():
-        if isinstance(mark, Unit) and key in read:
-            text = text.replace(f'contact.{key} = "{read[key]!r} {mark.unit}"', f"contact.{key} = {show(written[key])}")
+def _as_written(text: str, written: Any) -> str:
+    """A message of the case, which knows SI only, with the quantities of [contact] as the user wrote them."""
+    for key, mark in marks(Conditions).items() if isinstance(written, Mapping) else ():
+        if isinstance(mark, Unit) and f"contact.{key} = " in text:
+            try:
+                in_si = f"{parse_quantity(written.get(key), mark)!r} {mark.unit}"
+            except ValueError:
+                continue
+            text = text.replace(f'contact.{key} = "{in_si}"', f"contact.{key} = {show(written[key])}")
     return text
 
 

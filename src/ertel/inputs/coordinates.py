@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ertel.case.records import OIL_LAWS, show
-from ertel.inputs.named import DataSheet
+from ertel.inputs.layout import SECTIONS, DataSheet
 from ertel.inputs.quantities import parse_quantity
-from ertel.inputs.schema import SECTIONS
 from ertel.inputs.studies import Axis, Place, Study
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import SHAPES

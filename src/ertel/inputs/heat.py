@@ -12,10 +12,10 @@ from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.estimates import LARGEST_NEWTONIAN_STRESS, newtonian_stress
-from ertel.case.records import show
+from ertel.case.records import ConfigError, show
 from ertel.case.thermal import Thermal
 from ertel.inputs import library, names
-from ertel.inputs.messages import ConfigError
+from ertel.inputs.quantities import parse_temperature
 from ertel.physics.oils import NamedOil
 from ertel.physics.units import CONDUCTIVITY, DENSITY, EXPANSION, HEAT_CAPACITY, TEMPERATURE, Unit, marks
 
@@ -74,7 +74,7 @@ def _kelvin(key: str, value: Any) -> str:
     try:
         if not isinstance(value, str):
             raise ValueError('must be a temperature with its unit, "40 degC" or "313.15 K"')
-        return _text(library.parse_temperature(value), TEMPERATURE)
+        return _text(parse_temperature(value), TEMPERATURE)
     except ValueError as error:
         raise ConfigError(f"thermal.{key} = {show(value)}: {error}") from error
 
@@ -84,7 +84,7 @@ def _oil(lubricant: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, st
     oil = _known(lubricant.get("oil"))
     if oil is None or "temperature" not in given:
         return {}
-    found = {"beta": _text(oil.thinning_at(library.parse_temperature(given["temperature"])), EXPANSION)}
+    found = {"beta": _text(oil.thinning_at(parse_temperature(given["temperature"])), EXPANSION)}
     return (
         found if oil.thermal is None else {**found, "conductivity": _text(oil.thermal.data.conductivity, CONDUCTIVITY)}
     )

@@ -23,12 +23,11 @@ import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
-from ertel.case.height_map import HeightMap, array_in, check_shape, check_size
-from ertel.case.records import shortened, show
+from ertel.case.height_map import HeightMap, Measured, array_in, check_shape, check_size
+from ertel.case.records import named, shortened, show
 from ertel.inputs.declared import LARGEST_FILE, check_declared
-from ertel.inputs.messages import ConfigError
+from ertel.inputs.layout import READER, MeasuredFile, names_of
 from ertel.inputs.quantities import parse_quantity
-from ertel.inputs.schema import FILES
 from ertel.physics.units import LENGTH, Quantity
 
 OWN_NAME = re.compile(r"heights-[0-9a-f]{16}\.npy")
@@ -36,7 +35,8 @@ DETRENDS = {"plane": "height", "curvature": "curvature", "mean": "center"}  # as
 MOST_GAPS = 0.5  # of the points
 ROUND_OFF = 1e-12  # of the heights: no instrument measures what is smaller
 T = TypeVar("T")
-READING = {"channel", "unit", "detrend"}
+READING = {*names_of(MeasuredFile)}
+SIZES = ("length_x", "length_y", "rms")
 
 
 class _Raw(NamedTuple):
@@ -55,29 +55,33 @@ def with_maps(read: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], di
     """The data of a case with the files of its measured surfaces read.
 
     Returns also their heights by the names under which the data now have them, as `Case.maps`.  Raises
-    ConfigError, naming the field, for a file that cannot be read or does not say what is needed.
+    ValueError, naming the field, for a file that cannot be read or does not say what is needed.
     """
     maps: dict[str, HeightMap] = {}
+    roughness = read.get("roughness")
+    if not isinstance(roughness, list):
+        return dict(read), maps
     tables = []
-    for number, table in enumerate(read.get("roughness", ()), 1):
-        if table["shape"] in FILES:
-            try:
-                table, found = _with_map(table, folder)
-            except ValueError as error:
-                raise ConfigError(f"roughness[{number}].{error}") from error
+    for number, table in enumerate(roughness, 1):
+        if isinstance(table, Mapping) and table.get("shape") == "measured" and isinstance(table.get("file"), str):
+            place = f"roughness[{number}]"
+            table, found = named(place, _with_map, table, folder, place)
             maps[found.name] = found
         tables.append(table)
-    return {**read, "roughness": tables} if tables else dict(read), maps
+    return {**read, "roughness": tables}, maps
 
 
-def _with_map(table: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], HeightMap]:
+def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dict[str, Any], HeightMap]:
     """A table with lengths and heights as its file says, and the heights."""
+    table = {key: value for key, value in written.items() if value is not None}
+    table |= READER.values(MeasuredFile, table, place)
+    table |= READER.values(Measured, {key: table[key] for key in SIZES if key in table}, place)
     path = folder / table["file"]
     content = _content(path, table["file"])
     placed = {key: value for key, value in table.items() if key not in READING}
     if OWN_NAME.fullmatch(path.name):
         for key in READING & table.keys():
-            raise ValueError(f"{key} = {show(table[key])}: has been seen to where ertel wrote this file; leave it out")
+            raise ValueError(f"{key} = {show(table[key])}: was already applied when ertel wrote this file; remove it")
         found = _named(table["file"], HeightMap.from_bytes, content)
         if found.name != path.name:
             raise ValueError(f"file = {show(table['file'])}: was changed since ertel wrote it; put the run's own back")
@@ -234,12 +238,12 @@ def _sizes(table: Mapping[str, Any], raw: _Raw, heights: HeightMap) -> dict[str,
     """Lengths and rms as the table gives them, or else as the file does."""
     rows, columns = heights.heights.shape
     along_x, along_y = raw.sizes or (float(columns), float(rows))
-    found = {key: table[key] for key in ("length_x", "length_y", "rms") if key in table}
+    found = {key: table[key] for key in SIZES if key in table}
     for key, other, share in (("length_x", "length_y", along_x / along_y), ("length_y", "length_x", along_y / along_x)):
         if key not in found and other in table:  # of the same share of the map
             given = table[other]
             found[key] = Quantity(given.value * share, given.unit) if isinstance(given, Quantity) else given * share
-    missing = [key for key in ("length_x", "length_y", "rms") if key not in found]
+    missing = [key for key in SIZES if key not in found]
     if "length_x" in missing and raw.sizes is None:
         raise ValueError('length_x: missing; the file does not say how long its map is, give for example "500 um"')
     if missing and raw.metre is None:

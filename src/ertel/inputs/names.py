@@ -8,23 +8,29 @@ An oil that is not in the library is described by its data sheet:
 
     oil = { nu40 = "68 mm^2/s", nu100 = "8.7 mm^2/s", density = "880 kg/m^3" }
 
-A value that is given explicitly wins over that of the library.  An oil brings its law of shear thinning, see
-`oil_rheology`.  The case holds numbers only, so that a stored run does
+A value that is given explicitly wins over that of the library.  The case holds numbers only, so that a stored run does
 not change with the library; the name of the oil and its temperature stay in `lubricant.reference`.
+
+A named oil whose law of shear thinning is in the library at this temperature has that law, unless the case names
+another one or is one that only Newtonian oils have: dimensionless, or by the radial method.  All other oils are
+Newtonian unless the case names a law, whose data may come from the oil too:
+
+    rheology = { law = "carreau", n = 0.5 }     # G from the library; "newtonian": none
 """
 
 from collections.abc import Mapping
-from inspect import Parameter, signature
-from typing import Any
+from dataclasses import MISSING, fields
+from typing import Any, NamedTuple
 
-from ertel.case.records import oil_data, show, show_key
+from ertel.case.records import ConfigError, data_of, law_fields, oil_data, show
 from ertel.inputs import library, oils
-from ertel.inputs.messages import ConfigError
-from ertel.inputs.oil_rheology import completed
-from ertel.physics.oils import RHEOLOGY, NamedOil
+from ertel.inputs.layout import READER, DataSheet, Materials, NamedLubricant, names_of
+from ertel.inputs.quantities import parse_temperature
+from ertel.physics.fluidity import Carreau, Limited
+from ertel.physics.oils import RHEOLOGY, NamedOil, Sourced
 from ertel.physics.units import DENSITY, STRESS
 
-OIL_KEYS, MATERIAL_KEYS = ("oil", "temperature"), ("material_1", "material_2")
+OIL_KEYS, MATERIAL_KEYS = names_of(NamedLubricant), names_of(Materials)
 OF_PRESSURE = ("alpha", "z", "p0")  # a given one makes the law Roelands', unless the law is given too
 DIMENSIONLESS = ("M", "L", "lambda_bar", "alpha_bar")
 
@@ -40,7 +46,7 @@ def without_names(data: Mapping[str, Any]) -> dict[str, Any]:
         if isinstance(written, Mapping) and any(key in written for key in keys):
             try:
                 found[section] = resolve(written, data)
-            except ConfigError as error:
+            except ValueError as error:
                 raise ConfigError(f"{section}.{error}") from error
     return found
 
@@ -70,7 +76,7 @@ def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str,
     known = oil_data(oils.oil_at(oil, temperature, "newtonian" if reason or "rheology" in given else None))
     if reason and "rheology" not in given:
         known["reference"] += f"{RHEOLOGY}Newtonian, {reason}."
-    law = completed(given.get("rheology", known["rheology"]), oil, library.parse_temperature(temperature))
+    law = completed(given.get("rheology", known["rheology"]), oil, parse_temperature(temperature))
     if any(key in given for key in OF_PRESSURE) and not isinstance(known["viscosity"], str):
         known["viscosity"] = "roelands"
     if given and "reference" not in given:
@@ -80,18 +86,10 @@ def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str,
 
 
 def oil_of(written: Any) -> NamedOil:
-    """The oil of a name, or of a data sheet.  Raises ConfigError, naming the key `oil`, where it is neither."""
+    """The oil of a name, or of a data sheet.  Raises ValueError, naming the key `oil`, where it is neither."""
     if not isinstance(written, Mapping):
         return oils.get(written)
-    known = signature(oils.sheet).parameters
-    if unknown := [key for key in written if key not in known]:
-        raise ConfigError(f"oil.{show_key(unknown[0])}: unknown key; a data sheet has {', '.join(known)}")
-    if missing := [key for key, value in known.items() if value.default is Parameter.empty and key not in written]:
-        raise ConfigError(f'oil.{missing[0]}: missing; a data sheet has nu40, nu100 ("68 mm^2/s") and density')
-    try:
-        return oils.sheet(**written)
-    except ConfigError as error:
-        raise ConfigError(f"oil.{error}") from error
+    return oils.oil_of_sheet(READER.record(DataSheet, written, "oil"), "oil.")
 
 
 def _contact(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, Any]:
@@ -111,3 +109,54 @@ def _contact(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, A
         if key == "material_1" and given.get("kind", "impact") == "impact" and "mass" not in given:
             known["ball_density"] = f"{body.density!r} {DENSITY.unit}"
     return {**known, **given}
+
+
+# -- laws of shear thinning whose data come from a named oil ----------------------------------------------------------
+
+OF_OILS: Mapping[str, tuple[Any, str]] = {  # name of a law: its record, and the field of NamedOil with its data
+    "carreau": (Carreau, "shear"),
+    "limited": (Limited, "limiting_stress"),
+}
+
+
+class Completed(NamedTuple):
+    """The plain data of a law, and the sources of what the oil's data filled in; none if nothing was missing."""
+
+    law: Any
+    sources: tuple[str, ...] = ()
+
+
+def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> Completed:
+    """The plain data of a law of shear thinning, with what they leave out taken from the oil's data at T (K).
+
+    Raises ConfigError if the oil lacks these data, or has them at other temperatures only.
+    """
+    table = {"law": law} if isinstance(law, str) else law
+    name = table.get("law") if isinstance(table, Mapping) else None
+    if not isinstance(name, str) or name not in OF_OILS:
+        return Completed(law)
+    record, field = OF_OILS[name]
+    inside = {key: completed(table[key], oil, T, f"{place}.{key}") for key in law_fields(record) if key in table}
+    sources = tuple(source for found in inside.values() for source in found.sources)
+    table = {**table, **{key: found.law for key, found in inside.items()}}
+    missing = [key for key in _needed(record) if key not in table]
+    if not missing:
+        return Completed(table, sources)
+    part = getattr(oil, field)
+    if complaint := _complaint(part, oil.name, T, " and ".join(missing)):
+        advice = f'give {{ law = "{name}", {", ".join(f"{key} = ..." for key in missing)} }}'
+        raise ConfigError(f"{place} = {show(law)}: {complaint}; {advice}")
+    data = data_of(part.data)
+    return Completed({**table, **{key: data[key] for key in missing}}, (*sources, part.source.rstrip(".")))
+
+
+def _complaint(part: Sourced[Any] | None, oil: str, T: float, wanted: str) -> str:
+    """Why the data of an oil cannot be used, or "" if they can."""
+    if part is None:
+        return f"the library has no {wanted} of {oil}"
+    return part.missing_at(T, wanted, oil)
+
+
+def _needed(record: Any) -> list[str]:
+    """The numbers that a law must be given."""
+    return [item.name for item in fields(record) if item.default is MISSING and item.name not in law_fields(record)]

@@ -13,18 +13,16 @@ All data of an oil, with their sources and ranges, are in `oils.get("squalane")`
 
 from typing import Any
 
-from ertel.case.records import show
+from ertel.case.reading import Reader
+from ertel.case.records import ConfigError, show
+from ertel.inputs.layout import DataSheet
 from ertel.inputs.library import oil as get
 from ertel.inputs.library import oil_names as names
-from ertel.inputs.library import parse_temperature
-from ertel.inputs.messages import ConfigError
-from ertel.inputs.quantities import parse_quantity
+from ertel.inputs.quantities import number_or_quantity, parse_temperature
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.oils import NamedOil, Sourced
-from ertel.physics.pressure_rules import PowerOfViscosity, SoKlaus
-from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, Walther
-from ertel.physics.units import COMPLIANCE, DENSITY, EXPANSION, KINEMATIC_VISCOSITY, Unit
+from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, PowerOfViscosity, SoKlaus, Walther
 
 __all__ = ["at", "data_sheet", "get", "names"]
 
@@ -62,7 +60,7 @@ def data_sheet(
     """A mineral oil from its data sheet, at a temperature.
 
     Its viscosity is by ASTM D341, alpha by So and Klaus' correlation unless it is given (for its scatter see
-    `ertel.physics.pressure_rules.SoKlaus`; it is made for mineral oils), the pressure laws by Roelands and by Dowson
+    `ertel.physics.temperature_laws.SoKlaus`; it is made for mineral oils), the pressure laws by Roelands and by Dowson
     and Higginson.
 
     Parameters
@@ -82,31 +80,33 @@ def data_sheet(
 
     Raises ConfigError, naming the argument, for a value that is not allowed.
     """
-    return oil_at(sheet(nu40, nu100, density, expansion, alpha, reference), temperature)
-
-
-def sheet(
-    nu40: Number,
-    nu100: Number,
-    density: Number,
-    expansion: Number | None = None,
-    alpha: Number | None = None,
-    reference: str = "",
-) -> NamedOil:
-    """The oil of a data sheet at all temperatures; see `data_sheet`."""
+    given = dict(
+        nu40=nu40, nu100=nu100, density=density, expansion=expansion, alpha=alpha, reference=reference or "data sheet"
+    )
     try:
-        viscosity = Walther(_si("nu40", nu40, KINEMATIC_VISCOSITY), _si("nu100", nu100, KINEMATIC_VISCOSITY))
+        sheet = Reader(number_or_quantity).record(DataSheet, given, "data_sheet")
     except ValueError as error:
-        raise ConfigError(str(error)) from error
-    own_expansion = None if expansion is None else _si("expansion", expansion, EXPANSION)
+        raise ConfigError(str(error).removeprefix("data_sheet.")) from error
+    return oil_at(oil_of_sheet(sheet), temperature)
+
+
+def oil_of_sheet(sheet: DataSheet, place: str = "") -> NamedOil:
+    """The oil of a data sheet at all temperatures; see `data_sheet`.
+
+    place: before the names of the keys in messages.  Raises ConfigError for viscosities that do not fall.
+    """
+    try:
+        viscosity = Walther(sheet.nu40, sheet.nu100)
+    except ValueError as error:
+        raise ConfigError(f"{place}{error}") from error
     return NamedOil(
-        reference or "data sheet",
+        sheet.reference or "data sheet",
         "an oil from its data sheet",
         _whole(viscosity, "ASTM D341."),
-        _whole(Expansion(_si("density", density, DENSITY), own_expansion), "data sheet."),
+        _whole(Expansion(sheet.density, sheet.expansion), "data sheet."),
         _whole(SoKlaus(), "So and Klaus' correlation (ASLE Trans 1980;23:409-421).")
-        if alpha is None
-        else _whole(PowerOfViscosity(_si("alpha", alpha, COMPLIANCE), 1.0, 0.0), "alpha as given."),
+        if sheet.alpha is None
+        else _whole(PowerOfViscosity(sheet.alpha, 1.0, 0.0), "alpha as given."),
     )
 
 
@@ -125,14 +125,3 @@ def oil_at(oil: NamedOil, temperature: Number, rheology: str | Fluidity | None =
     except ValueError as error:
         message = str(error).replace(f"temperature = {T:g} K", f"temperature = {show(temperature)}")
         raise ConfigError(message) from error
-
-
-def _si(name: str, value: Number, unit: Unit) -> float:
-    try:
-        text = f"{float(value)!r} {unit.unit}" if isinstance(value, int | float) else value
-        found = parse_quantity(text, unit)
-    except (ValueError, OverflowError) as error:  # an integer may be too large for a number
-        raise ConfigError(f"{name} = {show(value)}: {error}") from error
-    if found is None:
-        raise ConfigError(f'{name}: missing; for example "{unit.example}"')
-    return found

@@ -10,19 +10,18 @@ from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
-from ertel.case.records import checked, law_data, oil_data, show
+from ertel.case.records import ConfigError, checked, law_data, oil_data, show
 from ertel.case.sections import Output, Solver, Time
 from ertel.case.thermal import Thermal
 from ertel.inputs.case_files import parse_case
-from ertel.inputs.messages import ConfigError
 from ertel.inputs.names import MATERIAL_KEYS
-from ertel.inputs.quantities import parse_quantity, plain_data
+from ertel.inputs.quantities import number_or_quantity, parse_quantity, plain_data, with_unit
 from ertel.physics import lubricant
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.surfaces import Feature, Shape
-from ertel.physics.units import HEIGHT, LARGEST, TEMPERATURE, TIME, Quantity, Unit, marks
+from ertel.physics.units import HEIGHT, TEMPERATURE, TIME, Quantity, marks
 
 Number = float | str  # SI, or a text with a unit
 Roughness = Sequence[Feature | Shape | Mapping[str, Any]]
@@ -62,8 +61,12 @@ def Oil(  # reads as the record that it makes
     """
     given = {"eta0": eta0, "alpha": alpha, "p0": p0}
     kinds = marks(lubricant.Oil)
-    si = {name: _si(f"oil.{name}", value, kinds[name]) for name, value in given.items()}
-    z = plain_data(z)
+    z, si = plain_data(z), {}
+    for name, value in given.items():
+        try:
+            si[name] = None if value is None else number_or_quantity(value, kinds[name])  # type: ignore[arg-type]
+        except ValueError as error:
+            raise ConfigError(f"oil.{name} = {show(value)}: {error}") from error
     try:
         oil = lubricant.Oil(viscosity, density, si["eta0"], si["alpha"], si["p0"] or p0, z, reference, rheology)  # type: ignore[arg-type]
         return checked(oil, "oil")
@@ -301,7 +304,7 @@ def _lubricant(wanted: Mapping[str, Any]) -> dict[str, Any] | None:
     oil = wanted.get("oil")
     data = oil_data(oil) if isinstance(oil, lubricant.Oil) else {} if oil is None else {"oil": oil}
     if "temperature" in wanted:
-        data["temperature"] = _with_unit(wanted["temperature"], TEMPERATURE)
+        data["temperature"] = with_unit(wanted["temperature"], TEMPERATURE)
     if isinstance(oil, lubricant.Oil) and oil.is_newtonian:
         del data["rheology"]  # the default of an Oil, not a wish
     if "rheology" in wanted:
@@ -313,7 +316,7 @@ def _lubricant(wanted: Mapping[str, Any]) -> dict[str, Any] | None:
 def _thermal(given: Any) -> Any:
     """The section [thermal], numbers with their SI unit."""
     kinds = marks(Thermal)
-    return {k: _with_unit(v, kinds.get(k)) for k, v in given.items()} if isinstance(given, Mapping) else given
+    return {k: with_unit(v, kinds.get(k)) for k, v in given.items()} if isinstance(given, Mapping) else given
 
 
 TIME_KEYS = (*(f.name for f in fields(Time) if f.name != "tolerance"), "time_tolerance")
@@ -324,22 +327,7 @@ def _conditions(wanted: Mapping[str, Any]) -> dict[str, Any]:
     kinds = marks(Conditions)
     names = (*MATERIAL_KEYS, *(f.name for f in fields(Conditions)))
     found = {name: wanted[name] for name in names if name in wanted}
-    return {key: _with_unit(value, kinds.get(key)) for key, value in found.items()}
-
-
-def _with_unit(value: Any, mark: object) -> Any:
-    if not isinstance(mark, Unit) or isinstance(value, bool) or not isinstance(value, int | float):
-        return value
-    shown = repr(float(value)) if isinstance(value, float) or abs(value) <= LARGEST else show(value)
-    return f"{shown} {mark.unit}"
-
-
-def _si(place: str, value: Number | None, mark: object) -> float | None:
-    assert isinstance(mark, Unit)
-    try:
-        return parse_quantity(_with_unit(plain_data(value), mark), mark)
-    except ValueError as error:
-        raise ConfigError(f"{place} = {show(value)}: {error}") from error
+    return {key: with_unit(value, kinds.get(key)) for key, value in found.items()}
 
 
 def _sorted(roughness: Roughness) -> tuple[list[Feature], list[dict[str, Any]]]:

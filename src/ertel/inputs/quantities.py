@@ -11,8 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from ertel.physics.units import Amount, Bounds, Quantity, Unit
+from ertel.case.records import is_number, show
+from ertel.physics.temperature_laws import ZERO_CELSIUS
+from ertel.physics.units import LARGEST, Unit
 
+HOTTER_THAN_ANY = 1e4  # K
 LONGEST = 60  # characters of a quantity
 
 # What pint may see: names of units with powers of at most two digits, * and / between them, one level of parentheses.
@@ -22,6 +25,9 @@ _NAME = rf"(?:[^\W\d]\w*{_POWER}|1)"
 _PRODUCT = rf"{_NAME}(?:(?:\s*[*/·]\s*|\s+){_NAME})*"
 _FACTOR = rf"(?:\(\s*{_PRODUCT}\s*\){_POWER}|{_NAME})"
 _UNIT = re.compile(rf"{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*")
+_TEMPERATURE = re.compile(  # units also as pint writes them
+    r"\s*([+-]?[0-9]{1,4}(?:\.[0-9]{1,20})?)\s*(degC|°C|degree_Celsius|K|kelvin)\s*"
+)
 _NUMBER = re.compile(r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3}(?![0-9]))?|(?:nan|inf)\b)", re.I)
 
 
@@ -38,8 +44,8 @@ def plain_data(value: Any) -> Any:
     return value
 
 
-def parse_quantity(value: object, unit: Unit) -> float | None:
-    """A quantity such as "10 mm" as a finite number in the SI unit, above zero unless signed; None stays None.
+def parse_quantity(value: object, unit: Unit) -> float:
+    """A quantity such as "10 mm" as a finite number in the SI unit, above zero unless signed.
 
     Raises ValueError for any other value, and for a text of more than 60 characters.
 
@@ -49,8 +55,8 @@ def parse_quantity(value: object, unit: Unit) -> float | None:
     >>> parse_quantity("22 / GPa", COMPLIANCE) == 22e-9
     True
     """
-    if value is None:
-        return None
+    if unit.unit == "K":  # degC has an offset
+        return _temperature(value, unit)
     wanted = f'a quantity {"" if unit.signed else "above zero "}with a unit such as "{unit.example}"'
     if isinstance(value, str) and len(value) > LONGEST:
         raise ValueError(f"must be {wanted}, of at most {LONGEST} characters")
@@ -60,6 +66,13 @@ def parse_quantity(value: object, unit: Unit) -> float | None:
     found = float(Decimal(number) * _factor(written, unit))  # decimal, so that "18.6 mPa*s" is the float 0.0186
     if not unit.allows(found):
         raise ValueError(f"must be {wanted}")
+    if complaint := unit.size_complaint(found):
+        raise ValueError(complaint)
+    return found
+
+
+def _temperature(value: object, unit: Unit) -> float:
+    found = parse_temperature(value if isinstance(value, str) else None)
     if complaint := unit.size_complaint(found):
         raise ValueError(complaint)
     return found
@@ -75,27 +88,41 @@ def _split(value: object) -> tuple[str, str]:
     return match[0], f"1{unit}" if unit.startswith("/") else unit
 
 
-def parse_number(value: object, bounds: Bounds) -> float:
-    """A plain number within bounds; an int stays an int if the number must be whole."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError("must be an integer" if bounds.whole else "must be a number")
-    if complaint := bounds.complaint(value):
-        raise ValueError(complaint)
-    return value if bounds.whole else float(value)
+def parse_temperature(value: object) -> float:
+    """A temperature in K from a number in K or a text, "40 degC" or "313.15 K".
+
+    Raises ValueError for anything else, and below absolute zero.
+
+    Examples
+    --------
+    >>> parse_temperature("40 degC")
+    313.15
+    """
+    if is_number(value) and 0 < value < HOTTER_THAN_ANY:  # type: ignore[operator]
+        return float(value)  # type: ignore[arg-type]
+    match = _TEMPERATURE.fullmatch(value) if isinstance(value, str) else None
+    if match is None:
+        kelvin = 0.0
+    elif match[2] in ("K", "kelvin"):
+        kelvin = float(match[1])  # as it is: a stored case reads back as the same
+    else:
+        kelvin = round(float(match[1]) + ZERO_CELSIUS, 6)
+    if not kelvin > 0:
+        raise ValueError('must be a temperature with its unit, "40 degC" or "313.15 K"')
+    return kelvin
 
 
-def parse_amount(value: object, unit: Unit) -> Amount | None:
-    """A plain number in the units of a case, or a quantity in SI; None stays None."""
-    if value is None or isinstance(value, Quantity):
+def with_unit(value: Any, mark: object) -> Any:
+    """A number as a quantity in the SI unit of its field; anything else as it is."""
+    if not isinstance(mark, Unit) or not is_number(value):
         return value
-    if isinstance(value, str):
-        return Quantity(parse_quantity(value, unit.in_si) or 0.0, unit.unit)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not unit.allows(value):
-        least = "" if unit.signed else " above zero"
-        raise ValueError(f'must be a number{least}, in units {unit.own}, or a quantity such as "{unit.example}"')
-    if complaint := unit.size_complaint(value):
-        raise ValueError(complaint)
-    return float(value)
+    shown = repr(float(value)) if isinstance(value, float) or abs(value) <= LARGEST else show(value)
+    return f"{shown} {mark.unit}"
+
+
+def number_or_quantity(value: object, unit: Unit) -> float:
+    """What Python takes for a quantity, in SI: a number in the SI unit, or a text with a unit."""
+    return parse_quantity(with_unit(plain_data(value), unit), unit)
 
 
 @lru_cache(maxsize=256)

@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from ertel.case.records import show
-from ertel.inputs.messages import ConfigError
-from ertel.inputs.quantities import parse_number, parse_quantity
+from ertel.case.reading import parse_number
+from ertel.case.records import ConfigError, show
+from ertel.inputs.quantities import parse_quantity
 from ertel.physics.units import Bounds, Mark, Unit
 
 LOG = "log"
@@ -112,7 +112,7 @@ def _value(given: Any, mark: Mark) -> float:
         return parse_number(_plain(text) if text is not None else given, mark)
     if isinstance(given, bool) or not isinstance(given, int | float | str):
         raise ValueError(f'must be numbers in {mark.unit}, or quantities such as "{mark.example}"')
-    return parse_quantity(text if text and _unit(text, mark) else f"{given} {mark.unit}", mark) or 0.0
+    return parse_quantity(text if text and _unit(text, mark) else f"{given} {mark.unit}", mark)
 
 
 def _plain(text: str) -> float:

@@ -24,13 +24,12 @@ from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.records import show
+from ertel.case.records import ConfigError, field_name, show
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
-from ertel.inputs.messages import ConfigError, field_name
+from ertel.inputs.layout import SECTIONS
 from ertel.inputs.quantities import plain_data
 from ertel.inputs.ranges import LOG, MOST_VALUES, spaced, unit_in
-from ertel.inputs.schema import SECTIONS
 
 SWEEP, MODE, MODES = "sweep", "mode", ("product", "zip")
 RANGE = ("from", "to", "number", "spacing")

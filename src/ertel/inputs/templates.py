@@ -1,13 +1,13 @@
-"""New case files: a case that runs at once, with every other key in a comment, each with its meaning."""
+"""Texts made of the layout: new case files that run at once and explain all other keys, and the table of all keys."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from textwrap import wrap
 from typing import Any
 
 from ertel.case.conditions import FOREIGN, Kind
 from ertel.case.records import show
 from ertel.case.sections import ENDS, SOLVERS
-from ertel.inputs.keys import Key, Place, places
+from ertel.inputs.layout import NEEDED, Key, Place, places
 
 SCHEMA_FILE = "ertel.schema.json"
 WIDTH, MEANING_FROM = 120, 36  # columns
@@ -67,9 +67,9 @@ def _section(place: Place, given: Mapping[str, Mapping[str, Any]], kind: Kind) -
         yield ""
         yield from _line(f"{mark}{place.title}", place.text)
     foreign = FOREIGN[kind] if place.title == "[contact]" else ()
-    ours = [key for key in place.keys if key.name not in foreign and not _is_of_other(key.meaning, kind)]
+    ours = [key for key in place.keys if key.name not in foreign and not _is_of_other(key.meaning.text, kind)]
     for key in sorted(ours, key=lambda key: key.name not in values):
-        yield from _line(_written(key, values, _examples(place.title, kind)), key.meaning)
+        yield from _line(_written(key, values, _examples(place.title, kind)), key.meaning.text)
 
 
 def _is_of_other(meaning: str, kind: Kind) -> bool:
@@ -100,3 +100,27 @@ def _line(text: str, meaning: str) -> Iterator[str]:
     else:
         yield from (f"# {part}" for part in wrap(meaning, WIDTH - 2))
         yield text
+
+
+# -- the table of all keys --------------------------------------------------------------------------------------------
+
+
+def table(found: Iterable[Place]) -> str:
+    """The table of the keys of some places in Markdown."""
+    lines = ["| section | key | value | meaning | default |", "| --- | --- | --- | --- | --- |"]
+    for title, text, keys in found:
+        lines.append(f"| `{title}` | | | {_cell(text)} | |")
+        for key in keys:
+            lines.append(
+                f"| | `{key.name}` | {key.kind} | {_cell(key.meaning.text)} | {_code(key.default)} |".replace("  ", " ")
+            )
+    return "\n".join(lines) + "\n"
+
+
+def _cell(text: str) -> str:
+    """A text in a table, where a line between bars would end its cell."""
+    return text.replace("|", "\\|")
+
+
+def _code(default: str) -> str:
+    return default if default in ("", NEEDED) or "(" in default else f"`{default}`"

@@ -1,5 +1,6 @@
-"""A uniform node-centred grid on a rectangle, and its coarser grids."""
+"""A uniform node-centred grid on a rectangle, its coarser grids, and extrapolation from one to the next."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
@@ -15,14 +16,14 @@ COARSE_ENOUGH = 9  # nodes per side; a coarser grid costs more compile time than
 FEW = 170  # a grid with at most this many stored nodes is solved by a dense matrix: one grid less to compile
 
 
-class Even(NamedTuple):
+class Symmetry(NamedTuple):
     """Whether fields are even in Y (rows) and in X (columns).  Even fields are stored for Y >= 0 or X >= 0 only."""
 
     y: bool = False
     x: bool = False
 
 
-WHOLE = Even()
+NO_SYMMETRY = Symmetry()
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class Grid:
     """A grid of nodes_x times nodes_y nodes around (centre_x, centre_y), each in a square cell of side `spacing`.
 
     Arrays on it have shape (nodes_y, nodes_x).  If fields are even, only one side of the axis is stored (see
-    `symmetry`), and `shape` is smaller.  x and y always cover the whole plane.
+    `stencils`), and `shape` is smaller.  x and y always cover the whole plane.
     """
 
     nodes_x: int
@@ -38,7 +39,7 @@ class Grid:
     spacing: float
     centre_x: float = 0.0
     centre_y: float = 0.0
-    even: Even = WHOLE
+    even: Symmetry = NO_SYMMETRY
 
     def __post_init__(self) -> None:
         if (self.even.y and self.centre_y) or (self.even.x and self.centre_x):
@@ -165,3 +166,26 @@ def _neighbours(nodes: int) -> tuple[int, int]:
     below = [n for n in allowed if n <= nodes] or allowed[:1]
     above = [n for n in allowed if n > nodes] or allowed[-1:]
     return below[-1], above[0]
+
+
+# -- Richardson extrapolation: the error estimate from two grids, for a second-order method ---------------------------
+
+
+class Extrapolation(NamedTuple):
+    """A value on the finest grid, an estimate of its error there, and the value extrapolated to zero spacing."""
+
+    value: float
+    error: float
+    extrapolated: float
+
+
+def extrapolate(coarse: float, fine: float) -> Extrapolation:
+    """Extrapolation from a grid and the grid with half its spacing; the error is proportional to spacing squared."""
+    step = (fine - coarse) / 3
+    return Extrapolation(fine, abs(step), fine + step)
+
+
+def expected(values: Sequence[float]) -> float:
+    """The expected value on the next finer grid, from the values so far (coarsest first): the change falls fourfold."""
+    *earlier, last = values[-2:]
+    return last + sum(last - e for e in earlier) / 4

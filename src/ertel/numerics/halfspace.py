@@ -14,8 +14,8 @@ import numpy as np
 from jax import Array, lax
 from numpy.typing import NDArray
 
-from ertel.numerics.grid import WHOLE, Even, Grid
-from ertel.numerics.precision import require_double
+from ertel.numerics.arrays import require_double
+from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 
 
 def love_coefficients(rows: int, columns: int, spacing: float) -> NDArray[np.float64]:
@@ -55,7 +55,7 @@ def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Arr
 
 
 @partial(jax.jit, static_argnames="even")  # one tracing for each shape
-def displacement(kernel: Array, P: Array, even: Even = WHOLE) -> Array:
+def displacement(kernel: Array, P: Array, even: Symmetry = NO_SYMMETRY) -> Array:
     """Normal displacement under the pressure P, both on the same nodes; P = 0 on the edge.
 
     Only rows with data are transformed along X, and only rows of the result are transformed back.  kernel: from

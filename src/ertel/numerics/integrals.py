@@ -14,7 +14,7 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.numerics.bdf import derivative_weights
-from ertel.numerics.grid import Even, Grid
+from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.stencils import Pair
 
 SLOPE = (11 / 6, -3.0, 3 / 2, -1 / 3)  # weights of the nodes from the edge inwards for the slope towards the edge
@@ -56,7 +56,7 @@ class Plane:
     wx: Array
     wy: Array
     spacing: float
-    even: Even = field(metadata={"static": True})
+    even: Symmetry = field(metadata={"static": True})
 
     @classmethod
     def of(cls, grid: Grid) -> "Plane":

@@ -22,10 +22,9 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.numerics import multigrid, tridiagonal
-from ertel.numerics.grid import WHOLE, Even
+from ertel.numerics.grid import NO_SYMMETRY, Symmetry
 from ertel.numerics.multigrid import Coefficients, Elasticity
-from ertel.numerics.stencils import face_sum, largest_around
-from ertel.numerics.symmetry import extended
+from ertel.numerics.stencils import extended, face_sum, largest_around
 from ertel.numerics.tridiagonal import Factors
 
 JACOBI_DAMPING = 0.5  # both are smaller than in the point smoother, for the second-order wedge and pressure spikes
@@ -50,7 +49,7 @@ class LineSmoother:
     rate: Array
     drift_over_spacing: Array
     phase: Array
-    even: Even = field(default=WHOLE, metadata={"static": True})
+    even: Symmetry = field(default=NO_SYMMETRY, metadata={"static": True})
     sweeps: int = field(default=2, metadata={"static": True})  # one damped sweep is not enough
 
     def balance(self, mass: Array) -> Array:

@@ -26,9 +26,8 @@ from jax.tree_util import register_dataclass
 from jax.typing import DTypeLike
 
 from ertel.numerics import halfspace
-from ertel.numerics.grid import WHOLE, Even, Grid
-from ertel.numerics.stencils import Pair, diffusion, face_sum
-from ertel.numerics.symmetry import extended
+from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
+from ertel.numerics.stencils import Pair, diffusion, extended, face_sum
 
 JACOBI_DAMPING = 0.8
 DISTRIBUTIVE_DAMPING = 0.7
@@ -44,13 +43,13 @@ SHORT_WAVES, LONG_WAVES = 0.3, 0.03
 class Elasticity:
     """The deformation operator on one grid: its spectrum, spacing, and coefficients of the nearest nodes, [Y, X].
 
-    even: the axes about which fields are even and stored on one side (`symmetry`).
+    even: the axes about which fields are even and stored on one side (`stencils`).
     """
 
     spectrum: Array
     spacing: Array
     near: Array
-    even: Even = field(default=WHOLE, metadata={"static": True})
+    even: Symmetry = field(default=NO_SYMMETRY, metadata={"static": True})
 
     def displacement(self, e: Array) -> Array:
         return halfspace.displacement(self.spectrum, e, self.even)
@@ -97,7 +96,7 @@ class PointSmoother:
     jacobi: Array
     distributive: Array
     by_spread: Array
-    even: Even = field(default=WHOLE, metadata={"static": True})
+    even: Symmetry = field(default=NO_SYMMETRY, metadata={"static": True})
     sweeps: int = field(default=1, metadata={"static": True})
 
     def balance(self, mass: Array) -> Array:
@@ -258,21 +257,21 @@ def _inverse(level: GridLevel) -> Array:
     return jnp.linalg.inv(matrix.astype(jnp.promote_types(matrix.dtype, "float64"))).astype(matrix.dtype)
 
 
-def spread(d: Array, receives: Array | float = 1.0, even: Even = WHOLE) -> Array:
+def spread(d: Array, receives: Array | float = 1.0, even: Symmetry = NO_SYMMETRY) -> Array:
     """The distributive change: d at the node, -d/4 at each of its four neighbours that receives (1, others 0)."""
     p = extended(d, even)
     return d - 0.25 * receives * ((p[:-2, 1:-1] + p[2:, 1:-1]) + (p[1:-1, :-2] + p[1:-1, 2:]))
 
 
 @partial(jax.jit, static_argnames=("even", "beyond"))  # one tracing for each shape
-def restrict(fine: Array, even: Even = WHOLE, beyond: str = "constant") -> Array:
+def restrict(fine: Array, even: Symmetry = NO_SYMMETRY, beyond: str = "constant") -> Array:
     """Full weighting to every second node; beyond the edge the field is zero ("constant") or constant ("edge")."""
     p = extended(fine, even, beyond)
     in_y = 0.25 * (p[:-2:2] + 2.0 * p[1:-1:2] + p[2::2])
     return 0.25 * (in_y[:, :-2:2] + 2.0 * in_y[:, 1:-1:2] + in_y[:, 2::2])
 
 
-def lowest_mean(field: Array, even: Even, grids: int) -> Array:
+def lowest_mean(field: Array, even: Symmetry, grids: int) -> Array:
     """The least of a field's mean values around each node, on this grid and on so many coarser ones."""
     if grids == 0:
         return field

@@ -6,7 +6,7 @@ G = r^2/2,
     P = lambda_bar (V/4 - U X/5) / H^2
 
 solves Reynolds' equation for surfaces that approach with V and entrain with U; where it is below zero, oil cavitates.
-For an ellipse only the numbers 4 and 5 differ (`geometry.Ellipse.far_flow`).
+For an ellipse only the numbers 4 and 5 differ (`geometry.Geometry.far_flow`).
 """
 
 from typing import NamedTuple
@@ -22,8 +22,8 @@ NEAREST = 2.0  # distance from which the formulas hold, in units of the dry cont
 SHARE_OF_DEFORMATION = 8.0 / 5.0  # weight of a rate of H that falls as 1/r: 1/H^3 against r/(2 H^3), H = r^2/2
 
 
-class Motion(NamedTuple):
-    """What the oil far away knows of a contact: Delta, V = dDelta/dT, the load in units F*, and U."""
+class ContactMotion(NamedTuple):
+    """Delta, V = dDelta/dT, the load in units F*, and U: all of a contact that matters to the oil far away."""
 
     approach: float
     velocity: float
@@ -31,14 +31,14 @@ class Motion(NamedTuple):
     entrainment: float
 
 
-def film_thickness(X: Floats, Y: Floats, motion: Motion, geometry: Geometry = CIRCLE) -> Floats:
+def far_film(X: Floats, Y: Floats, motion: ContactMotion, geometry: Geometry = CIRCLE) -> Floats:
     """H at a distance: the parabola, and the deformation by the load as a point force."""
     force = geometry.compliance * geometry.hertz_load * motion.load
     film: Floats = geometry.gap(X, Y) - motion.approach + force / np.hypot(X, Y)
     return film
 
 
-def squeeze(r: Floats, motion: Motion, geometry: Geometry = CIRCLE) -> Floats:
+def squeeze(r: Floats, motion: ContactMotion, geometry: Geometry = CIRCLE) -> Floats:
     """The speed of approach that acts at a distance: V less the rate of the deformation there, weighted.
 
     The deformation is that of a dry contact at this Delta: its load, proportional to Delta^(3/2), as a point force.
@@ -50,17 +50,19 @@ def squeeze(r: Floats, motion: Motion, geometry: Geometry = CIRCLE) -> Floats:
     return acting
 
 
-def pressure(X: Floats, Y: Floats, motion: Motion, lambda_bar: float, geometry: Geometry = CIRCLE) -> Floats:
+def far_pressure(X: Floats, Y: Floats, motion: ContactMotion, lambda_bar: float, geometry: Geometry = CIRCLE) -> Floats:
     """P at a distance of `NEAREST` or more; X and Y broadcast.
 
     Against impacts and rolling contacts on wide grids, M = 10 to 1000: within 6 % at a distance of 2, 3 % at 4.5.
     """
     flow = geometry.far_flow(squeeze(np.hypot(X, Y), motion, geometry), motion.entrainment, X, Y)
-    P: Floats = np.maximum(lambda_bar * flow / film_thickness(X, Y, motion, geometry) ** 2, 0.0)
+    P: Floats = np.maximum(lambda_bar * flow / far_film(X, Y, motion, geometry) ** 2, 0.0)
     return P
 
 
-def at_first(X: Floats, Y: Floats, motion: Motion, lambda_bar: float, geometry: Geometry = CIRCLE) -> Floats:
+def rigid_pressure(
+    X: Floats, Y: Floats, motion: ContactMotion, lambda_bar: float, geometry: Geometry = CIRCLE
+) -> Floats:
     """P everywhere while the surfaces are apart and rigid; below a film sqrt(lambda_bar) they would give way."""
     film = geometry.gap(X, Y) - motion.approach
     flow = geometry.far_flow(motion.velocity, motion.entrainment, X, Y)

@@ -22,9 +22,9 @@ with the radius R under the load F.  `films` gives all in the scales of the cont
 from math import cbrt, cos, exp, log, pi, radians, sin, sqrt
 from typing import NamedTuple
 
-from ertel.physics.checks import require_not_negative, require_positive
-from ertel.physics.ellipse import hertz_ellipse
+from ertel.physics.geometry import hertz_ellipse
 from ertel.physics.scales import HamrockDowson, Parameters
+from ertel.physics.units import require_not_negative, require_positive
 
 BALL = 1.03  # ellipticity of a ball by Hamrock and Dowson's fit k = 1.03 (Ry/Rx)^0.64; the exact value is 1
 CLOSE = 0.1  # an asymptote holds if it is within this relative distance of the Nijenbanning-Venner-Moes formula

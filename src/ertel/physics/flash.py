@@ -15,8 +15,8 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.physics.checks import require_positive
 from ertel.physics.thermal import Solid
+from ertel.physics.units import require_positive
 
 Real = NDArray[np.float64]
 SLOWEST = 5.0  # Peclet number below which heat that flows along the surface counts

@@ -29,9 +29,7 @@ Whether the oils of rolling contacts follow Eyring's or Carreau's law is dispute
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Protocol
 
-import numpy as np
-
-from ertel.physics.registry import FLUIDITY_LAWS
+from ertel.physics.registry import FLUIDITY_LAWS, arrays_of
 from ertel.physics.units import ABOVE_ZERO, SHARE, STRESS, Bounds, Meaning
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
@@ -58,7 +56,7 @@ class NewtonianOil:
     reference: ClassVar[str] = "constant fluidity"
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
-        return _of_arrays(stress).ones_like(stress)
+        return arrays_of(stress).ones_like(stress)
 
     def stress(self, rate: Array, pressure: Array) -> Array:
         return rate
@@ -82,13 +80,13 @@ class ReeEyring:
     )
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
-        xp = _of_arrays(stress)
+        xp = arrays_of(stress)
         x = xp.clip(stress / self.tau0, ALMOST_ZERO, LARGEST_EXPONENT)
         growth = xp.expm1(x)
         return 0.5 * (growth + growth / (1.0 + growth)) / x  # sinh(x)/x with one exponential
 
     def stress(self, rate: Array, pressure: Array) -> Array:
-        return self.tau0 * _of_arrays(rate).asinh(rate / self.tau0)
+        return self.tau0 * arrays_of(rate).asinh(rate / self.tau0)
 
 
 @FLUIDITY_LAWS.register("carreau")
@@ -108,12 +106,12 @@ class Carreau:
     )
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
-        xp = _of_arrays(stress)  # the derivative of this form needs no second power
+        xp = arrays_of(stress)  # the derivative of this form needs no second power
         return xp.exp(0.5 * (1.0 / self.n - 1.0) * xp.log(1.0 + (stress / self.G) ** 2))
 
     def stress(self, rate: Array, pressure: Array) -> Array:
         """The form in the shear rate."""
-        xp = _of_arrays(rate)
+        xp = arrays_of(rate)
         return rate * xp.exp(0.5 * (self.n - 1.0) * xp.log(1.0 + (rate / self.G) ** 2))
 
 
@@ -131,13 +129,13 @@ class CarreauYasuda:
     )
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
-        xp = _of_arrays(stress)
+        xp = arrays_of(stress)
         power = xp.exp(self.a * xp.log(xp.maximum(stress / self.G, ALMOST_ZERO)))
         return xp.exp((1.0 / self.n - 1.0) / self.a * xp.log(1.0 + power))
 
     def stress(self, rate: Array, pressure: Array) -> Array:
         """The form in the shear rate."""
-        x = _of_arrays(rate).maximum(rate / self.G, ALMOST_ZERO)
+        x = arrays_of(rate).maximum(rate / self.G, ALMOST_ZERO)
         return rate * (1.0 + x**self.a) ** ((self.n - 1.0) / self.a)
 
 
@@ -158,7 +156,7 @@ class Limited:
     pressure gradient drives the stress at a wall to the limit, no stress in the middle carries the sliding (the film
     moves as a plug).  Therefore the law goes on above u1 as an exponential with the same value, slope and curvature.
     There the stress rises by sharpness * tau_L while the shear rate rises by a factor of e.  What rises above tau_L
-    makes the flux have a solution; friction does not count it (`carried`).
+    makes the flux have a solution; friction does not count it (`limited_stress`).
 
     base: the law without a limit.  Lambda: dtau_L/dp, 0.03 to 0.1 for most oils.  ambient: tau_L at ambient
     pressure, without which an oil could carry no stress at the edges of the film; 4 MPa is of a PAO.  sharpness: width
@@ -177,10 +175,10 @@ class Limited:
 
     def limit(self, pressure: Array) -> Array:
         """tau_L in Pa; pressures below ambient count as ambient."""
-        return self.ambient + self.Lambda * _of_arrays(pressure).maximum(pressure, 0.0)
+        return self.ambient + self.Lambda * arrays_of(pressure).maximum(pressure, 0.0)
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
-        xp = _of_arrays(stress)
+        xp = arrays_of(stress)
         end, growth = self._end(xp)
         u = xp.clip(stress / self.limit(pressure), ALMOST_ZERO, end + LARGEST_EXPONENT / growth)
         below = xp.minimum(u, end)
@@ -190,7 +188,7 @@ class Limited:
 
     def stress(self, rate: Array, pressure: Array) -> Array:
         """The smaller of the law's stress and of a limited Newtonian oil's, with a smooth passage."""
-        xp = _of_arrays(rate)
+        xp = arrays_of(rate)
         limit, (end, growth) = self.limit(pressure), self._end(xp)
         y = rate / limit
         above = xp.maximum(y - xp.atanh(end), 0.0)
@@ -205,12 +203,7 @@ class Limited:
         return end, 2.0 * end / (1.0 - end**2)
 
 
-def _of_arrays(values: Array) -> Any:
-    """The namespace of an array's own functions: NumPy's or JAX's."""
-    return values.__array_namespace__() if hasattr(values, "__array_namespace__") else np
-
-
-def carried(law: Fluidity, stress: Array, pressure: Array) -> Array:
+def limited_stress(law: Fluidity, stress: Array, pressure: Array) -> Array:
     """The stress that friction counts: not more than the limiting shear stress, where the law has one.
 
     stress: shape (2, ...), pressure: shape (...), both in Pa.
@@ -220,7 +213,7 @@ def carried(law: Fluidity, stress: Array, pressure: Array) -> Array:
 
 def cut_off(stress: Array, limit: Array) -> Array:
     """The stress vector, shape (2, ...), with its length cut off at a limit above zero, shape (...)."""
-    xp = _of_arrays(stress)
+    xp = arrays_of(stress)
     square = stress[0] ** 2 + stress[1] ** 2
     above = square > limit**2
     # a root of zero has no derivative

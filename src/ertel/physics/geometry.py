@@ -1,119 +1,106 @@
 """The geometry of two touching bodies: their undeformed gap and the dimensionless constants of the dry Hertz contact.
 
-A geometry is a record with the fields and methods of `Geometry`.  It is the model's only source of them.  Everything
-is dimensionless: lengths along the surface in a, displacement and approach in a^2/R, pressure in p_h.  X points along
-the direction of entrainment, Y across it.  For an ellipse, a is its half width b along the first principal axis and R
-is the reduced radius R_x along that axis (`ellipse`).
+The bodies have the reduced radii R_x and R_y along the principal axes x and y, and D = R_x/R_y.  The dry contact is an
+ellipse with the half width b along x and b/kappa along y; for a circle D = kappa = 1.  Everything is dimensionless:
+lengths along the surface in a = b, displacement and approach in a^2/R with R = R_x, pressure in p_h.  X points along
+the direction of entrainment, Y across it.  This module is the only source of these constants.
+
+E and F are the complete elliptic integrals of second and first kind with the modulus squared 1 - kappa^2.  They are
+computed in Carlson's symmetric form, which holds on both sides of the circle.
+
+Source: Johnson KL. Contact Mechanics. Cambridge 1985, section 4.2.  Scaling by b: Biboulet N, Houpert L. Proc IMechE J
+2010;224:777-787.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
-from math import cos, hypot, pi, radians, sin
-from typing import Any, Protocol
-
-from ertel.physics.ellipse import HertzEllipse, hertz_ellipse
+from functools import cached_property, lru_cache
+from math import cos, exp, hypot, log, pi, radians, sin
+from typing import Any
 
 Array = Any  # a NumPy or JAX array
 RIGHT = 90.0  # degrees: an angle of whole multiples of it is along a principal axis
+LEAST_RATIO, LARGEST_RATIO = 1 / 100, 100.0  # of the radii; beyond, the contact is a line in all but name
 
-HERTZ_LOAD = 2.0 * pi / 3.0  # double integral of sqrt(1 - r^2): the dry load that carries Delta = 1
-COMPLIANCE = 2.0 / pi**2  # factor in eq. (3): the displacement is this times the double integral of P/distance
+HERTZ_LOAD = 2.0 * pi / 3.0  # double integral of sqrt(1 - r^2): the dry load that carries Delta = 1 on a circle
 FREE_BALL_INERTIA = 4.0 / 5.0  # m delta*/(F* t0^2) in the scales of an impact: m v0^2/2 = (2/5) F* delta*
 
 
-class Geometry(Protocol):
-    """Two bodies near their point of contact.
-
-    hertz_load: double integral of the dry pressure under the load F*.  compliance: the displacement is this factor
-    times the double integral of P/distance.  free_inertia: m delta/(F* t0^2) of a free body whose impact has these
-    scales.  even: two values, whether the gap is even in Y and whether it is even in X.  extent: how far the dry
-    contact under F* reaches along X and along Y.  smaller: the smaller half width of that contact.
-    """
-
-    @property
-    def hertz_load(self) -> float: ...
-
-    @property
-    def compliance(self) -> float: ...
-
-    @property
-    def free_inertia(self) -> float: ...
-
-    @property
-    def even(self) -> tuple[bool, bool]: ...
-
-    @property
-    def extent(self) -> tuple[float, float]: ...
-
-    @property
-    def smaller(self) -> float: ...
-
-    def gap(self, X: Array, Y: Array) -> Array:
-        """The gap between the undeformed surfaces when they just touch; X and Y broadcast."""
-        ...
-
-    def dry_pressure(self, load: float, X: Array, Y: Array) -> Array:
-        """Hertz pressure under a load given in units of F*."""
-        ...
-
-    def dry_approach(self, load: float) -> float:
-        """Hertz approach under a load given in units of F*."""
-        ...
-
-    def distance(self, X: Array, Y: Array) -> Array:
-        """Distance from the centre in units of the dry contact's size under F*: one on its edge."""
-        ...
-
-    def far_flow(self, velocity: Array, entrainment: float, X: Array, Y: Array) -> Array:
-        """P H^2/lambda_bar far out, where H is the rigid gap: exact by Reynolds' equation of constant viscosity."""
-        ...
-
-
 @dataclass(frozen=True)
-class Circle:
-    """A ball on a plane, or two bodies with the same reduced radius in all directions."""
+class HertzEllipse:
+    """The constants of a dry elliptical contact, all dimensionless; `hertz_ellipse` makes it.
 
-    hertz_load: float = HERTZ_LOAD
-    compliance: float = COMPLIANCE
-    free_inertia: float = FREE_BALL_INERTIA
-    even: tuple[bool, bool] = (True, True)
-    extent: tuple[float, float] = (1.0, 1.0)
-    smaller: float = 1.0
-
-    def gap(self, X: Array, Y: Array) -> Array:
-        """X^2/2 + Y^2/2."""
-        return X**2 / 2 + Y**2 / 2
-
-    def dry_pressure(self, load: float, X: Array, Y: Array) -> Array:
-        """sqrt(A^2 - r^2) in a circle of radius A = load^(1/3)."""
-        below = self.dry_approach(load) - (X**2 + Y**2)
-        xp = below.__array_namespace__()
-        return xp.sqrt(xp.maximum(below, 0.0))
-
-    def dry_approach(self, load: float) -> float:
-        """A^2."""
-        return float((load ** (1 / 3)) ** 2)
-
-    def distance(self, X: Array, Y: Array) -> Array:
-        """r."""
-        return (X**2 + Y**2) ** 0.5
-
-    def far_flow(self, velocity: Array, entrainment: float, X: Array, Y: Array) -> Array:
-        """V/4 - U X/5."""
-        return velocity / 4 - entrainment * X / 5
-
-
-CIRCLE = Circle()
-
-
-@dataclass(frozen=True)
-class Ellipse:
-    """Two bodies with the reduced radii R_x and R_y along the principal axes x and y.
-
-    radius_ratio: D = R_x/R_y, from 1/100 to 100.  angle: from the axis x to the direction of entrainment, in degrees.
+    radius_ratio: D = R_x/R_y.  kappa: half width along x over half width along y; below one where the contact is wide
+    across x.  E, F: elliptic integrals.
     """
 
     radius_ratio: float
+    kappa: float
+    E: float
+    F: float
+
+    @property
+    def beta(self) -> float:
+        """beta = b E'/(pi p_h R_x), the size of the contact for its pressure: 1 for a circle, 4/pi for a line."""
+        return 4.0 / pi * self.E / (1.0 + self.radius_ratio)
+
+    @property
+    def compliance(self) -> float:
+        """The displacement is this factor times the double integral of P/distance; 2/pi^2 for a circle."""
+        return (1.0 + self.radius_ratio) / (2.0 * pi * self.E)
+
+    @property
+    def approach(self) -> float:
+        """The dry approach in units b^2/R_x; 1 for a circle."""
+        return (1.0 + self.radius_ratio) * self.F / (2.0 * self.E)
+
+    @property
+    def load(self) -> float:
+        """Double integral of the dry pressure; 2 pi/3 for a circle."""
+        return 2.0 * pi / (3.0 * self.kappa)
+
+
+@lru_cache
+def hertz_ellipse(radius_ratio: float) -> HertzEllipse:
+    """The constants for D = R_x/R_y.  Raises ValueError unless 1/100 <= D <= 100.
+
+    Examples
+    --------
+    >>> ellipse = hertz_ellipse(0.2)  # a contact that is wide across x
+    >>> round(ellipse.kappa, 6), round(ellipse.approach, 6)
+    (0.345999, 1.335315)
+    """
+    if not LEAST_RATIO <= radius_ratio <= LARGEST_RATIO:
+        raise ValueError(f"radius_ratio = {radius_ratio}: must be from 1/100 to 100 (R_x/R_y)")
+    if radius_ratio == 1.0:
+        return HertzEllipse(1.0, 1.0, pi / 2, pi / 2)
+    # SciPy is imported here, because circular contacts do not need it and its import is slow
+    from scipy.optimize import brentq
+    from scipy.special import elliprf, elliprg
+
+    # the root lies between the circle and kappa = D, on either side
+    end = log(radius_ratio)
+    kappa = exp(brentq(lambda s: log(_radius_ratio(exp(s)) / radius_ratio), min(end, 0.0), max(end, 0.0), xtol=1e-15))
+    m = kappa**2
+    return HertzEllipse(radius_ratio, kappa, 2.0 * float(elliprg(0.0, m, 1.0)), float(elliprf(0.0, m, 1.0)))
+
+
+def _radius_ratio(kappa: float) -> float:
+    """D = kappa^2 (F - E)/(E - kappa^2 F), both differences in Carlson's form, so that none is of large numbers."""
+    from scipy.special import elliprd
+
+    m = kappa**2
+    return float(elliprd(0.0, m, 1.0) / elliprd(0.0, 1.0, m))
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Two bodies with the reduced radii R_x and R_y along the principal axes x and y, near their point of contact.
+
+    radius_ratio: D = R_x/R_y, from 1/100 to 100; 1 for a circle.  angle: from the axis x to the direction of
+    entrainment, in degrees.  In the methods X and Y broadcast.
+    """
+
+    radius_ratio: float = 1.0
     angle: float = 0.0
 
     @cached_property
@@ -123,60 +110,66 @@ class Ellipse:
 
     @property
     def hertz_load(self) -> float:
-        """2 pi/(3 kappa)."""
+        """Double integral of the dry pressure under the load F*, 2 pi/(3 kappa)."""
         return self.hertz.load
 
     @property
     def compliance(self) -> float:
-        """(1 + D)/(2 pi E)."""
+        """The displacement is this factor times the double integral of P/distance: (1 + D)/(2 pi E)."""
         return self.hertz.compliance
 
     @property
     def free_inertia(self) -> float:
-        """(4/5) Delta_H, from m v0^2/2 = (2/5) F* delta* with the dry approach delta* = Delta_H b^2/R_x."""
+        """m delta/(F* t0^2) of a free body whose impact has these scales: (4/5) Delta_H.
+
+        It follows from m v0^2/2 = (2/5) F* delta* with the dry approach delta* = Delta_H b^2/R_x.
+        """
         return FREE_BALL_INERTIA * self.hertz.approach
 
     @property
     def even(self) -> tuple[bool, bool]:
-        """Even in both where the entrainment is along a principal axis."""
+        """Whether the gap is even in Y and in X: in both where the entrainment is along a principal axis."""
         along_an_axis = self.angle % RIGHT == 0
         return along_an_axis, along_an_axis
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Half the sides of the rectangle around the ellipse."""
+        """How far the dry contact under F* reaches along X and along Y: half the sides of the rectangle around it."""
         c, s = self._direction
         wide = 1.0 / self.hertz.kappa
         return hypot(c, s * wide), hypot(s, c * wide)
 
     @property
     def smaller(self) -> float:
-        """The smaller half width."""
+        """The smaller half width of the dry contact under F*."""
         return min(1.0, 1.0 / self.hertz.kappa)
 
     def gap(self, X: Array, Y: Array) -> Array:
-        """x^2/2 + D y^2/2."""
+        """The gap between the undeformed surfaces when they just touch, x^2/2 + D y^2/2."""
         x, y = self._axes(X, Y)
         return x**2 / 2 + self.radius_ratio * y**2 / 2
 
     def dry_pressure(self, load: float, X: Array, Y: Array) -> Array:
-        """sqrt(s^2 - x^2 - kappa^2 y^2) with s = load^(1/3)."""
+        """Hertz pressure under a load in units of F*: sqrt(s^2 - x^2 - kappa^2 y^2) with s = load^(1/3)."""
         x, y = self._axes(X, Y)
         below = float(load ** (1 / 3)) ** 2 - (x**2 + (self.hertz.kappa * y) ** 2)
         xp = below.__array_namespace__()
         return xp.sqrt(xp.maximum(below, 0.0))
 
     def dry_approach(self, load: float) -> float:
-        """Delta_H s^2."""
+        """Hertz approach under a load in units of F*: Delta_H s^2 with s = load^(1/3)."""
         return self.hertz.approach * float((load ** (1 / 3)) ** 2)
 
     def distance(self, X: Array, Y: Array) -> Array:
-        """sqrt(x^2 + kappa^2 y^2)."""
+        """Distance from the centre, one on the edge of the dry contact under F*: sqrt(x^2 + kappa^2 y^2)."""
         x, y = self._axes(X, Y)
         return (x**2 + (self.hertz.kappa * y) ** 2) ** 0.5
 
     def far_flow(self, velocity: Array, entrainment: float, X: Array, Y: Array) -> Array:
-        """V/(2 (1 + D)) - U cos(angle) x/(3 + 2 D) - U sin(angle) D y/(2 + 3 D)."""
+        """P H^2/lambda_bar far out, where H is the rigid gap: exact by Reynolds' equation of constant viscosity.
+
+        V/(2 (1 + D)) - U cos(angle) x/(3 + 2 D) - U sin(angle) D y/(2 + 3 D); V/4 - U X/5 for a circle.
+        """
         (x, y), (c, s), D = self._axes(X, Y), self._direction, self.radius_ratio
         along = c * x / (3 + 2 * D) + s * D * y / (2 + 3 * D)
         return velocity / (2 * (1 + D)) - entrainment * along
@@ -193,6 +186,9 @@ class Ellipse:
         return exact.get(self.angle % 360.0) or (cos(radians(self.angle)), sin(radians(self.angle)))
 
 
+CIRCLE = Geometry()
+
+
 def geometry(radius_ratio: float = 1.0, angle: float = 0.0) -> Geometry:
-    """The geometry for R_x/R_y and the angle of entrainment (degrees): a circle, or an ellipse."""
-    return CIRCLE if radius_ratio == 1.0 else Ellipse(radius_ratio, angle)
+    """The geometry for R_x/R_y and the angle of entrainment (degrees); `CIRCLE`, whose angle has no meaning, for 1."""
+    return CIRCLE if radius_ratio == 1.0 else Geometry(radius_ratio, angle)

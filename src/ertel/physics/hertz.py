@@ -18,7 +18,7 @@ from math import gamma, pi, sqrt
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ertel.physics.checks import require_positive
+from ertel.physics.units import require_positive
 
 Values = NDArray[np.float64]
 

@@ -10,8 +10,14 @@ from typing import Annotated, ClassVar, Generic, TypeVar
 
 from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
-from ertel.physics.pressure_rules import Ambient, PressureLaws, PressureRule
-from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, ViscosityOfTemperature
+from ertel.physics.temperature_laws import (
+    ZERO_CELSIUS,
+    Ambient,
+    Expansion,
+    PressureLaws,
+    PressureRule,
+    ViscosityOfTemperature,
+)
 from ertel.physics.units import ABOVE_ZERO, CONDUCTIVITY, HEAT_CAPACITY
 
 Data = TypeVar("Data", covariant=True)

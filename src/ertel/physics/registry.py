@@ -12,7 +12,9 @@ record.
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
-from typing import TypeVar
+from typing import Any, TypeVar
+
+import numpy as np
 
 Record = TypeVar("Record", bound=type)
 
@@ -77,3 +79,8 @@ VISCOSITY_LAWS = Registry("viscosity law", "ertel.viscosity_laws")
 DENSITY_LAWS = Registry("density law", "ertel.density_laws")
 FLUIDITY_LAWS = Registry("fluidity law", "ertel.fluidity_laws")
 SHAPES = Registry("shape", "ertel.shapes")
+
+
+def arrays_of(values: Any) -> Any:
+    """The namespace of an array's own functions, for laws that take arrays of NumPy and of JAX."""
+    return values.__array_namespace__() if hasattr(values, "__array_namespace__") else np

@@ -11,8 +11,8 @@ E_prime (E')            reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
 R                       reduced radius, 1/R = 1/R1 + 1/R2; of an ellipse R_x, that along its axis x
 a, p_h, delta*, F*      Hertz contact radius, pressure, approach and load: at the maximum of the dry impact (impact),
                         under the static load (rolling); F = (2/3) E' sqrt(R) delta^{3/2}, a^2 = R delta,
-                        p_h = E' a/(pi R); of an ellipse a is the half width b along x, see `ellipse`
-D, kappa, beta          of an ellipse: R_x/R_y, and the constants that follow from it (`ellipse.HertzEllipse`)
+                        p_h = E' a/(pi R); of an ellipse a is the half width b along x, see `geometry`
+D, kappa, beta          of an ellipse: R_x/R_y, and the constants that follow from it (`geometry.HertzEllipse`)
 U, G, W                 Hamrock and Dowson's speed, material and load parameters; U uses the mean speed u_m
 M, L                    Moes' load and lubricant parameters; 2U is the speed parameter of the sum of the speeds
 M_BH, L_BH              those of Biboulet and Houpert (2010), M beta^{1/4} kappa and L beta^{-3/4}: with them every
@@ -26,9 +26,8 @@ from dataclasses import astuple, dataclass, fields
 from math import cbrt, inf, pi, sqrt
 from typing import NamedTuple
 
-from ertel.physics.checks import require_not_negative, require_positive
-from ertel.physics.ellipse import HertzEllipse, hertz_ellipse
-from ertel.physics.geometry import FREE_BALL_INERTIA
+from ertel.physics.geometry import FREE_BALL_INERTIA, HertzEllipse, hertz_ellipse
+from ertel.physics.units import require_not_negative, require_positive
 
 ISOVISCOUS_FILM = 0.3135  # H_c / sqrt(lambda_bar) at the maximum of an isoviscous impact (computed)
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from math import inf, log, sqrt
 from typing import Annotated, Any, Literal, NamedTuple
 
-from ertel.physics.checks import require_not_negative, require_positive
-from ertel.physics.pressure_laws import arrays_of
-from ertel.physics.units import CONDUCTIVITY, DENSITY, HEAT_CAPACITY
+from ertel.physics.registry import arrays_of
+from ertel.physics.units import CONDUCTIVITY, DENSITY, HEAT_CAPACITY, require_not_negative, require_positive
 
 
 @dataclass(frozen=True)

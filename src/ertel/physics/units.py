@@ -196,3 +196,15 @@ def _part(hint: Any, kind: Any) -> Any:
     if get_origin(hint) is Annotated:
         return next((part for part in get_args(hint)[1:] if isinstance(part, kind)), None)
     return None
+
+
+def require_positive(name: str, value: float) -> None:
+    """Raise ValueError unless value is finite and above zero."""
+    if not (isfinite(value) and value > 0):
+        raise ValueError(f"{name} = {value}: must be finite and above zero")
+
+
+def require_not_negative(name: str, value: float) -> None:
+    """Raise ValueError unless value is finite and not below zero."""
+    if not (isfinite(value) and value >= 0):
+        raise ValueError(f"{name} = {value}: must be finite and not below zero")

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from ertel.numerics.richardson import Extrapolation, extrapolate
+from ertel.numerics.grid import Extrapolation, extrapolate
 from ertel.plots import stored
 from ertel.plots.drawing import (
     BLUE,

@@ -12,7 +12,7 @@ from ertel.case.height_map import HeightMap
 from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as of_ratio
-from ertel.results.height_maps import maps_of
+from ertel.results.dataset import maps_of
 
 
 def _case_of(dataset: xr.Dataset) -> Case:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.physics.ellipse import hertz_ellipse
+from ertel.physics.geometry import hertz_ellipse
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -27,15 +27,15 @@ from ertel.case.status import Status
 from ertel.equations import discretise
 from ertel.equations.pytrees import traceable, traceable_law
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, written
-from ertel.numerics.precision import double_precision, require_double
+from ertel.numerics.arrays import double_precision, require_double
 from ertel.results.result import Result
-from ertel.runs.courses import METHODS, course_of
-from ertel.runs.drive import Gathering
+from ertel.runs.courses import METHODS, TransientRun, method_of
+from ertel.runs.drive import Recorder
 from ertel.runs.stepping import Step
-from ertel.runs.workers import Failure
+from ertel.runs.workers import Failure, check_fork
 from ertel.solvers.transient import StepProblem, StepSolution, Transient2D, solve_step
 
-Run = Generator[Any, Any, Any]  # yields problems, is sent their solutions, returns its outcome
+Asking = Generator[Any, Any, Any]  # a run that yields problems, is sent their solutions, and returns its outcome
 SolveTogether = Callable[[Sequence[Any], int], Sequence[Any]]  # from problems and the number of lanes to solutions
 ON_THE_PLANE = tuple(name for name, method in METHODS.items() if method is Transient2D)  # one compiled step for all
 SHRINKAGE = 4  # a batch becomes smaller, which costs a compilation, when this factor fewer cases still run
@@ -54,22 +54,23 @@ def simulate_batch(
         raise ConfigError(f"cases = {written(cases)}: must be a sequence of cases")
     found = [as_case(case, f"cases[{number}]") for number, case in enumerate(cases)]
     check_alike(found)
-    runs = [_run(case, partial(on_step, number)) for number, case in enumerate(found)]
+    check_fork()
+    runs = [_asking(case, partial(on_step, number)) for number, case in enumerate(found)]
     return run_together(runs, solve_together)
 
 
-def _run(case: Case, on_step: Callable[[Step], object]) -> Generator[StepProblem, StepSolution, Result]:
+def _asking(case: Case, on_step: Callable[[Step], object]) -> Generator[StepProblem, StepSolution, Result]:
     """The loop of `drive.drive` over a run in memory; the caller solves its problems."""
-    course = course_of(case)
-    gathering, step = Gathering(course), course.begin()
+    run = TransientRun(case, method_of(case))
+    recorder, step = Recorder(run), run.begin()
     while step.status is Status.RUNNING:
-        step = yield from course.following(step)
-        gathering(step)
+        step = yield from run.attempts(step)
+        recorder(step)
         on_step(step)
-    return gathering.result(step)
+    return recorder.result(step)
 
 
-def run_together(runs: Sequence[Run], solve: SolveTogether) -> list[Any]:
+def run_together(runs: Sequence[Asking], solve: SolveTogether) -> list[Any]:
     """What the runs return, in their order; a `Failure` for each that raised, and for all that a failed solve left.
 
     solve(problems, lanes) solves the problems of all runs that have not ended, at most `lanes`.

@@ -42,7 +42,7 @@ from distributed import (
 from distributed.comm.core import FatalCommClosedError
 from distributed.utils import json_load_robust, silence_logging_cmgr
 
-from ertel.inputs.messages import ConfigError
+from ertel.case.records import ConfigError
 from ertel.runs.compile import ENTRY_WARNINGS, chosen_cache
 from ertel.runs.workers import Condition, Failure, Task, cores, never
 from ertel.version import own_sources
@@ -289,7 +289,7 @@ def performed(function: Callable[..., Any], arguments: tuple[Any, ...], sources:
     """The outcome of a task, on a worker.  Errors of the system are raised, so that the task is tried again."""
     if own_sources() != sources:
         return Failure("the worker has another version of ertel; install the same one everywhere")
-    from ertel.numerics.precision import double_precision  # imports JAX, which reads SETTINGS
+    from ertel.numerics.arrays import double_precision  # imports JAX, which reads SETTINGS
 
     try:
         with double_precision():

@@ -1,14 +1,17 @@
-"""JAX compilations: counts, cache on disk, and a check for versions that give wrong results."""
+"""JAX: a check for versions that compute wrongly, its devices, its compilations counted, and its cache on disk.
+
+The only module that changes JAX's configuration.  JAX is imported inside the functions, so that its version can be
+read and judged without it.
+"""
 
 import hashlib
 import os
 import platform
-import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache as once
-from importlib import import_module
+from glob import escape
 from importlib.metadata import entry_points, version
 from importlib.util import find_spec
 from itertools import takewhile
@@ -19,17 +22,17 @@ from ertel.version import own_sources
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
-
-# JAX is imported inside the functions, so that its version can be read and judged without it.
+    from ertel.runs.exported import ExportedPrograms
 
 EXCLUDED = ("0.10.2", "0.11.0")  # JAX issue 39103
 REQUIREMENT = "jax" + ",".join(f"!={bad}" for bad in EXCLUDED)
 
 QUIET = "TF_CPP_MIN_LOG_LEVEL", "3"  # XLA calls it an error when it loads code that it compiled itself
 ENTRY_WARNINGS = tuple(f"Error {doing} persistent compilation cache entry" for doing in ("reading", "writing"))
+MINIMUM = "jax_persistent_cache_min_compile_time_secs"  # 0: the many small programs add up
 _EVENT = "/jax/core/compile/backend_compile_duration"
 _compiled = 0
-_told = False
+_exports: "ExportedPrograms | None" = None
 
 
 # -- versions that compute wrongly ------------------------------------------------------------------------------------
@@ -47,19 +50,11 @@ def wrong_version(version: str) -> str:
     return f'JAX {version} computes wrongly on the CPU (JAX issue 39103); install another: pip install "{REQUIREMENT}"'
 
 
-def check_jax(tell: Callable[[str], object] | None = None) -> None:
-    """Warn, once per process, if the installed JAX gives wrong results.
-
-    tell: what is called with the sentence; `warnings.warn` by default.
-    """
-    global _told
-    message = wrong_version(version("jaxlib"))
-    if message and not _told:
-        _told = True
-        if tell:
-            tell(message)
-        else:
-            warnings.warn(message, RuntimeWarning, stacklevel=2)
+@once
+def check_jax() -> None:
+    """Warn, once per process, if the installed JAX gives wrong results."""
+    if message := wrong_version(version("jaxlib")):
+        warnings.warn(message, RuntimeWarning, stacklevel=2)
 
 
 # -- devices ----------------------------------------------------------------------------------------------------------
@@ -151,23 +146,29 @@ def cache() -> Path | None:
     if directory is None or not _is_safe(directory):
         return None
     jax.config.update("jax_compilation_cache_dir", str(directory))
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # the many small ones add up
+    jax.config.update(MINIMUM, 0.0)
     compilation_cache.reset_cache()  # JAX looks for a directory once, at the first compilation
     return directory
 
 
 def start_at_once() -> Path | None:
-    """Do as `cache` does, and keep the large programs also so that a process loads them without tracing (`programs`).
+    """Do as `cache` does, and keep the programs also in exported form, which a process loads without tracing.
 
     For commands: in Python, somebody may replace a constant or a function of ertel, which only tracing notices.
     """
-    global _chosen
-    from ertel.numerics import programs
+    global _chosen, _exports
+    import jax
+
+    from ertel.numerics.programs import build_with
+    from ertel.runs.exported import ExportedPrograms
 
     directory, _chosen = cache(), start_at_once
     if directory and "://" not in str(_jax_directory()) and _is_safe(directory / "ertel"):
-        parts = own_sources(), version("jax"), version("jaxlib"), _processor(), os.environ.get("XLA_FLAGS", "")
-        programs.keep(directory / "ertel", hashlib.sha256("\0".join(parts).encode()).hexdigest())
+        if MINIMUM.upper() not in os.environ:
+            jax.config.update(MINIMUM, 0.0)
+        stamp = "\0".join((own_sources(), version("jax"), version("jaxlib")))
+        _exports = ExportedPrograms(directory / "ertel", stamp)
+        build_with(_exports.build)
     return directory
 
 
@@ -179,19 +180,18 @@ def prepare_jax() -> Path | None:
 
 
 @contextmanager
-def jax_prepared(case: "Case") -> Iterator[None]:
+def jax_prepared(case: "Case", tell: Callable[[], object] = lambda: None) -> Iterator[None]:
     """In this block one case is run.  What a steady one needs is loaded, or compiled in a hurry, in the background.
 
-    Raises NoDevice.
+    tell: what is called after the run where programs are then compiled for later ones.  Raises NoDevice.
     """
     prepare_jax()
-    if not case.is_steady:
+    if not case.is_steady or _exports is None:
         yield
         return
-    from ertel.numerics.programs import in_a_hurry
     from ertel.solvers.steady import compile_ahead
 
-    with in_a_hurry():
+    with _exports.in_a_hurry(tell):
         compile_ahead(case)
         yield
 
@@ -250,48 +250,37 @@ def _is_safe(directory: Path) -> bool:
 
 def _open_to_others(directory: Path) -> Iterator[Path]:
     """The directory, the one that it is in, and its files, as far as another user owns them or may write to them."""
-    from ertel.numerics.programs import is_own
-
-    yield from (folder for folder in (directory, directory.parent) if not is_own(folder.stat()))
+    yield from (folder for folder in (directory, directory.parent) if not _is_own(folder))
     closed = not directory.stat().st_mode & 0o077
     for path in directory.iterdir():
         with suppress(FileNotFoundError):  # the draft of another process
-            if not is_own(path.stat(), closed):
+            if not _is_own(path, closed):
                 yield path
+
+
+def _is_own(path: Path, closed: bool = False) -> bool:
+    """Whether a file or directory belongs to this user and nobody else may write to it.
+
+    closed: it lies in a directory that nobody else may enter.
+    """
+    if os.name == "nt":
+        return True
+    info = path.stat()
+    return info.st_uid == os.getuid() and (closed or not info.st_mode & 0o022)
 
 
 # -- entries that cannot be read --------------------------------------------------------------------------------------
 
-ZSTANDARD = b"\x28\xb5\x2f\xfd"  # how such data begin
-
 
 def is_of_cache(message: str) -> bool:
-    """Whether a warning is JAX's about an entry of its cache; entries that are cut short are then deleted.
+    """Whether a warning is JAX's about an entry of its cache.  Entries of this name are deleted if one is damaged.
 
     For commands, which do not pass it on: there may be hundreds.  JAX compiles the program again, and writes it only
     where there is no entry.
     """
-    of_cache = message.startswith(ENTRY_WARNINGS)
-    if of_cache and (directory := _jax_directory()):
-        _delete_cut_short(Path(directory))
-    return of_cache
-
-
-def _delete_cut_short(directory: Path) -> None:
-    """Delete the entries of JAX's cache that cannot be unpacked."""
-    for path in directory.glob("*-cache"):
-        with suppress(OSError):  # a cache that may only be read
-            if not _unpacks(path.read_bytes()):
-                path.unlink(missing_ok=True)
-
-
-def _unpacks(content: bytes) -> bool:
-    """Whether data are whole, packed in one of the ways that JAX uses."""
-    module = "zlib" if content[:4] != ZSTANDARD else "zstandard" if sys.version_info < (3, 14) else "compression.zstd"
-    try:
-        import_module(module).decompress(content)
-    except ImportError:  # whoever wrote it could read it
-        return True
-    except Exception:  # of zlib or zstandard
-        return False
-    return True
+    if message.startswith(ENTRY_WARNINGS[0]) and (directory := _jax_directory()):
+        name = message.split("'")[1]
+        for path in Path(directory).glob(f"{escape(name)}-*-cache"):
+            with suppress(OSError):  # a cache that may only be read
+                path.unlink()
+    return message.startswith(ENTRY_WARNINGS)

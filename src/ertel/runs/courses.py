@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.equations.state import GridSolution, Method, State
-from ertel.numerics.grid import Even, Grid
+from ertel.equations import discretise
+from ertel.equations.state import Method, State, solved
+from ertel.numerics.grid import Grid, Symmetry
 from ertel.results.dataset import assemble, assemble_steady
+from ertel.results.errors import with_error
 from ertel.results.summary import (
     impact_summary,
-    impact_with_error,
     rolling_summary,
-    rolling_with_error,
     steady_summary,
 )
 from ertel.runs import workers
@@ -30,15 +30,16 @@ from ertel.runs.comparisons import comparisons
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
+from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import Transient2D
 
 Arrays = Mapping[str, NDArray[Any]]
 
 
-class Item(Protocol):
-    """One item of a course: an accepted time step, or the solution on a grid.
+class StepResult(Protocol):
+    """One result of a run: an accepted time step, or the solution on a grid.
 
-    record: scalars by name.  frames: the maps that fell due.  status: how the run stands after it.
+    record: scalars by name.  frames: the maps that fell due.  status: of the run after it.
     """
 
     @property
@@ -49,68 +50,61 @@ class Item(Protocol):
     def status(self) -> Status: ...
 
 
-class Course(Protocol):
-    """The course of a run: its items one after the other."""
+class Run(ABC):
+    """A run of a case: one `StepResult` after the other."""
 
     case: Case
-    coordinates: Mapping[str, Any]
 
+    @abstractmethod
     def begin(self) -> Any:
-        """The run before its first item."""
-        ...
+        """The result before the first step, without a record."""
 
-    def following(self, item: Any) -> Generator[Any, Any, Any]:
-        """The next item: yields problems and receives their solutions."""
-        ...
+    @abstractmethod
+    def advance(self, result: Any) -> Any:
+        """The next result."""
 
-    def solve(self, problem: Any) -> Any:
-        """The solution of a problem that `following` yields."""
-        ...
-
-    def fraction(self, item: Any) -> float:
+    @abstractmethod
+    def fraction(self, result: Any) -> float:
         """The approximate fraction of the run that is done, 0 to 1."""
-        ...
 
-    def news(self, item: Any) -> str:
-        """An item as one line of text."""
-        ...
+    @abstractmethod
+    def message(self, result: Any) -> str:
+        """A result as one line of text."""
 
-    def place(self, item: Any) -> dict[str, float | int | None]:
-        """Where the run stands: T, None of a steady contact, and step, the number of time steps or grids."""
-        ...
+    @abstractmethod
+    def position(self, result: Any) -> dict[str, float | int | None]:
+        """T, None of a steady contact, and step, the number of time steps or grids so far."""
 
-    def to_arrays(self, item: Any) -> dict[str, NDArray[Any]]:
-        """Everything that is needed to continue after an item, as named arrays, exact to the last bit."""
-        ...
+    @abstractmethod
+    def to_arrays(self, result: Any) -> dict[str, NDArray[Any]]:
+        """Everything that is needed to continue after a result, as named arrays, exact to the last bit."""
 
+    @abstractmethod
     def from_arrays(self, arrays: Arrays) -> Any:
-        """The item from the arrays of `to_arrays`."""
-        ...
+        """The result from the arrays of `to_arrays`."""
 
+    @abstractmethod
     def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: Any) -> xr.Dataset:
         """The run as a Dataset."""
-        ...
 
+    @abstractmethod
     def summary(self, data: xr.Dataset, last: Any, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         """The outcome of the run as plain data; work: compilations, wall_s."""
-        ...
 
     @property
-    def comparisons(self) -> "Mapping[str, Course]":
-        """The courses with which this one is compared for its error, by the part of the error that they tell."""
-        ...
+    def comparisons(self) -> "Mapping[str, Run]":
+        """The runs with which this one is compared, by the part of its error that they estimate."""
+        return {name: course_of(case) for name, case in comparisons(self.case).items()}
 
     def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         """The summary with the errors estimated from the summaries of the comparisons."""
-        ...
+        return with_error(self.case, fine, others)
 
 
-def course_of(case: Case) -> Course:
-    """The course of a case.  Raises Forked."""
+def course_of(case: Case) -> Run:
+    """The run of a case.  Raises Forked."""
     workers.check_fork()
-    if case.is_steady:
-        return SteadyCourse(case)
-    return (ImpactCourse if case.starts_apart else RollingCourse)(case, method_of(case))
+    return SteadyRun(case) if case.is_steady else TransientRun(case, method_of(case))
 
 
 METHODS: Mapping[str, Callable[[Case], Method]] = {"2d": Transient2D, "transient": Transient2D, "radial": RadialImpact}
@@ -127,45 +121,45 @@ NUMBERS = ("T", "approach", "velocity", "load", "outside")  # of a State, beside
 REACHED = "max_approach_"
 
 
-class TransientCourse(ABC):
-    """A run in time; the summary differs between impact and rolling."""
+class TransientRun(Run):
+    """An impact, or rolling in time from the steady film."""
 
     def __init__(self, case: Case, method: Method, limits: StepLimits | None = None):
         self.case, self.method, self.limits = case, method, limits or StepLimits()
-        self.coordinates = method.coordinates
 
     def begin(self) -> Step:
         return begin(self.case, self.method, self.limits)
 
-    def following(self, item: Step) -> Generator[Any, Any, Step]:
-        return next_step(self.case, self.method, item.state, self.limits)
+    def advance(self, result: Step) -> Step:
+        return solved(self.attempts(result), self.method.solve)
 
-    def solve(self, problem: Any) -> Any:
-        return self.method.solve(problem)
+    def attempts(self, result: Step) -> Generator[Any, Any, Step]:
+        """The next result: yields the problem of each attempt and is sent its solution, see `simulate_batch`."""
+        return next_step(self.case, self.method, result.state, self.limits)
 
-    def fraction(self, item: Step) -> float:
-        if not item.record:
+    def fraction(self, result: Step) -> float:
+        if not result.record:
             return 0.0
-        if self.case.schedule.until == "max-approach" and item.record["V"] <= 0:
+        if self.case.schedule.until == "max-approach" and result.record["V"] <= 0:
             return 1.0
-        return min(item.record["T"] / self.case.schedule.duration, 1.0)
+        return min(result.record["T"] / self.case.schedule.duration, 1.0)
 
-    def news(self, item: Step) -> str:
-        record, counts = item.record, item.state.counts
+    def message(self, result: Step) -> str:
+        record, counts = result.record, result.state.counts
         work = f"{counts.steps} steps, {counts.newton_iterations} Newton, {counts.krylov_iterations} Krylov"
         return f"T {record['T']:.3f}  Δ {record['Delta']:+.4f}  H_c {record['H_c']:.5f}  {work}"
 
-    def place(self, item: Step) -> dict[str, float | int | None]:
-        return {"T": item.state.levels[0].T, "step": item.state.counts.steps}
+    def position(self, result: Step) -> dict[str, float | int | None]:
+        return {"T": result.state.levels[0].T, "step": result.state.counts.steps}
 
-    def to_arrays(self, item: Step) -> dict[str, NDArray[Any]]:
-        state, levels = item.state, item.state.levels
+    def to_arrays(self, result: Step) -> dict[str, NDArray[Any]]:
+        state, levels = result.state, result.state.levels
         scalars = {"next_step": state.next_step, "next_frame": state.next_frame, **vars(state.counts)}
         reached = {f"{REACHED}{key}": value for key, value in (state.max_approach or {}).items()}
         names = list(levels[0].fields)
         stacks = {name: np.array([getattr(level, name) for level in levels]) for name in NUMBERS}
         stacks |= {name: np.array([level.fields[name] for level in levels]) for name in names}
-        everything = {**scalars, **reached, **stacks, "fields": names, "status": item.status.value}
+        everything = {**scalars, **reached, **stacks, "fields": names, "status": result.status.value}
         return {key: np.asarray(value) for key, value in everything.items()}
 
     def from_arrays(self, arrays: Arrays) -> Step:
@@ -182,45 +176,14 @@ class TransientCourse(ABC):
         return Step(state, {}, (), Status(str(arrays["status"])))
 
     def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: Step) -> xr.Dataset:
-        return assemble(self.case, records, frames, self.coordinates)
+        return assemble(self.case, records, frames, self.method.coordinates)
 
     def summary(self, data: xr.Dataset, last: Step, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         counts = {**vars(last.state.counts), **work}
         counts["convolutions"] = round(counts["convolutions"], 1)
-        return self._outcome(data, last, counts, status)
-
-    @abstractmethod
-    def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
-        """The summary, from the counts of all work."""
-
-    @abstractmethod
-    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-        """See `Course`."""
-
-    @property
-    def comparisons(self) -> Mapping[str, Course]:
-        cases = comparisons(self.case).items()
-        return {name: type(self)(case, method_of(case), self.limits) for name, case in cases}
-
-
-class ImpactCourse(TransientCourse):
-    """An impact."""
-
-    def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
-        return impact_summary(self.case, data, last.state.max_approach, counts, status)
-
-    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-        return impact_with_error(fine, others)
-
-
-class RollingCourse(TransientCourse):
-    """Rolling in time, from the steady film."""
-
-    def _outcome(self, data: xr.Dataset, last: Step, counts: Mapping[str, float], status: Status) -> dict[str, Any]:
+        if self.case.starts_apart:
+            return impact_summary(self.case, data, last.state.max_approach, counts, status)
         return rolling_summary(self.case, data, counts, status)
-
-    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-        return rolling_with_error(self.case, fine, others)
 
 
 # -- steady -----------------------------------------------------------------------------------------------------------
@@ -247,53 +210,52 @@ class GridStep:
         return {**s.measure(), **work, "nodes": s.grid.nodes_x, "nodes_y": s.grid.nodes_y}
 
 
-class SteadyCourse:
+class SteadyRun(Run):
     """A steady contact, grid by grid: each solution is the first guess on the next grid."""
 
     def __init__(self, case: Case):
         self.case = case
-        self.coordinates: Mapping[str, Any] = {}
 
     def begin(self) -> GridStep:
         return GridStep((), Status.RUNNING)
 
-    def following(self, item: GridStep) -> Generator[Any, Any, GridStep]:
-        solution = next(steady.nested(self.case, item.solutions))
-        solutions = (*item.solutions, solution)
+    def advance(self, result: GridStep) -> GridStep:
+        solution = next(steady.nested(self.case, result.solutions))
         finest = solution.grid.nodes == self.case.solver.nodes
-        return GridStep(solutions, solution.status if finest else Status.RUNNING)
-        yield  # nothing: a grid is solved as a whole
+        return GridStep((*result.solutions, solution), solution.status if finest else Status.RUNNING)
 
-    def solve(self, problem: Any) -> Any:
-        raise AssertionError("a steady course asks for no step")
+    def fraction(self, result: GridStep) -> float:
+        return (result.record["nodes"] / self.case.solver.nodes) ** 2 if result.solutions else 0.0
 
-    def fraction(self, item: GridStep) -> float:
-        return (item.record["nodes"] / self.case.solver.nodes) ** 2 if item.solutions else 0.0
-
-    def news(self, item: GridStep) -> str:
-        r = item.record
+    def message(self, result: GridStep) -> str:
+        r = result.record
         work = f"{r['newton_iterations']} Newton, {r['krylov_iterations']} Krylov"
         return f"{r['nodes']} x {r['nodes_y']}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
 
-    def place(self, item: GridStep) -> dict[str, float | int | None]:
-        return {"T": None, "step": len(item.solutions)}
+    def position(self, result: GridStep) -> dict[str, float | int | None]:
+        return {"T": None, "step": len(result.solutions)}
 
-    def to_arrays(self, item: GridStep) -> dict[str, NDArray[Any]]:
-        solutions = item.solutions
+    def to_arrays(self, result: GridStep) -> dict[str, NDArray[Any]]:
+        solutions = result.solutions
+        grids = [
+            (s.grid.nodes_x, s.grid.nodes_y, s.grid.spacing, s.grid.centre_x, s.grid.centre_y, *s.grid.even)
+            for s in solutions
+        ]
         arrays = {name: np.array([getattr(s, name) for s in solutions]) for name in COUNTED}
-        arrays["grid"] = np.array([_grid_numbers(s.grid) for s in solutions], dtype=float)
+        arrays["grid"] = np.array(grids, dtype=float)
         arrays["grid_status"] = np.array([s.status.value for s in solutions])
-        arrays["status"] = np.asarray(item.status.value)
+        arrays["status"] = np.asarray(result.status.value)
         for i, s in enumerate(solutions):
             arrays |= {f"{name}_{i}": np.asarray(getattr(s, name)) for name in FIELDS}
         return arrays
 
     def from_arrays(self, arrays: Arrays) -> GridStep:
-        found = []
+        solutions = []
         for i, (nodes_x, nodes_y, spacing, x, y, *even) in enumerate(arrays["grid"].tolist()):
-            found.append(
+            solutions.append(
                 GridSolution(
-                    grid=Grid(int(nodes_x), int(nodes_y), spacing, x, y, Even(*(bool(e) for e in even))),
+                    case=self.case,
+                    grid=Grid(int(nodes_x), int(nodes_y), spacing, x, y, Symmetry(*(bool(e) for e in even))),
                     P=jax.device_put(arrays[f"P_{i}"]),
                     H=jax.device_put(arrays[f"H_{i}"]),
                     status=Status(str(arrays["grid_status"][i])),
@@ -301,21 +263,11 @@ class SteadyCourse:
                     **{name: arrays[name][i].item() for name in COUNTED},
                 )
             )
-        return GridStep(tuple(found), Status(str(arrays["status"])))
+        return GridStep(tuple(solutions), Status(str(arrays["status"])))
 
     def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: GridStep) -> xr.Dataset:
-        return assemble_steady(self.case, last.solutions)
+        grid = last.solutions[-1].grid if last.solutions else discretise.grid_of(self.case)
+        return assemble_steady(self.case, grid, last.solutions)
 
     def summary(self, data: xr.Dataset, last: GridStep, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         return steady_summary(self.case, last.solutions, work, status)
-
-    @property
-    def comparisons(self) -> Mapping[str, Course]:
-        return {name: SteadyCourse(case) for name, case in comparisons(self.case).items()}
-
-    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-        return rolling_with_error(self.case, fine, others)
-
-
-def _grid_numbers(grid: Grid) -> tuple[float, ...]:
-    return (grid.nodes_x, grid.nodes_y, grid.spacing, grid.centre_x, grid.centre_y, *grid.even)

@@ -2,8 +2,8 @@
 
     drive(course_of(case), [observer, ...])
 
-An observer sees every accepted time step, or every grid of a steady contact.  The store, the progress bar and the ear
-for Ctrl-C are observers; one that returns True asks for a stop.
+An observer sees every accepted time step, or every grid of a steady contact.  The store, the progress bar and the
+Ctrl-C handler are observers; one that returns True asks for a stop.
 """
 
 import time as clock
@@ -13,63 +13,59 @@ from dataclasses import replace
 from typing import Any
 
 from ertel.case.status import Status
-from ertel.equations.state import solved
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.numerics.precision import double_precision
-from ertel.results import accessor as accessor  # datasets of runs have .ertel
+from ertel.numerics.arrays import double_precision
 from ertel.results.result import Result
 from ertel.results.summary import attributes
-from ertel.runs import beforehand
-from ertel.runs.beforehand import with_these
 from ertel.runs.compile import check_jax, compilations
-from ertel.runs.courses import Course, Item, course_of
-from ertel.runs.progress import progress_bar
+from ertel.runs.courses import Run, StepResult, course_of
+from ertel.runs.outlook import warnings_of, with_case_warnings
 from ertel.runs.stepping import Frame
 
 Observer = Callable[[Any], object]
 
 
-def drive(course: Course, observers: Sequence[Observer] = (), item: Any = None) -> Any:
-    """Run a course to its end, or until an observer asks for a stop; the last item.
+def drive(run: Run, observers: Sequence[Observer] = (), result: Any = None) -> Any:
+    """Advance a run to its end, or until an observer asks for a stop; the last result.
 
-    item: where the run stands, None for its start.  A run that gives up ends with an item that has the reason as its
-    status and no record.
+    result: from which the run goes on, None for its start.  A run that gives up ends with a result that has the reason
+    as its status and no record.
     """
-    item = course.begin() if item is None else item
-    if item.status is not Status.RUNNING:
-        _show(item, observers)
-    while item.status is Status.RUNNING:
-        item = solved(course.following(item), course.solve)
-        if _show(item, observers) and item.status is Status.RUNNING:
-            return replace(item, status=Status.INTERRUPTED)
-    return item
+    result = run.begin() if result is None else result
+    if result.status is not Status.RUNNING:
+        _show(result, observers)
+    while result.status is Status.RUNNING:
+        result = run.advance(result)
+        if _show(result, observers) and result.status is Status.RUNNING:
+            return replace(result, status=Status.INTERRUPTED)
+    return result
 
 
-def _show(item: Item, observers: Sequence[Observer]) -> bool:
+def _show(result: StepResult, observers: Sequence[Observer]) -> bool:
     """Whether any observer asks for a stop."""
-    return any([observer(item) is True for observer in observers])
+    return any([observer(result) is True for observer in observers])
 
 
-class Gathering:
+class Recorder:
     """An observer that keeps the scalars and the maps of a run in memory."""
 
-    def __init__(self, course: Course):
-        self.course = course
+    def __init__(self, run: Run):
+        self.run = run
         self._started, self._compiled = clock.monotonic(), compilations()
         self.records: list[Mapping[str, float]] = []
         self.frames: list[Frame] = []
 
-    def __call__(self, item: Item) -> None:
-        if item.record:
-            self.records.append(item.record)
-        self.frames.extend(item.frames)
+    def __call__(self, result: StepResult) -> None:
+        if result.record:
+            self.records.append(result.record)
+        self.frames.extend(result.frames)
 
     def result(self, last: Any) -> Result:
-        """The result of the run, from its last item."""
-        data = self.course.dataset(self.records, self.frames, last)
+        """The result of the run, from its last step."""
+        data = self.run.dataset(self.records, self.frames, last)
         work = {"compilations": compilations() - self._compiled, "wall_s": clock.monotonic() - self._started}
-        summary = with_these(self.course.case, self.course.summary(data, last, last.status, work))
-        return Result(self.course.case, data.assign_attrs(attributes(summary)), summary, Status(summary["status"]))
+        summary = with_case_warnings(self.run.case, self.run.summary(data, last, last.status, work))
+        return Result(self.run.case, data.assign_attrs(attributes(summary)), summary, Status(summary["status"]))
 
 
 @double_precision()
@@ -91,17 +87,20 @@ def simulate(case: CaseLike, progress: bool = False, observers: Sequence[Observe
         Its `status` says how the run ended; warnings about grid, domain, oil and inlet are also issued as Python
         warnings, before the run where the case alone tells them.
 
-    Raises ConfigError for anything else than a case, naming the argument or the field.
+    Raises
+    ------
+    ConfigError
+        The case is anything else than a case; the message names the argument or the field.
     """
     case = as_case(case)
-    before = beforehand.warnings_of(case)
+    before = warnings_of(case)
     warn(before)  # of the caller of this function, which is decorated
     check_jax()
-    course = course_of(case)
-    gathering = Gathering(course)
-    with progress_bar(course, progress) as shown:
-        last = drive(course, [gathering, *shown, *observers])
-    result = gathering.result(last)
+    run = course_of(case)
+    recorder = Recorder(run)
+    with bars(progress) as shown:
+        last = drive(run, [recorder, watch(shown, run), *observers])
+    result = recorder.result(last)
     warn([sentence for sentence in result.warnings if sentence not in before])
     return result
 
@@ -110,3 +109,29 @@ def warn(sentences: Sequence[str], frames: int = 2) -> None:
     """Issue sentences about a run as Python warnings of the line so many frames above the caller's."""
     for sentence in sentences:
         warnings.warn(sentence, stacklevel=2 + frames)
+
+
+# -- progress bars ----------------------------------------------------------------------------------------------------
+
+
+def bars(shown: bool) -> Any:
+    """Bars on stderr (a `rich.progress.Progress`); none if stderr is not a terminal or they are not wanted."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    label, news = (TextColumn(text, markup=False) for text in ("{task.description}", "{task.fields[news]}"))
+    hidden = not shown or not (console.is_terminal or console.is_jupyter)
+    return Progress(label, BarColumn(24), news, TimeElapsedColumn(), console=console, disable=hidden)
+
+
+def watch(progress: Any, run: Run, label: str = "") -> Observer:
+    """An observer that shows a run in a new bar."""
+    label = label or run.case.name or run.case.kind
+    bar = progress.add_task(label, total=1.0, news="compiling (once per machine and grid size)")
+
+    def show(result: StepResult) -> None:
+        if result.record:
+            progress.update(bar, completed=run.fraction(result), news=run.message(result))
+
+    return show

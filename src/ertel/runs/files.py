@@ -1,4 +1,4 @@
-"""Files that survive: replaced in one stroke, on the disk when that is counted on, with a checksum, and locked.
+"""Crash-safe files: atomic replacement, fsync, checksum, lock.
 
 A file that is replaced holds the old content or the new one at any moment, never a part of it.  A checksum tells a
 flipped bit, and a file that was cut short, from content.
@@ -44,23 +44,29 @@ class Damaged(StoreError):
         self.path = path
 
 
-# -- replaced in one stroke -------------------------------------------------------------------------------------------
+# -- replaced ---------------------------------------------------------------------------------------------------------
 
 
-def replace(path: Path, content: bytes) -> None:
-    """Replace a file in one stroke, and return when it is on the disk.  Its directory is made if it is not there."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+def replace(path: Path, content: bytes, durable: bool = True) -> None:
+    """Replace a file atomically.
+
+    durable: make its directory if it is not there, and return when the file is on the disk.
+    """
+    if durable:
+        path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(f"{path.name}.partial")
     try:
         with draft.open("wb") as file:
             file.write(content)
             file.flush()
-            _sync(file.fileno())
+            if durable:
+                _sync(file.fileno())
         draft.replace(path)
     except OSError:
         draft.unlink(missing_ok=True)  # a full disk needs its space
         raise
-    sync_directory(path.parent)
+    if durable:
+        sync_directory(path.parent)
 
 
 def sync_directory(directory: Path) -> None:
@@ -121,7 +127,8 @@ def sealed(content: Mapping[str, Any], section: str = "") -> bytes:
     """Plain data as JSON, with their checksum among them or in one of their sections."""
     place = content[section] if section else content
     whole = {**place, CHECKSUM: _checksum(content)}
-    return (_json({**content, section: whole} if section else whole, indent=2) + "\n").encode()
+    complete = {**content, section: whole} if section else whole
+    return (json.dumps(complete, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
 def unsealed(text: bytes, section: str = "") -> dict[str, Any]:
@@ -141,11 +148,7 @@ def unsealed(text: bytes, section: str = "") -> dict[str, Any]:
 
 
 def _checksum(content: Mapping[str, Any]) -> str:
-    return sha256(_json(content).encode()).hexdigest()
-
-
-def _json(content: Mapping[str, Any], indent: int | None = None) -> str:
-    return json.dumps(content, indent=indent, ensure_ascii=False, allow_nan=False)
+    return sha256(json.dumps(content, ensure_ascii=False, allow_nan=False).encode()).hexdigest()
 
 
 @contextmanager
@@ -156,12 +159,8 @@ def reading(path: Path, advice: str) -> Iterator[None]:
     except (OSError, StoreError, MemoryError):
         raise
     except Exception as error:  # of json, numpy, zipfile, zarr, its codecs
-        raise Damaged(path, _one_line(error), advice) from error
-
-
-def _one_line(error: Exception) -> str:
-    said = (str(error).strip() or type(error).__name__).splitlines()[0]
-    return said.split(". ")[0][:200].rstrip(".")
+        line = (str(error).strip() or type(error).__name__).splitlines()[0]
+        raise Damaged(path, line.split(". ")[0][:200].rstrip("."), advice) from error
 
 
 # -- locks ------------------------------------------------------------------------------------------------------------
@@ -185,7 +184,7 @@ def locked(directory: Path) -> Iterator[None]:
         yield
         return
     try:
-        _lock(handle, directory)
+        _hold(handle, directory)
         yield
     finally:
         os.close(handle)
@@ -221,14 +220,14 @@ def _lock_file(directory: Path) -> int | None:
         return _opened(path, os.O_RDWR | os.O_CREAT)  # NFS locks for one process only what is open for writing
     except OSError as error:
         if error.errno in NO_FILE:
-            raise StoreError(f"{path}: is no regular file, so that the run cannot be locked; delete it") from error
+            raise StoreError(f"{path}: is not a regular file, so that the run cannot be locked; delete it") from error
         if error.errno not in FORBIDDEN:
             raise
         refused = error
     try:
         return _opened(path, os.O_RDONLY)  # of another user: enough on a local disk
     except OSError:
-        _warn_of(refused, directory)
+        _warn_unlocked(directory, refused.strerror)
         return None
 
 
@@ -241,33 +240,27 @@ def _opened(path: Path, access: int) -> int:
     raise OSError(errno.EINVAL, "not a regular file", str(path))
 
 
-def _lock(handle: int, directory: Path) -> None:
-    try:
-        _hold(handle)
-    except BlockingIOError as error:
-        raise StoreError(f"{directory}: another process is computing this run") from error
-    except OSError as error:
-        _warn_of(error, directory)
-
-
-def _hold(handle: int) -> None:
-    """Take the lock.  Raises BlockingIOError where another process keeps it for longer than `is_locked` does."""
+def _hold(handle: int, directory: Path) -> None:
+    """Take the lock; warn where there are none.  Raises StoreError where it is kept longer than `is_locked` does."""
     deadline = time.monotonic() + ASKING
     while True:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             return
-        except BlockingIOError:
+        except BlockingIOError as error:
             if time.monotonic() > deadline:
-                raise
+                raise StoreError(f"{directory}: another process is computing this run") from error
+        except OSError as error:
+            _warn_unlocked(directory, error.strerror)
+            return
         time.sleep(ASKING / 10)
 
 
-def _warn_of(error: OSError, directory: Path) -> None:
-    reason = (error.strerror or str(error)).lower()
-    _warn_once(f"{directory}: cannot be locked ({reason}); see to it that no other process computes this run")
-
-
 @cache
-def _warn_once(sentence: str) -> None:
-    warnings.warn(sentence, RuntimeWarning, stacklevel=2)
+def _warn_unlocked(directory: Path, reason: str | None) -> None:
+    warnings.warn(
+        f"{directory}: cannot be locked ({(reason or 'for no known reason').lower()}); make sure that no other process "
+        "is computing this run",
+        RuntimeWarning,
+        stacklevel=2,
+    )

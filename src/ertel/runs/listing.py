@@ -1,21 +1,22 @@
-"""Run directories in a folder, and what each says of its run: read without JAX, so that many are listed at once."""
+"""The run directories in a folder, and the state of each: read without JAX, so that many are listed at once."""
 
 import os
+from collections import deque
 from collections.abc import Iterator, Mapping
 from datetime import datetime
+from math import inf
 from os.path import lexists
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 from ertel.case.case import Case
+from ertel.case.conditions import Kind
 from ertel.case.status import Status
-from ertel.results.numbers import Scalar, as_now, scalars
+from ertel.results.numbers import KEY, Scalar, as_now, scalars, values_of
 from ertel.results.report import lines
-from ertel.runs import progress_file
-from ertel.runs.directories import CASE, read_case
+from ertel.runs.directory import CASE, DATA, PROGRESS, SUMMARY, read_case, read_progress
 from ertel.runs.files import StoreError, content_of, is_locked, reading, unsealed
 
-DATA, SUMMARY = "run.zarr", "summary.json"  # see `store`, which imports JAX
 DEEPEST = 4  # levels of folders that are looked into
 
 
@@ -40,18 +41,25 @@ def listed(folder: Path) -> list[Listed]:
     Raises OSError where the folder cannot be read; a folder below it that cannot be read is left out.
     """
     next(folder.iterdir(), None)
-    return [_listed(directory) for directory in _run_directories(folder, DEEPEST)]
+    return [_listed(directory) for directory in sorted(find_runs(folder))]
 
 
-def _run_directories(folder: Path, levels: int) -> Iterator[Path]:
-    if is_run(folder):
-        yield folder
-    elif levels:
-        for path in folders_in(folder):
-            yield from _run_directories(path, levels - 1)
+def find_runs(folder: Path, most_folders: float = inf) -> Iterator[Path]:
+    """The run directories in a folder and below it, the nearest first; in a large tree not all.
+
+    A run directory is itself one, and is not looked into.
+    """
+    left, looked = deque([(folder, DEEPEST)]), 0
+    while left:
+        path, levels = left.popleft()
+        if is_run(path):
+            yield path
+        elif levels and looked < most_folders:
+            looked += 1
+            left.extend((inside, levels - 1) for inside in _folders_in(path))
 
 
-def folders_in(folder: Path) -> list[Path]:
+def _folders_in(folder: Path) -> list[Path]:
     """The folders in a folder, by name, without hidden ones and symbolic links; none where it cannot be read."""
     try:
         with os.scandir(folder) as entries:
@@ -76,26 +84,34 @@ def summary_in(directory: Path) -> dict[str, Any] | None:
     with reading(path, "it is written again when the run is continued"):
         found = as_now(unsealed(content_of(path)))
         Status(found["status"])
+        if found["kind"] not in get_args(Kind):
+            raise ValueError("it is of no kind of contact")
+        values = values_of(found)
+        if not all(isinstance(values[name], int | float) for name in KEY if name in values):
+            raise ValueError("a value is not a number")
         if not all(isinstance(text, str) for text in (*lines(found), *found["warnings"])):
             raise ValueError("a warning is not a text")
     return found
 
 
+def status_of(directory: Path, summary: Mapping[str, Any] | None) -> str:
+    """The status of a run with this summary; "running", or "unfinished" where no process is computing it."""
+    if summary and Status(summary["status"]).ok:
+        return str(summary["status"])
+    return "running" if is_locked(directory) else summary["status"] if summary else "unfinished"
+
+
 def _listed(directory: Path) -> Listed:
-    written = _written(directory)
+    files = [directory / name for name in (CASE, PROGRESS, SUMMARY)]
+    changed = max((path.lstat().st_mtime for path in files if lexists(path)), default=0.0)
+    written = datetime.fromtimestamp(changed)
     try:
         case, summary = read_case(directory), summary_in(directory)
         with reading(directory / SUMMARY, ""):
             numbers = scalars(summary) if summary else {}
     except (StoreError, OSError):
         return Listed(directory, None, "damaged", 0.0, written, {})
-    if summary and Status(summary["status"]).ok:
-        return Listed(directory, case, summary["status"], 1.0, written, numbers)
-    done = float((progress_file.read(directory) or {}).get("done", 0.0))
-    status = "running" if is_locked(directory) else summary["status"] if summary else "unfinished"
+    status = status_of(directory, summary)
+    progress = read_progress(directory) or {"done": 0.0}
+    done = 1.0 if summary and Status(summary["status"]).ok else float(progress["done"])
     return Listed(directory, case, status, done, written, numbers)
-
-
-def _written(directory: Path) -> datetime:
-    paths = [directory / name for name in (CASE, progress_file.PROGRESS, SUMMARY)]
-    return datetime.fromtimestamp(max((path.lstat().st_mtime for path in paths if lexists(path)), default=0.0))

@@ -1,14 +1,51 @@
-"""What follows from a case before it is run: parameters, films by formulas, grid, memory, time, warnings."""
+"""The outlook of a case before it is run: warnings, grid, memory and time.  It needs no JAX.
 
+Warnings about what is asked of the model beyond its range stand here; those of the grid, the domain and the roughness
+in `results.diagnostics`.
+"""
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from math import isfinite, prod
 from typing import Any
 
 import numpy as np
 
 from ertel.case.case import Case
+from ertel.case.estimates import LARGEST_NEWTONIAN_STRESS, film, largest_pressure, newtonian_stress
 from ertel.case.grids import grid_of, radii
+from ertel.case.sections import Time
+from ertel.inputs import materials
 from ertel.results import diagnostics
+from ertel.results.numbers import numbers
 from ertel.results.parameters import films, parameter_summary, rheology_of
-from ertel.runs import beforehand, duration, memory
+from ertel.results.variables import FIELDS, with_prefix
+from ertel.runs.compile import jax_devices, may_use_accelerator
+
+SMALLEST_FILM = 1e-9  # m: about the size of the oil's molecules
+
+# Time steps and seconds, measured on one to two cores with `benchmarks/steps.py`, `scaling.py` and `time_error.py`,
+# Newtonian oils.  Another machine, a hard case or a busy hour changes them by a factor of three.  Steps: 178 to maximum
+# approach (M = 1000), 259 and 417 to the rebound (M = 100, 1000), 295 while a cavity passes: 52 to 84 for each t0 at a
+# tolerance of 5e-5, 77 in place of 178 at 1e-3.
+STEPS = 75.0  # for each t0, at the default tolerance
+STEPS_POWER = 0.3  # with which the steps grow with 1/tolerance
+STEPS_OF_A_PERIOD = 16.0
+SECONDS_A_STEP = 2e-3, 1e-6  # of a step, and for each node that is kept
+SECONDS_A_RADIAL_STEP = 2e-3, 1.7e-7  # and for each pair of nodes along the radius
+SECONDS_STEADY = 1.3e-5  # for each node that is kept, with the coarser grids
+TIMES_OF_THINNING = 2.0, 6.0  # what a steady film and a step of a shear-thinning oil take, times a Newtonian one
+SECONDS_TO_START = 5.0  # with compiled programs from the cache; some fifteen more where there are none
+
+# bytes = BASE + 8 (ARRAYS * nodes that are computed + maps * nodes of the plane): measured as the peak of the process
+# on 129 to 1025 nodes per side, within 15 % from 257 on.  The compiled program of an impact alone needs 87 arrays of
+# the nodes that are computed (22 of the plane, when a quarter of it is computed), that of steady rolling 115 (57 of
+# the plane): `benchmarks/scaling.py`.
+BASE = 0.55e9  # Python, JAX and the compiler
+ARRAYS, ARRAYS_WITH_STEADY = 150, 210  # a run of rolling contains the steady film
+MATRICES = 80  # radial: dense matrices of nodes x nodes
+EXHAUSTED = "RESOURCE_EXHAUSTED"  # how JAX begins such messages
 
 
 def outlook(case: Case) -> dict[str, Any]:
@@ -22,9 +59,15 @@ def outlook(case: Case) -> dict[str, Any]:
         cells_in_sweep, and spacing_m of a physical case; memory: needed and available bytes, None where that is not
         known; time: steps and seconds, roughly; warnings.
     """
-    said = _resolution_warning(case)
-    there, needed = memory.available(), memory.needed(case)
-    short = memory.shortage(case) if 0 < there < needed else ""
+    there, needed = memory_available(), memory_needed(case)
+    shortage = memory_shortage(case) if 0 < there < needed else ""
+    some = 1e-9 if case.motion.slide_to_roll else 0.0  # of friction it is enough to know whether the surfaces slide
+    said = [
+        shortage,
+        _resolution_warning(case),
+        *warnings_of(case),
+        *diagnostics.friction_warnings(case, some),
+    ]
     return {
         "name": case.name,
         "kind": case.kind,
@@ -35,28 +78,29 @@ def outlook(case: Case) -> dict[str, Any]:
         "films": [film._asdict() for film in films(case, case.motion.load(0.0), case.motion.entrainment(0.0))],
         "grid": _grid(case),
         "memory": {"needed": needed, "available": there or None},
-        "time": {"steps": duration.steps(case), "seconds": duration.seconds(case)},
-        "warnings": [sentence for sentence in (short, said, *_case_warnings(case)) if sentence],
+        "time": {"steps": expected_steps(case), "seconds": expected_seconds(case)},
+        "warnings": [sentence for sentence in said if sentence],
     }
 
 
-def _case_warnings(case: Case) -> list[str]:
-    """Warnings that need no run; of friction as far as it is enough to know whether the surfaces slide."""
-    some = 1e-9 if case.motion.slide_to_roll else 0.0
-    return [*beforehand.warnings_of(case), *diagnostics.friction_warnings(case, some)]
+# -- grid -------------------------------------------------------------------------------------------------------------
 
 
 def _grid(case: Case) -> dict[str, float | int]:
-    spacing, sweep = _spacing(case), _sweep(case)
-    nodes = case.solver.nodes
+    """The grid, and the length of the pressure sweep in a: at the front of an impact, in the inlet of rolling."""
+    spacing = _spacing(case)
     across = 1 if case.solver.method == "radial" else grid_of(case).nodes_y
-    found = {"nodes": nodes, "nodes_across": across, "spacing": spacing}
+    if case.starts_apart:
+        sweep = diagnostics.front_length(case)
+    else:
+        sweep = diagnostics.sweep_length(case, case.motion.entrainment(0.0))
     in_si = {"spacing_m": spacing * case.scales.a} if case.scales else {}
-    return {**found, **in_si, "sweep": sweep, "cells_in_sweep": sweep / spacing}
+    numbers = {"nodes": case.solver.nodes, "nodes_across": across, "spacing": spacing}
+    return {**numbers, **in_si, "sweep": sweep, "cells_in_sweep": sweep / spacing}
 
 
 def _spacing(case: Case) -> float:
-    """The spacing in a; of a radial grid where the front is looked at."""
+    """The spacing in a; of a radial grid at the position where the front is judged."""
     if case.solver.method != "radial":
         return grid_of(case).spacing
     r = radii(case.solver.nodes, case.solver.half_width)
@@ -64,14 +108,152 @@ def _spacing(case: Case) -> float:
     return float(r[near + 1] - r[near])
 
 
-def _sweep(case: Case) -> float:
-    """The length of the pressure sweep in a: at the front of an impact, in the inlet of rolling at T = 0."""
-    if case.starts_apart:
-        return diagnostics.front_length(case)
-    return diagnostics.sweep_length(case, case.motion.entrainment(0.0))
-
-
 def _resolution_warning(case: Case) -> str:
     if case.starts_apart:
         return diagnostics.front_warning(case, _spacing(case))
     return diagnostics.sweep_warning(case, abs(case.motion.entrainment(0.0)))
+
+
+# -- time -------------------------------------------------------------------------------------------------------------
+
+
+def expected_steps(case: Case) -> int:
+    """The number of time steps of a run, roughly; 0 of a steady contact."""
+    if case.is_steady:
+        return 0
+    time = case.schedule
+    if time.step:
+        return round(time.duration / time.step)
+    wanted = STEPS * time.duration * (Time().tolerance / time.tolerance) ** STEPS_POWER
+    period = case.motion.shortest_period
+    return int(max(wanted, STEPS_OF_A_PERIOD * time.duration / period if isfinite(period) else 0.0))
+
+
+def expected_seconds(case: Case) -> float:
+    """The seconds that a run takes, roughly, with compiled programs from the cache."""
+    if case.solver.method == "radial":
+        start, each = SECONDS_A_RADIAL_STEP
+        return SECONDS_TO_START + expected_steps(case) * (start + each * case.solver.nodes**2)
+    kept = prod(grid_of(case).shape)
+    film = 0.0 if case.starts_apart else SECONDS_STEADY * kept
+    start, each = SECONDS_A_STEP
+    more, slower = (1.0, 1.0) if case.oil.is_newtonian else TIMES_OF_THINNING
+    return SECONDS_TO_START + more * film + slower * expected_steps(case) * (start + each * kept)
+
+
+# -- memory -----------------------------------------------------------------------------------------------------------
+
+
+def memory_needed(case: Case) -> float:
+    """The memory in bytes that a run of the case needs, approximately."""
+    nodes = case.solver.nodes
+    if case.solver.method == "radial":
+        return BASE + 8.0 * MATRICES * nodes**2
+    arrays = ARRAYS if case.starts_apart else ARRAYS_WITH_STEADY
+    moments = 1 if case.is_steady else case.schedule.duration / case.schedule.interval + 2
+    return BASE + 8.0 * (arrays * grid_of(case).size + len(FIELDS) * moments * nodes**2)  # the summary reads all maps
+
+
+def memory_available() -> float:
+    """The memory in bytes of the device that JAX computes on; 0 where it is not known."""
+    if may_use_accelerator() and (limit := (jax_devices()[0].memory_stats() or {}).get("bytes_limit")):
+        return float(limit)
+    with suppress(AttributeError, ValueError, OSError):  # not on Windows
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    return 0.0
+
+
+def memory_shortage(case: Case) -> str:
+    """The memory that the grid of a case needs, that of the machine, and which grid fits, as part of a sentence."""
+    there, smaller = memory_available(), case
+    with suppress(ValueError):  # the coarsest grid
+        smaller = case.on_half_grid()
+        while memory_needed(smaller) > there > 0:
+            smaller = smaller.on_half_grid()
+    has = f", the machine has {there / 1e9:.2g} GB" if there else ""
+    return (
+        f"solver.nodes = {case.solver.nodes} needs about {memory_needed(case) / 1e9:.2g} GB of memory{has}; "
+        f"solver.nodes = {smaller.solver.nodes} needs {memory_needed(smaller) / 1e9:.2g} GB"
+    )
+
+
+def is_out_of_memory(error: BaseException) -> bool:
+    """Whether an error says that no memory is left."""
+    return isinstance(error, MemoryError) or (isinstance(error, RuntimeError) and EXHAUSTED in str(error))
+
+
+# -- warnings ---------------------------------------------------------------------------------------------------------
+
+
+def warnings_of(case: Case) -> list[str]:
+    """All warnings that follow from the case alone; every run gives them first."""
+    return [*beyond(case), *diagnostics.case_warnings(case)]
+
+
+def beyond(case: Case, computed: float | None = None) -> list[str]:
+    """Warnings of a physical case beyond the range of the model.
+
+    computed: the minimum film (m) of the run, None where only the expected one is known.
+    """
+    thin = _thin_film("the expected film", film(case)) if computed is None else _thin_film("the minimum film", computed)
+    found = (*_yielding(case), _pressure_of_the_oil(case), _stress_of_the_oil(case), thin)
+    return [sentence for sentence in found if sentence]
+
+
+def with_case_warnings(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]:
+    """The summary of a run with the warnings of its case before its own."""
+    minimum = numbers(summary).get("H_min")
+    computed = minimum.value * minimum.factor if minimum and minimum.factor is not None else None
+    return {**summary, "warnings": [*beyond(case, computed), *summary["warnings"]]}
+
+
+def _yielding(case: Case) -> Iterator[str]:
+    """A sentence for every body that yields.  A body is of a material of the library if it has its E and nu."""
+    p, contact = largest_pressure(case), case.contact
+    bodies = dict.fromkeys(((contact.E1, contact.nu1), (contact.E2, contact.nu2)))
+    for name in materials.names() if p else ():
+        material = materials.get(name)
+        elastic = material.elasticity.data
+        if material.strength is None or (elastic.E, elastic.nu) not in bodies:
+            continue
+        limit = material.strength.data.first_yield
+        if p > limit:
+            yield (
+                f"the maximum Hertz pressure is {with_prefix(p, 'Pa')}, and {name} of the hardness "
+                f"{with_prefix(material.strength.data.hardness, 'Pa')} yields from about {with_prefix(limit, 'Pa')} "
+                "(1.6 times the yield stress): the bodies here are elastic, and pressures and films are not those of "
+                "bodies that yield"
+            )
+
+
+def _pressure_of_the_oil(case: Case) -> str:
+    """A sentence where the viscosity is extrapolated beyond the pressures for which the law of the oil has a source."""
+    p, highest = largest_pressure(case), getattr(case.oil.viscosity_law, "highest", None)
+    if highest is None or p <= highest or not (case.motion.slide_to_roll or case.thermal):
+        return ""
+    return (
+        f"the viscosity law of the oil has a source up to {with_prefix(highest, 'Pa')}, and this contact has "
+        f"{with_prefix(p, 'Pa')}: friction is extrapolated; the film, which the inlet makes, hardly depends on it"
+    )
+
+
+def _stress_of_the_oil(case: Case) -> str:
+    """A sentence where a Newtonian oil would have a shear stress that no oil has."""
+    stress = newtonian_stress(case) if case.oil.is_newtonian else 0.0
+    if stress <= LARGEST_NEWTONIAN_STRESS:
+        return ""
+    return (
+        f"the oil is Newtonian, and sliding would give it a mean shear stress of about {with_prefix(stress, 'Pa')}; "
+        "oils begin to thin at some MPa: friction and power loss are not meaningful, the film hardly depends on it; "
+        'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
+    )
+
+
+def _thin_film(name: str, thickness: float) -> str:
+    """A sentence where a film is thinner than molecules."""
+    if not 0.0 < thickness < SMALLEST_FILM:
+        return ""
+    return (
+        f"{name} of {with_prefix(thickness, 'm')} is thinner than {with_prefix(SMALLEST_FILM, 'm')}, about the size of "
+        "the oil's molecules: it is not a liquid film there, and solids with their roughness may touch"
+    )

@@ -21,11 +21,11 @@ from ertel.case.records import scaled_all
 from ertel.case.sections import Time
 from ertel.case.status import Status
 from ertel.equations import discretise
-from ertel.equations.state import Rolling, State, combined, interpolated
+from ertel.equations.state import State, combined, interpolated
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics import bdf
+from ertel.numerics.arrays import double_precision
 from ertel.numerics.grid import Grid
-from ertel.numerics.precision import double_precision
 from ertel.physics import surfaces
 from ertel.physics.motion import Motion
 from ertel.physics.surfaces import Feature, Waviness
@@ -34,11 +34,12 @@ from ertel.results import diagnostics
 from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import LARGE_ERROR
 from ertel.runs import workers
-from ertel.runs.courses import METHODS, ImpactCourse
-from ertel.runs.drive import Gathering, Observer, drive, warn
+from ertel.runs.courses import METHODS, TransientRun
+from ertel.runs.drive import Observer, Recorder, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
 from ertel.solvers import harmonic, steady, tangent
 from ertel.solvers.harmonic import Wave
+from ertel.solvers.steady import Rolling
 from ertel.solvers.transient import Transient2D
 
 FILM_CHANGE = {"long_name": "change of the film thickness by the roughness", "symbol": "dH", "units": "1"}
@@ -168,8 +169,8 @@ def _in_lockstep(
     observers: Sequence[Observer],
 ) -> xr.Dataset:
     """The smooth run with its companions, and their fields at maximum approach."""
-    course = ImpactCourse(smooth, method)
-    gathering, lockstep = Gathering(course), Lockstep(companions)
+    course = TransientRun(smooth, method)
+    gathering, lockstep = Recorder(course), Lockstep(companions)
     last = drive(course, [gathering, lockstep, *observers])
     status = last.status if lockstep.status.ok else lockstep.status
     data = _assemble(method, gathering, last, companions, status)
@@ -182,14 +183,14 @@ def _heights(method: Transient2D, roughnesses: Sequence[Sequence[Feature]]) -> n
 
 
 def _assemble(
-    method: Transient2D, gathering: Gathering, last: Step, companions: Sequence[Companion], status: Status
+    method: Transient2D, gathering: Recorder, last: Step, companions: Sequence[Companion], status: Status
 ) -> xr.Dataset:
     """All fields at maximum approach, interpolated between the last levels."""
     levels = last.state.levels
     T = turning_time(levels) if status.ok else levels[0].T
     peak = interpolated(levels, T)
     frame = frame_of(method, peak, "max-approach")
-    data = gathering.course.dataset(gathering.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
+    data = gathering.run.dataset(gathering.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]
     return data.assign(dH=(("wave", "Y", "X"), np.stack([np.asarray(change) for change in changes]), FILM_CHANGE))
@@ -238,7 +239,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     found = [harmonic.respond(case, film, wave) for wave in waves]
     errors = _errors(case, rolling, features, found)
     status = film.status if all(r.converged for r in found) else Status.NEWTON_STALLED
-    data = assemble_steady(case, rolling.solutions, {"status": status.value})
+    data = assemble_steady(case, rolling.finest.grid, rolling.solutions, {"status": status.value})
     work = {"response_krylov": [r.krylov for r in found], "response_convolutions": [r.convolutions for r in found]}
     per_wave = {"frequency": [wave.frequency for wave in waves], **work}
     data = data.assign({name: ("wave", np.array(values)) for name, values in per_wave.items()})

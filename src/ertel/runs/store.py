@@ -1,19 +1,8 @@
-"""The directory of a run, safe against interruption at any time.
-
-======================  =========================================================================================
-case.toml               the resolved case: `ertel run` of it is the same run again
-run.zarr                scalars of every step, maps at chosen times, provenance; `xarray.open_zarr` alone opens it
-                        (of a steady contact: scalars of every grid, the maps on the finest one so far)
-checkpoint.npz          the state to go on from, and how much of run.zarr belongs to it
-summary.json            the outcome
-progress.json           how far the run is, for programs that watch it; not part of the data, see `progress_file`
-stop                    made by whoever wants the run to stop, see `stop_file`
-.lock                   empty; the process that computes the run holds a lock on it, see `files.locked`
-======================  =========================================================================================
+"""The data of a run on disk, safe against interruption at any time; `directory` has the names of its files.
 
 A flush writes to run.zarr, then renews its metadata: now readers see the new rows; then replaces the checkpoint: now a
-resumed run goes on from here.  Each file has a checksum, is replaced in one stroke, and is on the disk before the next
-one counts on it.  The digest of the case stands in run.zarr, in the checkpoint and in the summary, and is compared
+resumed run goes on from here.  Each file has a checksum, is replaced atomically, and is on the disk before the next one
+counts on it.  The digest of the case stands in run.zarr, in the checkpoint and in the summary, and is compared
 when they are read.
 """
 
@@ -32,26 +21,37 @@ import xarray as xr
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
-from ertel.numerics.precision import double_precision
+from ertel.numerics.arrays import double_precision
 from ertel.results.numbers import as_now
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.results.variables import one_number
-from ertel.runs import beforehand, checked_zarr, directories, progress_file, stop_file
-from ertel.runs.arrays import Data, advice_of, data_of
-from ertel.runs.beforehand import with_these
+from ertel.runs import checked_zarr
+from ertel.runs.arrays import RunData, data_class
 from ertel.runs.compile import check_jax, compilations
-from ertel.runs.courses import Course, Item, course_of
-from ertel.runs.directories import CASE as CASE
-from ertel.runs.directories import Taken as Taken
-from ertel.runs.drive import Observer, drive, warn
+from ertel.runs.courses import Run, StepResult, course_of
+from ertel.runs.directory import CASE as CASE
+from ertel.runs.directory import CHECKPOINT as CHECKPOINT
+from ertel.runs.directory import (
+    DATA,
+    ProgressFile,
+    changes,
+    heeding_stop,
+    is_asked_to_stop,
+    make,
+    numbered,
+    read_case,
+    require_same,
+    settle_progress,
+)
+from ertel.runs.directory import SUMMARY as SUMMARY
+from ertel.runs.directory import Taken as Taken
+from ertel.runs.drive import Observer, bars, drive, warn, watch
 from ertel.runs.files import Damaged as Damaged
 from ertel.runs.files import StoreError as StoreError
 from ertel.runs.files import checked, content_of, locked, reading, replace, sealed, unchecked, unsealed
-from ertel.runs.progress import progress_bar
-from ertel.runs.progress_file import ProgressFile
+from ertel.runs.outlook import warnings_of, with_case_warnings
 
-DATA, CHECKPOINT, SUMMARY = "run.zarr", "checkpoint.npz", "summary.json"
 LARGEST_CHECKPOINT = 4 * 10**9  # bytes: of 4097 x 4097 nodes a map has 0.13 GB, and there are several
 
 
@@ -63,39 +63,35 @@ class RunStore:
 
     flush_interval: float | None = None
 
-    def __init__(self, directory: Path, case: Case, course: Course | None = None):
-        self.directory, self.case = directory, case
+    def __init__(self, directory: Path, case: Case, course: Run | None = None):
+        self.directory, self.case, self._advice = directory, case, data_class(case).advice
         self._course = course
         self._started = self._flushed = time.monotonic()
         self._seconds_before = 0.0  # of computing, before this process took over
-        self._item: Any = None  # the last one taken and not yet written
+        self._item: Any = None  # the last result taken and not yet written
         self._alone = False  # whether this object holds the lock
 
     @classmethod
-    def create(cls, directory: Path, case: Case, course: Course | None = None) -> "RunStore":
+    def create(cls, directory: Path, case: Case, course: Run | None = None) -> "RunStore":
         """The store of a new run in a directory that does not exist or is empty.
 
         Raises Taken where it is not empty, StoreError where it cannot be made, ValueError where the case cannot be
         written.
         """
         store = cls(directory, case, course)
-        with store._draft() as draft:
-            directories.move(draft, directory)
+        make(directory, case, lambda path: store._writer.create(path / DATA))
         return store
 
     @classmethod
-    def create_unused(cls, case: Case, parent: Path = Path("runs"), course: Course | None = None) -> "RunStore":
+    def create_unused(cls, case: Case, parent: Path = Path("runs"), course: Run | None = None) -> "RunStore":
         """The store of a new run in parent/NAME, parent/NAME-2, ...: the first that does not exist.
 
         Other processes may take names at the same time.  Raises as `create`.
         """
-        store = cls(parent / (case.name or case.kind), case, course)
-        with store._draft() as draft:
-            store.directory = directories.move_to_unused(draft, store.directory)
+        unused = (path for path in numbered(parent / (case.name or case.kind)) if not path.exists())
+        store = cls(next(unused), case, course)
+        store.directory = make(store.directory, case, lambda path: store._writer.create(path / DATA), unused)
         return store
-
-    def _draft(self) -> AbstractContextManager[Path]:
-        return directories.draft(self.directory, self.case, lambda path: self._writer.create(path / DATA))
 
     @classmethod
     def open(cls, directory: Path) -> "RunStore":
@@ -104,28 +100,24 @@ class RunStore:
             raise StoreError(f"{directory} is not an ertel run directory (no {CASE})")
         if not checked_zarr.present(directory / DATA).exists():
             raise StoreError(f"{directory} is not an ertel run directory (no {DATA})")
-        store = cls(directory, directories.read_case(directory))
+        store = cls(directory, read_case(directory))
         store._check_data()
         return store
 
     @property
-    def course(self) -> Course:
+    def course(self) -> Run:
         """How the case is run."""
         if self._course is None:
             self._course = course_of(self.case)
         return self._course
 
     @cached_property
-    def _writer(self) -> Data:
-        return data_of(self.course)
+    def _writer(self) -> RunData:
+        return data_class(self.case)(self.course)
 
     @property
     def _data(self) -> Path:
         return self.directory / DATA
-
-    @property
-    def _advice(self) -> str:
-        return advice_of(self.case)
 
     @property
     def seconds(self) -> float:
@@ -143,9 +135,8 @@ class RunStore:
         if self._alone:
             yield
             return
-        with locked(self.directory), stop_file.fresh(self.directory):
-            now = directories.read_case(self.directory)
-            directories.require_same(self.directory, self.case.digest, self.case.to_data(), now)
+        with locked(self.directory), heeding_stop(self.directory):
+            require_same(self.directory, self.case.digest, self.case.to_data(), read_case(self.directory))
             self._check_data()
             self._alone = True
             try:
@@ -153,26 +144,26 @@ class RunStore:
             finally:
                 self._alone = False
 
-    def asked_to_stop(self, item: object = None) -> bool:
+    def asked_to_stop(self, result: object = None) -> bool:
         """Whether there is a file that asks the run to stop; this is an observer."""
-        return stop_file.is_asked(self.directory)
+        return is_asked_to_stop(self.directory)
 
-    def __call__(self, item: Item) -> None:
-        """Add one item; the items are written at intervals."""
-        self._writer.take(item)
-        self._item = item
+    def __call__(self, result: StepResult) -> None:
+        """Add one result; the results are written at intervals."""
+        self._writer.take(result)
+        self._item = result
         interval = self._writer.flush_interval if self.flush_interval is None else self.flush_interval
         if time.monotonic() - self._flushed > interval:
             self.flush()
 
     def flush(self) -> None:
-        """Write the items taken since the last flush, then the checkpoint."""
+        """Write the results taken since the last flush, then the checkpoint."""
         if self._item is None:
             return
-        item, self._item = self._item, None
+        result, self._item = self._item, None
         known = self._writer.flush(self._data)
-        self._write_checkpoint({**self.course.to_arrays(item), **known})
-        self._writer.after_checkpoint(self._data, item)
+        self._write_checkpoint({**self.course.to_arrays(result), **known})
+        self._writer.after_checkpoint(self._data, result)
         self._flushed = time.monotonic()
 
     def _write_checkpoint(self, arrays: Mapping[str, Any]) -> None:
@@ -182,7 +173,7 @@ class RunStore:
         replace(self.directory / CHECKPOINT, checked(content.getvalue()))
 
     def finish(self, summary: Mapping[str, Any]) -> None:
-        """Write the remaining items and the summary of the run."""
+        """Write the remaining results and the summary of the run."""
         self.flush()
         checked_zarr.update_attributes(self._data, attributes(summary), self._advice)
         replace(self.directory / SUMMARY, sealed({**summary, "digest": self.case.digest}))
@@ -190,7 +181,7 @@ class RunStore:
     # -- reading ------------------------------------------------------------------------------------------------------
 
     def resume(self) -> Any:
-        """The item from which to continue, None for the start; later data and the summary are deleted.
+        """The result from which to continue, None for the start; later data and the summary are deleted.
 
         Raises Damaged where the checkpoint, or data that do not follow from it, are damaged; then nothing has changed.
         """
@@ -203,7 +194,7 @@ class RunStore:
         return item
 
     def item(self) -> Any:
-        """The item that the checkpoint holds; None where the run is still at its very start."""
+        """The result that the checkpoint holds; None where the run is still at its very start."""
         return self._item_of(self._read_checkpoint())
 
     def _item_of(self, checkpoint: Mapping[str, Any]) -> Any:
@@ -211,7 +202,7 @@ class RunStore:
             return self.course.from_arrays(checkpoint) if checkpoint else None
 
     def _read_checkpoint(self) -> dict[str, Any]:
-        """What `_write_checkpoint` was given and more, nothing where the run is still at its very start."""
+        """The arrays of the checkpoint; nothing where the run is still at its very start."""
         try:
             content = content_of(self.directory / CHECKPOINT, LARGEST_CHECKPOINT)
         except FileNotFoundError:
@@ -234,7 +225,7 @@ class RunStore:
             attributes = checked_zarr.read_root(checked_zarr.present(self._data), self._advice)["attributes"]
         except Damaged:
             return
-        directories.require_same(self.directory, attributes["digest"], json.loads(attributes["case"]), self.case)
+        require_same(self.directory, attributes["digest"], json.loads(attributes["case"]), self.case)
 
     def dataset(self) -> xr.Dataset:
         """The run as far as it has been written.  Raises Damaged."""
@@ -263,7 +254,7 @@ class RunStore:
 
     def summarise(self, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         """The summary of what is written, of which there must be something; work: compilations, wall_s."""
-        return with_these(self.case, self.course.summary(self.dataset(), self.item(), status, work))
+        return with_case_warnings(self.case, self.course.summary(self.dataset(), self.item(), status, work))
 
     def summary_so_far(self) -> dict[str, Any]:
         """The summary of a run that has not ended.  Raises StoreError where there is nothing yet."""
@@ -294,7 +285,7 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
         finished = store.outcome()
         if finished is not None:
             return finished
-        progress_file.settle(store.directory)
+        settle_progress(store.directory)
         progress = ProgressFile(store.directory, store.course)
         last = drive(store.course, [store, progress, *observers, store.asked_to_stop], store.resume())
         progress.write(last)
@@ -324,14 +315,12 @@ def run(case: CaseLike, directory: str | Path, progress: bool = False, observers
     case, directory = as_case(case), path_of("directory", directory, "a run directory")
     store = RunStore.open(directory) if (directory / CASE).exists() else RunStore.create(directory, case)
     if store.case != case:
-        raise StoreError(
-            f"{directory}: holds another case ({directories.changes(store.case.to_data(), case.to_data())})"
-        )
-    before = beforehand.warnings_of(case)
+        raise StoreError(f"{directory}: holds another case ({changes(store.case.to_data(), case.to_data())})")
+    before = warnings_of(case)
     warn(before)
     if store.outcome() is None:
-        with progress_bar(store.course, progress) as shown:
-            compute(store, [*shown, *observers])
+        with bars(progress) as shown:
+            compute(store, [watch(shown, store.course), *observers])
     result = store.result()
     warn([sentence for sentence in result.warnings if sentence not in before])
     return result

@@ -7,7 +7,7 @@ runs/DIGEST             an ordinary run directory for each case, named by the di
 sweep.zarr              the numbers of all runs over what varies; `xarray.open_zarr` alone opens it
 sweep.csv               the same as a table
 sweep.png               and as a figure
-stop                    made by whoever wants the study to stop, see `stop_file`
+stop                    made by whoever wants the study to stop, see `directory`
 .lock                   empty; the process at the study holds a lock on it, see `files.locked`
 ======================  =========================================================================================
 
@@ -32,10 +32,10 @@ from ertel.inputs.coordinates import coordinates
 from ertel.inputs.studies import Study, load_study, parse_study
 from ertel.results.numbers import scalars
 from ertel.results.study_result import MISSING, RUNNING, UNFINISHED, StudyResult, StudyRun, assemble
-from ertel.runs import progress_file, stop_file
 from ertel.runs.compile import check_jax
+from ertel.runs.directory import heeding_stop, is_asked_to_stop, read_progress
+from ertel.runs.drive import bars
 from ertel.runs.files import StoreError, is_locked, locked
-from ertel.runs.progress import bars
 from ertel.runs.store import CASE, RunStore, Taken, compute
 from ertel.runs.tasks import Engine
 from ertel.runs.warm_up import has_compiled, program_of
@@ -155,15 +155,15 @@ def run_study(
 ) -> dict[str, str]:
     """Do what is left of a part; the status of each run that was worked on, by digest, or why it failed.
 
-    asked: whether all should stop, asked again and again; a file in the directory asks too, see `stop_file`.  Raises
+    asked: whether all should stop, asked again and again; a file in the directory asks too, see `directory`.  Raises
     OSError where the directory cannot be made.
     """
     (directory / RUNS).mkdir(parents=True, exist_ok=True)
     file = directory / f".stop-{uuid4().hex[:8]}"  # of this call only: other parts of the study go on
-    stop = StopSignal(file, lambda: asked() or stop_file.is_asked(directory))
+    stop = StopSignal(file, lambda: asked() or is_asked_to_stop(directory))
     found = {}
     try:
-        with stop_file.fresh(directory):
+        with heeding_stop(directory):
             tasks = [_task_of(case, directory, stop) for case in left_of(cases, directory, part).values()]
             for digest, outcome in workers.outcomes(tasks, stop):
                 found[digest] = f"{FAILED}{outcome.reason}" if isinstance(outcome, Failure) else str(outcome)
@@ -220,7 +220,7 @@ class StudyBars:
         while not ended.wait(LOOK):
             with self._lock:
                 for digest, directory in islice(self._directories.items(), IN_SIGHT):
-                    self._renew(digest, progress_file.read(directory))
+                    self._renew(digest, read_progress(directory))
 
     def _renew(self, digest: str, said: Mapping[str, Any] | None) -> None:
         if not said or said["status"] != Status.RUNNING.value:

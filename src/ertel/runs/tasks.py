@@ -16,8 +16,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
 
-from ertel.case.records import show
-from ertel.inputs.messages import ConfigError
+from ertel.case.records import ConfigError, show
 from ertel.runs import plain
 from ertel.runs.workers import Failure as Failure
 from ertel.runs.workers import LocalWorker, Workers, cores

@@ -21,31 +21,29 @@ import numpy as np
 
 from ertel.case.case import Case
 from ertel.case.estimates import newtonian_stress
-from ertel.case.records import show
+from ertel.case.records import ConfigError, show
 from ertel.case.sections import Drive
 from ertel.case.status import Status
-from ertel.equations import friction, heat
-from ertel.equations.heat import Heated
-from ertel.equations.state import Rolling
+from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.inputs.messages import ConfigError
 from ertel.inputs.ranges import Given, parse_values
-from ertel.numerics.precision import double_precision
+from ertel.numerics.arrays import double_precision
 from ertel.results import diagnostics
-from ertel.results.provenance import provenance
+from ertel.results.dataset import provenance
 from ertel.results.study_result import DONE, StudyRun, assemble
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import AXES, WORK, TractionCurve, point_scalars
 from ertel.results.variables import with_coefficients
 from ertel.runs import studies, workers
-from ertel.runs.beforehand import beyond
 from ertel.runs.compile import check_jax
 from ertel.runs.courses import GridStep, course_of
-from ertel.runs.drive import drive, warn
+from ertel.runs.drive import bars, drive, warn
 from ertel.runs.files import StoreError
-from ertel.runs.progress import bars
+from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
 from ertel.runs.workers import Condition, LocalWorker, never
+from ertel.solvers.heat import Heated, heated
+from ertel.solvers.steady import Rolling
 
 NAME = "traction"  # of the files with the points
 OLDER = "traction.json"  # what earlier versions kept their points in
@@ -289,8 +287,8 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
     fresh: whether the film was solved for this point, so that its work counts here.  directory: of the film's run.
     """
     grids = Rolling(film.solutions)
-    found = friction.steady(case, grids.finest)
-    numbers = with_coefficients(friction.coefficients(found), case.scales)
+    found = steady_friction(case, grids.finest)
+    numbers = with_coefficients(coefficients(found), case.scales)
     sliding, rolling = numbers["mu_sliding"], numbers["mu_rolling"]
     work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), grids.convolutions
     values = {
@@ -303,7 +301,7 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
     }
     warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if case.thermal is not None and status.ok:
-        warm = heat.of_solution(case, grids.finest)
+        warm = heated(case, grids.finest.P, grids.finest.H, grid=grids.finest.grid)
         values |= _warm_values(case, values, warm)
         warnings += thermal_warnings(case, warm)
         status = status if warm.converged else Status.NEWTON_STALLED

@@ -13,10 +13,10 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.equations import discretise
 from ertel.inputs.case_files import parse_case
-from ertel.runs import progress_file
 from ertel.runs.batch import shape_of
 from ertel.runs.compile import compilations
 from ertel.runs.courses import course_of
+from ertel.runs.directory import read_progress
 from ertel.runs.store import RunStore, compute
 
 STEPS = 4  # the first three have histories of different length
@@ -40,7 +40,7 @@ def program_of(case: Case) -> str:
 
 def has_compiled(case: Case, directory: Path) -> bool:
     """Whether the run in a directory, which goes on, has all its programs; each grid of a steady run has its own."""
-    said = None if case.is_steady else progress_file.read(directory)
+    said = None if case.is_steady else read_progress(directory)
     return said is not None and said["status"] == Status.RUNNING.value and said["step"] > STEPS
 
 

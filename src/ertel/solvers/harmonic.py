@@ -30,15 +30,16 @@ from ertel.equations import contact, discretise
 from ertel.equations.approach import ClosureLine, balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Rate, steady_rate
-from ertel.equations.state import GridSolution
-from ertel.numerics import krylov, multigrid
-from ertel.numerics.grid import Even
+from ertel.numerics import multigrid
+from ertel.numerics.arrays import require_double
+from ertel.numerics.grid import Symmetry
 from ertel.numerics.line_smoother import LineSmoother, line_smoother
 from ertel.numerics.multigrid import Coefficients, Elasticity
-from ertel.numerics.precision import require_double
+from ertel.numerics.newton import gcr
 from ertel.numerics.stencils import Pair, curvature, inside, upstream_slope
 from ertel.solvers import nonlinear
 from ertel.solvers.preconditioner import PRECISION
+from ertel.solvers.steady import GridSolution
 
 NODES_PER_WAVE = 4  # a coarse grid that has fewer is for long waves alone
 REDUCTION, LIMIT = 1e-6, 60  # of the linear solve, which mostly takes 13 to 20 iterations; each keeps two fields
@@ -92,7 +93,7 @@ class LinearFilm:
     riding: Array
     entrainment: Number
     spacing: Number
-    even: Even = field(metadata={"static": True})
+    even: Symmetry = field(metadata={"static": True})
 
     def residual(self, dP: Array, dH: Array) -> Array:
         """The change of the residual on the free nodes by complex changes of P and H."""
@@ -162,7 +163,7 @@ def _solve(p: _Problem) -> tuple[Array, Array, Array, Array]:
         return inverse(jnp.where(k == 0, lifted, r[0])), jnp.where(k == 0, one, 0.0)
 
     by_the_wave = residual(zero, shape), 0.0 * one
-    (dP, approach), iterations = krylov.gcr(system, direction, by_the_wave, REDUCTION, LIMIT)
+    (dP, approach), iterations = gcr(system, direction, by_the_wave, REDUCTION, LIMIT)
     dH = contact.deformation(p.contact, dP) - approach - shape
     return turned(dP), turned(dH), approach, iterations
 

@@ -22,20 +22,19 @@ from scipy.special import ellipe, ellipkm1
 from ertel.case.case import Case
 from ertel.case.grids import radii
 from ertel.case.status import Status
-from ertel.equations import account, friction, outside
-from ertel.equations.account import Account, Around, Film
+from ertel.equations import account, outside
+from ertel.equations.account import Account, Around, Film, Friction
 from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
-from ertel.equations.friction import Friction
 from ertel.equations.outside import Surroundings
 from ertel.equations.pytrees import traceable
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf
+from ertel.numerics.arrays import require_double
 from ertel.numerics.integrals import Disc, disc_weights
-from ertel.numerics.precision import require_double
-from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair
 from ertel.numerics.tridiagonal import diagonals, times
-from ertel.physics.far_field import Motion
+from ertel.physics.far_field import ContactMotion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
 
@@ -96,6 +95,7 @@ class Problem(NamedTuple):
     tolerance: float
 
 
+@exportable
 class StepSolution(NamedTuple):
     """The new fields, and all numbers of the step in one array, in the order of `NUMBERS`."""
 
@@ -103,7 +103,7 @@ class StepSolution(NamedTuple):
     numbers: Array
 
 
-NUMBERS = ("approach", "converged", "newton", "load on nodes", "error", *account.INTEGRALS, *friction.NUMBERS)
+NUMBERS = ("approach", "converged", "newton", "load on nodes", "error", *account.INTEGRALS, *account.FRICTION)
 
 
 class Solution(NamedTuple):
@@ -246,7 +246,7 @@ def solve_step(p: Problem) -> StepSolution:
     found = account_of(p.disc, eq, s.P, s.H, approach)
     error = film_error(p.mesh.volume, s.H, jnp.tensordot(p.predict_H, films, axes=1), s.P)
     terms = (found.terms[name] for name in account.INTEGRALS)
-    values = approach, s.size <= tolerance, s.newton, load, error, *terms, *friction.numbers(found.friction)
+    values = approach, s.size <= tolerance, s.newton, load, error, *terms, *account.friction_numbers(found.friction)
     return StepSolution({"P": s.P, "H": s.H}, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
 
 
@@ -282,7 +282,7 @@ class RadialImpact(Method):
 
     def start(self) -> State:
         """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
-        motion = Motion(self.start_approach, 1.0, 0.0, 0.0)
+        motion = ContactMotion(self.start_approach, 1.0, 0.0, 0.0)
         around, P = self.outside.at(motion), np.asarray(self.outside.at_first(motion))
         r, kernel, weights = (np.asarray(each) for each in (self.mesh.r, self.mesh.kernel, self.mesh.load))
         H = CIRCLE.gap(r, 0.0) - self.start_approach + kernel @ P + around.uplift
@@ -297,7 +297,7 @@ class RadialImpact(Method):
         approaches = [level.approach for level in levels]
         # in the rebound the pressure collapses behind the receding edge, and a parabola overshoots
         known = times if levels[0].velocity > 0 else times[:2]
-        around = self.outside.at(outside.predicted(levels, T, [self.carried(level) for level in levels], 0.0))
+        around = self.outside.at(outside.predicted(levels, T, [self.carried_load(level) for level in levels], 0.0))
         solution: StepSolution = yield Problem(
             self.mesh,
             self.disc,
@@ -319,13 +319,13 @@ class RadialImpact(Method):
         status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED  # stalled too if NaN
         work, error = Work(int(found["newton"])), found["error"]
         new = State(T, approach, velocity, solution.fields, status, work, around.load, load, error)
-        return replace(new, record={**self.measure(new), **terms, **{name: found[name] for name in friction.NUMBERS}})
+        return replace(new, record={**self.measure(new), **terms, **{name: found[name] for name in account.FRICTION}})
 
     def solve(self, problem: Problem) -> StepSolution:
         """The step's solution, on this device."""
         return _step_program(problem)
 
-    def carried(self, level: State) -> float:
+    def carried_load(self, level: State) -> float:
         """F, with the load of the oil outside, in units of the dry maximum load."""
         return (level.load + level.outside) / CIRCLE.hertz_load
 

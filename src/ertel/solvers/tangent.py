@@ -19,10 +19,11 @@ from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, Rate, rate_in_time
 from ertel.equations.state import State, Work
-from ertel.numerics import bdf, krylov
+from ertel.numerics import bdf
+from ertel.numerics.arrays import require_double
 from ertel.numerics.bdf import Weights
 from ertel.numerics.multigrid import Elasticity
-from ertel.numerics.precision import require_double
+from ertel.numerics.newton import gcr
 from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
 from ertel.solvers.nonlinear import Problem
@@ -112,7 +113,7 @@ def solve(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
     closed = nonlinear.eliminated(problem, P, 0.0)
     inverse = point_preconditioner(problem, P, H, free)
     known = -line.value / line.approach_weight - p.shape  # the part of dH that no pressure makes
-    dP, iterations = krylov.gcr(
+    dP, iterations = gcr(
         lambda d: free * change_of_r(d, closed.film_change(d), jnp.zeros_like(d)),
         lambda k, r: inverse(r),
         -free * change_of_r(jnp.zeros_like(P), known, past),

@@ -15,22 +15,21 @@ from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.equations import account, contact, discretise, friction, measure, outside
-from ertel.equations.account import Around, Moment
+from ertel.equations import account, contact, discretise, measure, outside
+from ertel.equations.account import Around, Friction, Moment
 from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, Rate, rate_in_time
-from ertel.equations.friction import Friction
 from ertel.equations.measure import Axes
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
-from ertel.numerics.grid import Even, check_grid
+from ertel.numerics.grid import Symmetry, check_grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import Elasticity
-from ertel.numerics.programs import Program
-from ertel.numerics.symmetry import total, unfolded
-from ertel.physics.far_field import Motion
+from ertel.numerics.programs import Program, exportable
+from ertel.numerics.stencils import total, unfolded
+from ertel.physics.far_field import ContactMotion
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import Close, Problem
 from ertel.solvers.preconditioner import PRECISION, point_preconditioner
@@ -110,6 +109,7 @@ class StepProblem:
     options: newton.Options = field(metadata={"static": True})
 
 
+@exportable
 class StepSolution(NamedTuple):
     """The new fields, each of shape (n, n), and all numbers of the step in one array, in the order of `NUMBERS`."""
 
@@ -118,7 +118,7 @@ class StepSolution(NamedTuple):
 
 
 SOLVED = ("approach", "converged", "newton", "krylov", "error")
-NUMBERS = (*SOLVED, *account.INTEGRALS, *friction.NUMBERS)  # of a step, followed by those of `measure.numbers`
+NUMBERS = (*SOLVED, *account.INTEGRALS, *account.FRICTION)  # of a step, followed by those of `measure.numbers`
 
 
 def stacked(levels: Sequence[State]) -> dict[str, Array]:
@@ -172,7 +172,7 @@ class Transient2D(Method):
             work = Work(s.newton, s.krylov, rolling.convolutions)
             fields, load = _first_fields(c, s.P, s.H)
             return State(0.0, s.approach, 0.0, fields, s.status, work, s.outside, float(load))
-        motion = Motion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
+        motion = ContactMotion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
         around, P = self.outside.at(motion), jax.device_put(self.outside.at_first(motion))
         fields, load = _squeezed(c, P, motion.approach, around.uplift)
         work = Work(convolutions=1.0)
@@ -227,13 +227,13 @@ class Transient2D(Method):
         load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
         beyond = around.load + load - found["load"]  # half a cell around the grid counts as outside
         terms = account.terms(found, velocity, Around(beyond, around.uplift, load_rate), self.geometry.hertz_load)
-        record = {**measured, **terms, **{name: found[name] for name in friction.NUMBERS}}
+        record = {**measured, **terms, **{name: found[name] for name in account.FRICTION}}
         status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED
         work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
         fields = solution.fields
         return State(T, approach, velocity, fields, status, work, around.load, load, found["error"], record)
 
-    def motion(self, levels: Sequence[State], T: float) -> Motion:
+    def motion(self, levels: Sequence[State], T: float) -> ContactMotion:
         """What the oil outside knows of the new level.
 
         The squeeze of a rolling contact is left out there: with little or no inertia V follows from the film of the
@@ -265,7 +265,7 @@ class Transient2D(Method):
         """See `Method.friction`."""
         c, sliding, scale = self.contact_at(level.T), self.case.motion.sliding(level.T), self.geometry.hertz_load
         load = (level.load + level.outside) / scale
-        return friction.of_film(self.setting.space, c, level.P, level.H, sliding, load, scale)
+        return account.compiled_friction(self.setting.space, c, level.P, level.H, sliding, load, scale)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """A field of a level on the whole plane."""
@@ -293,7 +293,7 @@ def _squeezed(c: Contact, P: Array, approach: float, uplift: float) -> tuple[dic
     return _first_fields(c, P, contact.film_thickness(c, P, approach) + uplift)
 
 
-def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Even, coarsenings: int) -> Array:
+def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Symmetry, coarsenings: int) -> Array:
     """Relative difference of two films, root mean square over the load that P carries; `thin`: see `THIN`.
 
     It is taken on a coarser grid: a pressure spike of a few cells that moves has an error at every node that it
@@ -348,7 +348,7 @@ def _numbers(
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     error = film_error(mass, predicted, s.P, THIN * setting.film_scale, c.even, setting.coarsenings)
     values = approach, s.converged, s.newton, s.krylov, error, *(found.terms[name] for name in account.INTEGRALS)
-    plain = [*values, *friction.numbers(found.friction)]
+    plain = [*values, *account.friction_numbers(found.friction)]
     return jnp.concatenate(
         [jnp.stack([jnp.asarray(v, s.P.dtype) for v in plain]), measure.numbers(setting.axes, s.P, s.H)]
     )

@@ -5,7 +5,6 @@ A data file is TOML.  Each of its tables gives data of one kind, their `source`,
 no trustworthy source is left out of the file.
 """
 
-import re
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
@@ -13,15 +12,21 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from ertel.case.records import show
-from ertel.inputs.messages import ConfigError
-from ertel.inputs.quantities import parse_quantity
+from ertel.case.records import ConfigError, show
+from ertel.inputs.quantities import parse_quantity, parse_temperature
 from ertel.physics.fluidity import Carreau
 from ertel.physics.materials import Elasticity, Material, Strength
 from ertel.physics.oils import LimitingStress, NamedOil, Sourced, ThermalData
-from ertel.physics.pressure_rules import DoolittleOfTemperature, ModulusOfTemperature, PowerOfViscosity, SoKlaus
-from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, Vogel, Walther
-from ertel.physics.units import TEMPERATURE, Unit, marks
+from ertel.physics.temperature_laws import (
+    DoolittleOfTemperature,
+    Expansion,
+    ModulusOfTemperature,
+    PowerOfViscosity,
+    SoKlaus,
+    Vogel,
+    Walther,
+)
+from ertel.physics.units import Unit, marks
 
 LAWS: Mapping[str, Callable[..., Any]] = {
     "astm-d341": Walther,
@@ -44,9 +49,6 @@ MATERIAL_TABLES: Mapping[str, tuple[str, Any]] = {
     "thermal": ("thermal", ThermalData),
     "strength": ("strength", Strength),
 }
-HOTTER_THAN_ANY = 1e4  # K
-UNITS = "degC|°C|degree_Celsius|K|kelvin"  # also as pint writes them
-_TEMPERATURE = re.compile(rf"\s*([+-]?[0-9]{{1,4}}(?:\.[0-9]{{1,20}})?)\s*({UNITS})\s*")
 
 
 def oil_names() -> tuple[str, ...]:
@@ -79,30 +81,6 @@ def _oil(name: str) -> NamedOil:
 def _material(name: str) -> Material:
     text, tables = _read("materials", name, MATERIAL_TABLES)
     return Material(name, text, **tables)
-
-
-def parse_temperature(value: object) -> float:
-    """A temperature in K from a number in K or a text, "40 degC" or "313.15 K".
-
-    Raises ValueError for anything else, and below absolute zero.
-
-    Examples
-    --------
-    >>> parse_temperature("40 degC")
-    313.15
-    """
-    if isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < HOTTER_THAN_ANY:
-        return float(value)
-    match = _TEMPERATURE.fullmatch(value) if isinstance(value, str) else None
-    if match is None:
-        kelvin = 0.0
-    elif match[2] in ("K", "kelvin"):
-        kelvin = float(match[1])  # as it is: a stored case reads back as the same
-    else:
-        kelvin = round(float(match[1]) + ZERO_CELSIUS, 6)
-    if not kelvin > 0:
-        raise ValueError('must be a temperature with its unit, "40 degC" or "313.15 K"')
-    return kelvin
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------
@@ -143,7 +121,5 @@ def _record(record: Any, table: Mapping[str, Any]) -> Any:
     return record(**{key: _value(value, kinds.get(key)) for key, value in table.items()})
 
 
-def _value(value: Any, mark: object) -> Any:
-    if mark is TEMPERATURE:
-        return parse_temperature(value)
+def _value(value: Any, mark: object) -> float:
     return parse_quantity(value, mark) if isinstance(mark, Unit) else float(value)

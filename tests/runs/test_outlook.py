@@ -9,8 +9,7 @@ import pytest
 
 import ertel
 from ertel.case.estimates import newtonian_stress
-from ertel.runs import beforehand
-from ertel.runs.outlook import outlook
+from ertel.runs.outlook import beyond, outlook
 
 STEEL = {"material_1": "steel", "material_2": "steel"}
 BALL = {"radius": "10 mm", "load": "20 N", "mean_speed": 1.0, "nodes": 33, **STEEL}
@@ -24,8 +23,8 @@ def said(**more: Any) -> str:
 
 
 def test_inside_of_the_model_nothing_is_said() -> None:
-    assert beforehand.beyond(ertel.rolling(**BALL, **VG68)) == []
-    assert beforehand.beyond(ertel.rolling(M=100, L=5)) == []
+    assert beyond(ertel.rolling(**BALL, **VG68)) == []
+    assert beyond(ertel.rolling(M=100, L=5)) == []
 
 
 def test_steel_yields() -> None:

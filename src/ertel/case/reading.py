@@ -1,0 +1,249 @@
+"""The one reader of plain data: from the content of a case file, or of a stored case, to records.
+
+It reads the annotations of the fields.  `records` writes what it reads.  Every message names the place, the value as
+it is written, and what is allowed.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields
+from difflib import get_close_matches
+from functools import cache
+from math import inf
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+
+from ertel.case.height_map import NO_MAPS, HeightMap
+from ertel.case.records import OIL_LAWS, check_value, checked, is_number, law_fields, named, show, show_key
+from ertel.physics.fluidity import Fluidity
+from ertel.physics.lubricant import Density, Viscosity
+from ertel.physics.motion import Oscillation, Polyline, Signal, constant
+from ertel.physics.registry import SHAPES
+from ertel.physics.surfaces import Feature
+from ertel.physics.units import FINITE, TIME, Amount, Bounds, Mark, Quantity, Unit, marks
+
+T = TypeVar("T")
+Data = Mapping[str, Any]
+SIGNAL_TEXT = "a number, an array of [T, value], or a table { mean, amplitude, period, phase }"
+LAWS = {Viscosity: OIL_LAWS["viscosity"], Density: OIL_LAWS["density"], Fluidity: OIL_LAWS["rheology"]}
+UNBOUNDED = {int: Bounds(whole=True, most=inf), float: Bounds(most=inf)}  # numbers of laws of one's own, without a mark
+THINNING = 'shear thinning is written lubricant.rheology = { law = "ree-eyring", tau0 = "5 MPa" }'
+NOT_THERE = {  # keys that a tribologist may try and that ertel does not support, with an explanation
+    "ellipticity": "give radius_ratio = R_x/R_y, or the radii radius_x and radius_y",
+    "tau0": THINNING,
+    "eyring": THINNING,
+    "carreau": THINNING,
+    "friction": "every run has its friction; there is nothing to give",
+    "spin": "ertel does not know spin; the surfaces move along x",
+    "beta": "the data for temperatures are in the section [thermal]",
+    "starvation": "ertel's contacts are fully flooded",
+}
+
+
+def quantity_in_si(value: object, unit: Unit) -> float:
+    """A quantity as `records` writes it, a number and the SI unit; or a number in this unit."""
+    if is_number(value):
+        return float(value)  # type: ignore[arg-type]
+    number, _, written = value.partition(" ") if isinstance(value, str) else ("", "", "")
+    try:
+        if written == unit.unit:
+            return float(number)
+    except ValueError:
+        pass
+    raise ValueError(f"must be a number and the unit {unit.unit}")
+
+
+def parse_number(value: Any, bounds: Bounds) -> float:
+    """A plain number within bounds; an int stays an int if the number must be whole."""
+    check_value(value, bounds)
+    return value if bounds.whole else float(value)
+
+
+def check_key(name: object, value: object, known: Sequence[str], place: str = "") -> None:
+    """Raise ValueError, with a hint, for a key that is not known.  place: the section, empty for the file itself."""
+    if name in known:
+        return
+    if name in NOT_THERE and place:
+        hint = NOT_THERE[str(name)]
+    else:
+        close = get_close_matches(str(name), known, n=1)
+        hint = (f"did you mean {close[0]}? " if close else "") + f"allowed: {', '.join(known)}"
+    raise ValueError(f"{place}{'.' if place else ''}{show_key(name)} = {show(value)}: unknown key; {hint}")
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A reader of records.
+
+    Parameters
+    ----------
+    quantity : callable
+        Reads a quantity (its value and unit as it is written, and the unit of its field) as a number in SI; raises
+        ValueError for anything else.
+    maps : mapping
+        Measured heights by the names that stand for them.
+    named : mapping
+        Further keys by record, those of names that are resolved before the data are read; for messages.
+    """
+
+    quantity: Callable[[object, Unit], float] = quantity_in_si
+    maps: Mapping[str, HeightMap] = field(default_factory=lambda: NO_MAPS)
+    named: Mapping[Any, tuple[str, ...]] = field(default_factory=dict)
+
+    def record(self, record: Callable[..., T], data: Any, place: str, also: tuple[str, ...] = ()) -> T:
+        """A record from plain data.
+
+        Parameters
+        ----------
+        record : type
+            A dataclass whose annotations say how its fields are written.
+        data : mapping
+            Plain data; a key whose value is None is left out.
+        place : str
+            Its section, for messages.
+        also : tuple of str
+            Keys of the data that belong to no field.
+
+        Raises
+        ------
+        ValueError
+            At the first error.
+        """
+        if not isinstance(data, Mapping):
+            raise ValueError(f"{place} = {show(data)}: must be a {'table' if '.' in place else f'section, [{place}]'}")
+        items = {item.name: item for item in fields(record)}  # type: ignore[arg-type]
+        for key, value in data.items():
+            if key not in items and key not in also:
+                check_key(key, value, (*self.named.get(record, ()), *items, *also), place)
+        values = self.values(record, data, place)
+        for name, item in items.items():
+            if name not in values and item.default is MISSING and item.default_factory is MISSING:
+                raise ValueError(f"{place}.{name}: missing")
+        return named(place, record, **values)
+
+    def values(self, record: Any, data: Data, place: str) -> dict[str, Any]:
+        """The values of those fields of a record (a class) that the data give."""
+        kinds, hints = marks(record), _hints(record)
+        given = [item.name for item in fields(record) if data.get(item.name) is not None]
+        return {name: self._value(data[name], hints[name], kinds.get(name), f"{place}.{name}") for name in given}
+
+    def _value(self, value: Any, hint: Any, mark: Mark | None, place: str) -> Any:
+        """The value of a field."""
+        options = get_args(hint) or (hint,)
+        names = [name for option in (hint, *options) if get_origin(option) is Literal for name in get_args(option)]
+        if any(type(value) is type(name) and value == name for name in names):
+            return value
+        if law := next((option for option in options if option in LAWS), None):
+            return self.law(value, law, place, by_name=str in options)
+        if Signal in options:
+            return self.signal(value, place)
+        try:
+            return self._plain_value(value, options, mark, names)
+        except ValueError as error:
+            raise ValueError(f"{place} = {show(value)}: {error}") from error
+
+    def _plain_value(self, value: Any, options: Sequence[Any], mark: Mark | None, names: Sequence[str]) -> Any:
+        if isinstance(mark, Unit):
+            try:
+                return self.amount(value, mark) if mark.scale else self.quantity(value, mark)
+            except ValueError as error:
+                if not names:
+                    raise
+                events = ", ".join(f'"{name}"' for name in names)
+                said = f'a time above zero, in units {mark.own} or a quantity such as "{mark.example}"'
+                raise ValueError(f"must be {events} or {said}") from error
+        if names:
+            raise ValueError(f"allowed: {alternatives(map(repr, names))}")
+        if HeightMap in options:
+            if not isinstance(value, str) or value not in self.maps:
+                raise ValueError("its heights are not given with the case")
+            return self.maps[value]
+        for kind, said in ((bool, "true or false"), (str, "a string")):
+            if kind in options:
+                if not isinstance(value, kind):
+                    raise ValueError(f"must be {said}")
+                return value
+        if Ellipsis in options:  # numbers of a law with a table
+            if not isinstance(value, list | tuple):
+                raise ValueError("must be an array")
+            return tuple(self._plain_value(item, options[:1], None, ()) for item in value)
+        bounds = (
+            mark
+            if isinstance(mark, Bounds)
+            else next((UNBOUNDED[kind] for kind in options if kind in UNBOUNDED), UNBOUNDED[float])
+        )
+        return parse_number(value, bounds)
+
+    def amount(self, value: object, unit: Unit) -> Amount:
+        """A number in the units of the case, or a quantity in SI."""
+        if isinstance(value, Quantity):
+            return value
+        if isinstance(value, str):
+            return Quantity(self.quantity(value, unit.in_si), unit.unit)
+        if not is_number(value) or not unit.allows(value):  # type: ignore[arg-type]
+            least = "" if unit.signed else " above zero"
+            raise ValueError(f'must be a number{least}, in units {unit.own}, or a quantity such as "{unit.example}"')
+        if complaint := unit.size_complaint(value):  # type: ignore[arg-type]
+            raise ValueError(complaint)
+        return float(value)  # type: ignore[arg-type]
+
+    def signal(self, data: Any, place: str) -> Signal:
+        """A signal from a number, a list of [T, value], or a table { mean, amplitude, period, phase }."""
+        if isinstance(data, Mapping):
+            return self.record(Oscillation, data, place)
+        if is_number(data):
+            return constant(self._value(data, float, FINITE, place))
+        if not isinstance(data, list | tuple) or not data:
+            raise ValueError(f"{place} = {show(data)}: must be {SIGNAL_TEXT}")
+        points = []
+        for number, point in enumerate(data, 1):
+            where = f"{place}[{number}]"
+            if not isinstance(point, list | tuple) or len(point) != 2:
+                raise ValueError(f"{where} = {show(point)}: must be [T, value]")
+            time, value = self._value(point[0], Amount, TIME, f"{where}[1]"), point[1]
+            points.append((time, self._value(value, float, FINITE, f"{where}[2]")))
+        return named(place, Polyline, tuple(points), text=show(data))
+
+    def law(self, data: Any, kind: Any, place: str, by_name: bool = True) -> Any:
+        """A law from a table with its name under `law`; or its name, if its data are those of the oil.
+
+        kind: its protocol.  by_name: whether a name will do; without it the law is inside of another one.
+        """
+        if by_name and isinstance(data, str):
+            return data  # the oil knows which names will do
+        laws: Mapping[str, Any] = LAWS[kind]
+        if not by_name:
+            laws = {name: law for name, law in laws.items() if not law_fields(law)}
+        if not isinstance(data, Mapping):
+            name = "a name, or " if by_name else ""
+            raise ValueError(f"{place} = {show(data)}: must be {name}a table with a law and its data")
+        law = laws[_known(data, "law", laws, place)]
+        return checked(self.record(law, data, place, ("law",)), place)
+
+    def feature(self, data: Any, place: str) -> Feature:
+        """A feature, its shape by a registered name."""
+        if not isinstance(data, Mapping):
+            raise ValueError(f"{place} = {show(data)}: must be a table with a shape; allowed: {', '.join(SHAPES)}")
+        shape: Any = SHAPES[_known(data, "shape", SHAPES, place)]
+        surface = data.get("surface", 1)
+        if type(surface) is not int or surface not in (1, 2):
+            raise ValueError(f"{place}.surface = {show(surface)}: allowed: 1 or 2")
+        return Feature(self.record(shape, data, place, ("shape", "surface")), surface)  # type: ignore[arg-type]
+
+
+@cache
+def _hints(record: Any) -> Mapping[str, Any]:
+    return get_type_hints(record)
+
+
+def _known(data: Data, key: str, records: Mapping[str, Any], place: str) -> str:
+    """The name of a record under a key."""
+    name = data.get(key)
+    if isinstance(name, str) and name in records:
+        return name
+    said = ": missing" if name is None else f" = {show(name)}"
+    raise ValueError(f"{place}.{key}{said}; allowed: {', '.join(records)}")
+
+
+def alternatives(texts: Iterable[str]) -> str:
+    """Some texts as alternatives: a, b or c."""
+    *others, last = texts
+    return f"{', '.join(others)} or {last}" if others else last

@@ -1,0 +1,287 @@
+"""The layout of case files: all sections and keys, read off the records of a case.
+
+The table of keys, `--help-keys`, new case files and the JSON schema are printed from `places`.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields
+from inspect import getdoc
+from math import isfinite
+from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+
+from ertel.case.conditions import Conditions
+from ertel.case.height_map import HeightMap, Measured
+from ertel.case.reading import LAWS, Reader
+from ertel.case.records import OIL_LAWS, law_fields, show
+from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Drive, Output, Solver, Time
+from ertel.case.thermal import Thermal
+from ertel.inputs.quantities import parse_quantity
+from ertel.physics.lubricant import Oil
+from ertel.physics.motion import Oscillation, Signal
+from ertel.physics.registry import SHAPES, Registry
+from ertel.physics.units import (
+    COMPLIANCE,
+    DENSITY,
+    EXPANSION,
+    KINEMATIC_VISCOSITY,
+    TEMPERATURE,
+    Mark,
+    Meaning,
+    Unit,
+    marks,
+    meanings,
+)
+
+# -- keys that name an oil, a material or a file; `names` and `height_maps` replace them by numbers -------------------
+
+
+@dataclass(frozen=True)
+class Materials:
+    """The materials of both bodies, in [contact]."""
+
+    material_1: Annotated[
+        str | None, Meaning("material of body 1, in an impact the ball; ertel oils lists the names", "steel")
+    ] = None
+    material_2: Annotated[str | None, Meaning("material of body 2", "glass")] = None
+
+
+@dataclass(frozen=True)
+class DataSheet:
+    """An oil by its data sheet, in [lubricant]."""
+
+    nu40: Annotated[float, KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 40 degC")]
+    nu100: Annotated[float, KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 100 degC", "8.7 mm^2/s")]
+    density: Annotated[float, DENSITY, Meaning("density at 15 degC", "880 kg/m^3")]
+    expansion: Annotated[float | None, EXPANSION, Meaning("thermal expansion coefficient")] = None
+    alpha: Annotated[float | None, COMPLIANCE, Meaning("pressure-viscosity coefficient, at all temperatures")] = None
+    reference: Annotated[str, Meaning("source of the data", "data sheet of the oil")] = ""
+
+
+@dataclass(frozen=True)
+class NamedLubricant:
+    """An oil by its name or its data sheet, in [lubricant]; keys that are given as well win over its data."""
+
+    oil: Annotated[
+        str | DataSheet | None,
+        Meaning("name of an oil, ertel oils lists them, or a table with its data sheet", "squalane"),
+    ] = None
+    temperature: Annotated[float | None, TEMPERATURE, Meaning("temperature of the inlet; goes with oil")] = None
+
+
+@dataclass(frozen=True)
+class MeasuredFile:
+    """How the file of a measured map is read, in [[roughness]]."""
+
+    channel: Annotated[
+        str | None, Meaning("which of the channels of the file; left out: its first one with heights", "Height")
+    ] = None
+    unit: Annotated[str | None, Meaning("unit of lengths and heights of a file that does not say it", "um")] = None
+    detrend: Annotated[
+        Literal["plane", "curvature", "mean", "none"] | None,
+        Meaning("form removed from the heights; left out: plane", "curvature"),
+    ] = None
+
+
+class Part(NamedTuple):
+    """A section: its record, what it is about, and a record of further keys that name something in the library."""
+
+    record: Any
+    text: str
+    named: Any = None
+
+
+SECTIONS: Mapping[str, Part] = {
+    "contact": Part(Conditions, "the two bodies and their operating conditions", Materials),
+    "lubricant": Part(Oil, "the oil: its name, or its data", NamedLubricant),
+    "solver": Part(Solver, "grid and tolerance"),
+    "motion": Part(Drive, "load and speed as functions of time"),
+    "time": Part(Time, "start, end and steps of a run in time"),
+    "output": Part(Output, "which maps are kept, besides those at maximum approach and at the end"),
+    "thermal": Part(Thermal, "rolling: temperatures of a steady contact in SI, may be empty where all is named"),
+}
+FILES = {"measured": MeasuredFile}  # records of further keys of shapes, that say how their file is read
+TOP: Mapping[str, Meaning] = {  # keys of the file itself
+    "name": Meaning("of the run's directory and titles; left out: that of the file", "steel_ball"),
+    "schema": Meaning("version of this layout"),
+    "roughness": Meaning("shapes on the surfaces, any number of them; their heights are added"),
+}
+SURFACE = Meaning("surface on which the shape is and with which it moves")
+NEEDED = "needed"
+
+
+def names_of(record: Any) -> tuple[str, ...]:
+    """The names of the fields of a record (a class)."""
+    return tuple(item.name for item in fields(record))
+
+
+READER = Reader(
+    parse_quantity,
+    named={Conditions: names_of(Materials), Oil: names_of(NamedLubricant), Measured: names_of(MeasuredFile)},
+)
+
+
+# -- the walk over all keys -------------------------------------------------------------------------------------------
+
+
+class Key(NamedTuple):
+    """A key of a case file.
+
+    hint, mark: the annotation of its field.  default: as it is written; "" if the meaning says what holds without the
+    key.  example: a value as it is written, "" if there is none.
+    """
+
+    name: str
+    meaning: Meaning
+    hint: Any
+    mark: Mark | None = None
+    default: str = ""
+
+    @property
+    def example(self) -> str:
+        """A value as it is written; "" if there is none."""
+        if self.meaning.example is not None:
+            return show(self.meaning.example)
+        if self.default not in ("", NEEDED):
+            return self.default
+        return show(self.mark.example) if isinstance(self.mark, Unit) else ""
+
+    @property
+    def options(self) -> Sequence[Any]:
+        """The kinds of values that the annotation allows."""
+        return get_args(self.hint) or (self.hint,)
+
+    @property
+    def choices(self) -> tuple[Any, ...]:
+        """The values that the annotation enumerates."""
+        options = (self.hint, *self.options)
+        return tuple(value for option in options if get_origin(option) is Literal for value in get_args(option))
+
+    @property
+    def law(self) -> Registry | None:
+        """The laws one of which the value is."""
+        return next((LAWS[option] for option in self.options if option in LAWS), None)
+
+    @property
+    def kind(self) -> str:
+        """The kind of a value in words."""
+        if isinstance(self.mark, Unit):
+            said = f"number ({self.mark.own}) or quantity" if self.mark.scale else "quantity"
+            return ", ".join([*self.choices, said])
+        if self.mark is not None:
+            return "integer" if self.mark.whole else "number"
+        if self.law is not None:
+            return f"{', '.join(able_names(self.law))} or table" if str in self.options else "table"
+        if self.choices:
+            return " or ".join(map(str, self.choices))
+        words = {
+            HeightMap: "name of a file",
+            bool: "true or false",
+            Signal: "number, [[T, value], ...] or table",
+            DataSheet: "name or table",
+            float: "number",
+            int: "integer",
+        }
+        return next((words[option] for option in self.options if option in words), "text")
+
+
+class Place(NamedTuple):
+    """A section or a table of a case file: how it begins, what it is about, and its keys."""
+
+    title: str
+    text: str
+    keys: tuple[Key, ...]
+
+
+def places() -> Iterator[Place]:
+    """All sections and tables of a case file, with the laws and shapes that are registered now."""
+    schema = Key("schema", TOP["schema"], Literal[1], None, "1")
+    yield Place("(top)", "the case", (Key("name", TOP["name"], str), schema))
+    for name in SECTIONS:
+        if name == "time":
+            yield Place("[[roughness]]", TOP["roughness"].text, shape_keys())
+            yield from (shape_place(shape) for shape in SHAPES)
+        yield section(name)
+        if name == "lubricant":
+            yield _table("oil = { ... }", DataSheet)
+            for field, laws in OIL_LAWS.items():
+                for law in laws:
+                    if fields(laws[law]):
+                        yield _table(f'{field} = {{ law = "{law}" }}', laws[law])
+        if name == "motion":
+            yield _table("load, entrainment = { ... }", Oscillation)
+
+
+def section(name: str) -> Place:
+    """A section."""
+    part = SECTIONS[name]
+    return Place(f"[{name}]", part.text, (*(keys_of(part.named) if part.named else ()), *keys_of(part.record)))
+
+
+def shape_keys() -> tuple[Key, ...]:
+    """The keys of all shapes."""
+    shapes = Key("shape", Meaning("which shape"), Literal[*SHAPES], None, NEEDED)
+    return shapes, Key("surface", SURFACE, Literal[1, 2], None, "1")
+
+
+def shape_place(name: str) -> Place:
+    """The table of a shape, with the keys that say how its file is read."""
+    found = _table(f'shape = "{name}"', SHAPES[name])
+    return found._replace(keys=(*found.keys, *keys_of(FILES[name]))) if name in FILES else found
+
+
+def _table(title: str, record: Any) -> Place:
+    return Place(title, first_paragraph(record).removesuffix("."), keys_of(record))
+
+
+def first_paragraph(record: Any) -> str:
+    """The first paragraph of the docstring of a record, on one line."""
+    return " ".join((getdoc(record) or "").partition("\n\n")[0].split())
+
+
+def keys_of(record: Any) -> tuple[Key, ...]:
+    """The keys that stand for the fields of a record (a class)."""
+    hints, said, kinds = get_type_hints(record), meanings(record), marks(record)
+    found = []
+    for item in fields(record):
+        meaning = said.get(item.name, Meaning(""))
+        default = _default(record, item, meaning)
+        found.append(Key(item.name, meaning, hints[item.name], kinds.get(item.name), default))
+    return tuple(found)
+
+
+def able_names(laws: Registry) -> tuple[str, ...]:
+    """The names of the laws whose data are those of the oil."""
+    return tuple(name for name, law in laws.items() if hasattr(law, "of"))
+
+
+def inner_laws(laws: Registry) -> Mapping[str, Any]:
+    """The laws that may stand inside of another one."""
+    return {name: law for name, law in laws.items() if not law_fields(law)}
+
+
+def _default(record: Any, item: Any, meaning: Meaning) -> str:
+    """What holds where the key is left out, as it is written."""
+    if record is Solver:
+        return _by_owner({method: getattr(solver, item.name) for method, solver in SOLVERS.items()}, item.name)
+    if record is Time and item.name in ("start_approach", "until"):
+        return show(START_APPROACH) if item.name == "start_approach" else _by_owner(ENDS, item.name)
+    if item.default is MISSING and item.default_factory is MISSING:
+        return "" if record is Thermal else NEEDED  # a named oil and named materials complete it
+    value = item.default
+    if value in (None, "", ()) or (isinstance(value, float) and not isfinite(value)):
+        return ""
+    is_quantity = isinstance(marks(record).get(item.name), Unit) and isinstance(meaning.example, str)
+    return show(meaning.example) if is_quantity else show(value)
+
+
+def _by_owner(values: Mapping[Any, Any], name: str) -> str:
+    """Defaults that differ between methods or kinds of contact, each with those that have it."""
+    if name == "method":
+        return ", ".join(f'"{methods[0]}" ({kind})' for kind, methods in METHODS.items())
+    groups: dict[str, list[str]] = {}
+    for owner, value in values.items():
+        if value is not None:
+            groups.setdefault(show(value), []).append(str(owner))
+    if len(groups) == 1 and len(next(iter(groups.values()))) == len(values):
+        return next(iter(groups))
+    return ", ".join(f"{value} ({', '.join(owners)})" for value, owners in groups.items())

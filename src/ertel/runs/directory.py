@@ -1,0 +1,240 @@
+"""A run directory: made at once under an unused name, held to its case, asked how far it is, and asked to stop.
+
+======================  =========================================================================================
+case.toml               the resolved case: `ertel run` of it is the same run again
+run.zarr                scalars of every step, maps at chosen times, provenance; `xarray.open_zarr` alone opens it
+                        (of a steady contact: scalars of every grid, the maps on the finest one so far)
+checkpoint.npz          the state to go on from, and how much of run.zarr belongs to it
+summary.json            the outcome
+progress.json           how far the run is, for programs that watch it; not part of the data
+stop                    made by whoever wants the run to stop
+.lock                   empty; the process that computes the run holds a lock on it, see `files.locked`
+======================  =========================================================================================
+
+The data are written by `store`.  This module imports no JAX, so that programs that only watch runs stay small.
+
+progress.json::
+
+    {"status": "running", "T": 1.07, "step": 83, "done": 0.43, "seconds": 12.1, "seconds_left": 15.9,
+     "written": "2026-11-22T10:15:03+00:00", "process": 4711}
+
+status: as in the summary.  T: time in t0, null for a steady contact.  step: the number of time steps, or of grids.
+done: the share of the run, 0 to 1, about.  seconds: since this process took the run over.  seconds_left: an estimate
+from the pace so far, null before there is one, among others while programs are compiled.  written: when.  process: a
+number on the machine of the run, which is never signalled.  The file is renewed at most once a second and has no
+checksum: nothing is computed from it.  A run that was killed leaves "running" behind, until another process takes it
+over; the lock tells.
+"""
+
+import errno
+import json
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
+from itertools import chain, count
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from uuid import uuid4
+
+from pydantic import BaseModel, Field
+
+from ertel.case.case import Case
+from ertel.case.records import show
+from ertel.case.status import Status
+from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
+from ertel.runs.files import StoreError, content_of, replace, sync_directory
+
+if TYPE_CHECKING:  # it brings JAX, which readers do not need
+    from ertel.runs.courses import Run, StepResult
+
+CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
+PROGRESS, STOP = "progress.json", "stop"
+OCCUPIED = (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR, errno.EISDIR)  # why a directory cannot be moved to a name
+INTERVAL = 1.0  # s between two versions of progress.json
+LARGEST_PROCESS = 2**31  # numbers of processes are below it
+
+
+class Taken(StoreError):
+    """The directory for a new run exists already."""
+
+
+# -- made -------------------------------------------------------------------------------------------------------------
+
+
+def numbered(directory: Path) -> Iterator[Path]:
+    """NAME, NAME-2, NAME-3, ... in the place of a directory."""
+    return (directory.with_name(directory.name + (f"-{n}" if n > 1 else "")) for n in count(1))
+
+
+def make(directory: Path, case: Case, fill: Callable[[Path], object], others: Iterable[Path] = ()) -> Path:
+    """Make a directory with the files of a case and what `fill` writes; if it is taken, the first of the others.
+
+    It is made beside its place and moved there when it is complete.  An empty directory in its place is replaced.
+    Raises Taken where there is no place, StoreError where it cannot be written, ValueError where the case cannot.
+    """
+    text = to_toml(case)
+    draft = directory.parent / f".{directory.name}-{uuid4().hex[:8]}"
+    try:
+        replace(draft / CASE, text.encode())
+        for name, heights in case.maps.items():
+            replace(draft / name, heights.to_bytes())
+        fill(draft)
+        for candidate in chain([directory], others):
+            if _moved(draft, candidate):
+                return candidate
+        raise Taken(f"{directory}: exists already")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise StoreError(f"{directory}: cannot write there, {reason}") from error
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+
+
+def _moved(draft: Path, directory: Path) -> bool:
+    """Whether a directory got its place: False where something else is there."""
+    if directory.exists() and not (directory.is_dir() and not any(directory.iterdir())):
+        return False
+    try:
+        draft.rename(directory)
+    except OSError as error:
+        if error.errno in OCCUPIED:  # another process has just taken it
+            return False
+        raise
+    sync_directory(directory.parent)
+    return True
+
+
+# -- held to their case -----------------------------------------------------------------------------------------------
+
+
+def read_case(directory: Path) -> Case:
+    """The case of a run.  Raises StoreError where its file cannot be read."""
+    try:
+        return parse_case(read_toml(directory / CASE), directory)
+    except ConfigError as error:
+        raise StoreError(f"{directory / CASE}: cannot be read as a case ({error}); put the run's own back") from error
+
+
+def require_same(directory: Path, digest: str, data: Mapping[str, Any], case: Case) -> None:
+    """Raise StoreError unless the case with this digest and data is the case of the directory's file."""
+    if digest != case.digest:
+        said = changes(data, case.to_data())
+        raise StoreError(f"{directory}: {CASE} was changed ({said}); put it back, or run it as a new case")
+
+
+def changes(before: Any, now: Any, field: str = "") -> str:
+    """The fields in which two cases differ as plain data, names and references apart."""
+    if isinstance(before, Mapping) and isinstance(now, Mapping):
+        free = ("name", "reference")
+        keys = [key for key in {**before, **now} if before.get(key) != now.get(key) and key not in free]
+        return ", ".join(changes(before.get(key), now.get(key), f"{field}.{key}".removeprefix(".")) for key in keys)
+    return f"{field} {show(before)} → {show(now)}"
+
+
+# -- the file `stop` --------------------------------------------------------------------------------------------------
+
+
+def ask_to_stop(directory: Path) -> None:
+    """Ask the run, or the study, in a directory to stop after its current step or grid, as after Ctrl-C.
+
+    Any machine may ask; the run can be resumed.  Raises OSError where the file cannot be made.
+    """
+    (directory / STOP).touch()
+
+
+def is_asked_to_stop(directory: Path) -> bool:
+    """Whether the run, or the study, in a directory is asked to stop."""
+    return (directory / STOP).is_file()
+
+
+@contextmanager
+def heeding_stop(directory: Path) -> Iterator[None]:
+    """Delete the file `stop` after this block, and also before: a file that is left over does not stop a run."""
+    _forget_stop(directory)
+    yield
+    _forget_stop(directory)
+
+
+def _forget_stop(directory: Path) -> None:
+    if is_asked_to_stop(directory):
+        (directory / STOP).unlink(missing_ok=True)
+
+
+# -- the file progress.json -------------------------------------------------------------------------------------------
+
+
+class _Progress(BaseModel, strict=True, extra="allow", allow_inf_nan=False):
+    """The values that readers count on."""
+
+    status: str
+    T: float | None
+    step: int = Field(ge=0)
+    done: float = Field(ge=0.0, le=1.0)
+    seconds: float
+    seconds_left: float | None
+    written: str
+    process: int = Field(gt=0, lt=LARGEST_PROCESS)
+
+
+class ProgressFile:
+    """An observer that keeps the progress of a run in its directory."""
+
+    def __init__(self, directory: Path, run: "Run"):
+        self._directory, self._run = directory, run
+        self._started = time.monotonic()
+        self._first: tuple[float, float] | None = None  # time and share done at the first result with a record
+        self._written = -INTERVAL
+
+    def __call__(self, result: "StepResult") -> None:
+        """Write the progress, unless it was written a moment ago."""
+        now = time.monotonic()
+        if self._first is None and result.record:
+            self._first = now, self._run.fraction(result)
+        if result.status is not Status.RUNNING or now - self._written >= INTERVAL:
+            self._written = now
+            self.write(result)
+
+    def write(self, result: "StepResult") -> None:
+        """Write the progress; a disk that refuses it stops no run."""
+        done = 1.0 if result.status.ok else self._run.fraction(result)
+        content = {
+            "status": result.status.value,
+            **self._run.position(result),
+            "done": round(done, 4),
+            "seconds": round(time.monotonic() - self._started, 1),
+            "seconds_left": self._left(result.status, done),
+            "written": datetime.now(UTC).isoformat(timespec="seconds"),
+            "process": os.getpid(),
+        }
+        _write_progress(self._directory, content)
+
+    def _left(self, status: Status, done: float) -> float | None:
+        """Seconds to the end at the pace since the first result; compiling came before it."""
+        if status is not Status.RUNNING:
+            return 0.0 if status.ok else None
+        if self._first is None or done <= self._first[1]:
+            return None
+        then, share = self._first
+        return round((time.monotonic() - then) * (1.0 - done) / (done - share), 1)
+
+
+def _write_progress(directory: Path, content: Mapping[str, Any]) -> None:
+    with suppress(OSError):
+        replace(directory / PROGRESS, (json.dumps(content) + "\n").encode(), durable=False)
+
+
+def read_progress(directory: Path) -> dict[str, Any] | None:
+    """The progress of a run; None where there is none or it cannot be read."""
+    with suppress(OSError, ValueError):
+        return _Progress.model_validate_json(content_of(directory / PROGRESS)).model_dump()
+    return None
+
+
+def settle_progress(directory: Path) -> None:
+    """Call a run interrupted whose process was killed: the next process has no result yet."""
+    progress = read_progress(directory)
+    if progress and progress["status"] == Status.RUNNING.value:
+        _write_progress(directory, {**progress, "status": Status.INTERRUPTED.value})
