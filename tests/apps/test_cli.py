@@ -70,14 +70,15 @@ def ball(here, runs):
 
 @pytest.fixture
 def quick_figures(monkeypatch):
-    """As if a run were drawn in two empty figures, of which one shows a moment; its choice is in the title."""
+    """As if a run were drawn in two empty figures, with the choice of the moment in the title."""
 
-    def film(data, at="end"):
+    def draw(data, name, at):
         figure = Figure()
         figure.suptitle(repr(at))
         return figure
 
-    monkeypatch.setattr(plots, "figures_of", lambda data: {"film": film, "history": lambda data: Figure()})
+    monkeypatch.setattr(plots, "names_of", lambda data: ("film", "history"))
+    monkeypatch.setattr(plots, "draw", draw)
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------
@@ -342,17 +343,16 @@ def test_plot_elsewhere(here, ball, quick_figures):
     assert names(here / "pictures" / "of" / "it") == {"film.png", "history.png"}
 
 
-@pytest.mark.parametrize(("at", "title"), [("1.5", "1.5"), ("max-approach", "'max-approach'"), (None, "'end'")])
+@pytest.mark.parametrize(("at", "title"), [("1.5", "1.5"), ("max-approach", "'max-approach'"), (None, "None")])
 def test_plot_at(ball, quick_figures, monkeypatch, at, title):
     saved = []
     monkeypatch.setattr(Figure, "savefig", lambda figure, path: saved.append(figure.get_suptitle()))
     ertel_("plot", "a", *(["--at", at] if at else []))
-    assert saved == [title, ""]
+    assert saved == [title, title]
 
 
-def test_plot_at_refused(ball, monkeypatch):
-    monkeypatch.setattr(plots, "figures_of", lambda data: {"history": lambda data: Figure()})
-    assert "--at 1.5: the figures of this run" in ertel_("plot", "a", "--at", "1.5", code=2).stderr
+def test_plot_at_refused(ball):
+    assert "at = 99.0: must be a time" in ertel_("plot", "a", "--at", "99", code=2).stderr
 
 
 def test_params_from_moes():

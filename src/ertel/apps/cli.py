@@ -36,8 +36,8 @@ from ertel.apps.arguments import (
 )
 from ertel.apps.faults import Commands
 from ertel.apps.flags import case_of_flags, flag_of, with_flags
-from ertel.apps.interferograms import Interferogram, Wavelength
 from ertel.apps.paper import paper
+from ertel.apps.plotting import Interferogram, PlotOptions, Wavelength
 from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, say, shown
 
 app = typer.Typer(
@@ -249,15 +249,12 @@ def plot(
     An interferogram needs a case in SI. It is that of a steel ball and glass with 8 nm of chromium; from Python other
     layers and lamps can be chosen, see ertel.optics.
     """
-    from ertel.apps import interferograms, plotting, running
+    from ertel.apps import plotting, running
 
-    view = interferograms.View(interferogram, wavelength, at, format_)
-    view.check()
+    options = PlotOptions(what, at, interferogram, wavelength, format_)
+    options.check()
     with running.opened(directory) as run:
-        if interferogram:
-            interferograms.write(run.dataset(), view, out or directory / "plots")
-        else:
-            plotting.write_figures(run.dataset(), what, at, out or directory / "plots", format_)
+        plotting.write(run.dataset(), options, out or directory / "plots")
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------
