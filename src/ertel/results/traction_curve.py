@@ -133,9 +133,9 @@ class TractionCurve(StudyResult):
 
     def plot(self) -> "Figure":
         """The curve: traction coefficient and rolling resistance, films, power loss and shear stress."""
-        from ertel.plots import traction
+        from ertel.plots import studies
 
-        return traction.figure(self.dataset)
+        return studies.traction_figure(self.dataset)
 
     def as_data(self) -> dict[str, Any]:
         """The curve as plain data for JSON; names in SI end with the unit, and what is missing is None."""
