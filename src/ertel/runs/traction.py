@@ -97,7 +97,7 @@ def traction(
     Warns
     -----
     UserWarning
-        The case with the largest shear stress asks more of the model than its range, before the run.
+        The case with the largest shear stress is outside the range of the model; before the run.
 
     Examples
     --------
