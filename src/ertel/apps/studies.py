@@ -8,7 +8,7 @@ from ertel.apps import running, tables
 from ertel.apps.process import interruptible
 from ertel.apps.terminal import ASKED, FAILED, bad_input, in_shell, leave, print_json, reason_of, say, shown
 from ertel.case.case import Case
-from ertel.case.estimates import newtonian_stress
+from ertel.case.derived import newtonian_stress
 from ertel.case.status import Status
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
