@@ -24,7 +24,8 @@ from ertel.plots.view import View
 from ertel.results import diagnostics
 from ertel.runs.compile import compilations
 from ertel.runs.drive import simulate
-from ertel.runs.store import RunStore, StoreError, compute
+from ertel.runs.files import StoreError
+from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")

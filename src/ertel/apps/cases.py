@@ -1,4 +1,4 @@
-"""`ertel new`, `ertel schema` and `ertel check`: case files before they are run."""
+"""Cases before they are run: `ertel params`, `film`, `new`, `schema` and `check`."""
 
 from pathlib import Path
 from textwrap import wrap
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from ertel.apps.arguments import CaseFile, Json, Set, path_argument
+from ertel.apps.arguments import CaseFile, Json, OptionalCase, Set, path_argument
 from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, rough_time, shown
 
 if TYPE_CHECKING:
@@ -15,12 +15,63 @@ if TYPE_CHECKING:
 WIDTH = 100
 
 
+def params(case_file: OptionalCase = None, set_: Set = None, as_json: Json = False) -> None:
+    """Print all parameters of a contact.
+
+    Give a case file, or the contact alone: --set contact.M=1000 --set contact.L=10, or quantities such as
+    --set "contact.radius=10 mm". Without a file the contact is an impact unless --set contact.kind=rolling, and its oil
+    follows Barus. What is missing is said; ertel run --help-keys explains all keys.
+    """
+    from ertel.results.parameters import parameter_summary
+
+    with bad_input():
+        case = _case_asked_for(case_file, set_, "impact")
+    content = parameter_summary(case)
+    if as_json:
+        print_json(content)
+    else:
+        from ertel.apps import tables
+
+        tables.print_parameters(content)
+
+
+def film(case_file: OptionalCase = None, set_: Set = None, as_json: Json = False) -> None:
+    """Compare the film thickness formulas for a rolling contact.
+
+    Give a case file, or the contact alone: --set contact.M=200 --set contact.L=10, see ertel params.
+    """
+    from ertel.apps import tables
+    from ertel.results.parameters import films
+
+    with bad_input():
+        case = _case_asked_for(case_file, set_, "rolling")
+        if case.starts_apart:
+            raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
+    found = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
+    if as_json:
+        print_json(tables.films_as_data(case, found))
+    else:
+        tables.print_films(case, found)
+        tables.print_sources(found)
+
+
+def _case_asked_for(case_file: Path | None, settings: list[str] | None, kind: str) -> "Case":
+    """The case of a file, or of settings alone, whose oil follows Barus and is incompressible unless they say more."""
+    from ertel.inputs.case_files import apply_overrides, load_case, parse_case
+
+    if case_file:
+        return load_case(case_file, settings or [])
+    data = apply_overrides({"contact": {"kind": kind}, "lubricant": {}}, settings or [])
+    contact, oil = data["contact"], data["lubricant"]
+    if isinstance(contact, dict) and isinstance(oil, dict) and "oil" not in oil:
+        isoviscous = 0 in (contact.get("L"), contact.get("alpha_bar"))
+        data["lubricant"] = {"viscosity": "isoviscous" if isoviscous else "barus", "density": "incompressible", **oil}
+    return parse_case(data)
+
+
 def new(
     kind: Annotated[Literal["impact", "rolling"], typer.Argument(help="Kind of contact.")],
-    file: Annotated[
-        Path | None,
-        path_argument("[FILE]", "New case file; default KIND.toml."),
-    ] = None,
+    file: Annotated[Path | None, path_argument("[FILE]", "New case file; default KIND.toml.")] = None,
 ) -> None:
     """Write a new case file that runs, with all keys and their meanings.
 
@@ -42,7 +93,7 @@ def new(
 
 
 def _write_new(path: Path, text: str) -> bool:
-    """Whether a file could be written, because it was not there."""
+    """Write a file; False if it is there already."""
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
@@ -105,13 +156,13 @@ def _print_outlook(case: "Case", found: dict[str, Any]) -> None:
 
     out = tables.console()
     out.print(f"{case.name or case.kind}: {case.kind}, {case.solver.method}", style="bold")
-    tables.print_parameters(out, found["parameters"])
+    tables.print_parameters(found["parameters"])
     formulas = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if formulas:
         out.print()
-        out.print(tables.film_table(case, formulas, {}))
+        tables.print_films(case, formulas)
     out.print()
-    tables.print_names(out, _needs(found))
+    tables.print_names(_needs(found))
     for warning in found["warnings"]:
         out.print(f"Warning: {warning}", style="yellow")
 

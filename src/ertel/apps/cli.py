@@ -8,7 +8,6 @@ Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing wr
 
 import os
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -35,10 +34,9 @@ from ertel.apps.arguments import (
     values_option,
 )
 from ertel.apps.faults import Commands
-from ertel.apps.flags import case_of_flags, flag_of, with_flags
 from ertel.apps.paper import paper
 from ertel.apps.plotting import Interferogram, PlotOptions, Wavelength
-from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, say, shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, say
 
 app = typer.Typer(
     cls=Commands,
@@ -103,7 +101,7 @@ def run(
     with jax_prepared(case, tell):
         from ertel.apps import running  # while programs are loaded
 
-        running.run(case, out, running.Wishes(as_json, error, quiet, flush))
+        running.run(case, out, running.RunOptions(as_json, error, quiet, flush))
 
 
 @app.command()
@@ -113,7 +111,7 @@ def resume(
     """Continue a run that was interrupted."""
     from ertel.apps import running
 
-    running.resume(directory, running.Wishes(as_json, error, quiet, flush))
+    running.resume(directory, running.RunOptions(as_json, error, quiet, flush))
 
 
 @app.command()
@@ -189,8 +187,7 @@ def sweep(
 @app.command("warm-up")
 def warm_up(
     case_files: Annotated[
-        list[Path] | None,
-        path_argument("[CASE.toml]...", "Case files; default the usual grids."),
+        list[Path] | None, path_argument("[CASE.toml]...", "Case files; default the usual grids.")
     ] = None,
     set_: Set = None,
 ) -> None:
@@ -224,16 +221,10 @@ def show(directory: RunDirectory, as_json: Json = False) -> None:
 def plot(
     directory: RunDirectory,
     what: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Draw one figure only, such as film.",
-            autocompletion=figures,
-        ),
+        str | None, typer.Option(metavar="NAME", help="Draw one figure only, such as film.", autocompletion=figures)
     ] = None,
     at: Annotated[
-        str | None,
-        typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end."),
+        str | None, typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.")
     ] = None,
     interferogram: Interferogram = None,
     wavelength: Wavelength = None,
@@ -260,81 +251,21 @@ def plot(
 
 
 @app.command()
-@with_flags
-def params(given: Mapping[str, object], as_json: Json = False) -> None:
-    """Print all parameters of a contact.
-
-    The contact is an impact; choose rolling with --kind rolling. Give --M and --L, or --lambda-bar and --alpha-bar,
-    or quantities with units such as "10 mm".
-
-    Quantities of every contact: --radius (or --radius-1 and --radius-2), --E-prime (or --E1 --nu1 --E2 --nu2), --eta0
-    and --alpha. An impact also needs --mass or --ball-density, and --speed or --drop-height. A rolling contact also
-    needs --load, and --mean-speed (with --slide-to-roll if it slides) or --speed-1 and --speed-2.
-    """
-    from ertel.results.parameters import parameter_summary
-
-    with bad_input():
-        case = case_of_flags(given)
-    content = parameter_summary(case)
-    if as_json:
-        print_json(content)
-    else:
-        from ertel.apps import tables
-
-        tables.print_parameters(tables.console(), content)
-
-
-@app.command()
-@with_flags
-def film(
-    given: Mapping[str, object],
-    case_file: Annotated[
-        Path | None,
-        path_argument("[CASE.toml]", "Case file of a rolling contact."),
-    ] = None,
-    as_json: Json = False,
-) -> None:
-    """Compare the film thickness formulas for a rolling contact.
-
-    Give a case file or flags. The flags are those of ertel params.
-    """
-    from ertel.apps import tables
-    from ertel.inputs.case_files import load_case
-    from ertel.results.parameters import films
-
-    with bad_input():
-        if case_file and given:
-            raise ValueError(
-                f"{shown(case_file)} and {flag_of(next(iter(given)))} are given together; give only one of them"
-            )
-        case = load_case(case_file) if case_file else case_of_flags({"kind": "rolling", **given})
-        if case.starts_apart:
-            raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
-    found = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
-    if as_json:
-        print_json(tables.films_as_data(case, found))
-    else:
-        console = tables.console()
-        console.print(tables.film_table(case, found, {}))
-        tables.print_sources(console, found)
-
-
-@app.command()
 def oils(
     name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="An oil or a material.")] = None,
     as_json: Json = False,
 ) -> None:
     """Print the oils and materials that case files know by name, or all data of one with their sources."""
-    from ertel.apps import oils, tables
+    from ertel.apps import oils
 
     with bad_input():
         entry = oils.find(name) if name else None
     if as_json:
         print_json(oils.as_data(entry) if entry else oils.library_data())
     elif entry:
-        oils.print_entry(tables.console(), entry)
+        oils.print_entry(entry)
     else:
-        oils.print_library(tables.console())
+        oils.print_library()
 
 
 @app.command()
@@ -354,7 +285,7 @@ def about(
     if cite:
         print(about.bibtex(version), end="")
     else:
-        tables.print_names(tables.console(), found)
+        tables.print_names(found)
 
 
 @app.command("app")
@@ -383,5 +314,15 @@ def browse(
         say(f"{in_shell(folder.absolute() / name)} goes on without the app; to watch it open the app again")
 
 
-for command in (cases.new, cases.check, cases.schema, paper, looking.ls, looking.compare, looking.export):
+for command in (
+    cases.params,
+    cases.film,
+    cases.new,
+    cases.check,
+    cases.schema,
+    paper,
+    looking.ls,
+    looking.compare,
+    looking.export,
+):
     app.command()(command)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.estimates import newtonian_stress
+from ertel.case.derived import newtonian_stress
 from ertel.case.status import Status
 from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
@@ -176,9 +176,17 @@ def traction(
     TractionCurve
         It shows itself as a table; `dataset`, `plot()`, `to_csv(path)`.
 
-    What the case with the largest shear stress asks of the model beyond its range is a Python warning, before the run.
-    Raises ConfigError, naming the argument, its value and what is allowed; StoreError where the directory holds
-    something else.
+    Raises
+    ------
+    ConfigError
+        A value is not allowed; the message names the argument, its value and what is allowed.
+    StoreError
+        The directory holds something else.
+
+    Warns
+    -----
+    UserWarning
+        The case with the largest shear stress is outside the range of the model; before the run.
 
     Examples
     --------

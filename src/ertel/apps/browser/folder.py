@@ -11,8 +11,8 @@ from typing import Any
 
 from ertel.apps.terminal import reason_of
 from ertel.inputs.case_files import parse_case, read_toml
-from ertel.runs.directory import CASE, DATA, SUMMARY, numbered
-from ertel.runs.listing import find_runs, is_run, summary_in
+from ertel.runs.directory import CASE, DATA, SUMMARY, numbered, read_summary
+from ertel.runs.listing import find_runs, is_run
 
 RUNS = "runs"  # where `ertel run` puts a run, too
 MOST_FOLDERS = 1000  # that are looked into
@@ -74,7 +74,7 @@ class Folder:
         return sorted(path for path in self.root.glob("*.toml") if self._is_ours(path))
 
     def _is_ours(self, path: Path) -> bool:
-        """Whether a path is a regular file in the folder, with a name that pages can show."""
+        """True if a path is a regular file in the folder, with a name that pages can show."""
         try:
             is_inside = path.is_file() and path.resolve().is_relative_to(self.root)
         except OSError:  # nobody may look at it
@@ -100,7 +100,7 @@ class Folder:
 
 
 def _changed(path: Path) -> int:
-    """When a run was last written to."""
+    """The time when a run was last written to."""
     return max((stamp[0] for stamp in (_stamp(path / CASE), _stamp(path / SUMMARY)) if stamp), default=0)
 
 
@@ -131,7 +131,7 @@ def _stamp(path: Path) -> Stamp:
 def _summary(run: Path, stamp: Stamp) -> tuple[dict[str, Any] | None, str]:
     """The summary as the file was then, and what is wrong with it."""
     try:
-        return summary_in(run), ""
+        return read_summary(run), ""
     except (OSError, ValueError) as error:
         return None, _message(error)
 
