@@ -62,12 +62,7 @@ def fading(amplitude: float) -> xr.Dataset:
             "Y_min": ("time", np.zeros_like(T)),
             "P_max": ("time", np.ones_like(T)),
         },
-        {
-            "X": X,
-            "time": T,
-            "frame": 1.0,
-            "wave": [runs.wave_name(shape, runs.HEIGHT, WAVE) for shape in ("transverse", "rings")],
-        },
+        {"X": X, "time": T, "frame": 1.0, "wave": names},
     )
 
 
