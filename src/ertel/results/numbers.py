@@ -102,7 +102,7 @@ def number(
         name,
         variable.symbol,
         variable.long_name,
-        float(value),
+        value,
         "1" if physical and variable.scale == COEFFICIENT else unit_of(kind, variable.unit),
         variable.factor(scales) if scales and physical else None,
         variable.si_name or name,
@@ -198,7 +198,7 @@ def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
             about = {"units": each.unit}
         elif each.unit != "1":
             about = {"units": "1", "in_units_of": each.unit}
-        found[name] = Scalar(each.value * factor, {"long_name": each.long_name, **about})
+        found[name] = Scalar(float(each.value * factor), {"long_name": each.long_name, **about})
         if each.error is not None:
             long_name = f"estimated error of the {each.long_name}"
             found[f"{name}_error"] = Scalar(each.error * factor, {"long_name": long_name, **about})

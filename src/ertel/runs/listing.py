@@ -7,12 +7,11 @@ from datetime import datetime
 from math import inf
 from os.path import lexists
 from pathlib import Path
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple
 
 from ertel.case.case import Case
-from ertel.case.conditions import Kind
 from ertel.case.status import Status
-from ertel.results.numbers import KEY, Scalar, as_now, scalars, values_of
+from ertel.results.numbers import Scalar, as_now, scalars
 from ertel.results.report import lines
 from ertel.runs.directory import CASE, DATA, PROGRESS, SUMMARY, read_case, read_progress
 from ertel.runs.files import StoreError, content_of, is_locked, reading, unsealed
@@ -84,11 +83,6 @@ def summary_in(directory: Path) -> dict[str, Any] | None:
     with reading(path, "it is written again when the run is continued"):
         found = as_now(unsealed(content_of(path)))
         Status(found["status"])
-        if found["kind"] not in get_args(Kind):
-            raise ValueError("it is of no kind of contact")
-        values = values_of(found)
-        if not all(isinstance(values[name], int | float) for name in KEY if name in values):
-            raise ValueError("a value is not a number")
         if not all(isinstance(text, str) for text in (*lines(found), *found["warnings"])):
             raise ValueError("a warning is not a text")
     return found
