@@ -13,8 +13,7 @@ from matplotlib.figure import Figure
 
 from ertel import plots
 from ertel.apps.browser.pictures import INTERFEROGRAM, PlotRequest, RunInfo
-from ertel.plots.drawing import is_physical, scale
-from ertel.plots.moments import shown
+from ertel.plots.view import View
 from ertel.results.variables import EVENTS, VARIABLES, is_steady
 from ertel.runs.checked_zarr import RegularStore
 
@@ -31,7 +30,7 @@ def info(run: Path, stamp: int) -> RunInfo:
     title, latest = str(data.attrs["title"]), _latest(data)
     if is_steady(data):
         return RunInfo(title, _figures(data, STEADY), latest=latest)
-    T, time = tuple(float(t) for t in data["frame"].values), scale(data, "time", 1.0)
+    T, time = tuple(float(t) for t in data["frame"].values), View(data).scale("time")
     times = tuple(f"{t * time.factor:.3g} {_plain(time.unit)}" for t in T)
     events = {EVENTS[int(code)]: index for index, code in enumerate(data["event"].values) if code}
     return RunInfo(title, _figures(data, IN_TIME), T, times, events, latest)
@@ -39,7 +38,7 @@ def info(run: Path, stamp: int) -> RunInfo:
 
 def _figures(data: xr.Dataset, names: Sequence[str]) -> tuple[str, ...]:
     """Those of the figures that a run has."""
-    missing = [*(["front"] if data.attrs["kind"] != "impact" else []), *([] if is_physical(data) else [INTERFEROGRAM])]
+    missing = [*(["front"] if data.attrs["kind"] != "impact" else []), *([] if View(data).in_si else [INTERFEROGRAM])]
     return tuple(name for name in names if name not in missing)
 
 
@@ -47,7 +46,8 @@ def _latest(data: xr.Dataset) -> tuple[tuple[str, str, str], ...]:
     """The last values of a run; a friction that is zero is none."""
     last = {name: float(data[name].values[-1]) for name in LATEST if name in data and data[name].size}
     told = {name: value for name, value in last.items() if value or not name.startswith("mu")}
-    return tuple((VARIABLES[name].long_name, name, _plain(shown(data, name, value))) for name, value in told.items())
+    view = View(data)
+    return tuple((VARIABLES[name].long_name, name, _plain(view.with_unit(name, value))) for name, value in told.items())
 
 
 def _plain(text: str) -> str:
@@ -71,7 +71,7 @@ def draw(request: PlotRequest) -> bytes:
 
 def _figure(data: xr.Dataset, request: PlotRequest) -> Figure:
     if request.figure != INTERFEROGRAM:
-        return plots.figure_of(data, request.figure)(data, request.at)
+        return plots.draw(data, request.figure, request.at)
     from ertel.optics import Monochromatic, Rig, TwoBeams, White
 
     light = White() if request.light == "white" else Monochromatic()

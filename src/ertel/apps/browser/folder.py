@@ -11,8 +11,8 @@ from typing import Any
 
 from ertel.apps.terminal import reason_of
 from ertel.inputs.case_files import parse_case, read_toml
-from ertel.runs.directory import CASE, DATA, SUMMARY, numbered
-from ertel.runs.listing import find_runs, is_run, summary_in
+from ertel.runs.directory import CASE, DATA, SUMMARY, numbered, read_summary
+from ertel.runs.listing import find_runs, is_run
 
 RUNS = "runs"  # where `ertel run` puts a run, too
 MOST_FOLDERS = 1000  # that are looked into
@@ -131,7 +131,7 @@ def _stamp(path: Path) -> Stamp:
 def _summary(run: Path, stamp: Stamp) -> tuple[dict[str, Any] | None, str]:
     """The summary as the file was then, and what is wrong with it."""
     try:
-        return summary_in(run), ""
+        return read_summary(run), ""
     except (OSError, ValueError) as error:
         return None, _message(error)
 
