@@ -157,9 +157,11 @@ def key_numbers(summary: Outcome) -> list[Number]:
 
     A coefficient of friction is named where it is not zero.
     """
+    if not values_of(summary):
+        return []
     found = numbers(summary)
-    shown = [found[name] for name in SHOWN if name in found] if "H_c" in found else []
-    return [each for each in shown if each.value or each.name not in FRICTION]
+    names = [name for name in SHOWN if name in KEY or name in found]
+    return [found[name] for name in names if name not in FRICTION or found[name].value]
 
 
 def as_now(summary: Outcome) -> dict[str, Any]:
