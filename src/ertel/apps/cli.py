@@ -101,7 +101,7 @@ def run(
     with jax_prepared(case, tell):
         from ertel.apps import running  # while programs are loaded
 
-        running.run(case, out, running.Wishes(as_json, error, quiet, flush))
+        running.run(case, out, running.RunOptions(as_json, error, quiet, flush))
 
 
 @app.command()
@@ -111,7 +111,7 @@ def resume(
     """Continue a run that was interrupted."""
     from ertel.apps import running
 
-    running.resume(directory, running.Wishes(as_json, error, quiet, flush))
+    running.resume(directory, running.RunOptions(as_json, error, quiet, flush))
 
 
 @app.command()
@@ -124,7 +124,7 @@ def traction(
         str | None, typer.Option(metavar="each|once", help="Solve the film at each point, or once.")
     ] = None,
     set_: Set = None,
-    out: Annotated[Path | None, path_option("New directory for the curve; default traction/NAME.")] = None,
+    out: Annotated[Path | None, path_option("Directory of the curve; default traction/NAME.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -138,13 +138,14 @@ def traction(
 
     After an interruption the same command continues.
     """
-    from ertel.apps.traction import traction
+    from ertel.apps import studies
     from ertel.inputs.case_files import load_case
 
     with bad_input():
         case = load_case(case_file, set_ or [])
     given = {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}
-    traction(case, given, film, out, as_json, quiet)
+    name = case.name or case.kind
+    studies.traction(case, given, film, out or Path("traction").absolute() / name, as_json, quiet)
 
 
 @app.command()
@@ -175,20 +176,19 @@ def sweep(
     Each run is an ordinary run directory, DIR/runs/DIGEST of its case. What is missing or unfinished is done: a study
     can be stopped, killed, edited and started again with the same command.
     """
-    from ertel.apps import sweep
+    from ertel.apps import studies
     from ertel.inputs.studies import load_study
 
     with bad_input():
-        engine, chosen = sweep.Engine(jobs, scheduler, scheduler_file, tls), sweep.part_of(part)
+        engine, chosen = studies.Engine(jobs, scheduler, scheduler_file, tls), studies.part_of(part)
         study = load_study(study_file, set_ or [])
-    sweep.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
+    studies.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
 
 
 @app.command("warm-up")
 def warm_up(
     case_files: Annotated[
-        list[Path] | None,
-        path_argument("[CASE.toml]...", "Case files; default the usual grids."),
+        list[Path] | None, path_argument("[CASE.toml]...", "Case files; default the usual grids.")
     ] = None,
     set_: Set = None,
 ) -> None:
@@ -222,16 +222,10 @@ def show(directory: RunDirectory, as_json: Json = False) -> None:
 def plot(
     directory: RunDirectory,
     what: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Draw one figure only, such as film.",
-            autocompletion=figures,
-        ),
+        str | None, typer.Option(metavar="NAME", help="Draw one figure only, such as film.", autocompletion=figures)
     ] = None,
     at: Annotated[
-        str | None,
-        typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end."),
+        str | None, typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.")
     ] = None,
     interferogram: Interferogram = None,
     wavelength: Wavelength = None,
@@ -263,16 +257,16 @@ def oils(
     as_json: Json = False,
 ) -> None:
     """Print the oils and materials that case files know by name, or all data of one with their sources."""
-    from ertel.apps import oils, tables
+    from ertel.apps import oils
 
     with bad_input():
         entry = oils.find(name) if name else None
     if as_json:
         print_json(oils.as_data(entry) if entry else oils.library_data())
     elif entry:
-        oils.print_entry(tables.console(), entry)
+        oils.print_entry(entry)
     else:
-        oils.print_library(tables.console())
+        oils.print_library()
 
 
 @app.command()
@@ -292,7 +286,7 @@ def about(
     if cite:
         print(about.bibtex(version), end="")
     else:
-        tables.print_names(tables.console(), found)
+        tables.print_names(found)
 
 
 @app.command("app")

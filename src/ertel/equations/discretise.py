@@ -9,8 +9,8 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.grids import coarsenings as coarsenings
-from ertel.case.grids import grid_of as grid_of
+from ertel.case.derived import coarsenings as coarsenings
+from ertel.case.derived import grid_of as grid_of
 from ertel.equations import contact, outside
 from ertel.equations.contact import NEWTONIAN_FLOW, Contact, PressureFlow
 from ertel.equations.outside import Outside
