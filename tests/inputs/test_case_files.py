@@ -7,7 +7,8 @@ from math import isclose, pi
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from case_file_strategies import case_files, outcome
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ertel.case.case import Case
@@ -458,3 +459,14 @@ def test_an_override_is_one_value():
     """What followed in further lines was silently left out."""
     assert apply_overrides({}, ["solver.nodes=65\n[time]\nuntil=1"])["solver"]["nodes"] == "65\n[time]\nuntil=1"
     assert apply_overrides({}, ["solver.nodes=" + "[" * 900 + "]" * 900])["solver"]["nodes"].startswith("[[[")
+
+
+# -- whole files, valid and spoiled -----------------------------------------------------------------------------------
+
+
+@settings(max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(content=case_files())
+def test_any_file_is_a_case_or_refused_in_one_line(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "case.toml"
+    path.write_bytes(content)
+    outcome(path)
