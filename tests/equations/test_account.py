@@ -8,6 +8,7 @@ import pytest
 from cases import BARUS, BARUS_LIMIT, OIL, rolled, steady_solver
 
 from ertel.case.case import Case
+from ertel.case.grids import grid_of
 from ertel.case.sections import Drive
 from ertel.equations import account, contact, discretise
 from ertel.equations.state import GridSolution, Rolling
@@ -41,7 +42,7 @@ def imbalances(case: Case, s: GridSolution) -> tuple[float, float]:
 def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
     """Of F delta; the oil stores the integral of its energy of compression over the film, all of thickness 0.1."""
     case = case_of()
-    grid = discretise.grid_of(case)
+    grid = grid_of(case)
     P, approach = steady.dry_guess(case.geometry, grid, 1.0)
     c = discretise.contact_of(case, grid)
     H = contact.film_thickness(c, P, approach)

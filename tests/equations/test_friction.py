@@ -13,12 +13,12 @@ from jax import Array
 from numpy.testing import assert_allclose
 
 from ertel.case.case import Case
+from ertel.case.grids import grid_of
 from ertel.case.sections import Drive
 from ertel.case.status import Status
-from ertel.equations import account, discretise
-from ertel.equations.contact import Contact, smooth_contact
+from ertel.equations import account
+from ertel.equations.contact import Contact, smooth_contact, traceable_law
 from ertel.equations.friction import Friction, friction, steady
-from ertel.equations.pytrees import traceable_law
 from ertel.equations.state import GridSolution
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
@@ -148,7 +148,7 @@ def test_the_coefficients_do_not_depend_on_the_units():
     p, scales = si.parameters, si.scales
     assert scales is not None
     moes = rolled(p, BARUS, si.solver, Drive(slide_to_roll=0.2))
-    grid = discretise.grid_of(si)
+    grid = grid_of(si)
     P = jnp.asarray(si.geometry.dry_pressure(1.0, grid.kept_x[None, :], grid.kept_y[:, None]))
     H = 0.1 + jnp.asarray(si.geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
     one, two = (steady(case, film_of(grid, P, H)) for case in (si, moes))

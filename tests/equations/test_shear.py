@@ -15,7 +15,7 @@ from scipy.optimize import root
 
 from ertel.equations import across
 from ertel.equations.across import series_of
-from ertel.equations.pytrees import traceable_law
+from ertel.equations.contact import traceable_law
 from ertel.equations.shear import LIMIT, Shear, dissipation, secant_mobility, shear, tangent_mobility
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
 

@@ -11,8 +11,7 @@ import pytest
 from jax import Array
 from numpy.testing import assert_allclose
 
-from ertel.equations.contact import NEWTONIAN_FLOW, Contact, smooth_contact
-from ertel.equations.pytrees import traceable_law
+from ertel.equations.contact import NEWTONIAN_FLOW, Contact, smooth_contact, traceable_law
 from ertel.equations.shear import NODES
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics import stencils

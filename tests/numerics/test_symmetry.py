@@ -6,8 +6,9 @@ import pytest
 from cases import OIL, free_ball, rolled, steady_solver
 from numpy.testing import assert_allclose
 
+from ertel.case.grids import grid_of
 from ertel.case.sections import Solver, Time
-from ertel.equations import contact, discretise
+from ertel.equations import contact
 from ertel.equations.flow import Rate
 from ertel.equations.state import State
 from ertel.numerics import halfspace
@@ -128,7 +129,7 @@ def test_a_symmetric_impact_on_a_quarter_of_the_plane(features) -> None:
 )
 def test_what_is_not_symmetric_is_not_folded(features, shape) -> None:
     solver = Solver("2d", **TIGHT)
-    assert discretise.grid_of(free_ball(PARAMETERS, OIL, solver, None, *features)).shape == shape
+    assert grid_of(free_ball(PARAMETERS, OIL, solver, None, *features)).shape == shape
 
 
 def test_steady_rolling_on_half_the_plane() -> None:

@@ -11,6 +11,7 @@ import pytest
 from cases import march, parse_case
 
 from ertel.case.case import Case
+from ertel.case.grids import grid_of
 from ertel.case.sections import Drive
 from ertel.equations import discretise
 from ertel.equations.friction import Friction, friction
@@ -148,8 +149,8 @@ def _resistance(s: GridSolution) -> float:
 @pytest.mark.parametrize("angle", [0.0, 35.0])
 def test_runs_for_the_error_keep_the_spacing_and_widen_the_domain(angle: float) -> None:
     case = rolled(65, angle)
-    found = {name: discretise.grid_of(other) for name, other in comparisons(case).items()}
-    own, half, wide = discretise.grid_of(case), found["grid"], found["domain"]
+    found = {name: grid_of(other) for name, other in comparisons(case).items()}
+    own, half, wide = grid_of(case), found["grid"], found["domain"]
     assert (half.spacing, wide.spacing) == pytest.approx((2 * own.spacing, 2 * own.spacing))
     assert (half.x[0], half.x[-1], half.y[-1]) == pytest.approx((own.x[0], own.x[-1], own.y[-1]))
     assert wide.x[0] < 1.3 * half.x[0] and wide.x[-1] > half.x[-1] and wide.y[-1] > 1.3 * half.y[-1]

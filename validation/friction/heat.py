@@ -14,6 +14,7 @@ import numpy as np
 
 import ertel
 from ertel.case.case import Case
+from ertel.case.grids import grid_of
 from ertel.equations import discretise, heat
 from ertel.equations.friction import friction
 from ertel.equations.heat import Heated
@@ -147,7 +148,7 @@ def grids() -> None:
     for nodes in (33, 65, 129, 257):
         chosen = case("glass", nodes)
         assert chosen.scales and chosen.thermal
-        grid = discretise.grid_of(chosen)
+        grid = grid_of(chosen)
         r2 = grid.kept_x[None, :] ** 2 + grid.kept_y[:, None] ** 2
         P, H = np.sqrt(np.maximum(1.0 - r2, 0.0)), 1e-7 / chosen.scales.film + np.maximum(r2 - 1.0, 0.0)
         found = heat.heated(chosen, P, H, 0.2)

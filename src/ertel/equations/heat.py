@@ -24,10 +24,9 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.case.case import Case
+from ertel.case.grids import grid_of
 from ertel.case.thermal import Inlet
-from ertel.equations import discretise
-from ertel.equations.contact import opened
-from ertel.equations.pytrees import traceable, traceable_law
+from ertel.equations.contact import opened, traceable, traceable_law
 from ertel.equations.shear import shear
 from ertel.equations.state import GridSolution
 from ertel.numerics import halfspace
@@ -141,7 +140,7 @@ def heated(
     if thermal is None or s is None or eta0 is None:
         raise ValueError("thermal: the case has no such section, and so no data for temperatures")
     S = case.motion.slide_to_roll if slide_to_roll is None else slide_to_roll
-    mean, grid = case.motion.entrainment(0.0) * s.front_speed, grid or discretise.grid_of(case)
+    mean, grid = case.motion.entrainment(0.0) * s.front_speed, grid or grid_of(case)
     grown = cbrt(case.motion.load(0.0))  # the contact, by a load that [motion] changes
     half_width = s.a * case.geometry.extent[0] * grown
     inlet = thermal.inlet(eta0, s.p_h * grown / s.E_prime, mean, S)

@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 
 from ertel.case.case import Case
-from ertel.equations import account, discretise
+from ertel.case.grids import grid_of
+from ertel.equations import account
 from ertel.equations.friction import Friction, coefficients
 from ertel.equations.state import GridSolution
 from ertel.physics.scales import Scales
@@ -106,7 +107,7 @@ def assemble_steady(
     grid: nodes a side, coarsest first.  convolutions: in units of one on that grid.  attributes: as in `assemble`.
     With a section [thermal] there are `variables.TEMPERATURES` too.
     """
-    finest = solutions[-1].grid if solutions else discretise.grid_of(case)
+    finest = solutions[-1].grid if solutions else grid_of(case)
     nothing = np.full((len(finest.y), len(finest.x)), np.nan)
     last = solutions[-1] if solutions else None
     accounts = [account.steady(case, s) for s in solutions]

@@ -37,8 +37,8 @@ from ertel.runs import workers
 from ertel.runs.courses import METHODS, TransientRun
 from ertel.runs.drive import Observer, Recorder, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
-from ertel.solvers import harmonic, steady, tangent
-from ertel.solvers.harmonic import Wave
+from ertel.solvers import steady
+from ertel.solvers.response import Wave, WaveResponse, tangent_start, tangent_step, wave_response
 from ertel.solvers.transient import Transient2D
 
 FILM_CHANGE = {"long_name": "change of the film thickness by the roughness", "symbol": "dH", "units": "1"}
@@ -84,13 +84,13 @@ class TangentRun:
 
     def __init__(self, method: Transient2D, features: Sequence[Feature]):
         self.method, self.features = method, features
-        self.levels = [tangent.start(self._height(0.0))]
+        self.levels = [tangent_start(self._height(0.0))]
 
     def _height(self, T: float) -> Array:
         return discretise.heights(self.features, self.method.case, self.method.grid, T)
 
     def follow(self, smooth: Sequence[State]) -> Status:
-        new = tangent.advance(self.method, smooth, self.levels, self._height(smooth[0].T))
+        new = tangent_step(self.method, smooth, self.levels, self._height(smooth[0].T))
         self.levels = [new, *self.levels][:3]
         return new.status
 
@@ -235,7 +235,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     rolling = steady.steady(case)
     film = rolling.finest
     waves = [_wave(case, some, film.grid) for some in features]
-    found = [harmonic.respond(case, film, wave) for wave in waves]
+    found = [wave_response(case, film, wave) for wave in waves]
     errors = _errors(case, rolling, features, found)
     status = film.status if all(r.converged for r in found) else Status.NEWTON_STALLED
     data = assemble_steady(case, rolling.solutions, {"status": status.value})
@@ -252,7 +252,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
 
 
 def _errors(
-    case: Case, rolling: Rolling, features: Sequence[Sequence[Feature]], found: Sequence[harmonic.Response]
+    case: Case, rolling: Rolling, features: Sequence[Sequence[Feature]], found: Sequence[WaveResponse]
 ) -> np.ndarray:
     """The change of the amplitude of each response at the centre from the coarser grid.
 
@@ -265,7 +265,7 @@ def _errors(
     coarse = coarser[-1]
     errors = []
     for some, fine in zip(features, found, strict=True):
-        other = harmonic.respond(case, coarse, _wave(case, some, coarse.grid))
+        other = wave_response(case, coarse, _wave(case, some, coarse.grid))
         amplitudes = [_at_centre(s.grid, r.H) for s, r in ((coarse, other), (film, fine))]
         errors.append(abs(amplitudes[1] - amplitudes[0]) if other.converged else np.nan)
     return np.array(errors)

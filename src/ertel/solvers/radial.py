@@ -25,9 +25,9 @@ from ertel.case.status import Status
 from ertel.equations import account, friction, outside
 from ertel.equations.account import Account, Around, Film
 from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
+from ertel.equations.contact import traceable
 from ertel.equations.friction import Friction
 from ertel.equations.outside import Surroundings
-from ertel.equations.pytrees import traceable
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf
 from ertel.numerics.arrays import require_double

@@ -17,6 +17,7 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
+from ertel.case.grids import grid_of
 from ertel.case.status import Status
 from ertel.equations import discretise
 from ertel.equations.approach import balanced
@@ -84,7 +85,7 @@ def nested(
 
 def grids_of(case: Case) -> list[Grid]:
     """The case's own grid and its coarser ones.  Raises ValueError for a grid that cannot be coarsened."""
-    grids = [discretise.grid_of(case)]
+    grids = [grid_of(case)]
     check_grid(grids[0])
     while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
         grids.append(coarser)

@@ -14,6 +14,7 @@ from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
+from ertel.case.grids import coarsenings, grid_of
 from ertel.case.status import Status
 from ertel.equations import account, contact, discretise, friction, measure, outside
 from ertel.equations.account import Around, Moment
@@ -136,7 +137,7 @@ class Transient2D(Method):
 
     def __init__(self, case: Case, closure: Closure | None = None):
         self.case = case
-        self.grid = discretise.grid_of(case)
+        self.grid = grid_of(case)
         check_grid(self.grid)
         self.geometry = case.geometry
         self.contact = jax.device_put(discretise.smooth_contact(case, self.grid))
@@ -156,7 +157,7 @@ class Transient2D(Method):
             tolerance,
             case.film_scale,
             self.geometry.hertz_load,
-            discretise.coarsenings(case, self.grid.spacing, len(elastic) - 1),
+            coarsenings(case, self.grid.spacing, len(elastic) - 1),
         )
         self.setting: Setting = jax.device_put(setting)
 
@@ -181,7 +182,7 @@ class Transient2D(Method):
 
     def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
-        return discretise.moved(self.contact, self.case, self.grid, T)
+        return discretise.roughened(self.contact, self.case, self.grid, T)
 
     def flow(self, T: float, times: Sequence[float]) -> Flow | None:
         """How the oil moves up to a new time T from earlier times, newest first; None where it stays."""

@@ -24,8 +24,8 @@ from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Waviness
 from ertel.runs.response import respond_in_rolling
-from ertel.solvers import harmonic, steady
-from ertel.solvers.harmonic import Wave
+from ertel.solvers import steady
+from ertel.solvers.response import Wave, wave_response
 from ertel.solvers.transient import Transient2D
 
 # the response has no oil outside that takes part
@@ -90,7 +90,7 @@ def dense(case: Case, s: GridSolution, wave: Wave) -> tuple[np.ndarray, complex]
 def test_the_dense_matrix_has_the_same_solution() -> None:
     wave = wave_on(film().grid)
     P, approach = dense(smooth(), film(), wave)
-    found = harmonic.respond(smooth(), film(), wave)
+    found = wave_response(smooth(), film(), wave)
     assert found.converged
     assert largest(found.P, P) < 1e-5 * np.abs(P).max()
     assert found.approach == pytest.approx(approach, abs=1e-5)
@@ -151,7 +151,7 @@ def test_waves_at_rest_under_a_thick_oil_are_flattened_to_its_compression() -> N
 
 
 def test_a_uniform_height_lifts_the_ball_and_changes_nothing_else() -> None:
-    found = harmonic.respond(smooth(), film(), Wave(0.0, jnp.ones(film().P.shape, complex)))
+    found = wave_response(smooth(), film(), Wave(0.0, jnp.ones(film().P.shape, complex)))
     assert found.approach == pytest.approx(-1.0, abs=1e-6)
     assert largest(found.H, 0.0) < 1e-5
     assert largest(found.P, 0.0) < 1e-5
@@ -169,7 +169,7 @@ def test_a_ball_with_inertia_obeys_newtons_law() -> None:
     """Inertia times Delta'' = - omega^2 Delta' is the force that is missing; a heavy ball does not move."""
     wave = wave_on(film().grid)
     balanced, light, heavy = (
-        harmonic.respond(smooth(Drive(inertia=inertia)), film(), wave) for inertia in (0.0, 0.1, 1e4)
+        wave_response(smooth(Drive(inertia=inertia)), film(), wave) for inertia in (0.0, 0.1, 1e4)
     )
     force = sum(np.asarray(film().whole(light.P)).ravel()) * film().grid.spacing ** 2 / HERTZ_LOAD
     assert force == pytest.approx(0.1 * wave.frequency**2 * light.approach, rel=1e-4)
