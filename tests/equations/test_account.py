@@ -27,7 +27,7 @@ def case_of(speed: float = 1.0, nodes: int = 129, oil: Oil = OIL, L: float = 5) 
 @cache
 def film(speed: float = 1.0, L: float = 5, oil: Oil = OIL) -> tuple[Case, Rolling]:
     case = case_of(speed, oil=oil, L=L)
-    return case, steady.steady(case)
+    return case, steady.steady_film(case)
 
 
 def imbalances(case: Case, s: GridSolution) -> tuple[float, float]:
@@ -46,7 +46,7 @@ def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
     P, approach = steady.dry_guess(case.geometry, grid, 1.0)
     c = discretise.contact_of(case, grid)
     H = contact.film_thickness(c, P, approach)
-    solution = steady.steady(case_of(nodes=33)).finest
+    solution = steady.steady_film(case_of(nodes=33)).finest
     dry = replace(solution, grid=grid, P=P, H=H, approach=approach, outside=0.0)
     assert account.steady(case, dry)[0]["elastic_energy"] == pytest.approx(2 / 5, rel=2e-3)
     r = np.linspace(0, 1, 20001)

@@ -17,7 +17,7 @@ from ertel.case.grids import grid_of
 from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.equations import account
-from ertel.equations.contact import Contact, smooth_contact, traceable_law
+from ertel.equations.contact import Contact, bare_contact, traceable_law
 from ertel.equations.friction import Friction, friction, steady
 from ertel.equations.state import GridSolution
 from ertel.equations.thinning import ThinningFlow
@@ -39,7 +39,7 @@ def square(nodes: int = 33, half_width: float = 1.5) -> Grid:
 
 def contact(grid: Grid, lambda_bar: float, alpha_bar: float, tau0: float | None = None) -> Contact:
     """Barus' oil, Newtonian or Eyring's with tau0 in units p_h a/R."""
-    plain = smooth_contact(CIRCLE, grid, lambda_bar, Lubricant(Barus(alpha_bar), Incompressible()))
+    plain = bare_contact(CIRCLE, grid, lambda_bar, Lubricant(Barus(alpha_bar), Incompressible()))
     return plain if tau0 is None else replace(plain, flow=ThinningFlow(traceable_law(ReeEyring(tau0)), 1.0, 1.0, 0.0))
 
 

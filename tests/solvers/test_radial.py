@@ -174,7 +174,7 @@ def test_the_residuals_add_up_to_what_is_stored_and_what_leaves(seed: int) -> No
     H = eq.apart + eq.stiffness @ P
     squeeze = eq.rate * eq.oil.density(P) * H + eq.past
     volume = eq.mesh.volume[:-1]
-    total = volume @ radial.residual(eq, P, H)[:-1]
+    total = volume @ radial.ring_residual(eq, P, H)[:-1]
     out = radial.outflow(eq, P, H)
     scale = float(jnp.max(jnp.abs(out)) + volume @ jnp.abs(squeeze[:-1]))
     assert float(total - (volume @ squeeze[:-1] + out[-1])) == pytest.approx(0.0, abs=1e-13 * scale)
@@ -185,7 +185,7 @@ def test_the_assembled_jacobian_is_the_derivative_of_the_residual(seed: int) -> 
     eq, P = some_equations(seed)
 
     def of_pressure(P: jax.Array) -> jax.Array:
-        return radial.residual(eq, P, eq.apart + eq.stiffness @ P)
+        return radial.ring_residual(eq, P, eq.apart + eq.stiffness @ P)
 
     J, r = np.asarray(jax.jacfwd(of_pressure)(P)), np.asarray(of_pressure(P))
     holds = np.asarray(radial.free(P, jnp.asarray(r)))
@@ -217,7 +217,7 @@ def test_pressure_is_positive_or_the_film_parts() -> None:
     new, *old = levels[:3]
     rates = bdf.derivative_weights([new.T, *(level.T for level in old)])
     line = method.closure.line(new.T, rates, [level.approach for level in old], [level.velocity for level in old])
-    r = np.asarray(radial.residual(method.equations(old, rates, line), new.P, new.H))
+    r = np.asarray(radial.ring_residual(method.equations(old, rates, line), new.P, new.H))
     P = np.asarray(new.P)
     assert new.velocity < 0 and np.all(P >= 0) and 10 < np.sum(P == 0) < 60
     allowed = rates[0] * method.tolerance
@@ -314,7 +314,7 @@ def test_the_film_error_is_relative_and_counts_only_under_load() -> None:
     H, P = 0.1 + r**2, hertz.pressure(r)
 
     def error(predicted: np.ndarray, P: np.ndarray) -> float:
-        return float(radial.film_error(method.mesh.volume, jnp.asarray(H), jnp.asarray(predicted), jnp.asarray(P)))
+        return float(radial.ring_film_error(method.mesh.volume, jnp.asarray(H), jnp.asarray(predicted), jnp.asarray(P)))
 
     assert error(H, P) == 0.0
     assert error(1.02 * H, P) == pytest.approx(0.02, rel=1e-12)

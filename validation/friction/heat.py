@@ -88,7 +88,7 @@ def worked_example() -> None:
 
 def film(chosen: Case) -> GridSolution:
     """The isothermal film."""
-    found = steady.steady(chosen).finest
+    found = steady.steady_film(chosen).finest
     assert found.status.ok
     return found
 

@@ -13,7 +13,7 @@ from ertel.results.report import more_lines
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
-    from ertel.physics.film_formulas import Film
+    from ertel.physics.film_formulas import FormulaFilm
 
 
 Errors = Mapping[str, tuple[float, float]]  # estimated error and extrapolated value, by name
@@ -113,7 +113,7 @@ def _value_cells(case: "Case", key: str, value: float, error: tuple[float, float
 
 
 def film_table(
-    case: "Case", found: "Sequence[Film]", computed: Mapping[str, float], errors: Errors = NO_ERRORS
+    case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[str, float], errors: Errors = NO_ERRORS
 ) -> Table:
     """Film thicknesses by the formulas, with their deviation from a computed film thickness if there is one.
 
@@ -157,7 +157,7 @@ def _deviation(film: float | None, computed: float) -> str:
     return f"{film / computed - 1:+.1%}" if film is not None and computed else ""
 
 
-def print_sources(out: Console, found: "Sequence[Film]") -> None:
+def print_sources(out: Console, found: "Sequence[FormulaFilm]") -> None:
     """Sources and ranges of the formulas."""
     sources: dict[str, list[str]] = {}
     for f in found:
@@ -166,7 +166,7 @@ def print_sources(out: Console, found: "Sequence[Film]") -> None:
         out.print(f"\n{source}", *(f"  {line}" for line in formulas), sep="\n")
 
 
-def films_as_data(case: "Case", found: "Sequence[Film]") -> dict[str, Any]:
+def films_as_data(case: "Case", found: "Sequence[FormulaFilm]") -> dict[str, Any]:
     """The parameters of a case and its film thicknesses by the formulas, as data for JSON."""
     from ertel.results.parameters import parameter_summary
     from ertel.results.variables import in_si

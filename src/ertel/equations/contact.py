@@ -120,7 +120,7 @@ class Contact:
     flow: PressureFlow = NEWTONIAN_FLOW
 
 
-def smooth_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
+def bare_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
     """Two smooth bodies of a geometry."""
     gap = jax.device_put(geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
     kernel = halfspace.spectrum(grid, geometry.compliance)
@@ -134,7 +134,7 @@ def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array
 
 def deformation(contact: Contact, P: Array) -> Array:
     """The geometry's compliance times the double integral of P/distance, eq. (3)."""
-    return halfspace.displacement(contact.kernel, P, contact.even)
+    return halfspace.surface_displacement(contact.kernel, P, contact.even)
 
 
 def load(contact: Contact, P: Array) -> Array:

@@ -27,7 +27,7 @@ def outside_of(case: Case, grid: Grid) -> Outside:
 
 def smooth_contact(case: Case, grid: Grid) -> Contact:
     """The two surfaces without roughness, and the oil at T = 0."""
-    smooth = contact.smooth_contact(case.geometry, grid, case.parameters.lambda_bar, case.lubricant)
+    smooth = contact.bare_contact(case.geometry, grid, case.parameters.lambda_bar, case.lubricant)
     return replace(smooth, flow=flow_of(case, 0.0))
 
 

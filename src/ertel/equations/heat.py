@@ -186,4 +186,6 @@ def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid) -> Ris
         response = flash.response(body, speed, grid.shape[1], grid.spacing * a)
         return lambda heat: np.asarray(heat @ response.T)
     kernel = halfspace.spectrum(grid, a / (2.0 * pi * body.conductivity))
-    return lambda heat: np.asarray(halfspace.displacement(kernel, inside(jnp.asarray(heat), grid.even), grid.even))
+    return lambda heat: np.asarray(
+        halfspace.surface_displacement(kernel, inside(jnp.asarray(heat), grid.even), grid.even)
+    )

@@ -38,7 +38,7 @@ from ertel.runs.courses import METHODS, TransientRun
 from ertel.runs.drive import Observer, Recorder, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
 from ertel.solvers import steady
-from ertel.solvers.response import Wave, WaveResponse, tangent_start, tangent_step, wave_response
+from ertel.solvers.response import RoughnessWave, WaveResponse, tangent_start, tangent_step, wave_response
 from ertel.solvers.transient import Transient2D
 
 FILM_CHANGE = {"long_name": "change of the film thickness by the roughness", "symbol": "dH", "units": "1"}
@@ -232,7 +232,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)
     case = replace(case, solver=replace(case.solver, fold=fold))
     workers.check_fork()
-    rolling = steady.steady(case)
+    rolling = steady.steady_film(case)
     film = rolling.finest
     waves = [_wave(case, some, film.grid) for some in features]
     found = [wave_response(case, film, wave) for wave in waves]
@@ -314,13 +314,13 @@ def _frequency(motion: Motion, feature: Feature) -> float:
     return 2 * pi / plain(feature.shape.wavelength_x) * abs(motion.travel(feature.surface, 1.0))
 
 
-def _wave(case: Case, features: Sequence[Feature], grid: Grid) -> Wave:
+def _wave(case: Case, features: Sequence[Feature], grid: Grid) -> RoughnessWave:
     """The features as one wave: its imaginary part is the height a quarter of a period later, with a minus sign."""
     frequency = max((_frequency(case.motion, feature) for feature in features), default=0.0)
     now = discretise.heights(features, case, grid, 0.0)
     if frequency == 0:
-        return Wave(0.0, now + 0j)
-    return Wave(frequency, now - 1j * discretise.heights(features, case, grid, pi / (2 * frequency)))
+        return RoughnessWave(0.0, now + 0j)
+    return RoughnessWave(frequency, now - 1j * discretise.heights(features, case, grid, pi / (2 * frequency)))
 
 
 def _oscillation(name: str, attributes: Mapping[str, str], fields: Sequence[Array]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from ertel.equations.flow import Rate
 from ertel.equations.linearised import linear_film
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.line_smoother import line_smoother
-from ertel.numerics.multigrid import Elasticity
+from ertel.numerics.multigrid import DeformationOperator
 from ertel.solvers.nonlinear import Problem
 
 PRECISION = "float32"
@@ -38,7 +38,7 @@ def levels(
     H: Array,
     free: Array,
     rate: Array | float,
-    smoother: Callable[[Elasticity, multigrid.Coefficients], multigrid.Smoother],
+    smoother: Callable[[DeformationOperator, multigrid.Coefficients], multigrid.Smoother],
 ) -> tuple[multigrid.GridLevel, ...]:
     """The V-cycle's grids for the Jacobian, on the finest grid the exact one.
 

@@ -42,7 +42,7 @@ from ertel.numerics import bdf, multigrid
 from ertel.numerics.arrays import require_double
 from ertel.numerics.bdf import Weights
 from ertel.numerics.line_smoother import LineSmoother, line_smoother
-from ertel.numerics.multigrid import Coefficients, Elasticity
+from ertel.numerics.multigrid import Coefficients, DeformationOperator
 from ertel.numerics.newton import gcr
 from ertel.numerics.stencils import inside, upstream_slope
 from ertel.physics.motion import constant
@@ -71,7 +71,7 @@ class TangentProblem:
     """
 
     contact: Contact
-    elastic: tuple[Elasticity, ...]
+    elastic: tuple[DeformationOperator, ...]
     fields: Mapping[str, Array]
     past: Mapping[str, Array]
     change: Mapping[str, Array]
@@ -136,9 +136,9 @@ def _solve_step(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
 
     _, change_of_r = jax.linearize(residual, P, H, jnp.zeros_like(P))
     problem = Problem(
-        c, p.elastic, Rate(new, past), line, 1.0, 1.0, nonlinear.eliminated, point_preconditioner, FALLING
+        c, p.elastic, Rate(new, past), line, 1.0, 1.0, nonlinear.eliminate_approach, point_preconditioner, FALLING
     )
-    closed = nonlinear.eliminated(problem, P, 0.0)
+    closed = nonlinear.eliminate_approach(problem, P, 0.0)
     inverse = point_preconditioner(problem, P, H, free)
     known = -line.value / line.approach_weight - p.shape  # the part of dH that no pressure makes
     dP, iterations = gcr(
@@ -155,7 +155,7 @@ def _solve_step(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
 # -- waves through a steady film --------------------------------------------------------------------------------------
 
 
-class Wave(NamedTuple):
+class RoughnessWave(NamedTuple):
     """Roughness Re[shape exp(i frequency T)]; frequency >= 0 in 1/t0, shape in a^2/R, complex, of the grid's shape."""
 
     frequency: float
@@ -182,7 +182,7 @@ class _WaveProblem:
     """The steady P and H, what closes the system, and the wave."""
 
     contact: Contact
-    elastic: tuple[Elasticity, ...]
+    elastic: tuple[DeformationOperator, ...]
     P: Array
     H: Array
     line: ClosureLine
@@ -191,13 +191,13 @@ class _WaveProblem:
     shape: Array
 
 
-def wave_response(case: Case, film: GridSolution, wave: Wave) -> WaveResponse:
+def wave_response(case: Case, film: GridSolution, wave: RoughnessWave) -> WaveResponse:
     """The response of the steady film of a case to a wave, to first order in its height."""
     require_double()
     motion = case.motion
     line = balanced(0.0, case.geometry.hertz_load)._replace(approach_weight=-motion.inertia * wave.frequency**2)
     c = discretise.smooth_contact(case, film.grid)
-    elastic = multigrid.elasticities(film.grid, case.geometry.compliance, PRECISION)
+    elastic = multigrid.deformation_operators(film.grid, case.geometry.compliance, PRECISION)
     problem = _WaveProblem(c, elastic, film.P, film.H, line, motion.entrainment(0.0), wave.frequency, wave.shape)
     dP, dH, approach, iterations = _solve_wave(problem)
     k, converged = int(iterations), bool((iterations < WAVE_LIMIT) & jnp.isfinite(approach))
@@ -207,7 +207,7 @@ def wave_response(case: Case, film: GridSolution, wave: Wave) -> WaveResponse:
 @jax.jit
 def _solve_wave(p: _WaveProblem) -> tuple[Array, Array, Array, Array]:
     """P', H', Delta' and the number of Krylov iterations."""
-    turned = partial(nonlinear.along_the_flow, steady_rate(p.entrainment))
+    turned = partial(nonlinear.flow_aligned, steady_rate(p.entrainment))
     speed, shape = jnp.abs(p.entrainment), turned(p.shape)
     P, H, c = turned(p.P), turned(p.H), p.contact
     film, flux = linear_film(c, P, H), flux_change(c, P, H)
@@ -254,7 +254,7 @@ class _Riding(NamedTuple):
 
 
 def _levels(
-    film: LinearFilm, free: Array, elastic: tuple[Elasticity, ...], riding: _Riding
+    film: LinearFilm, free: Array, elastic: tuple[DeformationOperator, ...], riding: _Riding
 ) -> tuple[multigrid.GridLevel, ...]:
     """The V-cycle's grids, on the finest grid the operator with the mobility of the nodes."""
     precision = elastic[0].spectrum.dtype
@@ -262,7 +262,7 @@ def _levels(
     fields = free, riding
     free, riding = tree.map(lambda values: jnp.asarray(values, multigrid.in_precision(precision, values)), fields)
 
-    def smoother(e: Elasticity, c: Coefficients) -> LineSmoother:
+    def smoother(e: DeformationOperator, c: Coefficients) -> LineSmoother:
         """The waves where the grid holds those that ride with the oil; elsewhere long waves alone."""
         turn = riding.frequency * e.spacing / riding.entrainment
         holds = turn <= 2 * jnp.pi / NODES_PER_WAVE
