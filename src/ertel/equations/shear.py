@@ -86,11 +86,6 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, acros
     return Shear(stress, flux, found.by_gradient, jnp.max(found.iterations))
 
 
-def dissipation(found: Shear, sliding: Array, gradient: Array) -> Array:
-    """Heat per area over h/eta, in Pa^2, shape (...): the mean of phi tau^2 across the film."""
-    return dot(found.stress, sliding) + dot(found.flux, gradient)
-
-
 class Mobility(NamedTuple):
     """Flow factors: the flux is Q = factor * g/12, 1 for a Newtonian oil.  Symmetric tensors, components xx, xy, yy."""
 

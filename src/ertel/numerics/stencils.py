@@ -24,11 +24,6 @@ class Pair(NamedTuple):
     x: Array
     other: Array | None = None
 
-    @classmethod
-    def of(cls, x: Array, y: Array) -> "Pair":
-        """The pair of two arrays."""
-        return cls(x, None if y is x else y)
-
     @property
     def y(self) -> Array:
         """The coefficient along Y."""

@@ -347,11 +347,6 @@ class RadialImpact(Method):
         found: Friction = _program(self.mesh, self.disc, self.oil, self.lambda_bar, P, H, level.approach)
         return found
 
-    def equations(self, levels: Sequence[State], rates: bdf.Weights, line: ClosureLine) -> Equations:
-        """The equations of the level after `levels`."""
-        past = [(jnp.asarray(level.P), jnp.asarray(level.H)) for level in levels]
-        return equations(self.mesh, self.oil, self.lambda_bar, past, rates, line)
-
     def whole(self, field: Array, odd: bool = False) -> Array:
         """The field itself."""
         return field
