@@ -24,8 +24,8 @@ from ertel.runs.drive import drive
 from ertel.runs.stepping import Step
 
 OIL = Oil()  # where the laws do not matter: others on the same grid are programs of their own, five seconds each
-ISOVISCOUS = Oil("isoviscous", "incompressible")
-BARUS = Oil("barus", "incompressible")
+ISOVISCOUS = Oil(viscosity="isoviscous", density="incompressible")
+BARUS = Oil(viscosity="barus", density="incompressible")
 SMALL_IMPACT = """
 [contact]
 radius = "10 mm"

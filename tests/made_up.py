@@ -1,6 +1,6 @@
 """Made-up runs, of which everything is known: the dry impact with a film, rolling contacts, steady and in time."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import xarray as xr
@@ -11,11 +11,11 @@ from ertel.case.sections import SOLVERS
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import Oil, rolling
-from ertel.numerics.grid import Grid
 from ertel.physics import hertz
 from ertel.results import variables
 from ertel.results.dataset import assemble, assemble_steady
 from ertel.runs.stepping import Frame
+from ertel.solvers.steady import GridSolution
 
 BALL_FALLS = {
     "contact": {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"},
@@ -69,28 +69,14 @@ def fields(x: np.ndarray, y: np.ndarray, film: float, flow: float = 1.0) -> tupl
     return P, hertz.gap(r) + film - lobes
 
 
-@dataclass
-class Solved:
-    """What `assemble_steady` asks of a `GridSolution`."""
+@dataclass(frozen=True)
+class Solved(GridSolution):
+    """A solution that measures what it is told."""
 
-    grid: Grid
-    P: np.ndarray
-    H: np.ndarray
-    values: dict[str, float]
-    history: tuple[float, ...]
-    approach: float = 1.0
-    outside: float = 0.0
-    residual: float = 1e-9
-    newton: int = 3
-    krylov: int = 9
-    convolutions: float = 50.0
-    status: Status = Status.CONVERGED
+    values: dict[str, float] = field(default_factory=dict)
 
     def measure(self) -> dict[str, float]:
         return self.values
-
-    def whole(self, field: np.ndarray, odd: bool = False) -> np.ndarray:
-        return field
 
 
 def solutions(case: Case, flow: float = 1.0) -> tuple[Solved, ...]:
@@ -100,12 +86,15 @@ def solutions(case: Case, flow: float = 1.0) -> tuple[Solved, ...]:
         grid = grid_of(replace(case, solver=replace(case.solver, nodes=nodes, fold=False)))
         values = dict.fromkeys(variables.MEASURED, 1.0)
         values |= {"H_c": float(H_c), "H_min": float(H_min), "load": 2 * np.pi / 3}
-        solved.append(Solved(grid, *fields(np.asarray(grid.x), np.asarray(grid.y), H_c, flow), values, past))
+        P, H = fields(np.asarray(grid.x), np.asarray(grid.y), H_c, flow)
+        converged = Status.CONVERGED
+        solved.append(Solved(case, grid, P, H, 1.0, 1e-9, converged, 3, 9, 50.0, history=past, values=values))
     return tuple(solved)
 
 
 def steady(case: Case, flow: float = 1.0) -> xr.Dataset:
-    return assemble_steady(case, solutions(case, flow))
+    solved = solutions(case, flow)
+    return assemble_steady(case, solved[-1].grid, solved)
 
 
 def as_in_time(case: Case) -> Case:

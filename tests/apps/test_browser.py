@@ -15,12 +15,11 @@ from cases import ertel_
 
 import ertel
 from ertel.apps import browser
-from ertel.apps.browser import checking, pictures
+from ertel.apps.browser import answer, drawing
 from ertel.apps.browser.folder import Folder, Outside
 from ertel.apps.browser.form import Form, field_of
-from ertel.apps.browser.pictures import Artist
+from ertel.apps.browser.pictures import PlotRequest, PlotWorker, stamp_of
 from ertel.apps.browser.processes import Phase, Processes
-from ertel.apps.browser.wishes import Wish, stamp_of
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.runs.directory import is_asked_to_stop
 from ertel.runs.files import locked
@@ -50,9 +49,9 @@ def test_nothing_outside_the_folder(tmp_path):
             folder.inside(name)
     assert folder.runs() == []
     for name in (".", "nothing", "x" * 5000):
-        with pytest.raises(ValueError, match="is no run"):
+        with pytest.raises(ValueError, match="is not a run"):
             folder.run(name)
-    for place, message in ((tmp_path / "nothing", "is no folder"), (other, "is a run; open the app in its folder")):
+    for place, message in ((tmp_path / "nothing", "is not a folder"), (other, "is a run; open the app in its folder")):
         with pytest.raises(ValueError, match=message):
             Folder.at(place)
 
@@ -61,16 +60,16 @@ def test_files_of_a_case_outside_the_folder(tmp_path):
     folder = Folder.at(tmp_path)
     data = {**CASE, "roughness": [{"shape": "measured", "file": "/etc/passwd"}]}
     with pytest.raises(Outside, match="/etc/passwd"):
-        checking.at_once(data, folder)
+        answer.at_once(data, folder)
     data["roughness"][0]["file"] = "disc.npz"
-    assert checking.at_once(data, folder) is None  # it is not read here
+    assert answer.at_once(data, folder) is None  # it is not read here
 
 
 def test_files_of_a_case_keep_their_place(tmp_path):
     data = {"roughness": [{"shape": "spot"}, {"shape": "measured", "file": "disc.npz"}]}
-    moved = checking.moved(data, tmp_path / "runs" / "a", tmp_path)
+    moved = answer.moved(data, tmp_path / "runs" / "a", tmp_path)
     assert moved["roughness"] == [{"shape": "spot"}, {"shape": "measured", "file": "runs/a/disc.npz"}]
-    assert checking.moved(moved, tmp_path)["roughness"][1]["file"] == str(tmp_path / "runs" / "a" / "disc.npz")
+    assert answer.moved(moved, tmp_path)["roughness"][1]["file"] == str(tmp_path / "runs" / "a" / "disc.npz")
     assert data["roughness"][1]["file"] == "disc.npz"
 
 
@@ -94,18 +93,18 @@ def test_a_new_case_takes_no_name_twice(tmp_path):
 def test_a_run_is_started_stopped_and_resumed(tmp_path):
     processes = Processes(Folder.at(tmp_path), stand_in(tmp_path))
     run = processes.start("ball", "text")
-    assert processes.standing(run).phase is Phase.COMPILING
+    assert processes.status(run).phase is Phase.COMPILING
     assert processes.ours() == [run]
-    until(lambda: processes.standing(run).phase is Phase.RUNNING)
-    assert processes.standing(run).done == 0.4
+    until(lambda: processes.status(run).phase is Phase.RUNNING)
+    assert processes.status(run).done == 0.4
     with pytest.raises(ValueError, match="nothing to resume"):
         processes.resume(run)
     processes.stop(run)
-    until(lambda: processes.standing(run).phase is Phase.INTERRUPTED)
+    until(lambda: processes.status(run).phase is Phase.INTERRUPTED)
     with pytest.raises(ValueError, match="nothing to stop"):
         processes.stop(run)
     processes.resume(run)
-    until(lambda: processes.standing(run).phase is Phase.FINISHED)
+    until(lambda: processes.status(run).phase is Phase.FINISHED)
     assert processes.ours() == []
 
 
@@ -113,8 +112,8 @@ def test_a_run_has_a_session_of_its_own(tmp_path):
     """Ctrl-C in the terminal of the app, or its end, is none of the run's business."""
     processes = Processes(Folder.at(tmp_path), stand_in(tmp_path))
     run = processes.start("ball", "text")
-    until(lambda: processes.standing(run).phase is Phase.RUNNING)
-    process = processes.standing(run).progress["process"]
+    until(lambda: processes.status(run).phase is Phase.RUNNING)
+    process = processes.status(run).progress["process"]
     assert os.getsid(process) == process != os.getsid(0)
     processes.stop(run)
     until(lambda: not processes.ours())
@@ -125,8 +124,8 @@ def test_a_run_that_fails_says_why(tmp_path):
     processes = Processes(Folder.at(tmp_path), [sys.executable, "-c", code])
     run = processes.start("ball", "text")
     until(lambda: not processes.ours())
-    assert processes.standing(run).phase is Phase.FAILED
-    assert processes.standing(run).message == "contact: missing"
+    assert processes.status(run).phase is Phase.FAILED
+    assert processes.status(run).message == "contact: missing"
 
 
 @pytest.mark.parametrize("number", ["another", "own", 0, -1, 1])
@@ -142,21 +141,21 @@ def test_runs_of_other_programs_are_told_by_their_lock(tmp_path, monkeypatch, nu
     monkeypatch.setattr(os, "kill", lambda *arguments: signalled.append(arguments))
     with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(30)"]) as other:
         write_progress(run, process={"another": other.pid, "own": os.getpid()}.get(number, number))
-        assert processes.standing(run).phase is Phase.INTERRUPTED
+        assert processes.status(run).phase is Phase.INTERRUPTED
         with locked(run):
-            assert processes.standing(run).phase is running
+            assert processes.status(run).phase is running
             processes.stop(run)
-            assert processes.standing(run).phase is Phase.STOPPING
+            assert processes.status(run).phase is Phase.STOPPING
             assert is_asked_to_stop(run)
             with pytest.raises(ValueError, match="run: is asked to stop already"):
                 processes.stop(run)
             write_progress(run, status="interrupted", process=other.pid)
             (run / "stop").unlink()
-            assert processes.standing(run).phase is Phase.COMPILING
+            assert processes.status(run).phase is Phase.COMPILING
         assert other.poll() is None and signalled == []
         monkeypatch.undo()
         other.kill()
-    assert processes.standing(run).phase is Phase.INTERRUPTED
+    assert processes.status(run).phase is Phase.INTERRUPTED
     with pytest.raises(ValueError, match="nothing to stop"):
         processes.stop(run)
 
@@ -168,7 +167,7 @@ def test_a_run_that_does_not_hear_is_ended(tmp_path):
     run = processes.start("ball", "text")
     processes.stop(run)
     until(lambda: not processes.ours(), 5)
-    assert processes.standing(run).phase is Phase.INTERRUPTED
+    assert processes.status(run).phase is Phase.INTERRUPTED
     deaf = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(1, flush=True); time.sleep(30)"
     processes = Processes(Folder.at(tmp_path), [sys.executable, "-c", deaf])
     run = make_run(tmp_path / "deaf", finished=False)
@@ -178,7 +177,7 @@ def test_a_run_that_does_not_hear_is_ended(tmp_path):
             processes.stop(run)
             assert is_asked_to_stop(run)
         until(lambda: not processes.ours(), 5)
-    assert processes.standing(run).phase is Phase.INTERRUPTED
+    assert processes.status(run).phase is Phase.INTERRUPTED
 
 
 # -- the form ---------------------------------------------------------------------------------------------------------
@@ -219,7 +218,7 @@ def test_messages_name_their_field():
 
 
 def test_the_outlook_is_that_of_ertel_check(tmp_path):
-    found = asyncio.run(checking.outlook(Form(M="500", given="moes").data(), Folder.at(tmp_path)))
+    found = asyncio.run(answer.outlook(Form(M="500", given="moes").data(), Folder.at(tmp_path)))
     assert found["parameters"]["M"] == pytest.approx(500.0)
     assert found["grid"]["nodes"] == 257
 
@@ -229,15 +228,16 @@ def test_the_outlook_is_that_of_ertel_check(tmp_path):
 
 def test_the_command_without_the_package(monkeypatch):
     monkeypatch.setitem(sys.modules, "nicegui", None)
-    monkeypatch.delitem(sys.modules, "ertel.apps.browser.launch", raising=False)
-    monkeypatch.delattr(browser, "launch", raising=False)
+    monkeypatch.delitem(sys.modules, "ertel.apps.browser.server", raising=False)
+    monkeypatch.delattr(browser, "server", raising=False)
     assert "pip install 'ertel[app]'" in ertel_("app", code=2).stderr
 
 
 def test_a_port_that_is_taken(tmp_path, monkeypatch):
-    from ertel.apps.browser import launch
 
-    monkeypatch.setattr(launch, "is_free", lambda port: False)
+    from ertel.apps.browser import server
+
+    monkeypatch.setattr(server.helpers, "is_port_open", lambda *_: True)
     assert "--port 8642: is taken" in ertel_("app", str(tmp_path), code=2).stderr
 
 
@@ -245,66 +245,66 @@ def test_a_port_that_is_taken(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def artist():
+def plots():
     """Draws in this process."""
-    found = Artist(lambda: ThreadPoolExecutor(1))
+    found = PlotWorker(lambda: ThreadPoolExecutor(1))
     yield found
     found.close()
 
 
-def test_what_is_known_of_a_run(tmp_path, artist):
-    told = asyncio.run(artist.tell(make_run(tmp_path / "run")))
-    assert told.figures == ("maps", "profiles", "history", "front", "friction", "interferogram", "overview")
-    assert len(told.T) == len(told.times) == 13
-    assert told.T[told.events["max-approach"]] == pytest.approx(2.45)
-    assert {symbol for _, symbol, _ in told.news} == {"H_c", "H_min", "P_max", "F"}
+def test_what_is_known_of_a_run(tmp_path, plots):
+    info = asyncio.run(plots.info(make_run(tmp_path / "run")))
+    assert info.figures == ("maps", "profiles", "history", "front", "friction", "interferogram", "overview")
+    assert len(info.T) == len(info.times) == 13
+    assert info.T[info.events["max-approach"]] == pytest.approx(2.45)
+    assert {symbol for _, symbol, _ in info.latest} == {"H_c", "H_min", "P_max", "F"}
 
 
-def test_pictures_are_drawn_once(tmp_path, artist, monkeypatch):
+def test_pictures_are_drawn_once(tmp_path, plots, monkeypatch):
     run = make_run(tmp_path / "run")
-    wish = Wish(run, "front", "max-approach", kind="svg", stamp=stamp_of(run))
-    first = asyncio.run(artist.draw(wish))
+    request = PlotRequest(run, "front", "max-approach", kind="svg", stamp=stamp_of(run))
+    first = asyncio.run(plots.draw(request))
     assert first.startswith(b"<?xml")
-    monkeypatch.setattr(pictures, "_draw", None)
-    assert asyncio.run(artist.draw(wish)) is first
+    monkeypatch.setattr(drawing, "draw", None)
+    assert asyncio.run(plots.draw(request)) is first
 
 
-def test_errors_are_plain(tmp_path, artist):
+def test_errors_are_plain(tmp_path, plots):
     """An error that matplotlib's company knows would bring matplotlib into the web process."""
     run = make_run(tmp_path / "run")
     with pytest.raises(ValueError, match="has no such figure") as error:
-        asyncio.run(artist.draw(Wish(run, "midlines", stamp=stamp_of(run))))
+        asyncio.run(plots.draw(PlotRequest(run, "midlines", stamp=stamp_of(run))))
     assert type(error.value) is ValueError
     assert error.value.__context__ is None
 
 
-def test_a_run_without_data_has_no_pictures(tmp_path, artist):
+def test_a_run_without_data_has_no_pictures(tmp_path, plots):
     with pytest.raises(ValueError, match="nothing is written yet"):
-        asyncio.run(artist.tell(tmp_path))
+        asyncio.run(plots.info(tmp_path))
 
 
 LIGHT = """
 import asyncio, json, sys
 from pathlib import Path
-from ertel.apps.browser import launch
-from ertel.apps.browser.checking import at_once
+from ertel.apps.browser import server
+from ertel.apps.browser.answer import at_once
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.form import Form
 from ertel.apps.browser.processes import Processes
-from ertel.apps.browser.records import summary_of
+from ertel.apps.browser.folder import summary_of
 from ertel.results.numbers import key_numbers
 
 folder = Folder.at(Path(sys.argv[1]))
 at_once(Form().data(), folder)
 (run,) = folder.runs()
 key_numbers(summary_of(run))
-Processes(folder).standing(run)
+Processes(folder).status(run)
 heavy = [[name for name in ("jax", "matplotlib", "xarray") if name in sys.modules]]
 from ertel.apps.browser import drawing
-from ertel.apps.browser.wishes import Wish, stamp_of
-drawing.tell(run, stamp_of(run))
+from ertel.apps.browser.pictures import PlotRequest, stamp_of
+drawing.info(run, stamp_of(run))
 for figure in ("front", "interferogram"):
-    drawing.draw(Wish(run, figure, "max-approach", dots=20, stamp=stamp_of(run)))
+    drawing.draw(PlotRequest(run, figure, "max-approach", dots=20, stamp=stamp_of(run)))
 print(json.dumps([*heavy, [name for name in ("jax",) if name in sys.modules]]))
 """
 

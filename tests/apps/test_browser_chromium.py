@@ -170,13 +170,13 @@ def test_a_session(server, driver, folder):
     page.until(lambda: "running" in page.text(".chip"))
     page.click("Stop")
     page.until(lambda: "interrupted" in page.text(".chip"))
-    assert runs.standing(run).phase is Phase.INTERRUPTED
-    done = runs.standing(run).done
+    assert runs.status(run).phase is Phase.INTERRUPTED
+    done = runs.status(run).done
     assert 0.0 < done < 1.0
     page.keep("interrupted")
     page.click("Resume")
     page.until(lambda: "finished" in page.text(".chip"))
-    assert runs.standing(run).phase is Phase.FINISHED
+    assert runs.status(run).phase is Phase.FINISHED
 
     first = page.until(page.picture)
     page.keep("finished")
@@ -231,4 +231,4 @@ def test_closing_the_app_leaves_the_run_going(server, driver, folder):
     process.terminate()
     assert f"{folder / 'runs' / 'long'} goes on without the app" in process.communicate(timeout=30)[1]
     run = folder / "runs" / "long"
-    page.until(lambda: runs.standing(run).phase is Phase.FINISHED)
+    page.until(lambda: runs.status(run).phase is Phase.FINISHED)

@@ -19,13 +19,11 @@ pytest.importorskip("nicegui")
 from nicegui.testing import user_simulation
 
 import ertel
-from ertel.apps.browser import launch
-from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.pictures import Artist
+from ertel.apps.browser import server
+from ertel.apps.browser.folder import Folder, fault_of
+from ertel.apps.browser.pictures import PlotRequest, PlotWorker, stamp_of
 from ertel.apps.browser.processes import Phase, Processes
-from ertel.apps.browser.records import fault_of
 from ertel.apps.browser.site import Site
-from ertel.apps.browser.wishes import Wish, stamp_of
 from ertel.runs.directory import read_progress
 from ertel.runs.files import sealed
 
@@ -114,12 +112,12 @@ def site(tmp_path):
     (place / "a\udce9").mkdir()
     pipe(place / "pipe.toml"), loop(place / "loop.toml"), folder(place / "folder.toml")
     (place / "\udce9.toml").touch()
-    return Site(Folder.at(place), Processes(Folder.at(place)), Artist(lambda: ThreadPoolExecutor(1)))
+    return Site(Folder.at(place), Processes(Folder.at(place)), PlotWorker(lambda: ThreadPoolExecutor(1)))
 
 
 def test_a_run_that_cannot_be_read_is_a_row_that_says_so(site):
     make_run(site.folder.root / "a\udce9" / "run\udce9")
-    phases = {entry.name: entry.standing.phase for entry in site.entries()}
+    phases = {entry.name: entry.status.phase for entry in site.entries()}
     assert phases.pop("good") is Phase.FINISHED
     assert phases.pop("a\ufffd/run\ufffd") is Phase.DAMAGED
     assert {name for name, phase in phases.items() if phase is Phase.DAMAGED} == FORMS.keys()
@@ -144,7 +142,7 @@ def test_progress_with_wrong_values_is_none(site):
 
 @pytest.mark.asyncio
 async def test_no_page_fails(site):
-    async with user_simulation(root=launch.root_of(site)) as user:
+    async with user_simulation(root=server.root_of(site)) as user:
         for name in (
             "good",
             "case-pipe",
@@ -187,9 +185,9 @@ def test_damaged_data_are_no_picture(tmp_path, form):
     run = make_run(tmp_path / "run")
     file, damage = DATA[form]
     damage(run / "run.zarr" / file)
-    artist = Artist(lambda: ThreadPoolExecutor(1))
+    plots = PlotWorker(lambda: ThreadPoolExecutor(1))
     with pytest.raises(ValueError, match="ertel show") as error:
-        asyncio.run(artist.draw(Wish(run, "overview", kind="svg", stamp=stamp_of(run))))
+        asyncio.run(plots.draw(PlotRequest(run, "overview", kind="svg", stamp=stamp_of(run))))
     assert type(error.value) is ValueError
 
 
@@ -198,10 +196,10 @@ def test_damaged_data_are_no_picture(tmp_path, form):
 DRAWS = """
 import sys, time
 from concurrent.futures import wait
-from ertel.apps.browser.pictures import Artist
-artist = Artist()
-wait([artist._executor.submit(int)])
-print(*artist._executor._processes, flush=True)
+from ertel.apps.browser.pictures import PlotWorker
+plots = PlotWorker()
+wait([plots._executor.submit(int)])
+print(*plots._executor._processes, flush=True)
 time.sleep(60)
 """
 

@@ -21,7 +21,7 @@ from nicegui.version import __version__ as NICEGUI
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from ertel.apps.browser.guard import REFUSED, Guard
+from ertel.apps.browser.server import REFUSED, Guard
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the app stops runs by SIGINT")
 OURS, COOKIE = {"host": "127.0.0.1:8642"}, {"cookie": "ertel-8642=right"}

@@ -13,9 +13,9 @@ from app_runs import make_run, stand_in
 from nicegui import ElementFilter, app, ui
 from nicegui.testing import user_simulation
 
-from ertel.apps.browser import checking, launch, new_page, pictures
+from ertel.apps.browser import answer, drawing, new_page, server
 from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.pictures import Artist
+from ertel.apps.browser.pictures import PlotWorker
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.site import Site, address_of
 from ertel.case.rules import plain_name
@@ -39,25 +39,25 @@ def site(tmp_path, monkeypatch):
     """The app in a folder with one run; ertel check, ertel run and the pictures are stand-ins."""
 
     async def outlook(data, folder):
-        return {**FOUND, "parameters": checking.at_once(data, folder)}
+        return {**FOUND, "parameters": answer.at_once(data, folder)}
 
-    monkeypatch.setattr(checking, "outlook", outlook)
-    monkeypatch.setattr(pictures, "_draw", lambda wish: f"{wish.kind} {wish.figure} at {wish.at}".encode())
+    monkeypatch.setattr(answer, "outlook", outlook)
+    monkeypatch.setattr(drawing, "draw", lambda request: f"{request.kind} {request.figure} at {request.at}".encode())
     folder = tmp_path / "folder"
     make_run(folder / "runs" / "ball")
     (tmp_path / "aside").mkdir()
     return Site(
         Folder.at(folder),
         Processes(Folder.at(folder), stand_in(tmp_path / "aside")),
-        Artist(lambda: ThreadPoolExecutor(1)),
+        PlotWorker(lambda: ThreadPoolExecutor(1)),
     )
 
 
 @pytest_asyncio.fixture
 async def user(site):
     """Someone who looks at the app."""
-    async with user_simulation(root=launch.root_of(site)) as found:
-        site.serve()
+    async with user_simulation(root=server.root_of(site)) as found:
+        site.serve_pictures()
         yield found
 
 
@@ -92,7 +92,7 @@ async def test_a_page_of_no_run_says_so(user):
     await user.open("/run?name=../../etc")
     await user.should_see("lies outside")
     await user.open("/run?name=runs/nothing")
-    await user.should_see("runs/nothing: is no run")
+    await user.should_see("runs/nothing is not a run")
 
 
 async def test_bad_input_is_answered_in_the_words_of_ertel(user):
@@ -137,7 +137,7 @@ async def test_a_case_is_run_stopped_and_resumed(user, site):
     await until(lambda: one(user, "phase").text == "interrupted")
     await user.should_see("it can be resumed")
     user.find(marker="resume").click()
-    await until(lambda: site.processes.standing(run).phase is Phase.FINISHED)
+    await until(lambda: site.processes.status(run).phase is Phase.FINISHED)
     await until(lambda: one(user, "phase").text == "finished")
     await user.should_see("coefficient of restitution")
     os.utime(run / "run.zarr" / "zarr.json")  # the last maps are written
@@ -256,9 +256,9 @@ def checks(monkeypatch):
         began.append(len(going))
         await leave.wait()
         going.pop()
-        return {**FOUND, "parameters": checking.at_once(data, folder)}
+        return {**FOUND, "parameters": answer.at_once(data, folder)}
 
-    monkeypatch.setattr(checking, "outlook", outlook)
+    monkeypatch.setattr(answer, "outlook", outlook)
     monkeypatch.setattr(new_page, "PAUSE", 0.0)
     return began, going, leave
 
@@ -313,10 +313,10 @@ async def test_closing_the_app_can_stop_its_runs(user, site, monkeypatch):
     closed = []
     monkeypatch.setattr(app, "shutdown", lambda: closed.append(True))
     run = site.processes.start("mine", "text")
-    await until(lambda: site.processes.standing(run).phase is Phase.RUNNING)
+    await until(lambda: site.processes.status(run).phase is Phase.RUNNING)
     await user.open("/")
     user.find(marker="close").click()
     await user.should_see("Still running: runs/mine.")
     user.find("Stop the runs and close").click()
     await until(lambda: closed)
-    await until(lambda: site.processes.standing(run).phase is Phase.INTERRUPTED)
+    await until(lambda: site.processes.status(run).phase is Phase.INTERRUPTED)

@@ -70,14 +70,15 @@ def ball(here, runs):
 
 @pytest.fixture
 def quick_figures(monkeypatch):
-    """As if a run were drawn in two empty figures, of which one shows a moment; its choice is in the title."""
+    """As if a run were drawn in two empty figures, with the choice of the moment in the title."""
 
-    def film(data, at="end"):
+    def draw(data, name, at):
         figure = Figure()
         figure.suptitle(repr(at))
         return figure
 
-    monkeypatch.setattr(plots, "figures_of", lambda data: {"film": film, "history": lambda data: Figure()})
+    monkeypatch.setattr(plots, "names_of", lambda data: ("film", "history"))
+    monkeypatch.setattr(plots, "draw", draw)
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------
@@ -342,39 +343,38 @@ def test_plot_elsewhere(here, ball, quick_figures):
     assert names(here / "pictures" / "of" / "it") == {"film.png", "history.png"}
 
 
-@pytest.mark.parametrize(("at", "title"), [("1.5", "1.5"), ("max-approach", "'max-approach'"), (None, "'end'")])
+@pytest.mark.parametrize(("at", "title"), [("1.5", "1.5"), ("max-approach", "'max-approach'"), (None, "None")])
 def test_plot_at(ball, quick_figures, monkeypatch, at, title):
     saved = []
     monkeypatch.setattr(Figure, "savefig", lambda figure, path: saved.append(figure.get_suptitle()))
     ertel_("plot", "a", *(["--at", at] if at else []))
-    assert saved == [title, ""]
+    assert saved == [title, title]
 
 
-def test_plot_at_refused(ball, monkeypatch):
-    monkeypatch.setattr(plots, "figures_of", lambda data: {"history": lambda data: Figure()})
-    assert "--at 1.5: the figures of this run" in ertel_("plot", "a", "--at", "1.5", code=2).stderr
+def test_plot_at_refused(ball):
+    assert "at = 99.0: must be a time" in ertel_("plot", "a", "--at", "99", code=2).stderr
 
 
 def test_params_from_moes():
-    content = json.loads(ertel_("params", "--M", "1000", "--L", "10", "--json").stdout)
+    content = json.loads(ertel_("params", "--set", "contact.M=1000", "--set", "contact.L=10", "--json").stdout)
     assert content["lambda_bar"] == pytest.approx(0.00109777359, rel=1e-8)
     assert content["trapped_film"] == pytest.approx(0.1)
     assert "si" not in content
 
 
-PHYSICAL = {
-    "--radius": "10 mm",
-    "--mass": "32.6726 g",
-    "--speed": "0.1 m/s",
-    "--E-prime": "226.37 GPa",
-    "--eta0": "0.1 Pa*s",
-    "--alpha": "22 / GPa",
-}
+PHYSICAL = [
+    "contact.radius=10 mm",
+    "contact.mass=32.6726 g",
+    "contact.speed=0.1 m/s",
+    "contact.E_prime=226.37 GPa",
+    "lubricant.eta0=0.1 Pa*s",
+    "lubricant.alpha=22 / GPa",
+]
 
 
 def test_params_from_quantities():
     """The dimensional example of reference/impact.json."""
-    flags = [word for pair in PHYSICAL.items() for word in pair]
+    flags = [word for setting in PHYSICAL for word in ("--set", setting)]
     content = json.loads(ertel_("params", *flags, "--json").stdout)
     expected = {"stokes": 17.3333, "lambda_bar": 0.0615385, "alpha_bar": 30.6595, "M": 48.8118, "L": 23.0237}
     scales = {"delta_m": 3.74064e-06, "a_m": 0.000193407, "F_N": 109.181, "p_h_Pa": 1393610000.0, "t0_s": 3.74064e-05}
@@ -384,17 +384,19 @@ def test_params_from_quantities():
 
 
 @pytest.mark.parametrize(
-    ("flags", "said"),
+    ("settings", "said"),
     [
-        (["--M", "1000"], "contact.L: missing"),
-        (["--M", "1000", "--L", "10", "--lambda-bar", "1"], "given together"),
-        (["--radius", "10"], 'contact.radius = "10": must be a quantity'),
-        (["--M", "nan", "--L", "1"], "contact.M = NaN"),
+        (["contact.M=1000"], "contact.L: missing"),
+        (["contact.M=1000", "contact.L=10", "contact.lambda_bar=1"], "given together"),
+        (["contact.radius='10'"], 'contact.radius = "10": must be a quantity'),
+        (["contact.M=nan", "contact.L=1"], "contact.M = NaN"),
+        (["contact.raduis=10 mm"], "did you mean radius?"),
+        (["lubricant=5", "contact.M=1"], "lubricant = 5: must be a section"),
         ([], "contact.M: missing"),
     ],
 )
-def test_params_refused(flags, said):
-    result = ertel_("params", *flags, code=2)
+def test_params_refused(settings, said):
+    result = ertel_("params", *(word for setting in settings for word in ("--set", setting)), code=2)
     assert said in result.stderr
     assert result.stdout == ""
 

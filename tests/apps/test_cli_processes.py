@@ -17,7 +17,7 @@ pytestmark = pytest.mark.skipif(os.name == "nt", reason="no signals and no /dev/
 BALL = SMALL_IMPACT.replace("nodes = 33", 'method = "radial"\nnodes = 33') + "until = 0.1\n"
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
 ERTEL = [sys.executable, "-m", "ertel"]
-PARAMS = [*ERTEL, "params", "--M", "1000", "--L", "10"]
+PARAMS = [*ERTEL, "params", "--set", "contact.M=1000", "--set", "contact.L=10"]
 FULL = "/dev/full"
 
 

@@ -172,15 +172,14 @@ def test_a_transient_run_that_cannot_begin(here, monkeypatch):
         (["run", "transient.toml", "--set", "motion.entrainment=0"], "motion.entrainment: is 0 at T = 0"),
         (["run", "transient.toml", "--error", "--set", "solver.nodes=17"], "solver.nodes = 9"),
         (["run", "transient.toml", "--set", "roughness=3"], "roughness = 3: must be an array of tables"),
-        (["film", "steady.toml", "--M", "3"], "steady.toml and --M are given together"),
         (["film"], "contact.M: missing"),
         (
-            ["film", "--kind", "impact", "--M", "10", "--L", "2"],
+            ["film", "--set", "contact.kind=impact", "--set", "contact.M=10", "--set", "contact.L=2"],
             'contact.kind = "impact": must be "rolling" for the film',
         ),
-        (["params", "--kind", "rolling", "--M", "10"], "contact.L: missing"),
-        (["params", "--kind", "walking", "--M", "10"], 'contact.kind = "walking"'),
-        (["params", "--load", "3 N"], 'contact.load = "3 N": not for an impact'),
+        (["params", "--set", "contact.kind=rolling", "--set", "contact.M=10"], "contact.L: missing"),
+        (["params", "--set", "contact.kind=walking", "--set", "contact.M=10"], 'contact.kind = "walking"'),
+        (["params", "--set", "contact.load=3 N"], 'contact.load = "3 N": not for an impact'),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
@@ -194,23 +193,29 @@ def test_wrong_input(here, arguments, said):
 
 # -- params and film --------------------------------------------------------------------------------------------------
 
-FLAGS = {  # the dimensional case of reference/rolling.json
-    **{"--radius": "10 mm", "--load": "38.885237 N", "--mean-speed": "0.502636 m/s", "--E-prime": "219.7802 GPa"},
-    **{"--eta0": "40 mPa*s", "--alpha": "22 / GPa"},
+ROLLED = {  # the dimensional case of reference/rolling.json
+    **{"contact.radius": "10 mm", "contact.load": "38.885237 N", "contact.mean_speed": "0.502636 m/s"},
+    **{"contact.E_prime": "219.7802 GPa", "lubricant.eta0": "40 mPa*s", "lubricant.alpha": "22 / GPa"},
 }
-WORDS = [word for pair in FLAGS.items() for word in pair]
+
+
+def settings(values):
+    return [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
+
+
+WORDS = settings(ROLLED)
 
 
 def test_params_of_rolling():
-    content = json.loads(ertel_("params", "--kind", "rolling", *WORDS, "--json").stdout)
+    content = json.loads(ertel_("params", "--set", "contact.kind=rolling", *WORDS, "--json").stdout)
     assert [content["M"], content["L"]] == pytest.approx([200, 10], rel=1e-6)
     assert content["si"]["u_m_m_per_s"] == pytest.approx(0.502636)
     assert content["si"]["t0_s"] == pytest.approx(1.384509e-4 / 0.502636, rel=1e-6)
     assert {"stokes", "trapped_film"}.isdisjoint(content)
     assert "contact_time_s" not in content["si"]
-    speeds = ["--speed-1", "0.6 m/s", "--speed-2", "0.405272 m/s"]
-    flags = [word for word in WORDS if word not in ("--mean-speed", "0.502636 m/s")]
-    also = json.loads(ertel_("params", "--kind", "rolling", *flags, *speeds, "--json").stdout)
+    speeds = {"contact.kind": "rolling", "contact.speed_1": "0.6 m/s", "contact.speed_2": "0.405272 m/s"}
+    rest = {key: value for key, value in ROLLED.items() if key != "contact.mean_speed"}
+    also = json.loads(ertel_("params", *settings({**rest, **speeds}), "--json").stdout)
     assert also["M"] == pytest.approx(content["M"])
 
 
@@ -226,8 +231,15 @@ def test_film_side_by_side():
     assert all(part in text for part in ("167.8 nm", "95.71 nm", "172.9 nm", "Wear 1994", "M small, L large"))
 
 
+NAMES = ("params", "film")
+
+
 def test_film_of_a_case_file(here):
     assert "Hamrock-Dowson" in ertel_("film", "steady.toml").stdout
+    found, other = (
+        json.loads(ertel_(name, "steady.toml", "--set", "contact.load=20 N", "--json").stdout) for name in NAMES
+    )
+    assert found["M"] == other["M"] < json.loads(ertel_("params", "steady.toml", "--json").stdout)["M"]
     content = json.loads(ertel_("film", "transient.toml", "--json").stdout)
     assert content["films"][0]["central"] > 0
     assert "si" not in content["films"][0]

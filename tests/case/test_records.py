@@ -124,10 +124,10 @@ def test_times_of_a_signal_rise() -> None:
 
 OILS = [
     Oil(),
-    Oil("barus", "incompressible", 0.04, 2e-8),
+    Oil(0.04, 2e-8, "barus", "incompressible"),
     Oil(eta0=0.02, p0=2e8, z=0.6, reference="a data sheet"),
-    Oil(Roelands(2e-8, 0.6, 2e8), DowsonHigginson(6e8), 0.04),
-    Oil(Isoviscous(), "incompressible"),
+    Oil(0.04, None, Roelands(2e-8, 0.6, 2e8), DowsonHigginson(6e8)),
+    Oil(viscosity=Isoviscous(), density="incompressible"),
 ]
 
 
@@ -138,7 +138,7 @@ def test_an_oil_reads_back(oil) -> None:
 
 
 def test_a_law_with_data_of_its_own_is_a_table() -> None:
-    assert oil_data(Oil(Barus(2e-8)))["viscosity"] == {"law": "barus", "alpha": "2e-08 1/Pa"}
+    assert oil_data(Oil(viscosity=Barus(2e-8)))["viscosity"] == {"law": "barus", "alpha": "2e-08 1/Pa"}
     with pytest.raises(ValueError, match=r'^oil\.viscosity\.law = "tar"; allowed: .*isoviscous, barus, roelands'):
         READER.law({"law": "tar"}, Viscosity, "oil.viscosity")
     with pytest.raises(ValueError, match=r'^oil\.viscosity\.alpha = "-2e-08 1/Pa": must be finite and above zero'):

@@ -11,11 +11,11 @@ from ertel.case.case import Case
 from ertel.case.grids import grid_of
 from ertel.case.sections import Drive
 from ertel.equations import account, contact, discretise
-from ertel.equations.state import GridSolution, Rolling
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.solvers import steady
+from ertel.solvers.steady import GridSolution, Rolling
 
 
 def case_of(speed: float = 1.0, nodes: int = 129, oil: Oil = OIL, L: float = 5) -> Case:
@@ -32,7 +32,7 @@ def film(speed: float = 1.0, L: float = 5, oil: Oil = OIL) -> tuple[Case, Rollin
 
 def imbalances(case: Case, s: GridSolution) -> tuple[float, float]:
     """Of mass and of energy, as shares of the outflow and of the dissipation."""
-    t, _ = account.steady(case, s)
+    t, _ = account.steady_account(case, s)
     mass = t["inflow"] + t["cavity_source"] - t["outflow"]
     energy = t["power_from_surfaces"] - t["power_to_surfaces"] - t["dissipation"] - t["outside_power"]
     return mass / t["outflow"], energy / t["dissipation"]
@@ -48,11 +48,11 @@ def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
     H = contact.film_thickness(c, P, approach)
     solution = steady.steady_film(case_of(nodes=33)).finest
     dry = replace(solution, grid=grid, P=P, H=H, approach=approach, outside=0.0)
-    assert account.steady(case, dry)[0]["elastic_energy"] == pytest.approx(2 / 5, rel=2e-3)
+    assert account.steady_account(case, dry)[0]["elastic_energy"] == pytest.approx(2 / 5, rel=2e-3)
     r = np.linspace(0, 1, 20001)
     in_oil = 0.1 * 3 * np.trapezoid(r * np.asarray(case.lubricant.compression(np.sqrt(1 - r**2))), r)
     flat = replace(dry, H=np.full_like(np.asarray(P), 0.1))
-    assert account.steady(case, flat)[0]["oil_energy"] == pytest.approx(in_oil, rel=5e-3)
+    assert account.steady_account(case, flat)[0]["oil_energy"] == pytest.approx(in_oil, rel=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -73,7 +73,7 @@ def test_steady_rolling_dissipates_what_its_resistance_takes(speed: float, L: fl
 
 
 def test_both_directions_have_the_same_budgets() -> None:
-    there, back = (account.steady(*_finest(film(speed)))[0] for speed in (1.0, -1.0))
+    there, back = (account.steady_account(*_finest(film(speed)))[0] for speed in (1.0, -1.0))
     assert back == pytest.approx(there, rel=1e-6)
 
 

@@ -17,9 +17,8 @@ from ertel.case.grids import grid_of
 from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.equations import account
+from ertel.equations.account import Friction, friction, steady_friction
 from ertel.equations.contact import Contact, bare_contact, traceable_law
-from ertel.equations.friction import Friction, friction, steady
-from ertel.equations.state import GridSolution
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
@@ -29,6 +28,7 @@ from ertel.physics.lubricant import Barus, Incompressible, Lubricant
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.solvers import steady as solver
+from ertel.solvers.steady import GridSolution
 
 FRICTION = jax.jit(friction)
 
@@ -151,7 +151,7 @@ def test_the_coefficients_do_not_depend_on_the_units():
     grid = grid_of(si)
     P = jnp.asarray(si.geometry.dry_pressure(1.0, grid.kept_x[None, :], grid.kept_y[:, None]))
     H = 0.1 + jnp.asarray(si.geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
-    one, two = (steady(case, film_of(grid, P, H)) for case in (si, moes))
+    one, two = (steady_friction(case, film_of(case, grid, P, H)) for case in (si, moes))
     for name in Friction._fields:
         assert_allclose(getattr(one, name), getattr(two, name), rtol=1e-9, atol=1e-12, err_msg=name)
     # in SI: the integral of eta (u1 - u2)/h over the load
@@ -162,8 +162,8 @@ def test_the_coefficients_do_not_depend_on_the_units():
     assert float(one.power) * scales.power == pytest.approx(0.2 * 0.7 * force + float(pressed), rel=1e-9)
 
 
-def film_of(grid: Grid, P: Array, H: Array) -> GridSolution:
-    return GridSolution(grid, P, H, 1.0, 0.0, Status.CONVERGED, 0, 0, 0.0)
+def film_of(case: Case, grid: Grid, P: Array, H: Array) -> GridSolution:
+    return GridSolution(case, grid, P, H, 1.0, 0.0, Status.CONVERGED, 0, 0, 0.0)
 
 
 # -- solved contacts --------------------------------------------------------------------------------------------------
@@ -187,7 +187,7 @@ def finest(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[Case, GridSo
 @pressure_only_inside
 def test_all_power_is_that_of_sliding_and_of_the_pressure():
     """To round-off: the loss at the nodes takes the flow between them as the budget does."""
-    terms, found = account.steady(*finest())
+    terms, found = account.steady_account(*finest())
     assert float(found.power) == pytest.approx(0.3 * float(found.sliding[0]) + terms["dissipation"], rel=1e-12)
 
 
@@ -199,7 +199,7 @@ def test_the_surfaces_spend_what_heats_the_oil(motion: tuple[float, float]):
     speed, ratio = motion
     errors = []
     for s in solutions:
-        terms, found = account.steady(case, s)
+        terms, found = account.steady_account(case, s)
         of_sliding, of_rolling = float(found.sliding[0]) * ratio * speed, 2 * float(found.rolling[0]) * speed
         assert of_sliding > 0 and of_rolling > 0
         assert of_rolling == pytest.approx(terms["power_from_surfaces"] - terms["power_to_surfaces"], rel=1e-9)
@@ -212,7 +212,7 @@ def test_the_surfaces_spend_what_heats_the_oil(motion: tuple[float, float]):
 @pressure_only_inside
 def test_direction():
     """The sliding coefficient changes its sign with the sliding, the rolling coefficient with the rolling."""
-    there, faster, back = (steady(*finest(*motion)) for motion in ((1.0, 0.3), (1.0, -0.3), (-1.0, 0.3)))
+    there, faster, back = (steady_friction(*finest(*motion)) for motion in ((1.0, 0.3), (1.0, -0.3), (-1.0, 0.3)))
     assert_allclose(faster.sliding, -there.sliding, rtol=1e-12)
     assert_allclose(faster.rolling, there.rolling, rtol=1e-12)
     assert_allclose(faster.loss, there.loss, rtol=1e-12)

@@ -322,9 +322,7 @@ def test_flow_is_monotone(name: str, s1: tuple, g1: tuple, s2: tuple, g2: tuple)
 @given(ANY_LAW, VECTOR, SLOPE)
 def test_heat_is_work(name: str, s: tuple, g: tuple) -> None:
     law, found = LAWS[name], flow(LAWS[name], s, g)
-    heat = float(
-        np.dot(s, found.stress[:, 0]) + np.dot(g, found.flux[:, 0])
-    )  # per area over h/eta: the mean of phi tau^2
+    heat = float(np.dot(s, found.stress[:, 0]) + np.dot(g, found.flux[:, 0]))  # over h/eta
     z, w = np.polynomial.legendre.leggauss(200)
     tau = np.asarray(found.stress) + 0.5 * z * np.asarray(g)[:, None]
     square = tau[0] ** 2 + tau[1] ** 2

@@ -156,13 +156,18 @@ def test_a_half_grid_covers_the_same_domain() -> None:
 
 # -- the command line -------------------------------------------------------------------------------------------------
 
-FLAGS = ["--kind", "rolling", "--load", "100 N", "--mean-speed", "0.5 m/s", "--E-prime", "226.37 GPa"]
-FLAGS += ["--eta0", "40 mPa*s", "--alpha", "22 / GPa"]
+CONTACT = {f"contact.{key}": value for key, value in ROLLING.items()}
+CONTACT |= {f"lubricant.{key}": value for key, value in OIL.items()}
+
+
+def answer(command: str, **radii: str) -> dict:
+    given = CONTACT | {f"contact.{key}": value for key, value in radii.items()}
+    words = [word for key, value in given.items() for word in ("--set", f"{key}={value}")]
+    return json.loads(ertel_(command, *words, "--json").stdout)
 
 
 def test_params_of_the_worked_example() -> None:
-    flags = ["--radius-x-1", "10 mm", "--radius-y-1", "20 mm", "--radius-y-2", "-33.333333333 mm"]
-    content = json.loads(ertel_("params", *FLAGS, *flags, "--json").stdout)
+    content = answer("params", radius_x_1="10 mm", radius_y_1="20 mm", radius_y_2="-33.333333333 mm")
     named = {"lambda_bar": 0.01039991, "alpha_bar": 18.62553, "M": 512.567, "L": 10.21061}
     named |= {"M_BH": 185.188, "L_BH": 8.96790, "radius_ratio": 0.2, "kappa": 0.345999}
     assert {name: content[name] for name in named} == pytest.approx(named, rel=4e-6)
@@ -171,7 +176,7 @@ def test_params_of_the_worked_example() -> None:
 
 
 def test_films_of_the_worked_example() -> None:
-    content = json.loads(ertel_("film", *FLAGS, "--radius-x", "10 mm", "--radius-y", "50 mm", "--json").stdout)
+    content = answer("film", **REDUCED)
     films = {row["name"]: row["si"] for row in content["films"]}
     assert films["Nijenbanning-Venner-Moes"]["h_c_m"] == pytest.approx(203.69e-9, abs=5e-12)
     assert films["Hamrock-Dowson"]["h_min_m"] == pytest.approx(151.39e-9, abs=5e-12)
@@ -179,9 +184,8 @@ def test_films_of_the_worked_example() -> None:
 
 def test_films_at_an_angle() -> None:
     """R_e at 90 degrees is R_y: the film of a slender contact is thinner, though its radius is larger."""
-    flags = [*FLAGS, "--radius-x", "10 mm", "--radius-y", "50 mm", "--json"]
     films = []
     for angle in ("0 deg", "60 deg", "90 deg"):
-        content = json.loads(ertel_("film", *flags, "--entrainment-angle", angle).stdout)
+        content = answer("film", **REDUCED, entrainment_angle=angle)
         films.append({row["name"]: row["si"]["h_c_m"] for row in content["films"]}["Chittenden et al."])
     assert films[0] > films[1] > films[2]

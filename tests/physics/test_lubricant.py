@@ -236,22 +236,24 @@ def test_the_exponent_of_roelands_follows_from_the_data():
 
 
 def test_a_law_by_its_name_or_as_a_record():
-    oil = Oil("barus", "incompressible", alpha=2e-8)
+    oil = Oil(alpha=2e-8, viscosity="barus", density="incompressible")
     assert (oil.viscosity_law, oil.density_law) == (Barus(2e-8), Incompressible())
-    own = Oil(Barus(3e-8), DowsonHigginson(6e8), alpha=2e-8)
+    own = Oil(None, 2e-8, Barus(3e-8), DowsonHigginson(6e8))
     assert (own.viscosity_law, own.density_law) == (Barus(3e-8), DowsonHigginson(6e8))
 
 
 def test_an_isoviscous_oil_needs_no_data():
     for viscosity in ("isoviscous", Isoviscous()):
-        oil = Oil(viscosity)
+        oil = Oil(viscosity=viscosity)
         assert oil.is_isoviscous
         assert oil.viscosity_law == Isoviscous()
-    assert not Oil("barus").is_isoviscous
+    assert not Oil(viscosity="barus").is_isoviscous
 
 
 @pytest.mark.parametrize(
-    ("oil", "missing"), [(Oil("barus"), "alpha"), (Oil(eta0=0.04), "alpha"), (Oil(alpha=2e-8), "eta0")], ids=str
+    ("oil", "missing"),
+    [(Oil(viscosity="barus"), "alpha"), (Oil(eta0=0.04), "alpha"), (Oil(alpha=2e-8), "eta0")],
+    ids=str,
 )
 def test_data_that_a_law_needs_are_asked_for(oil, missing):
     with pytest.raises(ValueError, match=rf"^{missing}: missing; this viscosity law needs it"):
@@ -260,14 +262,14 @@ def test_data_that_a_law_needs_are_asked_for(oil, missing):
 
 def test_an_unknown_law_is_refused():
     with pytest.raises(ValueError, match=r"^viscosity = \"tar\": allowed: 'isoviscous', 'barus' or 'roelands'"):
-        Oil("tar")
+        Oil(viscosity="tar")
     with pytest.raises(ValueError, match=r"^density = \"lead\": allowed: 'incompressible' or 'dowson-higginson'"):
         Oil(density="lead")
 
 
 def test_a_law_that_is_not_registered_is_refused():
     with pytest.raises(ValueError, match=r"^PowerLaw: is no registered viscosity law.*ertel\.viscosity_laws\.register"):
-        Oil(PowerLaw(1.0, 2.0))
+        Oil(viscosity=PowerLaw(1.0, 2.0))
     with pytest.raises(ValueError, match=r"^Barus: is no registered density law.*ertel\.density_laws\.register"):
         Oil(density=Barus(1.0))
 
@@ -358,4 +360,4 @@ def test_a_law_of_its_own_wants_its_data():
     from ertel.physics.lubricant import Oil
 
     with pytest.raises(ValueError, match=r'^viscosity = "doolittle": has data of its own; give them as \{ law = "dool'):
-        Oil("doolittle")
+        Oil(viscosity="doolittle")

@@ -8,6 +8,7 @@ from PIL import Image
 from ertel import plots
 from ertel.optics import Constant, Layer, Monochromatic, Rig, TwoBeams, White
 from ertel.plots import interferograms as page
+from ertel.plots.view import View
 from ertel.results.result import Plot
 
 
@@ -72,8 +73,9 @@ def test_rings_of_a_paraboloid_on_a_coarse_grid(ball, every):
 def test_picture_is_the_film_of_the_run(rolls, few_pixels):
     """Each pixel has the grey of the film and of the oil's density at its place."""
     light, rig = Monochromatic(coherence=np.inf), TwoBeams()
-    window = page.Window.round(rolls, [None])
-    seen = page.Seen.of(rolls, None, window, rolls["H"].attrs["si_factor"])
+    view = View.of(rolls)
+    window = page.Window.around([view])
+    seen = page.Seen.of(view, window, rolls["H"].attrs["si_factor"])
     nodes = rolls["H"].interp(X=window.x, Y=window.y) * rolls["H"].attrs["si_factor"]
     np.testing.assert_allclose(seen.film, nodes, atol=4e-9)
     np.testing.assert_array_equal(seen.density, 1.0)  # BARUS is incompressible
@@ -83,8 +85,8 @@ def test_picture_is_the_film_of_the_run(rolls, few_pixels):
 
 
 def test_oil_under_pressure_is_denser(ball, few_pixels):
-    window = page.Window.round(ball, [48])
-    density = page.Seen.of(ball, 48, window, 1e-6).density
+    view = View(ball, 48)
+    density = page.Seen.of(view, page.Window.around([view]), 1e-6).density
     assert density[0, 0] == 1.0
     assert density.max() == pytest.approx(1.24, abs=0.01)  # Dowson and Higginson's at 1.4 GPa
 
@@ -186,8 +188,8 @@ def test_animation_shows_every_moment_alike(ball, few_pixels, monkeypatch):
     grey = np.asarray(axes.images[0].get_array())
     time = float(ball["frame"][48] * ball["frame"].attrs["si_factor"]) * 1e6
     assert axes.get_title() == f"Interferogram at 532 nm, $t$ = {time:.4g} µs"
-    window = page.Window.round(ball, frames)
-    seen = page.Seen.of(ball, 48, window, ball["H"].attrs["si_factor"])
+    window = page.Window.around([View(ball, frame) for frame in frames])
+    seen = page.Seen.of(View(ball, 48), window, ball["H"].attrs["si_factor"])
     expected = page.Chart(Rig(), Monochromatic(), 1e-5, seen.density.max()).picture(seen.film, seen.density)
     np.testing.assert_allclose(grey, expected[..., 0], atol=0.01)
 

@@ -10,8 +10,8 @@ from made_up import BALL_FALLS, MOES_FALLS, dry_impact
 from matplotlib.figure import Figure
 
 from ertel.inputs.case_files import parse_case
-from ertel.results import accessor  # noqa: F401  # registers it
-from ertel.results.provenance import provenance
+from ertel.results import result  # noqa: F401  # registers it
+from ertel.results.dataset import provenance
 from ertel.results.variables import to_si
 
 

@@ -6,9 +6,8 @@ import xarray as xr
 from made_up import BALL_ROLLS, C1, MOES_ROLLS, as_in_time, in_time
 
 from ertel.case.status import Status
-from ertel.results.extremes import extremes
 from ertel.results.report import extreme_lines, lines
-from ertel.results.summary import rolling_summary
+from ertel.results.summary import extremes, rolling_summary
 
 WORK = {"steps": 1, "newton_iterations": 1, "krylov_iterations": 1, "wall_s": 1.0}
 

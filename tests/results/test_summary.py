@@ -1,10 +1,12 @@
 """The outcome of a run as plain data."""
 
 import pytest
+from made_up import MOES_FALLS, dry_impact
 
+from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.results import parameters, variables
-from ertel.results.summary import si_summary
+from ertel.results.summary import impact_summary
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
 ROLLING = {  # of reference/rolling.json, M = 20, L = 10
@@ -17,10 +19,8 @@ OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
 
 def test_si_summary_has_units_in_its_names():
     case = parse_case({"contact": BALL, "lubricant": OIL})
-    values = dict.fromkeys(variables.AT_MAXIMUM, 1.0)
-    si = si_summary(case, values)
-    assert si is not None and case.scales is not None
-    assert si["max_approach"] == {
+    assert case.scales is not None
+    assert variables.in_si(dict.fromkeys(variables.AT_MAXIMUM, 1.0), case.scales) == {
         "t_s": case.scales.t0,
         "delta_m": case.scales.film,
         "f_N": case.scales.load,
@@ -31,7 +31,8 @@ def test_si_summary_has_units_in_its_names():
         "x_min_m": case.scales.a,
         "y_min_m": case.scales.a,
     }
-    assert si_summary(parse_case({"contact": {"M": 1, "L": 1}}), values) is None
+    dimensionless = impact_summary(parse_case(MOES_FALLS), dry_impact(MOES_FALLS), None, {}, Status.CONVERGED)
+    assert "si" not in dimensionless
 
 
 def test_films_of_another_load_and_speed():

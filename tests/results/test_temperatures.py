@@ -7,13 +7,14 @@ import pytest
 
 import ertel
 from ertel.case.thermal import Inlet
-from ertel.equations.heat import heated
+from ertel.equations.discretise import grid_of
 from ertel.inputs.case_files import parse_case
 from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
 from ertel.results.dataset import assemble_steady
 from ertel.results.report import html_table, lines
 from ertel.results.temperatures import thermal_warnings
 from ertel.results.variables import TEMPERATURES, to_si
+from ertel.solvers.heat import heated
 
 pytestmark = pytest.mark.filterwarnings("ignore:H_min is uncertain", "ignore:the pressure spike", "ignore:surface")
 STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
@@ -52,7 +53,7 @@ def test_maps_and_summary(run: ertel.Result) -> None:
 
 
 def test_maps_before_the_first_solution(run: ertel.Result) -> None:
-    data = assemble_steady(run.case, [])
+    data = assemble_steady(run.case, grid_of(run.case), [])
     assert all(data[name].shape == (65, 65) and np.isnan(data[name]).all() for name in TEMPERATURES)
 
 

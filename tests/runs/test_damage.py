@@ -22,8 +22,8 @@ import ertel
 from ertel.case.case import Case
 from ertel.inputs.case_files import parse_case
 from ertel.runs import checked_zarr
-from ertel.runs.files import LOCK
-from ertel.runs.store import Damaged, RunStore, StoreError, compute
+from ertel.runs.files import LOCK, Damaged, StoreError
+from ertel.runs.store import RunStore, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
 OF_THE_PROCESS = ("wall_s", "compilations")

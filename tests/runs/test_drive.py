@@ -173,7 +173,7 @@ class Linear:
 def test_a_users_own_viscosity_law_needs_no_derivative() -> None:
     case = short(until=1.0)
     p_h = case.lubricant.p_h
-    case = replace(case, oil=Oil(Linear(5.0 / p_h), "incompressible"))
+    case = replace(case, oil=Oil(viscosity=Linear(5.0 / p_h), density="incompressible"))
     assert float(case.lubricant.viscosity(1.0)) == pytest.approx(6.0)
     result = simulate(case)
     assert result.status is Status.CONVERGED

@@ -15,12 +15,13 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.results import diagnostics, variables
-from ertel.results.provenance import provenance
+from ertel.results.dataset import provenance
 from ertel.results.summary import steady_summary
 from ertel.runs import checked_zarr
 from ertel.runs.arrays import ReplacedData
 from ertel.runs.drive import simulate
-from ertel.runs.store import RunStore, StoreError, compute
+from ertel.runs.files import StoreError
+from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
 pytestmark = pytest.mark.filterwarnings("ignore:H_min is uncertain", "ignore:there is no error estimate")

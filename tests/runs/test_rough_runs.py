@@ -21,11 +21,12 @@ from ertel.case.height_map import HeightMap, Measured
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
 from ertel.physics.surfaces import Feature, SelfAffine
-from ertel.plots.stored import roughness_height
+from ertel.plots.view import View
 from ertel.results import diagnostics
 from ertel.runs.compile import compilations
 from ertel.runs.drive import simulate
-from ertel.runs.store import RunStore, StoreError, compute
+from ertel.runs.files import StoreError
+from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
@@ -165,9 +166,8 @@ def test_the_dataset_alone_shows_the_roughness(tmp_path, case) -> None:
     X, Y = np.linspace(-1, 1, 9)[None, :], np.linspace(-1, 1, 5)[:, None]
     spacing = grid_of(case).spacing
     (feature,) = case.features
-    np.testing.assert_allclose(
-        roughness_height(data, 0.0, X, Y), feature.shape.heights_above(4 * spacing, X, Y), atol=1e-15
-    )
+    shown = View(data).roughness(X, Y)
+    np.testing.assert_allclose(shown, feature.shape.heights_above(4 * spacing, X, Y), atol=1e-15)
 
 
 def test_the_resolved_case_runs_from_its_directory_and_nowhere_else(tmp_path, case) -> None:

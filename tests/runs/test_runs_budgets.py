@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 from ertel.case.grids import grid_of
 from ertel.case.sections import SOLVERS, Drive, Time
 from ertel.equations import discretise
-from ertel.equations.friction import friction
+from ertel.equations.account import friction
 from ertel.numerics.integrals import Plane
 from ertel.physics.motion import Oscillation, constant
 from ertel.physics.scales import Parameters

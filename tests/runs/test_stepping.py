@@ -9,7 +9,7 @@ from cases import OIL, course_with, rolled, steps_of
 
 from ertel.case.case import Case
 from ertel.case.sections import SOLVERS, Drive, Output, Time
-from ertel.equations.friction import Friction
+from ertel.equations.account import Friction
 from ertel.equations.state import Method, State, Stepping, combined
 from ertel.numerics import bdf
 from ertel.physics.motion import Oscillation, Polyline, Signal

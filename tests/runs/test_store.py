@@ -21,8 +21,9 @@ from ertel.runs import checked_zarr
 from ertel.runs.arrays import AppendedData
 from ertel.runs.courses import TransientRun, method_of
 from ertel.runs.drive import simulate
+from ertel.runs.files import StoreError
 from ertel.runs.stepping import StepLimits
-from ertel.runs.store import RunStore, StoreError, compute
+from ertel.runs.store import RunStore, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
 CASE = {

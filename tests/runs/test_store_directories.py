@@ -19,9 +19,10 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.runs import checked_zarr, files, store
 from ertel.runs.courses import TransientRun, method_of
-from ertel.runs.directory import changes
+from ertel.runs.directory import Taken, changes
+from ertel.runs.files import StoreError
 from ertel.runs.stepping import StepLimits
-from ertel.runs.store import RunStore, StoreError, Taken, compute
+from ertel.runs.store import RunStore, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
 DATA = {"name": "small", "contact": {"M": 200, "L": 10}, "solver": {"method": "radial", "nodes": 33}}

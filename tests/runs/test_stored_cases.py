@@ -15,7 +15,8 @@ from ertel.inputs.case_files import ConfigError, load_case, parse_case
 from ertel.physics import registry, units
 from ertel.physics.surfaces import Feature
 from ertel.runs.drive import simulate
-from ertel.runs.store import RunStore, StoreError, compute
+from ertel.runs.files import StoreError
+from ertel.runs.store import RunStore, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
 SHORT = {"solver": {"nodes": 33}, "time": {"tolerance": 0.01, "until": 0.4}}

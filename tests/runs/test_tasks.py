@@ -1,7 +1,6 @@
 """Tasks and their results: order, failures, what is kept, what is run again."""
 
 import errno
-import hashlib
 import io
 import os
 import pickle
@@ -14,6 +13,7 @@ from cases import names
 
 from ertel.runs import plain
 from ertel.runs import tasks as tasks_module
+from ertel.runs.files import checked
 from ertel.runs.tasks import Failure, Task, kept, run_tasks
 from ertel.runs.workers import LocalWorker, never
 from ertel.version import source_digest
@@ -78,7 +78,7 @@ def test_a_kept_result_with_any_bit_flipped_is_computed_again(tmp_path: Path, ca
     for length in range(0, len(whole), 97):
         file.write_bytes(whole[:length])
         assert kept([task], tmp_path) == {}, f"{length} bytes"
-    assert "a.result: is damaged, its checksum does not fit" in caplog.text
+    assert "a.result: is damaged (its checksum does not agree)" in caplog.text
     assert run_tasks([task], LocalWorker(), tmp_path) == [3.0]
     assert file.read_bytes() == whole
 
@@ -100,9 +100,8 @@ def test_a_file_beside_the_results_runs_no_code(tmp_path: Path, name: str):
     directory.mkdir()
     archive = io.BytesIO()
     np.savez(archive, text=np.array([Evil(proof)], dtype=object))
-    body = archive.getvalue() if name.endswith("result") else pickle.dumps(Evil(proof))
-    checksum = hashlib.sha256(body).digest() if name.endswith("result") else b""
-    (directory / name).write_bytes(checksum + body)
+    body = checked(archive.getvalue()) if name.endswith("result") else pickle.dumps(Evil(proof))
+    (directory / name).write_bytes(body)
     assert run_tasks([task], LocalWorker(), directory) == [2]
     assert not proof.exists()
 
@@ -110,9 +109,9 @@ def test_a_file_beside_the_results_runs_no_code(tmp_path: Path, name: str):
 @pytest.mark.parametrize("body", [b"", b"PK\x03\x04 no archive", b"\x80\x04N.", b"text"])
 def test_a_file_of_another_kind_is_computed_again(tmp_path: Path, caplog: pytest.LogCaptureFixture, body: bytes):
     """Also with the right checksum: only somebody else can have written it."""
-    (tmp_path / "a.result").write_bytes(hashlib.sha256(body).digest() + body)
+    (tmp_path / "a.result").write_bytes(checked(body))
     assert run_tasks([Task("a", double, (1,))], LocalWorker(), tmp_path) == [2]
-    assert "is no file of plain data" in caplog.text
+    assert "a.result: is damaged" in caplog.text
 
 
 def test_datasets_numbers_and_lists_come_back_exactly(tmp_path: Path):

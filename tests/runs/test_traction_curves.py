@@ -10,12 +10,13 @@ import xarray as xr
 from ertel.case.case import Case
 from ertel.case.sections import Drive
 from ertel.case.status import Status
-from ertel.equations import friction, heat
+from ertel.equations import account
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.physics.motion import constant
 from ertel.runs.drive import drive
 from ertel.runs.traction import traction
 from ertel.solvers import steady
+from ertel.solvers.heat import heated
 
 CONTACT = {"kind": "rolling", "radius": "10 mm", "E_prime": "226 GPa", "load": "20 N"}  # that of test_thinning
 OIL = {"eta0": "40 mPa*s", "alpha": "20 / GPa"}
@@ -83,7 +84,7 @@ def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str, key: str)
     value = 2.0 * getattr(base.contact, key)
     at = replace(base, contact=replace(base.contact, **{key: value}))
     film = steady.steady_film(at).finest
-    found = friction.steady(at, film)
+    found = account.steady_friction(at, film)
     data = traction(base, **{axis: [value]}).dataset.isel({axis: 0})
     assert float(data[axis]) == value
     assert at.scales is not None
@@ -156,7 +157,8 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
     assert data["newton_iterations"].values.tolist()[1] == 0
     at = replace(warm_case, contact=replace(warm_case.contact, slide_to_roll=0.1))
     assert at.scales is not None
-    found = heat.of_solution(at, steady.steady_film(warm_case).finest)
+    film = steady.steady_film(warm_case).finest
+    found = heated(at, film.P, film.H, grid=film.grid)
     assert float(data["mu_sliding"][1]) == pytest.approx(float(found.sliding[0]) * at.scales.a_over_R, rel=1e-9)
     assert float(data["T_film_max"][1]) == pytest.approx(float(np.max(found.T_film)), rel=1e-9)
     np.testing.assert_allclose(data["h_c"], data["phi_T"] * cold["h_c"], rtol=1e-12)

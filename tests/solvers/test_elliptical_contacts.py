@@ -14,8 +14,8 @@ from ertel.case.case import Case
 from ertel.case.grids import grid_of
 from ertel.case.sections import Drive
 from ertel.equations import discretise
-from ertel.equations.friction import Friction, friction
-from ertel.equations.state import GridSolution, State
+from ertel.equations.account import Friction, friction
+from ertel.equations.state import State
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import unfolded
 from ertel.physics.geometry import hertz_ellipse
@@ -23,6 +23,7 @@ from ertel.physics.surfaces import Feature, Waviness
 from ertel.runs.comparisons import comparisons
 from ertel.runs.response import respond, respond_in_rolling, respond_linearly
 from ertel.solvers import steady
+from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import Transient2D
 
 D, M, L = 0.4, 50.0, 5.0

@@ -272,7 +272,7 @@ class MyBarus:
 
 
 def test_not_a_number_is_a_status() -> None:
-    case = replace(barus(50, 5, 33), oil=Oil(Nonsense(), "incompressible"))
+    case = replace(barus(50, 5, 33), oil=Oil(viscosity=Nonsense(), density="incompressible"))
     method = RadialImpact(case)
     assert method.advance([method.start()], 0.1).status is Status.NEWTON_STALLED
 

@@ -14,7 +14,6 @@ from ertel.case.case import Case
 from ertel.case.sections import SOLVERS, Drive
 from ertel.equations import contact, discretise
 from ertel.equations.contact import Rate
-from ertel.equations.state import GridSolution
 from ertel.inputs.python import rolling
 from ertel.numerics.stencils import folded
 from ertel.physics.fluidity import ReeEyring
@@ -26,6 +25,7 @@ from ertel.physics.surfaces import Feature, Waviness
 from ertel.runs.response import respond_in_rolling
 from ertel.solvers import steady
 from ertel.solvers.response import RoughnessWave, wave_response
+from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import Transient2D
 
 # the response has no oil outside that takes part

@@ -16,12 +16,12 @@ from ertel.case.case import Case
 from ertel.case.sections import Drive
 from ertel.equations import contact, discretise
 from ertel.equations.flow import steady_rate
-from ertel.equations.state import Rolling
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.solvers import preconditioner, steady
+from ertel.solvers.steady import Rolling
 
 pytestmark = pytest.mark.usefixtures("nothing_outside")
 

@@ -14,10 +14,10 @@ import jax
 import numpy as np
 
 from ertel import Case, parse_case
-from ertel.equations.state import GridSolution, Rolling
 from ertel.physics.film_formulas import expected_film
 from ertel.results import diagnostics, summary
 from ertel.solvers import steady
+from ertel.solvers.steady import GridSolution, Rolling
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 

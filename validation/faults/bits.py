@@ -13,9 +13,8 @@ from children import OWN, Ended, Fault, called, fingerprint, in_child, plain, ru
 from kills import Known, Outcome, Trial, judged
 from kinds import Kind
 
-from ertel.apps.browser.folder import Folder
+from ertel.apps.browser.folder import Folder, fault_of, summary_of
 from ertel.apps.browser.processes import Processes
-from ertel.apps.browser.records import fault_of, summary_of
 from ertel.runs.checked_zarr import ROOT
 from ertel.runs.listing import listed
 
@@ -73,7 +72,7 @@ def looked(place: Path) -> dict[str, str]:
     folder = Folder.at(place)
     processes, found = Processes(folder), {}
     for path in folder.runs():
-        _ = processes.standing(path), fault_of(path)
+        _ = processes.status(path), fault_of(path)
         about, summary = f"app, {folder.name_of(path)}", summary_of(path)
         found[about] = json.dumps(plain(summary)) if summary else ""
     for run in listed(place):

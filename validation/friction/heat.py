@@ -15,15 +15,14 @@ import numpy as np
 import ertel
 from ertel.case.case import Case
 from ertel.case.grids import grid_of
-from ertel.equations import discretise, heat
-from ertel.equations.friction import friction
-from ertel.equations.heat import Heated
-from ertel.equations.state import GridSolution
+from ertel.equations import discretise
+from ertel.equations.account import friction
 from ertel.numerics.integrals import Plane
 from ertel.physics.flash import flash_temperature
 from ertel.physics.thermal import Solid, gupta_factor, wilson_sheu_factor
-from ertel.physics.warming import cold, warmed
-from ertel.solvers import steady
+from ertel.solvers import heat, steady
+from ertel.solvers.heat import Heated, cold, warmed
+from ertel.solvers.steady import GridSolution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 from closed_forms import mean_rise, nahme

@@ -69,6 +69,9 @@ def path_option(text: str, metavar: str = "DIR") -> Any:
 
 
 CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.", case_files)]
+OptionalCase = Annotated[
+    Path | None, path_argument("[CASE.toml]", "Case file; without one --set gives the contact.", case_files)
+]
 StudyFile = Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.", case_files)]
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
 OptionalRun = Annotated[Path | None, path_argument("[DIR]", "Directory of a run.", run_directories)]

@@ -1,4 +1,4 @@
-"""`ertel new`, `ertel schema` and `ertel check`: case files before they are run."""
+"""Cases before they are run: `ertel params`, `film`, `new`, `schema` and `check`."""
 
 from pathlib import Path
 from textwrap import wrap
@@ -6,13 +6,68 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from ertel.apps.arguments import CaseFile, Json, Set, path_argument
-from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, shown
+from ertel.apps.arguments import CaseFile, Json, OptionalCase, Set, path_argument
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, rough_time, shown
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
 
 WIDTH = 100
+
+
+def params(case_file: OptionalCase = None, set_: Set = None, as_json: Json = False) -> None:
+    """Print all parameters of a contact.
+
+    Give a case file, or the contact alone: --set contact.M=1000 --set contact.L=10, or quantities such as
+    --set "contact.radius=10 mm". Without a file the contact is an impact unless --set contact.kind=rolling, and its oil
+    follows Barus. What is missing is said; ertel run --help-keys explains all keys.
+    """
+    from ertel.results.parameters import parameter_summary
+
+    with bad_input():
+        case = _case_asked_for(case_file, set_, "impact")
+    content = parameter_summary(case)
+    if as_json:
+        print_json(content)
+    else:
+        from ertel.apps import tables
+
+        tables.print_parameters(tables.console(), content)
+
+
+def film(case_file: OptionalCase = None, set_: Set = None, as_json: Json = False) -> None:
+    """Compare the film thickness formulas for a rolling contact.
+
+    Give a case file, or the contact alone: --set contact.M=200 --set contact.L=10, see ertel params.
+    """
+    from ertel.apps import tables
+    from ertel.results.parameters import films
+
+    with bad_input():
+        case = _case_asked_for(case_file, set_, "rolling")
+        if case.starts_apart:
+            raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
+    found = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
+    if as_json:
+        print_json(tables.films_as_data(case, found))
+    else:
+        console = tables.console()
+        console.print(tables.film_table(case, found, {}))
+        tables.print_sources(console, found)
+
+
+def _case_asked_for(case_file: Path | None, settings: list[str] | None, kind: str) -> "Case":
+    """The case of a file, or of settings alone, whose oil follows Barus and is incompressible unless they say more."""
+    from ertel.inputs.case_files import apply_overrides, load_case, parse_case
+
+    if case_file:
+        return load_case(case_file, settings or [])
+    data = apply_overrides({"contact": {"kind": kind}, "lubricant": {}}, settings or [])
+    contact, oil = data["contact"], data["lubricant"]
+    if isinstance(contact, dict) and isinstance(oil, dict) and "oil" not in oil:
+        isoviscous = 0 in (contact.get("L"), contact.get("alpha_bar"))
+        data["lubricant"] = {"viscosity": "isoviscous" if isoviscous else "barus", "density": "incompressible", **oil}
+    return parse_case(data)
 
 
 def new(
@@ -132,12 +187,5 @@ def _needs(found: dict[str, Any]) -> dict[str, str]:
         "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
         "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
         "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",
-        "time": f"roughly {_said(time['seconds'])}{steps}",
+        "time": f"roughly {rough_time(time['seconds'])}{steps}",
     }
-
-
-def _said(seconds: float) -> str:
-    """A rough duration in words."""
-    if seconds < 60:
-        return f"{max(seconds, 5):.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

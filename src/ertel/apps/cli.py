@@ -8,7 +8,6 @@ Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing wr
 
 import os
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -34,12 +33,10 @@ from ertel.apps.arguments import (
     path_option,
     values_option,
 )
-from ertel.apps.browser.command import browse
 from ertel.apps.faults import Commands
-from ertel.apps.flags import case_of_flags, flag_of, with_flags
-from ertel.apps.interferograms import Interferogram, Wavelength
 from ertel.apps.paper import paper
-from ertel.apps.terminal import bad_input, print_json, say, shown
+from ertel.apps.plotting import Interferogram, PlotOptions, Wavelength
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, say
 
 app = typer.Typer(
     cls=Commands,
@@ -249,78 +246,15 @@ def plot(
     An interferogram needs a case in SI. It is that of a steel ball and glass with 8 nm of chromium; from Python other
     layers and lamps can be chosen, see ertel.optics.
     """
-    from ertel.apps import interferograms, plotting, running
+    from ertel.apps import plotting, running
 
-    view = interferograms.View(interferogram, wavelength, at, format_)
-    view.check()
+    options = PlotOptions(what, at, interferogram, wavelength, format_)
+    options.check()
     with running.opened(directory) as run:
-        if interferogram:
-            interferograms.write(run.dataset(), view, out or directory / "plots")
-        else:
-            plotting.write_figures(run.dataset(), what, at, out or directory / "plots", format_)
+        plotting.write(run.dataset(), options, out or directory / "plots")
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------
-
-
-@app.command()
-@with_flags
-def params(given: Mapping[str, object], as_json: Json = False) -> None:
-    """Print all parameters of a contact.
-
-    The contact is an impact; choose rolling with --kind rolling. Give --M and --L, or --lambda-bar and --alpha-bar,
-    or quantities with units such as "10 mm".
-
-    Quantities of every contact: --radius (or --radius-1 and --radius-2), --E-prime (or --E1 --nu1 --E2 --nu2), --eta0
-    and --alpha. An impact also needs --mass or --ball-density, and --speed or --drop-height. A rolling contact also
-    needs --load, and --mean-speed (with --slide-to-roll if it slides) or --speed-1 and --speed-2.
-    """
-    from ertel.results.parameters import parameter_summary
-
-    with bad_input():
-        case = case_of_flags(given)
-    content = parameter_summary(case)
-    if as_json:
-        print_json(content)
-    else:
-        from ertel.apps import tables
-
-        tables.print_parameters(tables.console(), content)
-
-
-@app.command()
-@with_flags
-def film(
-    given: Mapping[str, object],
-    case_file: Annotated[
-        Path | None,
-        path_argument("[CASE.toml]", "Case file of a rolling contact."),
-    ] = None,
-    as_json: Json = False,
-) -> None:
-    """Compare the film thickness formulas for a rolling contact.
-
-    Give a case file or flags. The flags are those of ertel params.
-    """
-    from ertel.apps import tables
-    from ertel.inputs.case_files import load_case
-    from ertel.results.parameters import films
-
-    with bad_input():
-        if case_file and given:
-            raise ValueError(
-                f"{shown(case_file)} and {flag_of(next(iter(given)))} are given together; give only one of them"
-            )
-        case = load_case(case_file) if case_file else case_of_flags({"kind": "rolling", **given})
-        if case.starts_apart:
-            raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
-    found = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
-    if as_json:
-        print_json(tables.films_as_data(case, found))
-    else:
-        console = tables.console()
-        console.print(tables.film_table(case, found, {}))
-        tables.print_sources(console, found)
 
 
 @app.command()
@@ -361,6 +295,41 @@ def about(
         tables.print_names(tables.console(), found)
 
 
-for command in (cases.new, cases.check, cases.schema, paper, looking.ls, looking.compare, looking.export):
+@app.command("app")
+def browse(
+    folder: Annotated[Path, path_argument("[DIR]", "Folder with case files and runs; default here.")] = Path(),
+    port: Annotated[int, typer.Option(min=1024, max=65535, help="Port on this machine.")] = 8642,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the app in the browser.")] = True,
+) -> None:
+    """Describe, run and watch cases in a browser on this machine.
+
+    The app reads and writes in DIR only. It answers only the browser that opens its address, which carries a token:
+    whoever has the address can use the app. Each run is a process of its own that goes on
+    when the app is closed; its Close button can stop the runs, too. Ctrl-C closes the app.
+    """
+    try:
+        from ertel.apps.browser import server
+    except ModuleNotFoundError as error:
+        if error.name != "nicegui":
+            raise
+        leave(BAD_INPUT, "the app needs NiceGUI: pip install 'ertel[app]'")
+    with bad_input():
+        going = server.serve(
+            folder.absolute(), port, browser, lambda address: say(f"The app is at {address}, Ctrl-C closes it")
+        )
+    for name in going:
+        say(f"{in_shell(folder.absolute() / name)} goes on without the app; to watch it open the app again")
+
+
+for command in (
+    cases.params,
+    cases.film,
+    cases.new,
+    cases.check,
+    cases.schema,
+    paper,
+    looking.ls,
+    looking.compare,
+    looking.export,
+):
     app.command()(command)
-app.command("app")(browse)

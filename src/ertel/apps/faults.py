@@ -58,7 +58,7 @@ def _judged(error: BaseException) -> tuple[int, str]:
     from ertel.case.records import ConfigError
     from ertel.runs import outlook
     from ertel.runs.compile import NoDevice, jax_devices
-    from ertel.runs.store import StoreError
+    from ertel.runs.files import StoreError
 
     if isinstance(error, ConfigError | StoreError | NoDevice):
         return BAD_INPUT, str(error)

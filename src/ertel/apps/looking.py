@@ -132,10 +132,10 @@ def _cells(pair: "Pair") -> tuple[str, ...]:
 
 
 def _draw(data: Sequence[Any], names: Sequence[str], path: Path) -> None:
-    from ertel.plots import comparison
+    from ertel import plots
 
     with bad_input():
-        figure = comparison.figure(data, names)
+        figure = plots.comparison(data, names)
         figure.savefig(path)
     print_path(path)
 

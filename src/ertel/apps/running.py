@@ -14,8 +14,10 @@ from ertel.case.status import Status
 from ertel.runs import outlook, store
 from ertel.runs.compile import cache_directory, prepare_jax
 from ertel.runs.courses import Run, course_of
+from ertel.runs.directory import CASE, CHECKPOINT, SUMMARY, Taken
 from ertel.runs.drive import Recorder, bars, drive, watch
-from ertel.runs.store import CASE, CHECKPOINT, SUMMARY, Damaged, RunStore, StoreError, Taken
+from ertel.runs.files import Damaged, StoreError
+from ertel.runs.store import RunStore
 from ertel.runs.warm_up import warm_up
 
 

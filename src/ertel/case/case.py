@@ -92,7 +92,6 @@ class Case:
             object.__setattr__(self, item.name, with_own_numbers(getattr(self, item.name)))
         rules.check_name(self.name)
         checked(self.solver, "solver")
-        checked(self.oil, "lubricant")
         rules.check_reference(self.oil)
         rules.check_method(self.kind, self.solver)
         rules.check_fields(self.drive, self.time, self.output, self.roughness)

@@ -32,6 +32,7 @@ from ertel.physics.units import (
     Bounds,
     Meaning,
     Unit,
+    explained,
     marks,
 )
 
@@ -91,6 +92,7 @@ class Speeds(NamedTuple):
     slide_to_roll: float | None
 
 
+@explained
 @dataclass(frozen=True, repr=False)
 class Conditions:
     """The two bodies and their operating conditions: the section [contact] of a case file.  Quantities are in SI.

@@ -61,12 +61,16 @@ def check_key(name: object, value: object, known: Sequence[str], place: str = ""
     """Raise ValueError, with a hint, for a key that is not known.  place: the section, empty for the file itself."""
     if name in known:
         return
-    if name in NOT_THERE and place:
-        hint = NOT_THERE[str(name)]
-    else:
-        close = get_close_matches(str(name), known, n=1)
-        hint = (f"did you mean {close[0]}? " if close else "") + f"allowed: {', '.join(known)}"
-    raise ValueError(f"{place}{'.' if place else ''}{show_key(name)} = {show(value)}: unknown key; {hint}")
+    where = f"{place}.{show_key(name)}" if place else show_key(name)
+    raise ValueError(f"{where} = {show(value)}: unknown key; {hint_for(str(name), known)}")
+
+
+def hint_for(name: str, known: Sequence[str]) -> str:
+    """A hint for a name that is not known: what may be meant, and what is allowed."""
+    if name in NOT_THERE:
+        return NOT_THERE[name]
+    close = get_close_matches(name, known, n=1)
+    return (f"did you mean {close[0]}? " if close else "") + f"allowed: {', '.join(known)}"
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, NamedTuple
 from ertel.case.conditions import Kind
 from ertel.physics import hertz
 from ertel.physics.motion import Signal
-from ertel.physics.units import DURATION, FINITE, NOT_NEGATIVE, SHARE, Amount, Bounds, Meaning
+from ertel.physics.units import DURATION, FINITE, NOT_NEGATIVE, SHARE, Amount, Bounds, Meaning, explained
 
 Method = Literal["2d", "radial", "steady", "transient"]
 Stop = Literal["max-approach", "rebound"]
@@ -19,6 +19,7 @@ MOST_NODES, WIDEST_HALF_WIDTH = 4097, 1000.0
 CENTRED_HALF_WIDTH = 4.5  # half width of a grid for reversing flow
 
 
+@explained
 @dataclass(frozen=True)
 class Solver:
     """Grid and tolerance; all lengths in units a (impact: a*).
@@ -95,6 +96,7 @@ def half_width_at(kind: Kind, half_width: float, M: float) -> float:
     return ceil(4 * half_width * factor - 1e-6) / 4  # M = 100 itself, free of round-off
 
 
+@explained
 @dataclass(frozen=True)
 class Time:
     """Start, end and steps of a run in time; amounts are in t0 or quantities.
@@ -122,6 +124,7 @@ START_APPROACH = -1.0
 ENDS: Mapping[Kind, Stop | float] = {"impact": "max-approach", "rolling": ROLLING_UNTIL}
 
 
+@explained
 @dataclass(frozen=True)
 class Output:
     """Which film and pressure maps are kept, besides those at maximum approach and at the end."""
@@ -129,6 +132,7 @@ class Output:
     interval: Annotated[Amount, DURATION, Meaning("time between the film and pressure maps that are kept")] = 0.1
 
 
+@explained
 @dataclass(frozen=True)
 class Drive:
     """Load and entrainment as functions of time: the section [motion].  None: the default of the kind of contact."""

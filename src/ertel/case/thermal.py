@@ -18,9 +18,10 @@ from ertel.physics.thermal import (
     WarmViscosity,
     thermal_loading,
 )
-from ertel.physics.units import CONDUCTIVITY, DENSITY, EXPANSION, HEAT_CAPACITY, TEMPERATURE, Meaning
+from ertel.physics.units import CONDUCTIVITY, DENSITY, EXPANSION, HEAT_CAPACITY, TEMPERATURE, Meaning, explained
 
 
+@explained
 @dataclass(frozen=True)
 class Thermal:
     """What the temperatures of a contact depend on, in SI: temperatures (K), data of the oil and of both bodies.
@@ -50,10 +51,14 @@ class Thermal:
     heat_capacity_2: Annotated[float, HEAT_CAPACITY, Meaning("heat capacity of body 2", "460 J/(kg*K)")]
     conductivity_2: Annotated[float, CONDUCTIVITY, Meaning("thermal conductivity of body 2", "46 W/(m*K)")]
     temperature_1: Annotated[
-        float | None, TEMPERATURE, Meaning("of body 1 far below its surface; left out: that of the oil", "60 degC")
+        float | None,
+        TEMPERATURE,
+        Meaning("of body 1 far below its surface; left out: that of the oil", "60 degC"),
     ] = None
     temperature_2: Annotated[
-        float | None, TEMPERATURE, Meaning("of body 2 far below its surface; left out: that of the oil", "60 degC")
+        float | None,
+        TEMPERATURE,
+        Meaning("of body 2 far below its surface; left out: that of the oil", "60 degC"),
     ] = None
     viscosity: Annotated[
         ViscosityName, Meaning("how it falls with the temperature: more under pressure, or equally at all pressures")

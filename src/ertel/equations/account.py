@@ -1,6 +1,8 @@
-"""The account of the film at one time: the budgets of mass and energy, and the friction.
+"""The account of the film at one time: the balances of mass and energy, and the friction.
 
-The budgets say what is stored, what flows and what is lost; for the friction see `friction`.
+The balances
+------------
+They say what is stored, what flows and what is lost.
 
 Mass: Reynolds' equation integrated over the grid, with the Poiseuille flux rho q (Newtonian: -eps grad P):
 
@@ -19,8 +21,8 @@ H = -Delta + G + D has the gap G (with the roughness) and the deformation D.  Th
 * E_oil = integral of (rho h - P) H: elastic energy of the compressed oil.
 * dissipation = - integral of rho q.grad h: what the pressure spends on the Poiseuille flow.  For a Newtonian oil it is
   viscous, eps grad P.grad h.  Sliding of the surfaces dissipates too, exactly what it takes to drive it; both are left
-  out here, and counted in the power loss of `friction`.  For an oil that thins, sliding and pressure act together: the
-  flux is that of `thinning`, and the work of sliding, tau_m.(u1 - u2), is again left out on both sides.
+  out here, and counted in the power loss of the friction.  For an oil that thins, sliding and pressure act together:
+  the flux is that of `thinning`, and the work of sliding, tau_m.(u1 - u2), is again left out on both sides.
 * surface power = - integral of P DG/DT: what the moving surfaces do on the film, by rolling (- U P dG/dX, whose sum is
   the hydrodynamic rolling resistance) and by roughness that moves relative to the flow.  Where the gap closes the film
   takes power from the surfaces, where it opens it gives most of it back.
@@ -31,22 +33,43 @@ With the kinetic energy of the ball, inertia V dV/dT = (w - F) V, the work of th
 stored, dissipated, or lost to the outside.  Energies are in units F* a^2/R, powers in F* a^2/(R t0).  Mass is in
 rho0 a^4/R: in SI a volume, that of the oil at ambient pressure.
 
-The flow through the edge is not taken from the solver's own fluxes, so the budgets can fail.
+The flow through the edge is not taken from the solver's own fluxes, so the balances can fail.
+
+The friction
+------------
+Across the film the shear stress is linear, tau = tau_m + zeta grad p, with zeta from -h/2 at surface 2 to h/2 at
+surface 1.
+
+* Sliding: the stress tau_m in the middle of the film.  Its integral is the force of surface 1 on surface 2, which is
+  along X where surface 1 is the faster one.  It brakes surface 1 and drives surface 2.
+* Rolling: the rest, +- (1/2) h grad p at the surfaces, pulls both of them in the same direction.  The resistance of
+  each is (1/2) double integral of H dP/dX over the grid, positive where it is against motion along X.  It grows with
+  the logarithm of the length of the inlet (Biboulet and Houpert 2010 take P = 0 on its edge).
+* Loss: the oil heats by the integral of tau.du/dz across the film, per area
+
+      loss = tau_m.(u1 - u2) - q.grad p        in a Newtonian oil  eta (u1 - u2)^2/h + h^3 (grad p)^2/(12 eta)
+
+  with the volume flux q by the pressure gradient.  Compression takes up power too, but gives it back.
+
+Where P = 0 the oil does not fill the gap, and no stress is counted: friction is that of the pressurised film.
+
+In a steady contact the power loss is what the surfaces spend, sliding speed times sliding force and rolling speed
+times the resistance of both, less the energy that flows out through the edge of the grid.
 """
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from ertel.case.case import Case
-from ertel.equations import discretise, friction
-from ertel.equations.contact import Contact, mass
+from ertel.equations import discretise
+from ertel.equations.contact import Contact, Details, mass
 from ertel.equations.flow import wedge
-from ertel.equations.friction import Friction
-from ertel.equations.state import GridSolution
+from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair, inside
@@ -56,8 +79,127 @@ from ertel.physics.lubricant import Lubricant
 Number = Array | float
 MASSES = ("mass", "inflow", "outflow", "cavity_source")
 ENERGIES = ("elastic_energy", "oil_energy", "dissipation", "power_from_surfaces", "power_to_surfaces", "outside_power")
-
 INTEGRALS = (*MASSES, *ENERGIES, "load")
+FRICTION = ("mu_sliding", "mu_sliding_y", "mu_rolling", "power_loss")
+
+
+class SteadyFilm(Protocol):
+    """The steady film on one grid, for its account.  outside: the load that the oil outside the grid carries."""
+
+    @property
+    def grid(self) -> Grid: ...
+    @property
+    def P(self) -> Any: ...
+    @property
+    def H(self) -> Any: ...
+    @property
+    def approach(self) -> float: ...
+    @property
+    def outside(self) -> float: ...
+
+
+# -- friction ----------------------------------------------------------------------------------------------------------
+
+
+@exportable
+class Friction(NamedTuple):
+    """The friction of a film.
+
+    stress: tau_m along X and Y at the nodes, in p_h a/R, zero where P = 0; shape (2, n_y, n_x).  Along Y it is odd
+    about an axis Y = 0 about which the film is even.  loss: power loss per area at the nodes, in p_h a^2/(R t0), shape
+    (n_y, n_x); a node without pressure next to the film has its half of the flow between them.  sliding: the force of
+    surface 1 on surface 2 over the load, in a/R, along X and Y, shape (2,); times a/R it is the traction coefficient.
+    rolling: the resistance of each surface over the load, in the same unit, shape (2,).  power: the double integral of
+    the loss, in F* a^2/(R t0).
+    """
+
+    stress: Array
+    loss: Array
+    sliding: Array
+    rolling: Array
+    power: Array
+
+
+def friction(
+    plane: Plane, contact: Contact, P: Array, H: Array, sliding: Number, load: Number, hertz_load: Number
+) -> Friction:
+    """The friction of a film; traceable by JAX.
+
+    Parameters
+    ----------
+    plane : Plane
+        The grid.
+    contact : Contact
+        The surfaces and the oil.
+    P, H : Array
+        Pressure and film, shape (n_y, n_x).
+    sliding : number
+        U S = u1 - u2 along X, in a/t0.  It need not be the sliding at which the film was computed.
+    load : number
+        The load that the film carries, in F*.  Without a load the coefficients are zero.
+    hertz_load : number
+        F* in units of a^2 p_h (`Geometry.hertz_load`).
+    """
+    details = contact.flow.details(contact, P, H, sliding, plane)
+    return friction_of_details(plane, details, P, H, sliding, load, hertz_load)
+
+
+def friction_of_details(
+    plane: Plane, details: Details, P: Array, H: Array, sliding: Number, load: Number, hertz_load: Number
+) -> Friction:
+    """The friction from the details of the flow; the other arguments are those of `friction`."""
+    stress = jnp.where(P > 0.0, details.stress, 0.0)
+    loss = details.heat + sliding * stress[0]
+    along_y = 0.0 if plane.even.y else plane.total(stress[1])
+    force, resistance = jnp.stack([plane.total(stress[0]), along_y]), 0.5 * plane.push(H, P)
+    carries = jnp.asarray(load) > 0.0
+    share = jnp.where(carries, 1.0 / (jnp.where(carries, load, 1.0) * hertz_load), 0.0)
+    return Friction(stress, loss, share * force, share * resistance, plane.total(loss) / hertz_load)
+
+
+def friction_numbers(found: Friction) -> tuple[Array, ...]:
+    """The numbers of `FRICTION`: forces over the load in a/R, the power loss in F* a^2/(R t0)."""
+    return found.sliding[0], found.sliding[1], found.rolling[0], found.power
+
+
+def coefficients(found: Friction) -> dict[str, float]:
+    """The numbers of `FRICTION` by name."""
+    return dict(zip(FRICTION, map(float, friction_numbers(jax.device_get(found))), strict=True))
+
+
+class Unfolding(Protocol):
+    """A method, or a solution, on one side of an axis of symmetry."""
+
+    def whole(self, field: Any, odd: bool = False) -> Any:
+        """A field on the whole plane; odd: whether it changes its sign at the axis Y = 0."""
+        ...
+
+
+def whole_maps(on: Unfolding, P: Any, H: Any, friction: Friction) -> dict[str, np.ndarray]:
+    """Pressure, film, stress and power loss on the whole plane, by name."""
+    tau_x, tau_y = np.asarray(friction.stress)
+    fields = {"P": P, "H": H, "tau_x": tau_x, "tau_y": tau_y, "loss": friction.loss}
+    return {name: np.asarray(on.whole(field, odd=name == "tau_y")) for name, field in fields.items()}
+
+
+def compiled_friction(
+    plane: Plane, contact: Contact, P: Array, H: Array, sliding: Number, load: Number, hertz_load: Number
+) -> Friction:
+    """The same as `friction`, compiled."""
+    found: Friction = _friction_program(plane, contact, *jax.device_put((P, H)), sliding, load, hertz_load)
+    return found
+
+
+_friction_program = Program(jax.jit(friction), ANY_SIZE)
+
+
+def steady_friction(case: Case, s: SteadyFilm) -> Friction:
+    """The friction of a steady film; its maps have the shape of the grid.  The case may slide in another way."""
+    c, motion, scale = discretise.contact_of(case, s.grid), case.motion, case.geometry.hertz_load
+    return compiled_friction(Plane.of(s.grid), c, s.P, s.H, motion.sliding(0.0), motion.load(0.0), scale)
+
+
+# -- the balances ------------------------------------------------------------------------------------------------------
 
 
 class Film(NamedTuple):
@@ -106,7 +248,7 @@ def account(space: Plane, c: Contact, P: Array, H: Array, m: Moment, change: Arr
     details = c.flow.details(c, P, H, m.sliding, space)
     growth = change - inside(details.gain, c.even)
     film = Film(P, H, details.mobility, details.heat, H + m.approach - c.gap, growth, m.U, m.gap_change)
-    found = friction.of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)
+    found = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)
     return Account(integrals(space, c.lubricant, film), found)
 
 
@@ -148,7 +290,7 @@ def terms(found: Mapping[str, Any], velocity: float, around: Around, hertz_load:
     return {name: plain[name] / (hertz_load if name in ENERGIES else 1.0) for name in (*MASSES, *ENERGIES)}
 
 
-def steady(case: Case, s: GridSolution) -> tuple[dict[str, float], Friction]:
+def steady_account(case: Case, s: SteadyFilm) -> tuple[dict[str, float], Friction]:
     """`MASSES` and `ENERGIES` of a steady contact on one of its grids, and its friction."""
     c, m, scale = discretise.contact_of(case, s.grid), case.motion, case.geometry.hertz_load
     U, load = m.entrainment(0.0), m.load(0.0)

@@ -1,17 +1,13 @@
-"""The state at one time, the interface of a solution method, and the steady solutions on all grids."""
+"""The state at one time, and the interface of a solution method."""
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from ertel.case.status import Status
-from ertel.equations.measure import measure
 from ertel.numerics import bdf
-from ertel.numerics.grid import Extrapolation, Grid, extrapolate
-from ertel.numerics.stencils import unfolded
 
 Array = Any
 Outcome = TypeVar("Outcome")
@@ -39,8 +35,8 @@ class State:
 
     The fields are P, H and others that a method needs to go on.  load, outside: the double integral of P on the grid
     and outside it.  status, work, error, record: of the step that made this state: its outcome, its work, how far the
-    film is from its prediction (relative), and its numbers by name (those of `Method.measure`, of `budget` and of
-    `friction`).
+    film is from its prediction (relative), and its numbers by name (those of `Method.measure` and of
+    `account`).
     """
 
     T: float
@@ -141,7 +137,7 @@ class Method(Protocol):
         ...
 
     def friction(self, level: State) -> Any:
-        """The `friction.Friction` of a level; its maps are of the shape of the fields."""
+        """The `account.Friction` of a level; its maps are of the shape of the fields."""
         ...
 
     def whole(self, field: Array, odd: bool = False) -> Array:
@@ -150,59 +146,3 @@ class Method(Protocol):
         odd: whether the field changes its sign at the axis Y = 0.
         """
         ...
-
-
-@dataclass(frozen=True)
-class GridSolution:
-    """The steady contact on one grid: fields of its shape, approach in a^2/R, status and work.
-
-    history: maximum residual before the first and after each Newton iteration.  convolutions: work on this grid.
-    outside: the load that the oil outside the grid carries (double integral of P).
-    """
-
-    grid: Grid
-    P: Array
-    H: Array
-    approach: float
-    residual: float
-    status: Status
-    newton: int
-    krylov: int
-    convolutions: float
-    history: tuple[float, ...] = ()
-    outside: float = 0.0
-
-    def measure(self) -> dict[str, float]:
-        """Films, pressures and load, see `measure.measure`, and Delta."""
-        return {"Delta": self.approach, **self._values, "load": self._values["load"] + self.outside}
-
-    @cached_property
-    def _values(self) -> dict[str, float]:
-        return measure(self.grid, self.P, self.H)
-
-    def whole(self, field: Array, odd: bool = False) -> Array:
-        """A field on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only.
-
-        odd: whether it changes its sign at the axis Y = 0.
-        """
-        return unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
-
-
-@dataclass(frozen=True)
-class Rolling:
-    """The solutions on all grids, coarsest first."""
-
-    solutions: tuple[GridSolution, ...]
-
-    @property
-    def finest(self) -> GridSolution:
-        return self.solutions[-1]
-
-    @property
-    def convolutions(self) -> float:
-        """The work on all grids, in convolutions on the finest."""
-        return sum(s.convolutions * s.grid.size / self.finest.grid.size for s in self.solutions)
-
-    def extrapolate(self, name: str) -> Extrapolation:
-        """A quantity of `measure` by Richardson's extrapolation: the error falls with the square of the spacing."""
-        return extrapolate(*(s.measure()[name] for s in self.solutions[-2:]))

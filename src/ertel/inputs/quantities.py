@@ -13,7 +13,7 @@ import numpy as np
 
 from ertel.case.records import is_number, show
 from ertel.physics.temperature_laws import ZERO_CELSIUS
-from ertel.physics.units import LARGEST, Unit
+from ertel.physics.units import LARGEST, Unit, reads_quantities
 
 HOTTER_THAN_ANY = 1e4  # K
 LONGEST = 60  # characters of a quantity
@@ -120,6 +120,7 @@ def with_unit(value: Any, mark: object) -> Any:
     return f"{shown} {mark.unit}"
 
 
+@reads_quantities
 def number_or_quantity(value: object, unit: Unit) -> float:
     """What Python takes for a quantity, in SI: a number in the SI unit, or a text with a unit."""
     return parse_quantity(with_unit(plain_data(value), unit), unit)

@@ -14,15 +14,27 @@ differentiates it.  It needs a registered name (`ertel.viscosity_laws.register`)
             return (1 + p / self.p1) ** self.n
 """
 
+import json
 from dataclasses import dataclass, field, replace
 from math import log
-from typing import Annotated, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
 import numpy as np
 
 from ertel.physics.fluidity import Fluidity, NewtonianOil
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, VISCOSITY_LAWS, Registry, arrays_of
-from ertel.physics.units import ABOVE_ZERO, COMPLIANCE, FINITE, SHARE, STRESS, VISCOSITY, Meaning
+from ertel.physics.units import (
+    ABOVE_ZERO,
+    COMPLIANCE,
+    FINITE,
+    SHARE,
+    STRESS,
+    VISCOSITY,
+    Meaning,
+    explained,
+    in_si,
+    marks,
+)
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
 
@@ -241,18 +253,32 @@ class Lubricant:
         return self.density(P) * self.enthalpy(P) - P
 
 
+@explained
 @dataclass(frozen=True)
 class Oil:
     """An oil in SI: its viscosity and density laws and their data.
 
     A law is the name of a registered one, if it follows from the data of the oil, or a record of the law.  A
     dimensionless contact uses eta0 and alpha of a typical mineral oil if they are not given: 0.04 Pa s and 22 1/GPa.
+    Quantities are numbers in SI or texts with a unit: Oil(eta0="18.6 mPa*s", alpha=20e-9).
 
-    Raises ValueError for a law that is not registered.
+    Raises ValueError, naming the argument, for a law that is not registered and for a value that is not allowed.
     """
 
-    viscosity: Annotated[str | Viscosity, Meaning("how the viscosity follows from the pressure: a law")] = "roelands"
-    density: Annotated[str | Density, Meaning("how the density follows from the pressure: a law")] = "dowson-higginson"
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            eta0: float | str | None = None,
+            alpha: float | str | None = None,
+            viscosity: str | Viscosity = "roelands",
+            density: str | Density = "dowson-higginson",
+            p0: float | str = P0_ROELANDS,
+            z: float | None = None,
+            reference: str = "",
+            rheology: str | Fluidity = "newtonian",
+        ) -> None: ...
+
     eta0: Annotated[
         float | None,
         VISCOSITY,
@@ -263,6 +289,8 @@ class Oil:
         COMPLIANCE,
         Meaning("pressure-viscosity coefficient at ambient pressure; needed in SI, otherwise 22 / GPa if left out"),
     ] = None
+    viscosity: Annotated[str | Viscosity, Meaning("how the viscosity follows from the pressure: a law")] = "roelands"
+    density: Annotated[str | Density, Meaning("how the density follows from the pressure: a law")] = "dowson-higginson"
     p0: Annotated[float, STRESS, Meaning("Roelands' pressure", "0.196 GPa")] = P0_ROELANDS
     z: Annotated[float | None, ABOVE_ZERO, Meaning("Roelands' exponent; left out: from eta0 and alpha", 0.6)] = None
     reference: Annotated[str, Meaning("source of the data, one line of text", "data sheet of the oil")] = field(
@@ -279,6 +307,13 @@ class Oil:
     def __post_init__(self) -> None:
         for name, laws in {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}.items():
             _check_law(name, getattr(self, name), laws)
+        for name, mark in marks(Oil).items():
+            value = getattr(self, name)
+            if value is not None:
+                try:
+                    object.__setattr__(self, name, in_si(value, mark))
+                except ValueError as error:
+                    raise ValueError(f"{name} = {repr(value)[:60]}: {error}") from error
 
     @property
     def is_isoviscous(self) -> bool:
@@ -331,12 +366,13 @@ def roelands_exponent(alpha: float, eta0: float, p0: float = P0_ROELANDS) -> flo
 def _check_law(field_name: str, law: object, laws: Registry) -> None:
     if isinstance(law, str):
         able = [name for name in laws if hasattr(laws[name], "of")]
+        said = f"{field_name} = {json.dumps(law[:40])}"
         if law in laws and law not in able:
-            raise ValueError(f'{field_name} = "{law:.60}": has data of its own; give them as {{ law = "{law}", ... }}')
+            raise ValueError(f'{said}: has data of its own; give them as {{ law = "{law}", ... }}')
         if law not in able:
             *others, last = map(repr, able)
             allowed = f"{', '.join(others)} or {last}" if others else last
-            raise ValueError(f'{field_name} = "{law:.60}": allowed: {allowed}')
+            raise ValueError(f"{field_name} = {json.dumps(law[:40])}: allowed: {allowed}")
     else:
         laws.name_of(law)
 

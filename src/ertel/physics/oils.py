@@ -130,7 +130,7 @@ class NamedOil:
         law, said = self._own_rheology(T) if rheology is None else (rheology, "")
         source = f"{self.name} at {celsius(T)}. Viscosity: {self.viscosity.source} Pressure: {self.pressure.source}"
         reference = f"{source}{said}"
-        return Oil(laws.viscosity, laws.density, self.viscosity_at(T), laws.alpha, reference=reference, rheology=law)
+        return Oil(self.viscosity_at(T), laws.alpha, laws.viscosity, laws.density, reference=reference, rheology=law)
 
     def _own_rheology(self, T: float) -> tuple[str | Fluidity, str]:
         """The oil's own law of shear thinning at T (K), and what the reference says of it."""

@@ -9,10 +9,12 @@ Every text that explains a key to a user is made from its meaning.
 
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from functools import cache
 from math import isfinite
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from numbers import Real
+from textwrap import wrap
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 SMALLEST, LARGEST = 1e-30, 1e30  # sizes of the numbers of a case: far beyond any contact, and no product overflows
 
@@ -205,3 +207,50 @@ def require_not_negative(name: str, value: float) -> None:
     """Raise ValueError unless value is finite and not below zero."""
     if not (isfinite(value) and value >= 0):
         raise ValueError(f"{name} = {value}: must be finite and not below zero")
+
+
+# -- what is made of the marks ----------------------------------------------------------------------------------------
+
+Record = TypeVar("Record", bound=type)
+_quantity_readers: list[Callable[[Any, Unit], float]] = []  # the last one counts
+
+
+def reads_quantities(reader: Callable[[Any, Unit], float]) -> Callable[[Any, Unit], float]:
+    """A decorator for the function that reads numbers in SI and texts with a unit, "10 mm": that of `inputs`."""
+    _quantity_readers.append(reader)
+    return reader
+
+
+def in_si(value: Any, mark: Mark) -> float:
+    """The value of a field in SI: a number as it is, or a text with a unit.  Raises ValueError for anything else."""
+    if isinstance(mark, Unit) and type(value) is not float and _quantity_readers:
+        return _quantity_readers[-1](value, mark)
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ValueError("must be a number")
+    if complaint := mark.complaint(value):  # type: ignore[arg-type]
+        raise ValueError(complaint)
+    return float(value)
+
+
+def explained(record: Record) -> Record:
+    """A decorator that puts meaning, unit and default of each field into the docstring of a record."""
+    said, kinds = meanings(record), marks(record)
+    lines = ["", "", "Parameters", "----------"]
+    for item in fields(record):
+        default = "" if item.default in (MISSING, None, "") else f", default {item.default!r}"
+        lines += parameter_lines(item.name, said[item.name], kinds.get(item.name), default)
+    vars(record)["__init__"].__annotations__ = get_type_hints(record)  # a signature without the marks
+    record.__doc__ = (record.__doc__ or "").rstrip() + "\n    ".join(lines) + "\n    "
+    return record
+
+
+def parameter_lines(name: str, meaning: Meaning, mark: Mark | None, default: str = "") -> tuple[str, ...]:
+    """A parameter as numpydoc writes it: its name, unit and default, and its meaning."""
+    kind = ""
+    if isinstance(mark, Unit):
+        kind = f"number ({mark.own}) or quantity ({mark.unit})" if mark.scale else f"quantity ({mark.unit})"
+    elif isinstance(mark, Bounds):
+        kind = "integer" if mark.whole else "number"
+    heading = f"{kind}{default}".removeprefix(", ")
+    text = wrap(f"{meaning.text[0].upper()}{meaning.text[1:]}.", 110)
+    return f"{name} : {heading}" if heading else name, *(f"    {line}" for line in text)

@@ -10,15 +10,38 @@ t0 (the map next to it is drawn) or an event, "max-approach" or "end"; by defaul
 where there is none.
 
 Every function raises `NoFigure`, a ValueError, where there is nothing to draw yet, and for a figure or a moment that
-the run has not.
+the run does not have.
 """
 
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ertel.plots import steady, transient
-from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, At, Draw, Figures, NoFigure
+from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, compose
+from ertel.plots.fields import draw_film_map, draw_loss_map, draw_pressure_map, draw_stress_map
+from ertel.plots.histories import (
+    draw_coefficients,
+    draw_convergence,
+    draw_film_history,
+    draw_front_speed,
+    draw_grids,
+    draw_motion,
+    draw_place,
+    draw_power,
+    draw_pressure_history,
+)
 from ertel.plots.interferograms import animation, interferogram
+from ertel.plots.lines import (
+    comparison,
+    draw_across_the_flow,
+    draw_along_the_flow,
+    draw_film_profiles,
+    draw_pressure_profiles,
+)
+from ertel.plots.view import At, View
 from ertel.results.variables import is_steady
 
 __all__ = [
@@ -30,9 +53,9 @@ __all__ = [
     "ORDERED_COLOURS",
     "NoFigure",
     "animation",
+    "comparison",
     "convergence",
-    "figure_of",
-    "figures_of",
+    "draw",
     "film",
     "friction",
     "front",
@@ -40,79 +63,130 @@ __all__ = [
     "interferogram",
     "maps",
     "midlines",
+    "names_of",
     "overview",
     "pressure",
     "profiles",
 ]
 
-
-NAMES = tuple(
-    dict.fromkeys((*transient.FIGURES, *transient.MORE_FIGURES, *steady.STEADY_FIGURES, *steady.MORE_STEADY_FIGURES))
-)
+Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
 
 
-def figures_of(dataset: xr.Dataset) -> Figures:
-    """The figures that show all of a run, by name: functions of the Dataset and of `at`."""
-    return steady.STEADY_FIGURES if is_steady(dataset) else transient.FIGURES
+def _friction_rows(view: View) -> Rows:
+    """Shear stress where the surfaces slide, and power loss; coefficients of a run in time where something moves."""
+    over_the_surface = [draw_stress_map, draw_loss_map] if view.slides else [draw_loss_map]
+    if view.frame is None:
+        return [over_the_surface]
+    moves = view.slides or np.any(view.dataset["U"])
+    through_time = [draw_coefficients, draw_power] if moves else [draw_power]
+    return [over_the_surface, through_time] if view.slides else [[*over_the_surface, *through_time]]
 
 
-def figure_of(dataset: xr.Dataset, name: str) -> Draw:
-    """One figure by its name, also one that shows a part of another: a function of the Dataset and of `at`."""
-    more = steady.MORE_STEADY_FIGURES if is_steady(dataset) else transient.MORE_FIGURES
-    known = {**figures_of(dataset), **more}
+# The panels of each figure.  A figure that is a part of another is drawn when it is asked for by its name.
+IN_TIME: Mapping[str, Rows | Callable[[View], Rows]] = {
+    "overview": [
+        [draw_film_map, draw_film_profiles, draw_film_history],
+        [draw_pressure_map, draw_pressure_profiles, draw_motion],
+    ],
+    "maps": [[draw_film_map, draw_pressure_map]],
+    "profiles": [[draw_film_profiles, draw_pressure_profiles]],
+    "history": [[draw_motion, draw_film_history], [draw_place, draw_pressure_history]],
+    "friction": _friction_rows,
+    "film": [[draw_film_map]],
+    "pressure": [[draw_pressure_map]],
+    "front": [[draw_place, draw_front_speed]],
+}
+STEADY: Mapping[str, Rows | Callable[[View], Rows]] = {
+    "overview": [
+        [draw_film_map, draw_along_the_flow, draw_grids],
+        [draw_pressure_map, draw_across_the_flow, draw_convergence],
+    ],
+    "film": [[draw_film_map]],
+    "pressure": [[draw_pressure_map]],
+    "midlines": [[draw_along_the_flow, draw_across_the_flow]],
+    "convergence": [[draw_convergence, draw_grids]],
+    "friction": _friction_rows,
+    "maps": [[draw_film_map, draw_pressure_map]],
+}
+PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "front"), ("maps",)
+NAMES = tuple(dict.fromkeys((*IN_TIME, *STEADY)))
+
+
+def names_of(dataset: xr.Dataset) -> tuple[str, ...]:
+    """The names of the figures that together show all of a run."""
+    known, parts = (STEADY, PARTS_STEADY) if is_steady(dataset) else (IN_TIME, PARTS_IN_TIME)
+    return tuple(name for name in known if name not in parts)
+
+
+def draw(dataset: xr.Dataset, name: str, at: At = None) -> Figure:
+    """One figure of a run by its name, one of `NAMES`.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A run.
+    name : str
+        The name of the figure.
+    at : float or str, optional
+        The moment of a run in time: a time in t0 or an event.
+
+    Raises
+    ------
+    NoFigure
+        The run does not have this figure or this moment, or there is nothing to draw yet.
+    """
+    known = STEADY if is_steady(dataset) else IN_TIME
     if name not in known:
         run = "a steady contact" if is_steady(dataset) else "a run in time"
         raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(known)}")
-    return known[name]
-
-
-def _draw(name: str, dataset: xr.Dataset, at: At) -> Figure:
-    return figure_of(dataset, name)(dataset, at)
+    view, rows = View.of(dataset, at), known[name]
+    outcome = view.friction if name == "friction" and view.frame is None else view.outcome
+    return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome])
 
 
 def overview(dataset: xr.Dataset, at: At = None) -> Figure:
     """The run on one page."""
-    return _draw("overview", dataset, at)
+    return draw(dataset, "overview", at)
 
 
 def film(dataset: xr.Dataset, at: At = None) -> Figure:
     """Film thickness over the surface, with contour lines at equal steps as an interferometer shows them."""
-    return _draw("film", dataset, at)
+    return draw(dataset, "film", at)
 
 
 def pressure(dataset: xr.Dataset, at: At = None) -> Figure:
     """Pressure over the surface, with contour lines at equal steps."""
-    return _draw("pressure", dataset, at)
+    return draw(dataset, "pressure", at)
 
 
 def maps(dataset: xr.Dataset, at: At = None) -> Figure:
     """Film thickness and pressure over the surface."""
-    return _draw("maps", dataset, at)
+    return draw(dataset, "maps", at)
 
 
 def profiles(dataset: xr.Dataset, at: At = None) -> Figure:
     """Film thickness and pressure along the mid-line of a run in time, the moment `at` in black."""
-    return _draw("profiles", dataset, at)
+    return draw(dataset, "profiles", at)
 
 
 def history(dataset: xr.Dataset, at: At = None) -> Figure:
     """Motion, film thickness, pressure and the place of the minimum film thickness of a run in time."""
-    return _draw("history", dataset, at)
+    return draw(dataset, "history", at)
 
 
 def front(dataset: xr.Dataset, at: At = None) -> Figure:
     """The front of an impact, where the film is thinnest, through time: its place and its speed."""
-    return _draw("front", dataset, at)
+    return draw(dataset, "front", at)
 
 
 def midlines(dataset: xr.Dataset, at: At = None) -> Figure:
     """Film thickness and pressure through the centre of a steady contact, along the flow and across it."""
-    return _draw("midlines", dataset, at)
+    return draw(dataset, "midlines", at)
 
 
 def convergence(dataset: xr.Dataset, at: At = None) -> Figure:
-    """Convergence of Newton's iteration on every grid of a steady contact, and the film thickness on every grid."""
-    return _draw("convergence", dataset, at)
+    """Convergence of the Newton iteration on every grid of a steady contact, and the film thickness on every grid."""
+    return draw(dataset, "convergence", at)
 
 
 def friction(dataset: xr.Dataset, at: At = None) -> Figure:
@@ -120,4 +194,4 @@ def friction(dataset: xr.Dataset, at: At = None) -> Figure:
 
     The shear stress is that in the middle of the film; it is left out where the surfaces do not slide.
     """
-    return _draw("friction", dataset, at)
+    return draw(dataset, "friction", at)

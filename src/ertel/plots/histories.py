@@ -1,138 +1,217 @@
-"""Panels that show a run through time: motion, load, film thickness, pressure, places."""
+"""Panels that show a run through time, and the convergence of a steady contact on its grids."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from ertel.physics import hertz
-from ertel.plots import stored
-from ertel.plots.drawing import BLUE, GREEN, GREY, LOADED, ORANGE, NoFigure, Values, lateral, named, scale
-from ertel.plots.moments import LAST, Profiles
+from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Values
+from ertel.plots.view import LAST, LOADED, View, estimate_of
 from ertel.results import fronts
 
-Lines = Mapping[str, tuple[str, str, str]]  # variable: label, colour, style
+Look = tuple[str, str, str]  # label, colour and style of a line
 
 
-def draw_motion(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
-    """Approach, load and speed of an impact through time, as shares of those of the dry impact."""
-    lines = {
-        "Delta": (r"approach $\delta/\delta^*$", BLUE, "-"),
-        "F": ("load $F/F^*$", ORANGE, "-"),
-        "V": ("speed $v/v_0$", GREY, "-."),
-    }
-    shares = dataset.assign(Delta=dataset["Delta"] / stored.geometry(dataset).dry_approach(1.0))
-    draw_series(axes, shares, p, lines, 1.0)
+def _draw_series(axes: Axes, view: View, lines: Iterable[tuple[Values, Look]], factor: float = 1.0) -> None:
+    """Draw lines over time, and a dotted one at the moment that the maps show."""
+    time = view.scale("time")
+    T = view.dataset["time"].values * time.factor
+    for values, (label, colour, style) in lines:
+        axes.plot(T, values * factor, color=colour, linestyle=style, label=label)
+    if view.moment != LAST:
+        axes.axvline(view.time * time.factor, color="black", linewidth=0.8, linestyle=":")
+    axes.set(xlabel=time.label, xlim=(0.0, T[-1]) if T[-1] > 0 else None)
+
+
+def _stored(view: View, looks: Mapping[str, Look]) -> list[tuple[Values, Look]]:
+    """The variables that a run has, with the looks of their lines."""
+    return [(view.dataset[name].values, look) for name, look in looks.items() if name in view.dataset]
+
+
+# -- motion and place -------------------------------------------------------------------------------------------------
+
+
+def draw_motion(axes: Axes, view: View) -> None:
+    """Approach, load and speed or entrainment through time, as shares of those of the dry impact or static contact."""
+    if view.dataset.attrs["kind"] != "impact":
+        _draw_drive(axes, view)
+        return
+    approach = view.dataset["Delta"].values / view.geometry.dry_approach(1.0)
+    looks = {"F": ("load $F/F^*$", ORANGE, "-"), "V": ("speed $v/v_0$", GREY, "-.")}
+    _draw_series(axes, view, [(approach, (r"approach $\delta/\delta^*$", BLUE, "-")), *_stored(view, looks)])
     axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(ylabel="share of the dry impact's", ylim=(-1.1, 1.35))
     axes.legend(loc="upper left", edgecolor="none", ncols=3, columnspacing=1.0, handlelength=1.5, fontsize="small")
 
 
-def draw_drive(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
-    """Load and entrainment of a rolling contact and its approach through time, as shares of the static contact's."""
-    lines = {
+def _draw_drive(axes: Axes, view: View) -> None:
+    looks = {
         "Delta": (r"approach $\delta R/a^2$", BLUE, "-"),
         "F": ("load of the film", ORANGE, "-"),
         "U": ("entrainment", GREEN, "--"),
         "w": ("applied load", "black", ":"),
     }
-    lines = {name: line for name, line in lines.items() if name in dataset}
-    draw_series(axes, dataset, p, lines, 1.0)
-    low, high = (function([dataset[name].values for name in lines]) for function in (np.min, np.max))
+    lines = _stored(view, looks)
+    _draw_series(axes, view, lines)
+    low, high = (float(limit([values for values, _ in lines])) for limit in (np.min, np.max))
     span = max(high - min(low, 0.0), 0.1)
     axes.set(ylabel="share of the static contact's", ylim=(min(low, 0.0) - 0.05 * span, high + 0.3 * span))
     axes.legend(loc="upper left", edgecolor="none", ncols=2, columnspacing=1.0, fontsize="small")
 
 
-def draw_film_history(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
+def draw_place(axes: Axes, view: View) -> None:
+    """Place of the minimum film thickness through time; of an impact its front, with the edge of the dry contact."""
+    data, across = view.dataset, view.across
+    if data.attrs["kind"] != "impact":
+        looks = {"X_min": ("along the flow", BLUE, "-"), "Y_min": ("to the side", ORANGE, "--")}
+        _draw_series(axes, view, _stored(view, looks), across.factor)
+        axes.axhline(0.0, color="black", linewidth=0.5)
+        axes.set(ylabel=f"place of the minimum film ({across.unit})", ylim=(-1.3 * across.factor, 1.7 * across.factor))
+        axes.legend(loc="upper left", edgecolor="none", ncols=2, fontsize="small")
+        return
+    loaded = data["P_max"].values > LOADED * float(data["P_max"].max())
+    X_min = np.hypot(data["X_min"].values, data["Y_min"].values)
+    front = np.where(loaded & (X_min > 0), X_min, np.nan)
+    lines = [
+        (_dry_edge(view, data["time"].values), ("edge of the dry contact", GREY, "--")),
+        (front, ("front: place of the minimum film thickness", GREEN, "-")),
+    ]
+    _draw_series(axes, view, lines, across.factor)
+    axes.set(ylabel=f"distance from the centre ({across.unit})", ylim=(0.0, 1.25 * across.factor))
+    axes.legend(loc="upper left", edgecolor="none", fontsize="small")
+
+
+def _dry_edge(view: View, T: Values) -> Values:
+    """The edge of the dry contact in a*, nan without contact."""
+    since_touch = T + view.case.schedule.start_approach
+    dry = hertz.contact_radius(since_touch / view.geometry.dry_approach(1.0))
+    return np.where(dry > 0, dry, np.nan)
+
+
+def draw_front_speed(axes: Axes, view: View) -> None:
+    """Speed at which the front of an impact moves outwards up to maximum approach, and that of the dry contact.
+
+    Raises
+    ------
+    NoFigure
+        The run is not an impact, or did not reach maximum approach.
+    """
+    if view.dataset.attrs["kind"] != "impact":
+        raise NoFigure("front: a rolling contact has none; it belongs to an impact")
+    try:
+        front = fronts.front(view.dataset)
+    except ValueError as error:
+        raise NoFigure(f"the front has no speed: {error}") from error
+    usual = float(np.median(front.speed))
+    z, time = view.scale("U", usual), view.scale("time")
+    T = np.linspace(front.T[0], front.T[-1], 400)
+    dry = np.gradient(_dry_edge(view, T), T)
+    axes.plot(T * time.factor, dry * z.factor, color=GREY, linestyle="--", label="edge of the dry contact")
+    axes.plot(front.T * time.factor, front.speed * z.factor, color=GREEN, label="front: place of the minimum film")
+    _draw_series(axes, view, [])
+    axes.set(ylabel=f"speed ({z.unit})", ylim=(0.0, 3.0 * usual * z.factor))  # the first touch is faster without end
+    axes.legend(loc="upper right", edgecolor="none", fontsize="small")
+
+
+# -- film, pressure, friction -----------------------------------------------------------------------------------------
+
+
+def draw_film_history(axes: Axes, view: View) -> None:
     """Central and minimum film thickness through time, over decades where the film falls by as much."""
-    z = scale(dataset, "H_c", float(dataset["H_c"].min()))
-    lines = {"H_c": (named(dataset, "H_c"), BLUE, "-"), "H_min": (named(dataset, "H_min"), ORANGE, "-")}
-    draw_series(axes, dataset, p, lines, z.factor)
+    z = view.scale("H_c", float(view.dataset["H_c"].min()))
+    looks = {"H_c": (view.legend("H_c"), BLUE, "-"), "H_min": (view.legend("H_min"), ORANGE, "-")}
+    _draw_series(axes, view, _stored(view, looks), z.factor)
     axes.set(ylabel=f"film thickness ({z.unit})")
     axes.legend(loc="upper right", edgecolor="none", fontsize="small")
-    films = [dataset[name].values * z.factor for name in lines]
-    if np.max(films[0]) < 5.0 * np.min(films[0]):
-        axes.set(ylim=(0.0, 1.35 * np.max(films)))
+    central, minimum = (view.dataset[name].values * z.factor for name in looks)
+    if np.max(central) < 5.0 * np.min(central):
+        axes.set(ylim=(0.0, 1.35 * max(central.max(), minimum.max())))
         return
-    low = 0.6 * float(films[1][films[1] > 0].min(initial=films[1].max()))  # a film may vanish on a coarse grid
+    low = 0.6 * float(minimum[minimum > 0].min(initial=minimum.max()))  # a film may vanish on a coarse grid
     axes.set(yscale="log", ylim=(low, None))
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def draw_pressure_history(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
+def draw_pressure_history(axes: Axes, view: View) -> None:
     """Central and maximum pressure through time."""
-    z = scale(dataset, "P_max", float(dataset["P_max"].max()))
-    lines = {"P_max": (named(dataset, "P_max"), ORANGE, "-"), "P_c": (named(dataset, "P_c"), BLUE, "-")}
-    draw_series(axes, dataset, p, lines, z.factor)
-    axes.set(ylabel=f"pressure ({z.unit})", ylim=(0.0, 1.3 * float(dataset["P_max"].max()) * z.factor))
+    top = float(view.dataset["P_max"].max())
+    z = view.scale("P_max", top)
+    looks = {"P_max": (view.legend("P_max"), ORANGE, "-"), "P_c": (view.legend("P_c"), BLUE, "-")}
+    _draw_series(axes, view, _stored(view, looks), z.factor)
+    axes.set(ylabel=f"pressure ({z.unit})", ylim=(0.0, 1.3 * top * z.factor))
     axes.legend(loc="upper left", edgecolor="none", fontsize="small")
 
 
-def draw_front(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
-    """The front of an impact, where the film is thinnest, and the edge of the dry contact, through time."""
-    across, T = lateral(dataset), dataset["time"].values
-    loaded = dataset["P_max"].values > LOADED * float(dataset["P_max"].max())
-    X_min = np.hypot(dataset["X_min"].values, dataset["Y_min"].values)
-    front = np.where(loaded & (X_min > 0), X_min, np.nan)
-    dry = _dry_edge(dataset, T)
-    time = scale(dataset, "time", 1.0)
-    axes.plot(T * time.factor, dry * across.factor, color=GREY, linestyle="--", label="edge of the dry contact")
-    lines = {"X_min": ("front: place of the minimum film thickness", GREEN, "-")}
-    draw_series(axes, dataset, p, lines, across.factor, front)
-    axes.set(ylabel=f"distance from the centre ({across.unit})", ylim=(0.0, 1.25 * across.factor))
-    axes.legend(loc="upper left", edgecolor="none", fontsize="small")
+def draw_coefficients(axes: Axes, view: View) -> None:
+    """Traction and rolling resistance through time, each with its own axis, while the film carries load."""
+    data = view.dataset
+    loaded = data["F"] > LOADED * data["F"].max()
+    coefficients = [(axes.twinx() if view.slides else axes, "mu_rolling", ORANGE)]
+    if view.slides:
+        coefficients.insert(0, (axes, "mu_sliding", BLUE))
+    for place, name, colour in coefficients:
+        values = data[name].where(loaded)
+        z = view.scale(name, float(np.abs(values).max()))
+        _draw_series(place, view, [(values.values, (z.long_name, colour, "-"))], z.factor)
+        bottom, top = min(1.2 * float(values.min()) * z.factor, 0.0), max(1.2 * float(values.max()) * z.factor, 0.0)
+        place.set_ylim(bottom, top if top > bottom else 1.0)
+        place.set_ylabel(z.label, color=colour)
+        place.tick_params(axis="y", colors=colour)
+    axes.set_title("Coefficients of friction")
 
 
-def _dry_edge(dataset: xr.Dataset, T: Values) -> Values:
-    """The edge of the dry contact in a*, nan without contact."""
-    since_touch = T + stored.start_approach(dataset)
-    dry = hertz.contact_radius(since_touch / stored.geometry(dataset).dry_approach(1.0))
-    return np.where(dry > 0, dry, np.nan)
+def draw_power(axes: Axes, view: View) -> None:
+    """Power loss through time."""
+    values = view.dataset["power_loss"].values
+    top = max(float(values.max()), 1e-9)
+    z = replace(view.scale("power_loss", top), symbol="")
+    _draw_series(axes, view, [(values, (z.long_name, BLUE, "-"))], z.factor)
+    axes.set(ylabel=z.label, ylim=(0.0, 1.2 * top * z.factor), title="Power loss")
 
 
-def draw_front_speed(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
-    """The speed at which the front of an impact goes outwards up to maximum approach, and that of the dry contact."""
-    try:
-        front = fronts.front(dataset)
-    except ValueError as error:
-        raise NoFigure(f"the front has no speed: {error}") from error
-    z, time = scale(dataset, "U", float(np.median(front.speed))), scale(dataset, "time", 1.0)
-    T = np.linspace(front.T[0], front.T[-1], 400)
-    dry = np.gradient(_dry_edge(dataset, T), T)
-    axes.plot(T * time.factor, dry * z.factor, color=GREY, linestyle="--", label="edge of the dry contact")
-    axes.plot(front.T * time.factor, front.speed * z.factor, color=GREEN, label="front: place of the minimum film")
-    if p.moment != LAST:
-        axes.axvline(p.time * time.factor, color="black", linewidth=0.8, linestyle=":")
-    top = 3.0 * float(np.median(front.speed)) * z.factor  # the first touch is faster without end
-    end = float(dataset["time"][-1]) * time.factor
-    axes.set(xlabel=time.label, ylabel=f"speed ({z.unit})", xlim=(0.0, end), ylim=(0.0, top))
-    axes.legend(loc="upper right", edgecolor="none", fontsize="small")
+# -- the grids of a steady contact ------------------------------------------------------------------------------------
 
 
-def draw_minimum_film(axes: Axes, dataset: xr.Dataset, p: Profiles) -> None:
-    """Place of the minimum film thickness of a rolling contact through time: a side lobe, the exit, a feature."""
-    across = lateral(dataset)
-    lines = {"X_min": ("along the flow", BLUE, "-"), "Y_min": ("to the side", ORANGE, "--")}
-    draw_series(axes, dataset, p, {name: line for name, line in lines.items() if name in dataset}, across.factor)
-    axes.axhline(0.0, color="black", linewidth=0.5)
-    axes.set(ylabel=f"place of the minimum film ({across.unit})", ylim=(-1.3 * across.factor, 1.7 * across.factor))
-    axes.legend(loc="upper left", edgecolor="none", ncols=2, fontsize="small")
+def draw_convergence(axes: Axes, view: View) -> None:
+    """Maximum residual against the Newton iterations, on every grid of a steady contact."""
+    histories, names = view.dataset["history"].values, _grid_names(view)
+    shades = ORDERED_COLOURS(np.linspace(0.9, 0.0, len(names)))
+    for name, colour, history in zip(names, shades, histories, strict=True):
+        known = history[np.isfinite(history)]
+        axes.semilogy(np.arange(len(known)), known, "o-", color=colour, markersize=3.5, label=name)
+    axes.axhline(view.case.solver.tolerance, color="black", linewidth=0.8, linestyle=":", label="tolerance")
+    axes.set(xlabel="Newton iteration", ylabel="maximum residual", title="Convergence on each grid")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.yaxis.set_major_locator(LogLocator(numticks=8))
+    axes.legend(loc="upper right", frameon=False, fontsize="small", title="nodes", title_fontsize="small")
 
 
-def draw_series(
-    axes: Axes, dataset: xr.Dataset, p: Profiles, lines: Lines, factor: float, values: Values | None = None
-) -> None:
-    """Lines over time, and a dotted one at the moment that the maps show."""
-    time = scale(dataset, "time", 1.0)
-    T = dataset["time"].values * time.factor
-    for name, (label, colour, style) in lines.items():
-        shown = dataset[name].values if values is None else values
-        axes.plot(T, shown * factor, color=colour, linestyle=style, label=label)
-    if p.moment != LAST:
-        axes.axvline(p.time * time.factor, color="black", linewidth=0.8, linestyle=":")
-    axes.set(xlabel=time.label, xlim=(0.0, T[-1]) if T[-1] > 0 else None)
+def draw_grids(axes: Axes, view: View) -> None:
+    """Films of a steady contact on every grid with their estimated errors, and extrapolated to zero spacing."""
+    names = _grid_names(view)
+    z, place, top = view.scale("H_c", float(view.dataset["H_c"].values[-1])), np.arange(len(names) + 1), 0.0
+    for name, colour, marker in (("H_c", BLUE, "o"), ("H_min", ORANGE, "s")):
+        film = estimate_of(view.dataset, name)
+        shown, errors, limit = film.values * z.factor, film.errors * z.factor, film.extrapolated * z.factor
+        axes.errorbar(
+            place[:-1], shown, errors, color=colour, marker=marker, markersize=4.0, capsize=4.0, label=view.legend(name)
+        )
+        axes.plot(place[-1:], [limit], marker, color=colour, markerfacecolor="white")
+        axes.axhline(limit, color=colour, linewidth=0.8, linestyle="--")
+        top = max(top, float(np.nanmax([*shown, limit])))
+    axes.set_xticks(place, [*names, "∞"])
+    axes.set(xlabel="nodes (∞: extrapolated)", ylabel=f"film thickness ({z.unit})", ylim=(0.0, 1.4 * top))
+    axes.set_title("Film on each grid with its error estimate")
+    axes.legend(loc="upper left", frameon=False, fontsize="small")
+
+
+def _grid_names(view: View) -> list[str]:
+    """The nodes of every grid: 65², or 65 x 97."""
+    X, Y = view.dataset.sizes["X"], view.dataset.sizes["Y"]
+    grids = [int(nodes) for nodes in view.dataset["grid"].values]
+    return [f"{n}²" if X == Y else f"{n} x {round((n - 1) * (Y - 1) / (X - 1)) + 1}" for n in grids]

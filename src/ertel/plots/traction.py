@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from ertel.plots import stored
 from ertel.plots.drawing import (
     BLUE,
     GREEN,
@@ -23,6 +22,7 @@ from ertel.plots.drawing import (
     compose,
     mathtext,
 )
+from ertel.plots.view import case_of
 from ertel.results.curve_points import largest_of, shown_name
 from ertel.results.variables import PREFIXES, exponent, unit_of, with_prefix
 
@@ -48,7 +48,7 @@ def figure(dataset: xr.Dataset) -> Figure:
     if not dataset.sizes[dataset.attrs["varies"]]:
         raise NoFigure("dataset: has no points yet, there is nothing to draw")
     shown = WARM_PANELS if "phi_T" in dataset else PANELS
-    panels: list[Panel] = [partial(_draw, title=title, names=names) for title, names in shown.items()]
+    panels: list[Panel[xr.Dataset]] = [partial(_draw, title=title, names=names) for title, names in shown.items()]
     half = len(panels) // 2
     return compose(dataset, [panels[:half], panels[half:]], _heading(dataset))
 
@@ -106,7 +106,7 @@ def _heading(dataset: xr.Dataset) -> list[str]:
         if varies != "load":
             said.append(f"$p_h$ = {with_prefix(a['p_h_Pa'], 'Pa')}")
     if varies != "slide_to_roll":
-        said.append(f"slide-to-roll {stored.slide_to_roll(dataset):.3g}")
+        said.append(f"slide-to-roll {case_of(dataset).motion.slide_to_roll:.3g}")
     else:
         said += [f"$M$ = {a['M']:.4g}", f"$L$ = {a['L']:.3g}"]
     return said

@@ -15,7 +15,7 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
 from ertel.results import variables
-from ertel.results.provenance import provenance
+from ertel.results.dataset import provenance
 from ertel.results.variables import COEFFICIENT, FRICTION, Variable
 
 Point = Mapping[str, Any]  # of a curve, see `point`

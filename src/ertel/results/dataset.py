@@ -1,20 +1,24 @@
-"""A run as an xarray Dataset: scalars over time and fields over frames, or a steady contact over its grids."""
+"""A run as an xarray Dataset: scalars over time and fields over frames, or a steady contact over its grids.
 
+Its attributes are the provenance of the run; the measured heights of the case are among its variables.
+"""
+
+import json
+import platform
 from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import version
 from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
 
 from ertel.case.case import Case
-from ertel.case.grids import grid_of
-from ertel.equations import account
-from ertel.equations.friction import Friction, coefficients
-from ertel.equations.state import GridSolution
+from ertel.case.height_map import HeightMap
+from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
-from ertel.results.height_maps import variables_of
-from ertel.results.provenance import provenance
-from ertel.results.temperatures import temperature_maps
+from ertel.results.parameters import parameters_of, scales_of
 from ertel.results.variables import (
     AXES,
     BUDGET,
@@ -23,9 +27,13 @@ from ertel.results.variables import (
     FRICTION,
     MEASURED,
     SCALARS,
+    TEMPERATURES,
     variable_attributes,
     with_coefficients,
 )
+from ertel.version import installed_version
+
+FILE = "file"  # the attribute of measured heights with the name that the plain data of the case use
 
 
 class Frame(Protocol):
@@ -37,6 +45,24 @@ class Frame(Protocol):
     def fields(self) -> Mapping[str, Any]: ...
     @property
     def event(self) -> str: ...
+
+
+class SteadyGrid(Protocol):
+    """The steady contact on one grid.
+
+    record: its numbers by name, those of `MEASURED`, `BUDGET` and `FRICTION`, and its work.  maps: `FIELDS` on the
+    whole plane by name, with a section [thermal] also `TEMPERATURES`.  history: the maximum residual before the first
+    and after each Newton iteration.
+    """
+
+    @property
+    def grid(self) -> Grid: ...
+    @property
+    def record(self) -> Mapping[str, float]: ...
+    @property
+    def maps(self) -> Mapping[str, Any]: ...
+    @property
+    def history(self) -> Sequence[float]: ...
 
 
 def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:
@@ -98,66 +124,106 @@ def assemble(
 
 
 def assemble_steady(
-    case: Case,
-    solutions: Sequence[GridSolution],
-    attributes: Mapping[str, object] | None = None,
+    case: Case, grid: Grid, solutions: Sequence[SteadyGrid], attributes: Mapping[str, object] | None = None
 ) -> xr.Dataset:
     """The steady contact as a Dataset: fields on the finest grid, scalars and residuals over `grid`.
 
-    grid: nodes a side, coarsest first.  convolutions: in units of one on that grid.  attributes: as in `assemble`.
-    With a section [thermal] there are `variables.TEMPERATURES` too.
+    Parameters
+    ----------
+    case : Case
+        The case of the run.
+    grid : Grid
+        That of the fields: of the last solution, or of the case as long as there is none.
+    solutions : sequence of SteadyGrid
+        Coarsest first; the coordinate `grid` has their numbers of nodes a side.
+    attributes : mapping, optional
+        More attributes of the Dataset.
     """
-    finest = solutions[-1].grid if solutions else grid_of(case)
-    nothing = np.full((len(finest.y), len(finest.x)), np.nan)
-    last = solutions[-1] if solutions else None
-    accounts = [account.steady(case, s) for s in solutions]
-    found = whole_maps(last, last.P, last.H, accounts[-1][1]) if last else dict.fromkeys(FIELDS, nothing)
-    found |= temperature_maps(case, last, nothing)
-    history = _histories(solutions)
-    of_grids = [
-        with_coefficients({**s.measure(), **terms, **coefficients(friction), **_work(s)}, case.scales)
-        for s, (terms, friction) in zip(solutions, accounts, strict=True)
-    ]
+    fields = FIELDS if case.thermal is None else {**FIELDS, **TEMPERATURES}
+    nothing = np.full((len(grid.y), len(grid.x)), np.nan)
+    maps = solutions[-1].maps if solutions else dict.fromkeys(fields, nothing)
+    rows = [with_coefficients(s.record, case.scales) for s in solutions]
     names = (*MEASURED, *BUDGET, *FRICTION, "residual", "newton_iterations", "krylov_iterations", "convolutions")
-    arrays: dict[str, tuple[tuple[str, ...], Any]] = {
-        **{name: (("Y", "X"), values) for name, values in found.items()},
-        **{name: (("grid",), np.array([row[name] for row in of_grids], dtype=float)) for name in names},
-        "history": (("grid", "iteration"), history),
-    }
-    axes = {"Y": finest.y, "X": finest.x, "grid": np.array([s.grid.nodes for s in solutions], dtype=np.int64)}
-    coordinates = {**axes, "iteration": np.arange(history.shape[1])}
-    variables = {
-        name: (dims, values, variable_attributes(name, case.scales)) for name, (dims, values) in arrays.items()
-    }
-    return xr.Dataset(
-        {**variables, **variables_of(case)},
-        {name: ((name,), values, variable_attributes(name, case.scales)) for name, values in coordinates.items()},
-        {**provenance(case), **(attributes or {})},
-    )
-
-
-class _Whole(Protocol):
-    """What unfolds a field."""
-
-    def whole(self, field: Any, odd: bool = False) -> Any: ...
-
-
-def whole_maps(method: _Whole, P: Any, H: Any, friction: Friction) -> dict[str, np.ndarray]:
-    """All `FIELDS` on the whole plane, from a film and its friction."""
-    tau_x, tau_y = np.asarray(friction.stress)
-    fields = {"P": P, "H": H, "tau_x": tau_x, "tau_y": tau_y, "loss": friction.loss}
-    return {name: np.asarray(method.whole(field, odd=name == "tau_y")) for name, field in fields.items()}
-
-
-def _histories(solutions: Sequence[GridSolution]) -> np.ndarray:
-    """The residuals on every grid (grid, iteration), nan after the last iteration."""
     longest = max((len(s.history) for s in solutions), default=0)
     history = np.full((len(solutions), longest), np.nan)
     for row, s in zip(history, solutions, strict=True):
         row[: len(s.history)] = s.history
-    return history
+    axes = {
+        "Y": grid.y,
+        "X": grid.x,
+        "grid": np.array([s.grid.nodes for s in solutions], dtype=np.int64),
+        "iteration": np.arange(longest),
+    }
+    arrays: dict[str, tuple[tuple[str, ...], Any]] = {
+        **{name: (("Y", "X"), maps[name]) for name in fields},
+        **{name: (("grid",), np.array([row[name] for row in rows], dtype=float)) for name in names},
+        "history": (("grid", "iteration"), history),
+        **{name: ((name,), axis) for name, axis in axes.items()},
+    }
+    variables = {
+        name: (dims, values, variable_attributes(name, case.scales)) for name, (dims, values) in arrays.items()
+    }
+    coordinates = {name: variables.pop(name) for name in axes}
+    return xr.Dataset({**variables, **variables_of(case)}, coordinates, {**provenance(case), **(attributes or {})})
 
 
-def _work(s: GridSolution) -> dict[str, float]:
-    counts = {"newton_iterations": s.newton, "krylov_iterations": s.krylov, "convolutions": s.convolutions}
-    return {"residual": s.residual, **counts}
+# -- provenance -------------------------------------------------------------------------------------------------------
+
+
+def provenance(case: Case) -> dict[str, object]:
+    """Attributes that make a run self-describing: case, versions, platform, time, references."""
+    laws: list[object] = [case.lubricant.viscosity_law, case.lubricant.density_law]
+    if not case.oil.is_newtonian:
+        laws.append(case.oil.fluidity_law)
+    return {
+        "Conventions": "CF-1.11",
+        "title": case.name or f"{case.kind}, M = {case.parameters.M:.4g}, L = {case.parameters.L:.4g}",
+        "source": f"ertel {installed_version()}",
+        "references": "; ".join(getattr(law, "reference", type(law).__name__) for law in laws),
+        "date_created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "platform": f"{platform.system()} {platform.machine()}, {platform.processor() or 'unknown processor'}",
+        "versions": json.dumps(versions()),
+        **_written(case),
+        "kind": case.kind,
+        "method": case.solver.method,
+        **parameters_of(case),
+        **scales_of(case),
+    }
+
+
+@cache  # reading them takes longer than writing a coarse grid
+def versions() -> dict[str, str]:
+    """Versions of the software on which a result may depend."""
+    packages = ("jax", "jaxlib", "numpy", "scipy", "xarray", "zarr")
+    ours = {"ertel": installed_version(), "python": platform.python_version()}
+    return ours | {name: version(name) for name in packages}
+
+
+def _written(case: Case) -> dict[str, str]:
+    """The case as it is written and its digest; for one that cannot be written the reason."""
+    try:
+        return {"case": json.dumps(case.to_data()), "digest": case.digest}
+    except ValueError as error:
+        return {"case_not_written": str(error)}
+
+
+# -- measured heights -------------------------------------------------------------------------------------------------
+
+
+def variables_of(case: Case) -> dict[str, tuple[tuple[str, str], Any, dict[str, str]]]:
+    """The heights of each measured surface of a case, as they were read: rows along y, columns along x."""
+    attributes = {"long_name": "heights of a measured surface, without a unit: their rms and lengths are in the case"}
+    return {
+        f"heights_{found.digest}": (
+            (f"row_{found.digest}", f"column_{found.digest}"),
+            found.heights,
+            {**attributes, FILE: name},
+        )
+        for name, found in case.maps.items()
+    }
+
+
+def maps_of(dataset: xr.Dataset) -> dict[str, HeightMap]:
+    """The measured heights in a Dataset, as `Case.maps`."""
+    found = {name: variable for name, variable in dataset.variables.items() if FILE in variable.attrs}
+    return {variable.attrs[FILE]: HeightMap(variable.values) for variable in found.values()}

@@ -1,78 +1,91 @@
 """Warnings if grid, domain, inlet or initial gap are not sufficient, each with a remedy."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import cbrt, ceil, inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from ertel.case.case import Case
 from ertel.case.height_map import Measured
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
-from ertel.numerics.grid import allowed_nodes, extrapolate
+from ertel.case.status import Status
+from ertel.numerics.grid import Grid, allowed_nodes, extrapolate
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_KEPT, has_waves
 from ertel.results import domain, variables
-from ertel.results.budgets import Budgets
+from ertel.results.balances import Balances
 
-if TYPE_CHECKING:  # these bring JAX or xarray with them
+if TYPE_CHECKING:
     import xarray as xr
-
-    from ertel.equations.state import GridSolution
 
 CELLS_IN_FRONT = 10.0  # wanted across the length of the front's pressure sweep, `front_length`
 ISOVISCOUS_SWEEP = 2.0  # that length over (lambda_bar dA/dT)^{2/5} where the oil is isoviscous
 FRONT_POSITION = 0.9  # where the front is looked at: the films of interest lie inside
-SWEEP_ALPHA_BAR = 10.0  # least alpha_bar in that length for rolling, see `_sweep_warning`
+SWEEP_ALPHA_BAR = 10.0  # least alpha_bar in that length for rolling, see `sweep_length`
 GAP_SHARE = 3.0  # initial gap in units of the trapped film, below which the shape depends on it
 OUTSIDE_SHARE = 0.25  # of the load of a rolling contact that the oil outside the domain may carry
 LARGE_ERROR = 0.1  # of a film: its estimated discretisation error from which it is said to be uncertain
-LARGE_IMBALANCE = 0.01  # of a budget, from which it is said that it does not close
+LARGE_IMBALANCE = 0.01  # of a balance, from which there is a warning
 LARGEST_TRACTION = 0.15  # coefficient: more than traction fluids reach
-BUDGETS = {  # what an open budget means
+MEANING = {  # of an imbalance
     "mass": "oil is gained or lost on the grid",
     "momentum": "the motion of the ball and the load differ",
     "energy": "the dissipation is uncertain by more than that",
 }
 LARGE_CONTACT = 0.3  # a/R, up to which the parabola is within a few per cent of a sphere
-BARUS_PRESSURE = 0.7e9  # Pa, above which Barus' law says nothing about traction
+BARUS_PRESSURE = 0.7e9  # Pa, above which the Barus law says nothing about traction
 CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
+
+
+class Solved(Protocol):
+    """The steady contact on one grid; outside: the load that the oil outside the grid carries."""
+
+    @property
+    def grid(self) -> Grid: ...
+    @property
+    def status(self) -> Status: ...
+    @property
+    def residual(self) -> float: ...
+    @property
+    def outside(self) -> float: ...
+    def measure(self) -> Mapping[str, float]: ...
 
 
 def impact_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid, domain or initial gap of an impact; an empty list if there are none."""
-    said = [_film_warning(case, data), _front_warning(case, data), _domain_warning(case, data)]
-    return _spoken([*said, *case_warnings(case)])
+    said = [_film_warning(case, data), front_warning(case, _spacing_at_front(data)), _domain_warning(case, data)]
+    return _given([*said, *case_warnings(case)])
 
 
 def rolling_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid and inlet of a transient rolling contact; an empty list if there are none."""
     said = [_film_warning(case, data)]
     if not said[0]:
-        said += [_sweep_warning(case, data), _outside_warning(case, _share_outside(case, data))]
-    return _spoken([*said, *case_warnings(case)])
+        said += [sweep_warning(case, _mean_speed(data)), _outside_warning(case, _share_outside(case, data))]
+    return _given([*said, *case_warnings(case)])
 
 
 def case_warnings(case: Case) -> list[str]:
     """Warnings that follow from the case alone, without a run; an empty list if there are none."""
     said = _gap_warning(case) if case.starts_apart else _centre_warning(case)
-    return _spoken([said, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
+    return _given([said, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
 
 
-def budget_warnings(case: Case, found: Budgets) -> list[str]:
-    """A warning for every budget that does not close; an empty list if all do."""
-    open_ones = {name: terms["imbalance"] or 0.0 for name, terms in found.items()}
+def budget_warnings(case: Case, balances: Balances) -> list[str]:
+    """A warning for every balance that does not close; an empty list if all do."""
+    imbalances = {name: terms["imbalance"] or 0.0 for name, terms in balances.items()}
     return [
-        f"the budget of {name} does not close, by {share:.1%} ({LARGE_IMBALANCE:.0%} is allowed): {BUDGETS[name]}; "
+        f"{name} is not conserved: imbalance of {share:.1%} (limit {LARGE_IMBALANCE:.0%}), {MEANING[name]}; "
         f"{_closing(case, name)}"
-        for name, share in open_ones.items()
+        for name, share in imbalances.items()
         if share > LARGE_IMBALANCE
     ]
 
 
 def friction_warnings(case: Case, coefficient: float) -> list[str]:
-    """Warnings where shear stress and traction mean nothing; an empty list if they do.  The film hardly feels it.
+    """Warnings where shear stress and traction are not meaningful; an empty list if they are.  The film hardly changes.
 
     coefficient: the largest traction coefficient of the run.
     """
@@ -82,21 +95,23 @@ def friction_warnings(case: Case, coefficient: float) -> list[str]:
     p, mu = case.scales.p_h * cbrt(heaviest), abs(coefficient)
     if isinstance(case.oil.viscosity_law, Barus) and p > BARUS_PRESSURE and (mu or not case.oil.is_newtonian):
         return [
-            f'lubricant.viscosity = "barus": gives far too large viscosities above {BARUS_PRESSURE / 1e9:g} GPa, and '
-            f'this contact has {p / 1e9:.2g} GPa: shear stress and traction mean nothing; use "roelands", or a modulus '
-            "or Doolittle's law with measured constants"
+            f'lubricant.viscosity = "barus": greatly overestimates the viscosity above {BARUS_PRESSURE / 1e9:g} GPa, '
+            f"and this contact has {p / 1e9:.2g} GPa: shear stress and traction are not meaningful; "
+            'use "roelands", or a modulus or the Doolittle law with measured constants'
         ]
     if mu <= LARGEST_TRACTION:
         return []
-    thinner = 'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
+    remedy = "check lubricant.rheology, or give it a limiting stress"
+    if case.oil.is_newtonian:
+        remedy = 'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
     return [
-        f"the traction coefficient {mu:.2g} is larger than that of any oil (about 0.1): shear stress and traction mean "
-        f"nothing; {thinner if case.oil.is_newtonian else 'check lubricant.rheology, or give it a limiting stress'}"
+        f"the traction coefficient {mu:.2g} is larger than that of any oil (about 0.1): shear stress and traction "
+        f"are not meaningful; {remedy}"
     ]
 
 
 def _closing(case: Case, name: str) -> str:
-    """What closes a budget: a finer grid, unless it is an integral over time only, and shorter steps."""
+    """The remedy for an imbalance: a finer grid, unless it is an integral over time only, and shorter steps."""
     grid = _use(_doubled(case))
     if case.is_steady:
         return f"use solver.tolerance <= {case.solver.tolerance / 10:g}" if name == "momentum" else grid
@@ -105,21 +120,21 @@ def _closing(case: Case, name: str) -> str:
     return f"use {steps}" if name == "momentum" else f"{grid} and {steps}"
 
 
-def _spoken(said: Sequence[str]) -> list[str]:
-    return [sentence for sentence in said if sentence]
+def _given(sentences: Sequence[str]) -> list[str]:
+    return [sentence for sentence in sentences if sentence]
 
 
-def steady_warnings(case: Case, solutions: Sequence["GridSolution"]) -> list[str]:
+def steady_warnings(case: Case, solutions: Sequence[Solved]) -> list[str]:
     """Warnings about grid and domain of a steady contact; an empty list if there are none."""
     finest = solutions[-1]
     outside = _outside_warning(case, finest.outside / case.geometry.hertz_load / case.motion.load(0.0))
     failure = steady_failure(case, finest)
     said = [failure] if failure else [_error_warning(case, solutions), _spike_warning(solutions)]
-    return _spoken([*said, outside, *case_warnings(case)])
+    return _given([*said, outside, *case_warnings(case)])
 
 
-def steady_failure(case: Case, solution: "GridSolution") -> str:
-    """Why a steady solution is none, with a remedy; "" where it is one."""
+def steady_failure(case: Case, solution: Solved) -> str:
+    """The reason why there is no steady solution, with a remedy; "" where there is one."""
     if not solution.status.is_solved:
         return (
             f"the solution failed (residual {solution.residual:.2g}, {case.solver.tolerance:g} is allowed), and the "
@@ -169,24 +184,17 @@ def _outside_warning(case: Case, share: float) -> str:
     )
 
 
-def _sweep_warning(case: Case, data: "xr.Dataset") -> str:
-    """The length of the pressure sweep in the inlet, sqrt(alpha_bar lambda_bar U), with the mean speed of the run.
+def _mean_speed(data: "xr.Dataset") -> float:
+    """The mean entrainment of a run in time; 0 before its first step."""
+    return float(np.average(np.abs(data["U"]), weights=data["dT"])) if data.sizes["time"] else 0.0
+
+
+def sweep_length(case: Case, speed: float) -> float:
+    """Length of the pressure sweep in the inlet, sqrt(alpha_bar lambda_bar U), in a.  speed: the entrainment U.
 
     With ten cells across it the steady films for M = 20 to 1000 and L = 5 to 10 are 4 to 7 % too thin in the centre and
     up to 15 % at the minimum.  Isoviscous films need as many cells as if alpha_bar were about 10.
     """
-    if data.sizes["time"] == 0:
-        return ""
-    return sweep_warning(case, _speed(data))
-
-
-def _speed(data: "xr.Dataset") -> float:
-    """The mean entrainment of a run in time."""
-    return float(np.average(np.abs(data["U"]), weights=data["dT"]))
-
-
-def sweep_length(case: Case, speed: float) -> float:
-    """Length of the pressure sweep in the inlet, in a.  speed: the entrainment U."""
     p = case.parameters
     return float((max(p.alpha_bar, SWEEP_ALPHA_BAR) * p.lambda_bar * abs(speed)) ** 0.5)
 
@@ -212,7 +220,7 @@ def _resolve(case: Case, cells: float) -> str:
     return _use((case.solver.nodes - 1) * CELLS_IN_FRONT / cells + 1)
 
 
-def _error_warning(case: Case, solutions: Sequence["GridSolution"]) -> str:
+def _error_warning(case: Case, solutions: Sequence[Solved]) -> str:
     if len(solutions) < 2:
         return "there is no error estimate, because there is no coarser grid; use solver.nodes >= 65"
     if not solutions[-2].status.ok:
@@ -227,7 +235,7 @@ def _error_warning(case: Case, solutions: Sequence["GridSolution"]) -> str:
     return f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; {_use(_doubled(case))}"
 
 
-def _spike_warning(solutions: Sequence["GridSolution"]) -> str:
+def _spike_warning(solutions: Sequence[Solved]) -> str:
     if len(solutions) < 2:
         return ""
     coarse, fine = (s.measure()["P_max"] for s in solutions[-2:])
@@ -280,7 +288,7 @@ def _roughness_warning(case: Case) -> str:
 
 
 def _map_warnings(case: Case) -> list[str]:
-    """Where a measured map had gaps, and where it is smaller than the Hertzian contact."""
+    """Warnings about a measured map that had gaps, or is smaller than the Hertzian contact."""
     along_x, along_y = case.geometry.extent
     maps = [(i, feature.shape) for i, feature in enumerate(case.features, 1) if isinstance(feature.shape, Measured)]
     filled = [
@@ -303,7 +311,7 @@ def _size_warning(case: Case) -> str:
     if s is None or s.a <= LARGE_CONTACT * s.R:
         return ""
     return (
-        f"the contact is not small (a = {s.a / s.R:.2g} R): Hertz' theory, the half-space and the parabolic gap are "
+        f"the contact is not small (a = {s.a / s.R:.2g} R): Hertz theory, the half-space and the parabolic gap are "
         f"good up to about {LARGE_CONTACT:g} R"
     )
 
@@ -321,7 +329,9 @@ def _film_warning(case: Case, data: "xr.Dataset") -> str:
 
 def _cells(case: Case, data: "xr.Dataset") -> float:
     """Cells across the pressure sweep of a run in time, at the front or in the inlet."""
-    return front_length(case) / _spacing_at_front(data) if case.starts_apart else _cells_in_sweep(case, _speed(data))
+    return (
+        front_length(case) / _spacing_at_front(data) if case.starts_apart else _cells_in_sweep(case, _mean_speed(data))
+    )
 
 
 # -- impact -----------------------------------------------------------------------------------------------------------
@@ -340,10 +350,6 @@ def front_length(case: Case) -> float:
     p = case.parameters
     viscous = p.lambda_bar * hertz.front_speed(FRONT_POSITION) / p.ellipse.approach
     return float(max(np.sqrt(p.alpha_bar * viscous), ISOVISCOUS_SWEEP * viscous**0.4))
-
-
-def _front_warning(case: Case, data: "xr.Dataset") -> str:
-    return front_warning(case, _spacing_at_front(data))
 
 
 def _spacing_at_front(data: "xr.Dataset") -> float:

@@ -1,10 +1,16 @@
-"""The error of a run in grid, time and domain together, from runs on the half grid that differ in one of them."""
+"""The error of a run in grid, time and domain together, from runs on the half grid that differ in one of them.
+
+`comparisons` in `runs` gives these runs; their summaries complete that of the run itself.
+"""
 
 from collections.abc import Mapping
 from math import hypot
 from typing import Any, NamedTuple
 
+from ertel.case.case import Case
 from ertel.numerics.grid import extrapolate
+from ertel.results.summary import with_si
+from ertel.results.variables import FILMS
 
 SMALLER_STEPS = 0.5**0.5  # of the run for the error in time: half the error of second order
 WIDER_DOMAIN = 1.5  # of the run for the error of the domain
@@ -43,3 +49,34 @@ def estimate(fine: float, others: Mapping[str, float]) -> Estimate:
     if "domain" in others:
         parts["domain"] = (others["domain"] - half) / (1 - WIDER_DOMAIN**-3)
     return Estimate(fine, parts, hypot(*parts.values()), fine + sum(parts.values()))
+
+
+def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The summary of a run with the errors of its films that other runs tell, and their parts under `error_estimate`.
+
+    Those of an impact hold at maximum approach, and there is that of Delta too; `error_estimate` is None where one of
+    the runs did not reach it.
+
+    Parameters
+    ----------
+    case : Case
+        The case of the run.
+    fine : mapping
+        The summary of the run.
+    others : mapping
+        The summaries of the other runs, see `estimate`.
+    """
+    own, told, names = fine, others, {name: name for name in FILMS}
+    if case.starts_apart:
+        own, told = fine["max_approach"], {part: summary["max_approach"] for part, summary in others.items()}
+        names["Delta_max"] = "Delta"
+        if own is None or None in told.values():
+            return {**fine, "error_estimate": None}
+    found = {
+        name: estimate(own[key], {part: values[key] for part, values in told.items()}) for name, key in names.items()
+    }
+    content = dict(fine)
+    for name in FILMS:
+        content |= {f"{name}_error": found[name].error, f"{name}_extrapolated": found[name].extrapolated}
+    content["error_estimate"] = {name: each.data() for name, each in found.items()}
+    return content if case.starts_apart else with_si(case, content)

@@ -1,9 +1,10 @@
 """The result of a run, with text and notebook output, values in SI, and pictures."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
+from types import MethodType
 from typing import TYPE_CHECKING, Any
 
 import xarray as xr
@@ -16,15 +17,14 @@ from ertel.results.variables import is_steady, to_si
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
-    from ertel.optics import Light, Rig
-
 IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history", "friction")
 STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence", "friction")
+PHYSICAL = "interferogram"  # of a case in SI
 
 
 @dataclass(frozen=True, repr=False)
 class Plot:
-    """The pictures of a run, each a matplotlib Figure.
+    """The pictures of a run, each a matplotlib Figure: `plot.film(at="max-approach")` is `ertel.plots.film` of the run.
 
     `at` selects the time in a transient run: a time in t0 or an event, "max-approach" or "end"; see
     `ertel.plots`.  Raises ValueError for a picture or a time that the run does not have.
@@ -32,69 +32,49 @@ class Plot:
 
     dataset: xr.Dataset
 
-    def overview(self, at: float | str | None = None) -> "Figure":
-        """The run on one page."""
-        return self._draw("overview", at)
-
-    def film(self, at: float | str | None = None) -> "Figure":
-        """Film thickness over the surface."""
-        return self._draw("film", at)
-
-    def pressure(self, at: float | str | None = None) -> "Figure":
-        """Pressure over the surface."""
-        return self._draw("pressure", at)
-
-    def maps(self, at: float | str | None = None) -> "Figure":
-        """Film thickness and pressure over the surface."""
-        return self._draw("maps", at)
-
-    def profiles(self, at: float | str | None = None) -> "Figure":
-        """Film thickness and pressure along the mid-line of a run in time."""
-        return self._draw("profiles", at)
-
-    def history(self, at: float | str | None = None) -> "Figure":
-        """Motion, film thickness, pressure and the place of the minimum film thickness of a run in time."""
-        return self._draw("history", at)
-
-    def midlines(self, at: float | str | None = None) -> "Figure":
-        """Film thickness and pressure through the centre of a steady contact, along and across the flow."""
-        return self._draw("midlines", at)
-
-    def convergence(self, at: float | str | None = None) -> "Figure":
-        """Convergence and film thickness on every grid of a steady contact."""
-        return self._draw("convergence", at)
-
-    def friction(self, at: float | str | None = None) -> "Figure":
-        """Shear stress and power loss over the surface, of a run in time also the coefficients through time."""
-        return self._draw("friction", at)
-
-    def interferogram(
-        self,
-        at: float | str | None = None,
-        light: "Light | None" = None,
-        rig: "Rig | None" = None,
-        film_scale: float | None = None,
-    ) -> "Figure":
-        """What an experimenter sees of a physical case: `ertel.plots.interferogram`, with lights of `ertel.optics`."""
+    def __getattr__(self, name: str) -> "Callable[..., Figure]":
+        if name not in {*IN_TIME, *STEADY, PHYSICAL}:
+            raise AttributeError(f"Plot: has no picture {name!r}; it has {', '.join(self._names())}")
         from ertel import plots
 
-        return plots.interferogram(self.dataset, at, light, rig, film_scale)
-
-    def _draw(self, name: str, at: float | str | None) -> "Figure":
-        from ertel import plots
-
-        figure: Figure = getattr(plots, name)(self.dataset, at)
-        return figure
+        return MethodType(getattr(plots, name), self.dataset)
 
     def _names(self) -> tuple[str, ...]:
         names = STEADY if is_steady(self.dataset) else IN_TIME
-        return (*names, "interferogram") if "si_factor" in self.dataset["H"].attrs else names
+        return (*names, PHYSICAL) if "si_factor" in self.dataset["H"].attrs else names
 
     def __dir__(self) -> Iterable[str]:
         return [*self._names(), "dataset"]
 
     def __repr__(self) -> str:
         return "Plot: " + ", ".join(f"{name}()" for name in self._names())
+
+
+@xr.register_dataset_accessor("ertel")  # type: ignore[no-untyped-call]
+class RunAccessor:
+    """Pictures and SI values of a run that xarray alone has opened: `dataset.ertel.plot` and `.si()`.
+
+    >>> import xarray as xr
+    >>> from ertel import accessor  # registers it, as does all that makes or opens a run
+    >>> run = xr.open_zarr("runs/ball/run.zarr")  # doctest: +SKIP
+    >>> run.ertel.plot.film(at="max-approach")  # doctest: +SKIP
+    >>> run.ertel.si()["h_c"]  # doctest: +SKIP
+    """
+
+    def __init__(self, dataset: xr.Dataset):
+        self._dataset = dataset
+
+    @property
+    def plot(self) -> Plot:
+        """The pictures of the run: `dataset.ertel.plot.film(at="max-approach")`, ..."""
+        return Plot(self._dataset)
+
+    def si(self) -> xr.Dataset:
+        """The Dataset in SI units under SI names (h_c for H_c, t for time).  Raises ValueError if dimensionless."""
+        return to_si(self._dataset)
+
+    def __repr__(self) -> str:
+        return f"{self.plot}; also si()"
 
 
 class Summary(dict[str, Any]):

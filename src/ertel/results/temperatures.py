@@ -1,69 +1,82 @@
-"""What a steady run with the section [thermal] says of its temperatures: maps, a part of the summary, warnings."""
+"""The temperatures of a steady run with the section [thermal]: a part of the summary, and warnings."""
 
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.equations import heat
-from ertel.equations.heat import Heated
-from ertel.equations.state import GridSolution
+from ertel.case.thermal import Inlet
 from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
 from ertel.physics.thermal import INLET_FACTORS
 from ertel.results.variables import TEMPERATURES
 
 
-def temperature_maps(case: Case, s: GridSolution | None, nothing: np.ndarray) -> dict[str, np.ndarray]:
-    """T_1, T_2 and T_film in K on the whole plane of the grid; `nothing` for each where there is no solution yet.
+class Heat(Protocol):
+    """The heat of a contact.
 
-    Empty without the section.
+    sliding: traction coefficients of the warm film along X and Y, in a/R.  peclet: numbers of both surfaces.
+    iterations, converged: of the heat balance.
     """
-    if case.thermal is None:
-        return {}
-    if s is None:
-        return dict.fromkeys(TEMPERATURES, nothing)
-    found = heat.of_solution(case, s)
-    return {name: np.asarray(s.whole(getattr(found, name))) for name in TEMPERATURES}
+
+    @property
+    def inlet(self) -> Inlet: ...
+    @property
+    def sliding(self) -> Any: ...
+    @property
+    def peclet(self) -> Sequence[float]: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def converged(self) -> bool: ...
 
 
-def thermal_summary(case: Case, s: GridSolution) -> tuple[dict[str, Any], list[str]]:
-    """The part `thermal` of a summary, in SI, and its warnings; both empty without the section.
+class Warm(Protocol):
+    """A steady contact with its maps on the whole plane; heat is None without the section [thermal]."""
+
+    @property
+    def record(self) -> Mapping[str, float]: ...
+    @property
+    def maps(self) -> Mapping[str, Any]: ...
+    @property
+    def heat(self) -> Heat | None: ...
+
+
+def thermal_summary(case: Case, solution: Warm) -> dict[str, Any]:
+    """The part `thermal` of a summary, in SI.
 
     L_t, phi_T: thermal loading, and the factor of the inlet formula.  h_c_m, h_min_m: the films with this factor.
     T_1_max_K, T_2_max_K, T_film_max_K: highest temperatures of the surfaces and of the film (mean across it).
     T_film_mean_K: that of the film on average over the contact, weighted with the pressure.  mu_sliding: traction
     coefficient of the warm film, with its inlet factor.  iterations, converged: of the heat balance, which has one
-    solution, see `physics.warming`.
+    solution, see `solvers.heat`.
     """
-    if case.thermal is None or case.scales is None:
-        return {}, []
-    found, films = heat.of_solution(case, s), s.measure()
-    weight = np.asarray(s.whole(s.P))
-    content = {
+    heat, maps = solution.heat, solution.maps
+    assert case.thermal is not None and case.scales is not None and heat is not None
+    return {
         "inlet_factor": case.thermal.inlet_factor,
-        "L_t": found.inlet.L_t,
-        "phi_T": found.inlet.factor,
-        "h_c_m": found.inlet.factor * films["H_c"] * case.scales.film,
-        "h_min_m": found.inlet.factor * films["H_min"] * case.scales.film,
-        **{f"{name}_max_K": float(np.max(getattr(found, name))) for name in TEMPERATURES},
-        "T_film_mean_K": float(np.average(s.whole(found.T_film), weights=weight)),
-        "mu_sliding": float(found.sliding[0]) * case.scales.a_over_R,
-        "iterations": found.iterations,
-        "converged": found.converged,
+        "L_t": heat.inlet.L_t,
+        "phi_T": heat.inlet.factor,
+        "h_c_m": heat.inlet.factor * solution.record["H_c"] * case.scales.film,
+        "h_min_m": heat.inlet.factor * solution.record["H_min"] * case.scales.film,
+        **{f"{name}_max_K": float(np.max(maps[name])) for name in TEMPERATURES},
+        "T_film_mean_K": float(np.average(maps["T_film"], weights=maps["P"])),
+        "mu_sliding": float(heat.sliding[0]) * case.scales.a_over_R,
+        "iterations": heat.iterations,
+        "converged": heat.converged,
     }
-    return content, thermal_warnings(case, found)
 
 
-def thermal_warnings(case: Case, found: Heated) -> list[str]:
-    """Where the formulas for the temperatures are used outside their range; an empty list if they are not."""
+def thermal_warnings(case: Case, heat: Heat) -> list[str]:
+    """Warnings where the formulas for the temperatures are used outside their range; an empty list if they are not."""
     assert case.thermal is not None
     said, inlet = [], INLET_FACTORS[case.thermal.inlet_factor]
-    if found.inlet.L_t > inlet.largest_L_t:
+    if heat.inlet.L_t > inlet.largest_L_t:
         said.append(
-            f"the inlet factor phi_T = {found.inlet.factor:.3g} ({inlet.source}) is made for {inlet.valid}, and this "
-            f"inlet has L_t = {found.inlet.L_t:.3g}; its film is uncertain"
+            f"the inlet factor phi_T = {heat.inlet.factor:.3g} ({inlet.source}) is made for {inlet.valid}, and this "
+            f"inlet has L_t = {heat.inlet.L_t:.3g}; its film is uncertain"
         )
-    for number, peclet in enumerate(found.peclet, 1):
+    for number, peclet in enumerate(heat.peclet, 1):
         if slow_excess(peclet) > slow_excess(SLOWEST):
             said.append(
                 f"surface {number} moves slowly, with a Peclet number of {peclet:.2g}: "
@@ -74,9 +87,9 @@ def thermal_warnings(case: Case, found: Heated) -> list[str]:
                 )
                 + f", and its temperature rise is about {slow_excess(peclet):.0%} too high"
             )
-    if not found.converged:
+    if not heat.converged:
         said.append(
-            f"the heat balance did not converge in {found.iterations} iterations: temperatures and thermal "
-            "traction mean nothing"
+            f"the heat balance did not converge in {heat.iterations} iterations: temperatures and thermal "
+            "traction are not meaningful"
         )
     return said

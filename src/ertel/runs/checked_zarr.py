@@ -1,7 +1,7 @@
 """A Dataset as Zarr files in which nothing changes unnoticed, and which `xarray.open_zarr` alone opens.
 
 The chunks carry checksums.  The metadata of all arrays stand in one file, run.zarr/zarr.json, with their checksum among
-its attributes.  The file is replaced in one stroke: it says how many rows readers see.  Zarr also wants a zarr.json in
+its attributes.  The file is replaced atomically: it says how many rows readers see.  Zarr also wants a zarr.json in
 each array; nobody here reads those.
 """
 
@@ -87,7 +87,8 @@ def append(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
     """Append rows to arrays.  Readers see them when the file ROOT counts them."""
     with _writing(), ThreadPoolExecutor(THREADS) as pool:
         group = zarr.open_group(SyncedStore(path), mode="r+", zarr_format=FORMAT, use_consolidated=True)
-        list(pool.map(lambda name: _array(group, name).append(arrays[name]), arrays))
+        stored = dict(group.arrays())
+        list(pool.map(lambda name: stored[name].append(arrays[name]), arrays))
 
 
 @contextmanager
@@ -96,12 +97,6 @@ def _writing() -> Iterator[None]:
     with warnings.catch_warnings(), zarr.config.set({"array.write_empty_chunks": True}):
         warnings.filterwarnings("ignore", message="Consolidated metadata is currently not part")
         yield
-
-
-def _array(group: zarr.Group, name: str) -> "zarr.Array[Any]":
-    array = group[name]
-    assert isinstance(array, zarr.Array)
-    return array
 
 
 # -- the metadata -----------------------------------------------------------------------------------------------------
@@ -205,12 +200,8 @@ def _read(path: Path, advice: str) -> xr.Dataset:
         arrays = dict(zarr.open_group(store, mode="r", zarr_format=FORMAT, use_consolidated=True).arrays())
     for name, metadata in _metadata(root).items():
         with reading(path / name, advice):
-            variables[name] = (metadata["dimension_names"], _whole(arrays[name]), metadata["attributes"])
+            array = arrays[name]
+            if missing := array.nchunks - array.nchunks_initialized:
+                raise ValueError(f"{missing} of {array.nchunks} chunks are missing")
+            variables[name] = (metadata["dimension_names"], np.asarray(array[...]), metadata["attributes"])
     return xr.Dataset(variables, attrs=root["attributes"])
-
-
-def _whole(array: "zarr.Array[Any]") -> NDArray[Any]:
-    missing = array.nchunks - array.nchunks_initialized
-    if missing:
-        raise ValueError(f"{missing} of {array.nchunks} chunks are missing")
-    return np.asarray(array[...])

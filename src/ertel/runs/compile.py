@@ -163,12 +163,17 @@ def start_at_once() -> Path | None:
     from ertel.runs.exported import ExportedPrograms
 
     directory, _chosen = cache(), start_at_once
-    if directory and "://" not in str(_jax_directory()) and _is_safe(directory / "ertel"):
+    if directory is None or "://" in str(_jax_directory()):
+        return directory
+    if _is_safe(directory / "ertel"):
         if MINIMUM.upper() not in os.environ:
             jax.config.update(MINIMUM, 0.0)
         stamp = "\0".join((own_sources(), version("jax"), version("jaxlib")))
         _exports = ExportedPrograms(directory / "ertel", stamp)
         build_with(_exports.build)
+    elif not _is_own(directory):
+        jax.config.update("jax_enable_compilation_cache", False)
+        return None
     return directory
 
 

@@ -14,15 +14,15 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
+from ertel.case.grids import grid_of
 from ertel.case.status import Status
-from ertel.equations.state import GridSolution, Method, State, solved
+from ertel.equations.state import Method, State, solved
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.results.dataset import assemble, assemble_steady
+from ertel.results.errors import with_error
 from ertel.results.summary import (
     impact_summary,
-    impact_with_error,
     rolling_summary,
-    rolling_with_error,
     steady_summary,
 )
 from ertel.runs import workers
@@ -30,6 +30,7 @@ from ertel.runs.comparisons import comparisons
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
+from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import Transient2D
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -97,9 +98,7 @@ class Run(ABC):
 
     def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         """The summary with the errors estimated from the summaries of the comparisons."""
-        if self.case.starts_apart:
-            return impact_with_error(fine, others)
-        return rolling_with_error(self.case, fine, others)
+        return with_error(self.case, fine, others)
 
 
 def course_of(case: Case) -> Run:
@@ -255,6 +254,7 @@ class SteadyRun(Run):
         for i, (nodes_x, nodes_y, spacing, x, y, *even) in enumerate(arrays["grid"].tolist()):
             solutions.append(
                 GridSolution(
+                    case=self.case,
                     grid=Grid(int(nodes_x), int(nodes_y), spacing, x, y, Symmetry(*(bool(e) for e in even))),
                     P=jax.device_put(arrays[f"P_{i}"]),
                     H=jax.device_put(arrays[f"H_{i}"]),
@@ -266,7 +266,8 @@ class SteadyRun(Run):
         return GridStep(tuple(solutions), Status(str(arrays["status"])))
 
     def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: GridStep) -> xr.Dataset:
-        return assemble_steady(self.case, last.solutions)
+        grid = last.solutions[-1].grid if last.solutions else grid_of(self.case)
+        return assemble_steady(self.case, grid, last.solutions)
 
     def summary(self, data: xr.Dataset, last: GridStep, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         return steady_summary(self.case, last.solutions, work, status)

@@ -35,17 +35,20 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from itertools import chain, count
+from math import isfinite
+from os.path import lexists
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 from uuid import uuid4
 
-from pydantic import BaseModel, Field
-
 from ertel.case.case import Case
+from ertel.case.conditions import Kind
 from ertel.case.records import show
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
-from ertel.runs.files import StoreError, content_of, replace, sync_directory
+from ertel.results.numbers import KEY, as_now, values_of
+from ertel.results.report import lines
+from ertel.runs.files import StoreError, content_of, reading, replace, sync_directory, unsealed
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
     from ertel.runs.courses import Run, StepResult
@@ -134,6 +137,30 @@ def changes(before: Any, now: Any, field: str = "") -> str:
     return f"{field} {show(before)} → {show(now)}"
 
 
+# -- the summary ------------------------------------------------------------------------------------------------------
+
+
+def read_summary(directory: Path) -> dict[str, Any] | None:
+    """The summary of a run; None where there is none yet.
+
+    Raises OSError where it cannot be read, Damaged where its checksum or a value that readers count on is wrong.
+    """
+    path = directory / SUMMARY
+    if not lexists(path):
+        return None
+    with reading(path, "it is written again when the run is continued"):
+        summary = as_now(unsealed(content_of(path)))
+        Status(summary["status"])
+        if summary["kind"] not in get_args(Kind):
+            raise ValueError("it is of no kind of contact")
+        values = values_of(summary)
+        if not all(isinstance(values[name], int | float) for name in KEY if name in values):
+            raise ValueError("a value is not a number")
+        if not all(isinstance(text, str) for text in (*lines(summary), *summary["warnings"])):
+            raise ValueError("a warning is not a text")
+    return summary
+
+
 # -- the file `stop` --------------------------------------------------------------------------------------------------
 
 
@@ -164,19 +191,6 @@ def _forget_stop(directory: Path) -> None:
 
 
 # -- the file progress.json -------------------------------------------------------------------------------------------
-
-
-class _Progress(BaseModel, strict=True, extra="allow", allow_inf_nan=False):
-    """The values that readers count on."""
-
-    status: str
-    T: float | None
-    step: int = Field(ge=0)
-    done: float = Field(ge=0.0, le=1.0)
-    seconds: float
-    seconds_left: float | None
-    written: str
-    process: int = Field(gt=0, lt=LARGEST_PROCESS)
 
 
 class ProgressFile:
@@ -228,9 +242,26 @@ def _write_progress(directory: Path, content: Mapping[str, Any]) -> None:
 
 def read_progress(directory: Path) -> dict[str, Any] | None:
     """The progress of a run; None where there is none or it cannot be read."""
-    with suppress(OSError, ValueError):
-        return _Progress.model_validate_json(content_of(directory / PROGRESS)).model_dump()
+    with suppress(OSError, ValueError, LookupError, TypeError, RecursionError, OverflowError):
+        progress: dict[str, Any] = json.loads(content_of(directory / PROGRESS))
+        if _is_valid(progress):
+            return progress
     return None
+
+
+def _is_valid(progress: Mapping[str, Any]) -> bool:
+    """Whether the values that readers count on have their types and ranges.  Raises many errors where they have not."""
+    counts = [progress[name] for name in ("step", "process")]
+    numbers = [*counts, *(progress[name] for name in ("T", "done", "seconds", "seconds_left"))]
+    return (
+        all(isinstance(progress[name], str) for name in ("status", "written"))
+        and all(type(count) is int for count in counts)
+        and all(isfinite(number) for number in numbers if number is not None)
+        and progress["step"] >= 0
+        and 0.0 <= progress["done"] <= 1.0
+        and progress["seconds"] >= 0.0
+        and 0 < progress["process"] < LARGEST_PROCESS
+    )
 
 
 def settle_progress(directory: Path) -> None:

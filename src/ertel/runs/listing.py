@@ -11,10 +11,9 @@ from typing import Any, NamedTuple
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.results.numbers import Scalar, as_now, scalars
-from ertel.results.report import lines
-from ertel.runs.directory import CASE, DATA, PROGRESS, SUMMARY, read_case, read_progress
-from ertel.runs.files import StoreError, content_of, is_locked, reading, unsealed
+from ertel.results.numbers import Scalar, scalars
+from ertel.runs.directory import CASE, DATA, PROGRESS, SUMMARY, read_case, read_progress, read_summary
+from ertel.runs.files import StoreError, is_locked, reading
 
 DEEPEST = 4  # levels of folders that are looked into
 
@@ -72,22 +71,6 @@ def is_run(path: Path) -> bool:
     return lexists(path / CASE) and any(lexists(path / name) for name in (DATA, f"{DATA}.old"))
 
 
-def summary_in(directory: Path) -> dict[str, Any] | None:
-    """The summary of a run; None where there is none yet.
-
-    Raises OSError where it cannot be read, Damaged where its checksum or a value that readers count on is wrong.
-    """
-    path = directory / SUMMARY
-    if not lexists(path):
-        return None
-    with reading(path, "it is written again when the run is continued"):
-        found = as_now(unsealed(content_of(path)))
-        Status(found["status"])
-        if not all(isinstance(text, str) for text in (*lines(found), *found["warnings"])):
-            raise ValueError("a warning is not a text")
-    return found
-
-
 def status_of(directory: Path, summary: Mapping[str, Any] | None) -> str:
     """The status of a run with this summary; "running", or "unfinished" where no process is computing it."""
     if summary and Status(summary["status"]).ok:
@@ -100,7 +83,7 @@ def _listed(directory: Path) -> Listed:
     changed = max((path.lstat().st_mtime for path in files if lexists(path)), default=0.0)
     written = datetime.fromtimestamp(changed)
     try:
-        case, summary = read_case(directory), summary_in(directory)
+        case, summary = read_case(directory), read_summary(directory)
         with reading(directory / SUMMARY, ""):
             numbers = scalars(summary) if summary else {}
     except (StoreError, OSError):

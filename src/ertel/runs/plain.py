@@ -1,8 +1,8 @@
 """Results on disk as plain data, so that reading them runs no code and a damaged file is noticed.
 
 Plain data: None, truth values, numbers, texts, lists, dicts with texts as keys, NumPy arrays of numbers or texts, and
-Datasets of these.  Tuples are written as lists.  A file is a SHA-256 checksum and an npz archive: "text" is JSON in
-which each list, dict, array and Dataset is named as such; the arrays stand beside it as "0", "1", ...
+Datasets of these.  Tuples are written as lists.  A file is an npz archive and its checksum, see `files.checked`.  In
+the archive "text" is JSON in which each list, dict, array and Dataset is named as such; the arrays are "0", "1", ...
 """
 
 import hashlib
@@ -16,34 +16,29 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-CHECKSUM = hashlib.sha256().digest_size  # bytes at the beginning of a file
+from ertel.runs.files import checked, reading, replace, unchecked
 
 
 def write(path: Path, content: Any) -> None:
-    """Write plain data in one stroke: the file is complete or as it was.
+    """Write plain data atomically.
 
     Raises TypeError where the content is not plain data, OSError with the name of the file where it cannot be written.
     """
-    body, draft = _archive(content), path.with_name(f"{path.name}.partial")
+    archive = checked(_archive(content))
     try:
-        draft.write_bytes(hashlib.sha256(body).digest() + body)
-        draft.replace(path)
+        replace(path, archive)
     except OSError as error:
-        draft.unlink(missing_ok=True)
         raise OSError(error.errno, error.strerror, str(path)) from error
 
 
 def read(path: Path) -> Any:
-    """What `write` was given.  Raises ValueError where the file is damaged, OSError where it cannot be read."""
+    """The content that was written.  Raises Damaged where the file is damaged, OSError where it cannot be read."""
     content = path.read_bytes()
-    body = content[CHECKSUM:]
-    if hashlib.sha256(body).digest() != content[:CHECKSUM]:
-        raise ValueError(f"{path}: is damaged, its checksum does not fit")
-    try:
-        with np.load(io.BytesIO(body), allow_pickle=False) as archive:
-            return _decoded(json.loads(archive["text"].item()), archive)
-    except Exception as error:  # of zipfile, zlib, json, NumPy: somebody else wrote this file
-        raise ValueError(f"{path}: is no file of plain data") from error
+    with (
+        reading(path, "delete it"),
+        np.load(io.BytesIO(unchecked(content)), allow_pickle=False) as archive,
+    ):
+        return _decoded(json.loads(archive["text"].item()), archive)
 
 
 def digest(content: Any) -> str:

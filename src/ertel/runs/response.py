@@ -21,7 +21,7 @@ from ertel.case.records import scaled_all
 from ertel.case.sections import Time
 from ertel.case.status import Status
 from ertel.equations import discretise
-from ertel.equations.state import Rolling, State, combined, interpolated
+from ertel.equations.state import State, combined, interpolated
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics import bdf
 from ertel.numerics.arrays import double_precision
@@ -39,6 +39,7 @@ from ertel.runs.drive import Observer, Recorder, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
 from ertel.solvers import steady
 from ertel.solvers.response import RoughnessWave, WaveResponse, tangent_start, tangent_step, wave_response
+from ertel.solvers.steady import Rolling
 from ertel.solvers.transient import Transient2D
 
 FILM_CHANGE = {"long_name": "change of the film thickness by the roughness", "symbol": "dH", "units": "1"}
@@ -238,7 +239,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     found = [wave_response(case, film, wave) for wave in waves]
     errors = _errors(case, rolling, features, found)
     status = film.status if all(r.converged for r in found) else Status.NEWTON_STALLED
-    data = assemble_steady(case, rolling.solutions, {"status": status.value})
+    data = assemble_steady(case, rolling.finest.grid, rolling.solutions, {"status": status.value})
     work = {"response_krylov": [r.krylov for r in found], "response_convolutions": [r.convolutions for r in found]}
     per_wave = {"frequency": [wave.frequency for wave in waves], **work}
     data = data.assign({name: ("wave", np.array(values)) for name, values in per_wave.items()})

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.equations.friction import coefficients
+from ertel.equations.account import coefficients, whole_maps
 from ertel.equations.state import Method, State, Work, combined, interpolated
 from ertel.numerics import bdf
-from ertel.results.dataset import whole_maps
 
 UNLOADED = 1e-8  # F below which the ball has left
 SAME_TIME = 1e-9  # t0: two maps closer than this are one

@@ -2,14 +2,14 @@
 
 A flush writes to run.zarr, then renews its metadata: now readers see the new rows; then replaces the checkpoint: now a
 resumed run goes on from here.  Each file has a checksum, is replaced atomically, and is on the disk before the next one
-counts on it.  The digest of the case stands in run.zarr, in the checkpoint and in the summary, and is compared
-when they are read.
+counts on it.  The digest of the case stands in run.zarr, in the checkpoint and in the summary, and is compared when
+they are read.
 """
 
 import json
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from functools import cached_property
 from io import BytesIO
 from pathlib import Path
@@ -22,18 +22,18 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.numerics.arrays import double_precision
-from ertel.results.numbers import as_now
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.results.variables import one_number
 from ertel.runs import checked_zarr
-from ertel.runs.arrays import RunData, data_class
+from ertel.runs.arrays import AppendedData, ReplacedData, data_class
 from ertel.runs.compile import check_jax, compilations
 from ertel.runs.courses import Run, StepResult, course_of
-from ertel.runs.directory import CASE as CASE
-from ertel.runs.directory import CHECKPOINT as CHECKPOINT
 from ertel.runs.directory import (
+    CASE,
+    CHECKPOINT,
     DATA,
+    SUMMARY,
     ProgressFile,
     changes,
     heeding_stop,
@@ -41,16 +41,14 @@ from ertel.runs.directory import (
     make,
     numbered,
     read_case,
+    read_summary,
     require_same,
     settle_progress,
 )
-from ertel.runs.directory import SUMMARY as SUMMARY
-from ertel.runs.directory import Taken as Taken
 from ertel.runs.drive import Observer, bars, drive, warn, watch
-from ertel.runs.files import Damaged as Damaged
-from ertel.runs.files import StoreError as StoreError
-from ertel.runs.files import checked, content_of, locked, reading, replace, sealed, unchecked, unsealed
+from ertel.runs.files import Damaged, StoreError, checked, content_of, locked, reading, replace, sealed, unchecked
 from ertel.runs.outlook import warnings_of, with_case_warnings
+from ertel.runs.stepping import Frame
 
 LARGEST_CHECKPOINT = 4 * 10**9  # bytes: of 4097 x 4097 nodes a map has 0.13 GB, and there are several
 
@@ -64,11 +62,13 @@ class RunStore:
     flush_interval: float | None = None
 
     def __init__(self, directory: Path, case: Case, course: Run | None = None):
-        self.directory, self.case, self._advice = directory, case, data_class(case).advice
-        self._course = course
+        self.directory, self.case, self._course = directory, case, course
+        self._advice = data_class(case).advice
         self._started = self._flushed = time.monotonic()
         self._seconds_before = 0.0  # of computing, before this process took over
         self._item: Any = None  # the last result taken and not yet written
+        self._records: list[Mapping[str, float]] = []  # taken and not yet written
+        self._frames: list[Frame] = []
         self._alone = False  # whether this object holds the lock
 
     @classmethod
@@ -79,7 +79,7 @@ class RunStore:
         written.
         """
         store = cls(directory, case, course)
-        make(directory, case, lambda path: store._writer.create(path / DATA))
+        make(directory, case, lambda draft: store._arrays.create(draft / DATA))
         return store
 
     @classmethod
@@ -90,18 +90,17 @@ class RunStore:
         """
         unused = (path for path in numbered(parent / (case.name or case.kind)) if not path.exists())
         store = cls(next(unused), case, course)
-        store.directory = make(store.directory, case, lambda path: store._writer.create(path / DATA), unused)
+        store.directory = make(store.directory, case, lambda draft: store._arrays.create(draft / DATA), unused)
         return store
 
     @classmethod
     def open(cls, directory: Path) -> "RunStore":
         """The store of the run in a directory.  Raises StoreError if there is none or it belongs to another case."""
-        if not (directory / CASE).exists():
-            raise StoreError(f"{directory} is not an ertel run directory (no {CASE})")
-        if not checked_zarr.present(directory / DATA).exists():
-            raise StoreError(f"{directory} is not an ertel run directory (no {DATA})")
+        for name, path in ((CASE, directory / CASE), (DATA, checked_zarr.present(directory / DATA))):
+            if not path.exists():
+                raise StoreError(f"{directory} is not an ertel run directory (no {name})")
         store = cls(directory, read_case(directory))
-        store._check_data()
+        store._require_own_data()
         return store
 
     @property
@@ -112,7 +111,7 @@ class RunStore:
         return self._course
 
     @cached_property
-    def _writer(self) -> RunData:
+    def _arrays(self) -> AppendedData | ReplacedData:
         return data_class(self.case)(self.course)
 
     @property
@@ -137,7 +136,7 @@ class RunStore:
             return
         with locked(self.directory), heeding_stop(self.directory):
             require_same(self.directory, self.case.digest, self.case.to_data(), read_case(self.directory))
-            self._check_data()
+            self._require_own_data()
             self._alone = True
             try:
                 yield
@@ -150,9 +149,11 @@ class RunStore:
 
     def __call__(self, result: StepResult) -> None:
         """Add one result; the results are written at intervals."""
-        self._writer.take(result)
         self._item = result
-        interval = self._writer.flush_interval if self.flush_interval is None else self.flush_interval
+        if result.record:  # a run that gives up ends with a result that has none
+            self._records.append(result.record)
+        self._frames.extend(result.frames)
+        interval = self._arrays.flush_interval if self.flush_interval is None else self.flush_interval
         if time.monotonic() - self._flushed > interval:
             self.flush()
 
@@ -161,9 +162,10 @@ class RunStore:
         if self._item is None:
             return
         result, self._item = self._item, None
-        known = self._writer.flush(self._data)
-        self._write_checkpoint({**self.course.to_arrays(result), **known})
-        self._writer.after_checkpoint(self._data, result)
+        written = self._arrays.flush(self._data, self._records, self._frames)
+        self._records, self._frames = [], []
+        self._write_checkpoint({**self.course.to_arrays(result), **written})
+        self._arrays.after_checkpoint(self._data, result)
         self._flushed = time.monotonic()
 
     def _write_checkpoint(self, arrays: Mapping[str, Any]) -> None:
@@ -185,42 +187,37 @@ class RunStore:
 
         Raises Damaged where the checkpoint, or data that do not follow from it, are damaged; then nothing has changed.
         """
-        checkpoint = self._read_checkpoint()
-        item = self._item_of(checkpoint)
-        self._writer.restore(self._data, checkpoint, item)
+        checkpoint, result = self._read_checkpoint()
+        self._arrays.restore(self._data, checkpoint, result)
         (self.directory / SUMMARY).unlink(missing_ok=True)
+        self._records, self._frames = [], []
         self._seconds_before = float(checkpoint.get("store_seconds", 0.0))
         self._started = self._flushed = time.monotonic()
-        return item
+        return result
 
     def item(self) -> Any:
         """The result that the checkpoint holds; None where the run is still at its very start."""
-        return self._item_of(self._read_checkpoint())
+        return self._read_checkpoint()[1]
 
-    def _item_of(self, checkpoint: Mapping[str, Any]) -> Any:
-        with self._reading_checkpoint():
-            return self.course.from_arrays(checkpoint) if checkpoint else None
-
-    def _read_checkpoint(self) -> dict[str, Any]:
-        """The arrays of the checkpoint; nothing where the run is still at its very start."""
+    def _read_checkpoint(self) -> tuple[dict[str, Any], Any]:
+        """The arrays of the checkpoint and its result; none where the run is still at its very start."""
+        path = self.directory / CHECKPOINT
         try:
-            content = content_of(self.directory / CHECKPOINT, LARGEST_CHECKPOINT)
+            content = content_of(path, LARGEST_CHECKPOINT)
         except FileNotFoundError:
-            return {}
-        with self._reading_checkpoint(), np.load(BytesIO(unchecked(content)), allow_pickle=False) as file:
-            checkpoint = dict(file)
-        self._require_own(CHECKPOINT, str(checkpoint.get("store_digest")))
-        return checkpoint
-
-    def _reading_checkpoint(self) -> AbstractContextManager[None]:
-        return reading(self.directory / CHECKPOINT, "delete it to have the run computed from its start")
+            return {}, None
+        with reading(path, "delete it to have the run computed from its start"):
+            with np.load(BytesIO(unchecked(content)), allow_pickle=False) as file:
+                checkpoint = dict(file)
+            self._require_own(CHECKPOINT, str(checkpoint.get("store_digest")))
+            return checkpoint, self.course.from_arrays(checkpoint)
 
     def _require_own(self, name: str, digest: object) -> None:
         if digest != self.case.digest:
             raise StoreError(f"{self.directory}: {name} is not that of {CASE}; put the run's own file back")
 
-    def _check_data(self) -> None:
-        """Raise StoreError if the data belong to another case; who needs damaged data says so."""
+    def _require_own_data(self) -> None:
+        """Raise StoreError if the data belong to another case; damage is reported where the data are needed."""
         try:
             attributes = checked_zarr.read_root(checked_zarr.present(self._data), self._advice)["attributes"]
         except Damaged:
@@ -233,15 +230,10 @@ class RunStore:
 
     def summary(self) -> dict[str, Any] | None:
         """The summary as it is stored, None where there is none yet.  Raises Damaged."""
-        path = self.directory / SUMMARY
-        try:
-            text = content_of(path)
-        except FileNotFoundError:
-            return None
-        with reading(path, "it is written again when the run is continued"):
-            content = unsealed(text)
-        self._require_own(SUMMARY, content.pop("digest", None))
-        return as_now(content)
+        summary = read_summary(self.directory)
+        if summary is not None:
+            self._require_own(SUMMARY, summary.pop("digest", None))
+        return summary
 
     def outcome(self) -> dict[str, Any] | None:
         """The summary of a run that has converged and is whole; None where there is something left to do."""
@@ -258,8 +250,8 @@ class RunStore:
 
     def summary_so_far(self) -> dict[str, Any]:
         """The summary of a run that has not ended.  Raises StoreError where there is nothing yet."""
-        checkpoint = self._read_checkpoint()
-        if not checkpoint:
+        checkpoint, result = self._read_checkpoint()
+        if result is None:
             raise StoreError(f"{self.directory}: nothing is computed yet")
         return self.summarise(Status.RUNNING, {"compilations": 0, "wall_s": float(checkpoint["store_seconds"])})
 

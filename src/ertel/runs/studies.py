@@ -33,10 +33,10 @@ from ertel.inputs.studies import Study, load_study, parse_study
 from ertel.results.study_result import StudyResult
 from ertel.results.study_runs import MISSING, RUNNING, UNFINISHED, StudyRun, assemble
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import heeding_stop, is_asked_to_stop, read_progress
+from ertel.runs.directory import CASE, Taken, heeding_stop, is_asked_to_stop, read_progress
 from ertel.runs.drive import bars
 from ertel.runs.files import StoreError, is_locked, locked
-from ertel.runs.store import CASE, RunStore, Taken, compute
+from ertel.runs.store import RunStore, compute
 from ertel.runs.tasks import Engine
 from ertel.runs.warm_up import has_compiled, program_of
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never

@@ -13,9 +13,7 @@ import numpy as np
 from ertel.case.case import Case
 from ertel.case.estimates import newtonian_stress
 from ertel.case.status import Status
-from ertel.equations import friction, heat
-from ertel.equations.heat import Heated
-from ertel.equations.state import Rolling
+from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.ranges import Given
 from ertel.numerics.arrays import double_precision
@@ -31,6 +29,8 @@ from ertel.runs.curves import Curve, Film, curve_of
 from ertel.runs.drive import Observer, bars, drive, warn
 from ertel.runs.outlook import beyond
 from ertel.runs.traction_store import CurveStore
+from ertel.solvers.heat import Heated, heated
+from ertel.solvers.steady import Rolling
 
 NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but not that of a surface
 
@@ -83,8 +83,8 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
     fresh: whether the film was solved for this point, so that its work counts here.
     """
     grids = Rolling(film.solutions)
-    found = friction.steady(case, grids.finest)
-    numbers = with_coefficients(friction.coefficients(found), case.scales)
+    found = steady_friction(case, grids.finest)
+    numbers = with_coefficients(coefficients(found), case.scales)
     sliding, rolling = numbers["mu_sliding"], numbers["mu_rolling"]
     work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), grids.convolutions
     values = {
@@ -97,7 +97,7 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
     }
     said, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if case.thermal is not None and film.status.ok:
-        warm = heat.of_solution(case, grids.finest)
+        warm = heated(case, grids.finest.P, grids.finest.H, grid=grids.finest.grid)
         values |= _warm_values(case, values, warm)
         said += thermal_warnings(case, warm)
         status = film.status if warm.converged else Status.NEWTON_STALLED

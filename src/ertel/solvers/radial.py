@@ -22,11 +22,10 @@ from scipy.special import ellipe, ellipkm1
 from ertel.case.case import Case
 from ertel.case.grids import radii
 from ertel.case.status import Status
-from ertel.equations import account, friction, outside
-from ertel.equations.account import Account, Around, Film
+from ertel.equations import account, outside
+from ertel.equations.account import Account, Around, Film, Friction
 from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.equations.contact import traceable
-from ertel.equations.friction import Friction
 from ertel.equations.outside import Surroundings
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf
@@ -104,7 +103,7 @@ class RadialStep(NamedTuple):
     numbers: Array
 
 
-NUMBERS = ("approach", "converged", "newton", "load on nodes", "error", *account.INTEGRALS, *friction.NUMBERS)
+NUMBERS = ("approach", "converged", "newton", "load on nodes", "error", *account.INTEGRALS, *account.FRICTION)
 
 
 class RadialSolution(NamedTuple):
@@ -247,7 +246,7 @@ def solve_ring_step(p: RadialProblem) -> RadialStep:
     found = account_of(p.disc, eq, s.P, s.H, approach)
     error = ring_film_error(p.mesh.volume, s.H, jnp.tensordot(p.predict_H, films, axes=1), s.P)
     terms = (found.terms[name] for name in account.INTEGRALS)
-    values = approach, s.size <= tolerance, s.newton, load, error, *terms, *friction.numbers(found.friction)
+    values = approach, s.size <= tolerance, s.newton, load, error, *terms, *account.friction_numbers(found.friction)
     return RadialStep({"P": s.P, "H": s.H}, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
 
 
@@ -255,7 +254,7 @@ _step_program = Program(solve_ring_step)
 
 
 def ring_film_error(volume: Array, H: Array, predicted: Array, P: Array) -> Array:
-    """Relative difference of two films as in `transient.ring_film_error`, by means over at most `RINGS` rings."""
+    """Relative difference of two films as in `transient.film_error`, by means over at most `RINGS` rings."""
     width = -(-len(H) // RINGS)
     rings = jnp.pad(jnp.stack([P, H, predicted]) * volume, ((0, 0), (0, -len(H) % width)))
     pressed, film, expected = rings.reshape(3, -1, width).sum(axis=2)
@@ -320,7 +319,7 @@ class RadialImpact(Method):
         status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED  # stalled too if NaN
         work, error = Work(int(found["newton"])), found["error"]
         new = State(T, approach, velocity, solution.fields, status, work, around.load, load, error)
-        return replace(new, record={**self.measure(new), **terms, **{name: found[name] for name in friction.NUMBERS}})
+        return replace(new, record={**self.measure(new), **terms, **{name: found[name] for name in account.FRICTION}})
 
     def solve(self, problem: RadialProblem) -> RadialStep:
         """The step's solution, on this device."""

@@ -37,7 +37,7 @@ from ertel.equations.approach import ClosureLine, NewtonsLaw, balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, Rate, rate_in_time, steady_rate
 from ertel.equations.linearised import LinearFilm, flux_change, linear_film
-from ertel.equations.state import GridSolution, State, Work
+from ertel.equations.state import State, Work
 from ertel.numerics import bdf, multigrid
 from ertel.numerics.arrays import require_double
 from ertel.numerics.bdf import Weights
@@ -49,6 +49,7 @@ from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
 from ertel.solvers.nonlinear import Problem
 from ertel.solvers.preconditioner import PRECISION, point_preconditioner
+from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import FALLING, Transient2D, stacked
 
 NODES_PER_WAVE = 4  # a coarse grid that has fewer is for long waves alone

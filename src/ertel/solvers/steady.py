@@ -6,9 +6,11 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf
 from threading import Thread
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -20,18 +22,20 @@ from ertel.case.case import Case
 from ertel.case.grids import grid_of
 from ertel.case.status import Status
 from ertel.equations import discretise
+from ertel.equations.account import Friction, coefficients, steady_account, whole_maps
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import steady_rate
-from ertel.equations.state import GridSolution, Rolling
+from ertel.equations.measure import measure
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.arrays import double_precision
-from ertel.numerics.grid import Grid, check_coarsening, expected_next
+from ertel.numerics.grid import Extrapolation, Grid, check_coarsening, expected_next, extrapolate
 from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.stencils import folded, unfolded
 from ertel.physics.far_field import ContactMotion
 from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear, preconditioner
+from ertel.solvers.heat import Heated, heated
 from ertel.solvers.nonlinear import Problem
 
 Floats = NDArray[np.float64]
@@ -49,6 +53,90 @@ SMALL = 2 * 65 * 65  # entries of the largest array on a grid that is solved in 
 OPTIONS = newton.Options(newton_limit=100, newton_least=2, krylov_limit=18, first_reduction=0.1)
 
 _program = Program(nonlinear.solve, SMALL)
+
+
+@dataclass(frozen=True)
+class GridSolution:
+    """The steady contact of a case on one grid: fields of its shape, approach in a^2/R, status and work.
+
+    The account of the film and its temperatures are computed once, when they are first asked for.
+    history: maximum residual before the first and after each Newton iteration.  convolutions: work on this grid.
+    outside: the load that the oil outside the grid carries (double integral of P).
+    """
+
+    case: Case
+    grid: Grid
+    P: Any
+    H: Any
+    approach: float
+    residual: float
+    status: Status
+    newton: int
+    krylov: int
+    convolutions: float
+    history: tuple[float, ...] = ()
+    outside: float = 0.0
+
+    def measure(self) -> dict[str, float]:
+        """Films, pressures and load, see `measure.measure`, and Delta."""
+        return {"Delta": self.approach, **self._values, "load": self._values["load"] + self.outside}
+
+    @cached_property
+    def _values(self) -> dict[str, float]:
+        return measure(self.grid, self.P, self.H)
+
+    @cached_property
+    def account(self) -> tuple[dict[str, float], Friction]:
+        """The terms of its balances, and its friction."""
+        return steady_account(self.case, self)
+
+    @cached_property
+    def heat(self) -> Heated | None:
+        """Its temperatures; None without a section [thermal]."""
+        return None if self.case.thermal is None else heated(self.case, self.P, self.H, grid=self.grid)
+
+    @property
+    def record(self) -> dict[str, float]:
+        """Its numbers by name: those of `measure`, of the account, and the work."""
+        terms, friction = self.account
+        work = {"newton_iterations": self.newton, "krylov_iterations": self.krylov, "convolutions": self.convolutions}
+        return {**self.measure(), **terms, **coefficients(friction), "residual": self.residual, **work}
+
+    @property
+    def maps(self) -> dict[str, Floats]:
+        """Its fields on the whole plane by name: those of `account.whole_maps`, and the temperatures."""
+        maps = whole_maps(self, self.P, self.H, self.account[1])
+        heat = self.heat
+        if heat is not None:
+            maps |= {name: np.asarray(self.whole(getattr(heat, name))) for name in ("T_1", "T_2", "T_film")}
+        return maps
+
+    def whole(self, field: Any, odd: bool = False) -> Any:
+        """A field on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only.
+
+        odd: whether it changes its sign at the axis Y = 0.
+        """
+        return unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """The solutions on all grids, coarsest first."""
+
+    solutions: tuple[GridSolution, ...]
+
+    @property
+    def finest(self) -> GridSolution:
+        return self.solutions[-1]
+
+    @property
+    def convolutions(self) -> float:
+        """The work on all grids, in convolutions on the finest."""
+        return sum(s.convolutions * s.grid.size / self.finest.grid.size for s in self.solutions)
+
+    def extrapolate(self, name: str) -> Extrapolation:
+        """A quantity of `measure` by Richardson's extrapolation: the error falls with the square of the spacing."""
+        return extrapolate(*(s.measure()[name] for s in self.solutions[-2:]))
 
 
 def steady_film(case: Case, precision: str = preconditioner.PRECISION) -> Rolling:
@@ -177,7 +265,7 @@ def solve_on_grid(
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)
     history = tuple((np.asarray(s.history)[: n + 1] * tolerance).tolist())
-    return GridSolution(grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history, around.load)
+    return GridSolution(case, grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history, around.load)
 
 
 def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: float, precision: str) -> Problem:

@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.grids import coarsenings, grid_of
 from ertel.case.status import Status
-from ertel.equations import account, contact, discretise, friction, measure, outside
-from ertel.equations.account import Around, Moment
+from ertel.equations import account, contact, discretise, measure, outside
+from ertel.equations.account import Around, Friction, Moment
 from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, Rate, rate_in_time
-from ertel.equations.friction import Friction
 from ertel.equations.measure import Axes
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
@@ -120,7 +119,7 @@ class StepSolution(NamedTuple):
 
 
 SOLVED = ("approach", "converged", "newton", "krylov", "error")
-NUMBERS = (*SOLVED, *account.INTEGRALS, *friction.NUMBERS)  # of a step, followed by those of `measure.numbers`
+NUMBERS = (*SOLVED, *account.INTEGRALS, *account.FRICTION)  # of a step, followed by those of `measure.numbers`
 
 
 def stacked(levels: Sequence[State]) -> dict[str, Array]:
@@ -229,7 +228,7 @@ class Transient2D(Method):
         load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
         beyond = around.load + load - found["load"]  # half a cell around the grid counts as outside
         terms = account.terms(found, velocity, Around(beyond, around.uplift, load_rate), self.geometry.hertz_load)
-        record = {**measured, **terms, **{name: found[name] for name in friction.NUMBERS}}
+        record = {**measured, **terms, **{name: found[name] for name in account.FRICTION}}
         status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED
         work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
         fields = solution.fields
@@ -267,7 +266,7 @@ class Transient2D(Method):
         """See `Method.friction`."""
         c, sliding, scale = self.contact_at(level.T), self.case.motion.sliding(level.T), self.geometry.hertz_load
         load = (level.load + level.outside) / scale
-        return friction.of_film(self.setting.space, c, level.P, level.H, sliding, load, scale)
+        return account.compiled_friction(self.setting.space, c, level.P, level.H, sliding, load, scale)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """A field of a level on the whole plane."""
@@ -350,7 +349,7 @@ def _numbers(
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     error = film_error(mass, predicted, s.P, THIN * setting.film_scale, c.even, setting.coarsenings)
     values = approach, s.converged, s.newton, s.krylov, error, *(found.terms[name] for name in account.INTEGRALS)
-    plain = [*values, *friction.numbers(found.friction)]
+    plain = [*values, *account.friction_numbers(found.friction)]
     return jnp.concatenate(
         [jnp.stack([jnp.asarray(v, s.P.dtype) for v in plain]), measure.numbers(setting.axes, s.P, s.H)]
     )

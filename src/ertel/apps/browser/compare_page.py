@@ -4,12 +4,11 @@ from pathlib import Path
 
 from nicegui import ui
 
-from ertel.apps.browser.canvas import Canvas
-from ertel.apps.browser.records import summary_of
+from ertel.apps.browser.elements import Canvas, pretty, show_line
+from ertel.apps.browser.folder import summary_of
+from ertel.apps.browser.pictures import INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.run_page import TABS
 from ertel.apps.browser.site import Site
-from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish, stamp_of
-from ertel.apps.browser.words import pretty
 from ertel.results.numbers import key_numbers
 
 STEPS = 200  # of the slider
@@ -33,76 +32,77 @@ class Comparison:
 
     def __init__(self, site: Site, names: list[str], chosen: list[str]):
         self.site = site
-        self._told: list[Told | None] = [None, None]
         self._begun = False
         with ui.row().classes("head"):
             ui.label("Two runs side by side").classes("title")
             ui.space()
-            self._figure = ui.toggle({**NARROW, **WIDE}, value="film", on_change=self._show).props(
-                "no-caps unelevated dense"
-            )
-            self._figure.classes("choice")
+            self._figure = ui.toggle({**NARROW, **WIDE}, value="film", on_change=self._show).classes("choice")
+            self._figure.props("no-caps unelevated dense")
         with ui.element("div").classes("card moment-card") as self._when, ui.row().classes("moment"):
             ui.icon("schedule")
             self._slider = ui.slider(min=0, max=STEPS, value=STEPS, on_change=self._show).mark("slider")
             self._label = ui.label().classes("time")
         with ui.element("div").classes("pair") as self._pair:
-            sides = [self._side(number, names, name) for number, name in enumerate(chosen)]
-        self._names, self._numbers, self._canvases = (list(parts) for parts in zip(*sides, strict=True))
-        for number in (0, 1):
-            ui.timer(0.05, lambda number=number: self._choose(number), once=True)
+            self._sides = [_Side(self, names, name) for name in chosen]
 
-    def _side(self, number: int, names: list[str], chosen: str) -> tuple[ui.select, ui.element, Canvas]:
-        with ui.element("div").classes("card side"):
-            name = ui.select(names, value=chosen, on_change=lambda: self._choose(number)).props("dense outlined")
-            numbers = ui.element("div").classes("lines")
-            return name, numbers, Canvas(self.site)
-
-    async def _choose(self, number: int) -> None:
-        """Take over a run that was chosen."""
-        try:
-            path = self.site.folder.run(self._names[number].value)
-            self._told[number] = await self.site.artist.tell(path)
-        except ValueError as error:
-            ui.notify(str(error))
-            return
-        if self._label.is_deleted:  # the page was left
-            return
-        self._begin()
-        summary = summary_of(path)
-        self._numbers[number].clear()
-        with self._numbers[number]:
-            for found in key_numbers(summary) if summary else []:
-                with ui.row().classes("line"):
-                    ui.label(found.long_name)
-                    ui.space()
-                    ui.label(found.text_in_si or pretty(found.text)).classes("value")
-        self._show()
-
-    def _begin(self) -> None:
-        """Begin at maximum approach, where one of the runs has it."""
-        known = [told for told in self._told if told is not None]
-        maxima = [told.T[told.events["max-approach"]] for told in known if "max-approach" in told.events]
-        if len(known) == len(self._told) and maxima and not self._begun:
+    def show(self) -> None:
+        """Show both pictures; begin at maximum approach, where one of the runs has it."""
+        known = [side.info for side in self._sides if side.info]
+        maxima = [info.T[info.events["max-approach"]] for info in known if "max-approach" in info.events]
+        if len(known) == len(self._sides) and maxima and not self._begun:
             self._begun = True
             self._slider.set_value(round(STEPS * maxima[0] / self._end))
+        self._show()
 
     @property
     def _end(self) -> float:
         """The T at which the slider ends; 0 for two steady contacts."""
-        return max((told.T[-1] for told in self._told if told and told.T), default=0.0)
+        return max((side.info.T[-1] for side in self._sides if side.info and side.info.T), default=0.0)
 
     def _show(self) -> None:
         T = self._end * self._slider.value / STEPS if self._end else None
         self._when.set_visibility(T is not None)
         self._label.set_text("" if T is None else f"T = {T:.3f}")
         self._pair.classes(replace="pair wide" if self._figure.value in WIDE else "pair")
-        for told, name, canvas in zip(self._told, self._names, self._canvases, strict=True):
-            if told is not None:
-                canvas.show(self._wish(told, self.site.folder.run(name.value), T))
+        for side in self._sides:
+            side.show(self._figure.value, T)
 
-    def _wish(self, told: Told, run: Path, T: float | None) -> Wish:
-        """The picture of one run, at the map next to a time."""
-        at = None if not told.T or T is None else min(told.T, key=lambda t: abs(t - T))
-        is_midline_of_steady = self._figure.value == "profiles" and not told.T
-        return Wish(run, "midlines" if is_midline_of_steady else self._figure.value, at, stamp=stamp_of(run))
+
+class _Side:
+    """One of the runs: its name, its numbers, its picture.  info: None until it is read."""
+
+    def __init__(self, page: Comparison, names: list[str], chosen: str):
+        self._page = page
+        self._run: Path | None = None
+        self.info: RunInfo | None = None
+        with ui.element("div").classes("card side"):
+            self._name = ui.select(names, value=chosen, on_change=self._choose).props("dense outlined")
+            self._numbers = ui.element("div").classes("lines")
+            self._canvas = Canvas(page.site.plots)
+        ui.timer(0.05, self._choose, once=True)
+
+    async def _choose(self) -> None:
+        """Take over the run that was chosen."""
+        try:
+            run = self._page.site.folder.run(self._name.value)
+            info = await self._page.site.plots.info(run)
+        except ValueError as error:
+            ui.notify(str(error))
+            return
+        if self._numbers.is_deleted:  # the page was left
+            return
+        self._run, self.info = run, info
+        summary = summary_of(run)
+        self._numbers.clear()
+        with self._numbers:
+            for number in key_numbers(summary) if summary else []:
+                show_line(number.long_name, number.text_in_si or pretty(number.text))
+        self._page.show()
+
+    def show(self, figure: str, T: float | None) -> None:
+        """Show a figure, at the map next to a time."""
+        if self._run is None or self.info is None:
+            return
+        at = None if T is None else min(self.info.T, key=lambda t: abs(t - T), default=None)
+        name = "midlines" if figure == "profiles" and not self.info.T else figure
+        self._canvas.show(PlotRequest(self._run, name, at, stamp=stamp_of(self._run)))

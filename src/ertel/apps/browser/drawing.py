@@ -1,4 +1,4 @@
-"""Pictures of a run and what is known of it; these functions run in a process of their own, see `pictures`.
+"""Pictures of a run and the facts on it; these functions run in a process of their own, see `pictures`.
 
 They return plain data and raise ValueError with a sentence for the page.
 """
@@ -12,41 +12,42 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ertel import plots
-from ertel.apps.browser.wishes import INTERFEROGRAM, Told, Wish
-from ertel.plots.drawing import is_physical, scale
-from ertel.plots.moments import shown
+from ertel.apps.browser.pictures import INTERFEROGRAM, PlotRequest, RunInfo
+from ertel.plots.view import View
 from ertel.results.variables import EVENTS, VARIABLES, is_steady
 from ertel.runs.checked_zarr import RegularStore
 
 IN_TIME = ("maps", "profiles", "history", "front", "friction", INTERFEROGRAM, "overview")
 STEADY = ("maps", "midlines", "friction", INTERFEROGRAM, "convergence", "overview")
 STRESSES = ("tau_x", "tau_y", "loss")  # that only one figure needs
-NEWS = ("H_c", "H_min", "P_max", "F", "mu_sliding")  # what is told of a run that goes on
+LATEST = ("H_c", "H_min", "P_max", "F", "mu_sliding")  # shown of a run that goes on
 MOST = 3  # Datasets that are kept
 
 
-def tell(run: Path, stamp: int) -> Told:
-    """What is known of a run.  Raises ValueError where its data cannot be read."""
+def info(run: Path, stamp: int) -> RunInfo:
+    """The facts on a run.  Raises ValueError where its data cannot be read."""
     data = _opened(run, stamp, STRESSES)
-    steady = is_steady(data)
-    figures = [
-        name
-        for name in (STEADY if steady else IN_TIME)
-        if (name != "front" or data.attrs["kind"] == "impact") and (name != INTERFEROGRAM or is_physical(data))
-    ]
-    T = () if steady else tuple(float(t) for t in data["frame"].values)
-    time = None if steady else scale(data, "time", 1.0)
-    times = tuple(f"{t * time.factor:.3g} {_plain(time.unit)}" for t in T) if time else ()
-    codes = [] if steady else [int(code) for code in data["event"].values]
-    events = {EVENTS[code]: index for index, code in enumerate(codes) if code}
-    return Told(str(data.attrs["title"]), tuple(figures), T, times, events, _news(data))
+    title, latest = str(data.attrs["title"]), _latest(data)
+    if is_steady(data):
+        return RunInfo(title, _figures(data, STEADY), latest=latest)
+    T, time = tuple(float(t) for t in data["frame"].values), View(data).scale("time")
+    times = tuple(f"{t * time.factor:.3g} {_plain(time.unit)}" for t in T)
+    events = {EVENTS[int(code)]: index for index, code in enumerate(data["event"].values) if code}
+    return RunInfo(title, _figures(data, IN_TIME), T, times, events, latest)
 
 
-def _news(data: xr.Dataset) -> tuple[tuple[str, str, str], ...]:
+def _figures(data: xr.Dataset, names: Sequence[str]) -> tuple[str, ...]:
+    """Those of the figures that a run has."""
+    missing = [*(["front"] if data.attrs["kind"] != "impact" else []), *([] if View(data).in_si else [INTERFEROGRAM])]
+    return tuple(name for name in names if name not in missing)
+
+
+def _latest(data: xr.Dataset) -> tuple[tuple[str, str, str], ...]:
     """The last values of a run; a friction that is zero is none."""
-    last = {name: float(data[name].values[-1]) for name in NEWS if name in data and data[name].size}
+    last = {name: float(data[name].values[-1]) for name in LATEST if name in data and data[name].size}
     told = {name: value for name, value in last.items() if value or not name.startswith("mu")}
-    return tuple((VARIABLES[name].long_name, name, _plain(shown(data, name, value))) for name, value in told.items())
+    view = View(data)
+    return tuple((VARIABLES[name].long_name, name, _plain(view.with_unit(name, value))) for name, value in told.items())
 
 
 def _plain(text: str) -> str:
@@ -54,29 +55,27 @@ def _plain(text: str) -> str:
     return text.replace("$", "").replace("^*", "*").replace("^{*2}", "*²").replace("_", "").replace("\\,", " ").strip()
 
 
-def draw(wish: Wish) -> bytes:
+def draw(request: PlotRequest) -> bytes:
     """A picture as a file.  Raises ValueError where there is nothing to draw, or the data cannot be read."""
-    left_out = () if wish.figure in ("friction", "overview") else STRESSES
-    data = _opened(wish.run, wish.stamp, left_out)
+    left_out = () if request.figure in ("friction", "overview") else STRESSES
+    data = _opened(request.run, request.stamp, left_out)
     try:
-        figure = _interferogram(data, wish) if wish.figure == INTERFEROGRAM else _figure(data, wish)
+        figure = _figure(data, request)
     except Exception:
-        _require_readable(data, wish.run)
+        _require_readable(data, request.run)
         raise
     content = BytesIO()
-    figure.savefig(content, format=wish.kind, dpi=wish.dots)
+    figure.savefig(content, format=request.kind, dpi=request.dots)
     return content.getvalue()
 
 
-def _figure(data: xr.Dataset, wish: Wish) -> Figure:
-    return plots.figure_of(data, wish.figure)(data, wish.at)
-
-
-def _interferogram(data: xr.Dataset, wish: Wish) -> Figure:
+def _figure(data: xr.Dataset, request: PlotRequest) -> Figure:
+    if request.figure != INTERFEROGRAM:
+        return plots.draw(data, request.figure, request.at)
     from ertel.optics import Monochromatic, Rig, TwoBeams, White
 
-    light = White() if wish.light == "white" else Monochromatic()
-    return plots.interferogram(data, wish.at, light, TwoBeams() if wish.light == "two-beam" else Rig())
+    light = White() if request.light == "white" else Monochromatic()
+    return plots.interferogram(data, request.at, light, TwoBeams() if request.light == "two-beam" else Rig())
 
 
 def _require_readable(data: xr.Dataset, run: Path) -> None:

@@ -1,15 +1,23 @@
-"""The folder that the app was opened in: its runs and case files.  Nothing outside is read, written or started."""
+"""The folder that the app was opened in: its runs and case files.  Nothing outside is read, written or started.
+
+The case and the summary of a run are read again only when a file has changed, and never raise an error.
+"""
 
 import os
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
-from ertel.runs.directory import CASE, DATA, numbered
+from ertel.apps.terminal import reason_of
+from ertel.inputs.case_files import parse_case, read_toml
+from ertel.runs.directory import CASE, DATA, SUMMARY, numbered, read_summary
 from ertel.runs.listing import find_runs, is_run
 
 RUNS = "runs"  # where `ertel run` puts a run, too
 MOST_FOLDERS = 1000  # that are looked into
 MOST = 300  # runs that are listed
+Stamp = tuple[int, int] | None  # of a file: when it was changed, and its size
 
 
 def in_unicode(text: str) -> str:
@@ -31,9 +39,9 @@ class Folder:
     def at(cls, path: Path) -> "Folder":
         """The folder at a path.  Raises ValueError where there is none, and for that of a run."""
         if not path.is_dir():
-            raise ValueError(f"{path}: is no folder; give one with case files or runs, or an empty one")
+            raise ValueError(f"{path} is not a folder; give one with case files or runs, or an empty one")
         if is_run(path):
-            raise ValueError(f"{path}: is a run; open the app in its folder, {path.resolve().parent}")
+            raise ValueError(f"{path} is a run; open the app in its folder, {path.resolve().parent}")
         return cls(path.resolve())
 
     def inside(self, name: str) -> Path:
@@ -41,7 +49,7 @@ class Folder:
         try:
             path = Path(os.path.realpath(self.root / name))  # unlike `resolve` it takes links that go round in circles
         except ValueError as error:
-            raise Outside(f"{name[:100]!r}: is no path") from error
+            raise Outside(f"{name[:100]!r} is not a path") from error
         if not path.is_relative_to(self.root):
             raise Outside(f"{name}: lies outside {self.root}, the folder of this app; open the app there")
         return path
@@ -54,7 +62,7 @@ class Folder:
         """The directory of a run.  Raises Outside, and ValueError where there is no run."""
         path = self.inside(name)
         if not is_run(path):
-            raise ValueError(f"{name}: is no run; a run has {CASE} and {DATA}")
+            raise ValueError(f"{name} is not a run directory ({CASE} and {DATA} are missing)")
         return path
 
     def runs(self) -> list[Path]:
@@ -91,9 +99,58 @@ class Folder:
         raise AssertionError("there is always a next number")
 
 
-def _changed(path: Path) -> float:
+def _changed(path: Path) -> int:
     """When a run was last written to."""
+    return max((stamp[0] for stamp in (_stamp(path / CASE), _stamp(path / SUMMARY)) if stamp), default=0)
+
+
+# -- the files of a run -----------------------------------------------------------------------------------------------
+
+
+def summary_of(run: Path) -> dict[str, Any] | None:
+    """The summary of a run; None where there is none that can be read."""
+    return _summary(run, _stamp(run / SUMMARY))[0]
+
+
+def fault_of(run: Path) -> str:
+    """The reason why the case or the summary of a run cannot be read; empty where both can, or are not there yet."""
+    if in_unicode(run.name) != run.name:
+        return "the name of the directory is not UTF-8; rename it"
+    return _case_fault(run, _stamp(run / CASE)) or _summary(run, _stamp(run / SUMMARY))[1]
+
+
+def _stamp(path: Path) -> Stamp:
     try:
-        return max((path / name).stat().st_mtime for name in (CASE, "summary.json") if (path / name).exists())
+        status = path.lstat()
     except (OSError, ValueError):
-        return 0.0
+        return None
+    return status.st_mtime_ns, status.st_size
+
+
+@lru_cache(maxsize=2 * MOST)
+def _summary(run: Path, stamp: Stamp) -> tuple[dict[str, Any] | None, str]:
+    """The summary as the file was then, and what is wrong with it."""
+    try:
+        return read_summary(run), ""
+    except (OSError, ValueError) as error:
+        return None, _message(error)
+
+
+@lru_cache(maxsize=2 * MOST)
+def _case_fault(run: Path, stamp: Stamp) -> str:
+    """The fault of the case as the file was then.  Measured surfaces are not read: they are large."""
+    if stamp is None:
+        return ""
+    try:
+        data = read_toml(run / CASE)
+        if "roughness" not in data:
+            parse_case(data)
+    except (OSError, ValueError) as error:
+        return _message(error)
+    return ""
+
+
+def _message(error: OSError | ValueError) -> str:
+    if isinstance(error, OSError):
+        return f"{Path(error.filename or SUMMARY).name}: {reason_of(error)}"
+    return str(error)

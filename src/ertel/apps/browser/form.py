@@ -1,4 +1,4 @@
-"""What a user fills in for a new case, as plain text, and the case file that it makes.
+"""The fields that a user fills in for a new case, as plain text, and the case that they make.
 
 The values go to ertel as they are written, so that its own messages answer them: a quantity has its unit, "10 mm".
 """
@@ -8,8 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-import tomli_w
-
 from ertel.case.conditions import Kind
 from ertel.inputs.case_files import apply_overrides
 from ertel.inputs.library import material_names, oil_names
@@ -18,7 +16,7 @@ from ertel.inputs.templates import GIVEN
 OWN = "own"  # in place of the name of an oil or a material
 OILS = {OWN: "by its viscosity", **{name: name for name in oil_names()}}
 MATERIALS = {name: name for name in material_names()}
-METHODS: Mapping[Kind, Mapping[str, str]] = {
+METHODS: Mapping[Kind, dict[str, str]] = {
     "impact": {"radial": "radial: seconds", "2d": "plane: minutes"},
     "rolling": {"steady": "steady", "transient": "in time"},
 }
@@ -34,6 +32,27 @@ RHEOLOGIES = {NEWTONIAN: "Newtonian", "ree-eyring": "Ree-Eyring"}
 DECIDE = ("kind", "given", "oil", "rheology", "method")  # fields on which others depend
 TITLES = ("Contact", "Materials", "Oil", "Computation")
 ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
+LABELS = {
+    "M": "Load parameter M",
+    "L": "Lubricant parameter L",
+    "radius": "Ball radius",
+    "ball_density": "Ball density",
+    "speed": "Impact speed",
+    "load": "Load",
+    "mean_speed": "Mean speed",
+    "slide_to_roll": "Slide-to-roll ratio",
+    "material_1": "Ball",
+    "material_2": "Plane",
+    "oil": "Oil",
+    "temperature": "Temperature",
+    "eta0": "Viscosity",
+    "alpha": "Pressure-viscosity coefficient",
+    "rheology": "Rheology",
+    "tau0": "Eyring stress",
+    "nodes": "Nodes",
+    "method": "Method",
+    "until": "End",
+}
 
 
 @dataclass
@@ -78,6 +97,18 @@ class Form:
             groups |= {"Materials": ("material_1", "material_2"), "Oil": self._oil()}
         return {title: groups[title] for title in TITLES if title in groups}
 
+    def options(self) -> dict[str, dict[str, str]]:
+        """The values from which fields are chosen, with their labels."""
+        return {
+            "material_1": MATERIALS,
+            "material_2": MATERIALS,
+            "oil": OILS,
+            "rheology": RHEOLOGIES,
+            "method": METHODS[self.kind],
+            "nodes": {str(n): str(n) for n in GRIDS[self.method]},
+            "until": ENDS,
+        }
+
     def _contact(self) -> tuple[str, ...]:
         if self.given == "moes":
             return ("M", "L")
@@ -99,10 +130,6 @@ class Form:
         if "tau0" in names:
             data.setdefault("lubricant", {})["rheology"] = {"law": self.rheology, "tau0": self.tau0.strip()}
         return data
-
-    def text(self) -> str:
-        """The case file."""
-        return tomli_w.dumps(self.data())
 
 
 SECTION = {

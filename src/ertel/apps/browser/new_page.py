@@ -1,4 +1,4 @@
-"""The page of a new case: a form, or the text of a case file; beside it what ertel says of it, while it is written."""
+"""The page of a new case: a form, or the text of a case file; beside it the answer of ertel, while it is written."""
 
 import asyncio
 from pathlib import Path
@@ -7,9 +7,8 @@ from typing import Any
 import tomli_w
 from nicegui import run, ui
 
-from ertel.apps.browser import checking
-from ertel.apps.browser.answer import show_answer, show_fault, show_waiting
-from ertel.apps.browser.form import DECIDE, ENDS, GRIDS, MATERIALS, METHODS, OILS, RHEOLOGIES, Form, field_of, read_text
+from ertel.apps.browser import answer
+from ertel.apps.browser.form import DECIDE, LABELS, Form, field_of, read_text
 from ertel.apps.browser.site import Site, address_of
 from ertel.apps.terminal import reason_of
 from ertel.case.rules import plain_name
@@ -17,28 +16,6 @@ from ertel.runs.directory import CASE
 from ertel.runs.files import content_of
 
 PAUSE = 0.5  # seconds after the last change before ertel is asked
-LABELS = {
-    "M": "Load parameter M",
-    "L": "Lubricant parameter L",
-    "radius": "Ball radius",
-    "ball_density": "Ball density",
-    "speed": "Impact speed",
-    "load": "Load",
-    "mean_speed": "Mean speed",
-    "slide_to_roll": "Slide-to-roll ratio",
-    "material_1": "Ball",
-    "material_2": "Plane",
-    "oil": "Oil",
-    "temperature": "Temperature",
-    "eta0": "Viscosity",
-    "alpha": "Pressure-viscosity coefficient",
-    "rheology": "Rheology",
-    "tau0": "Eyring stress",
-    "nodes": "Nodes",
-    "method": "Method",
-    "until": "End",
-    "name": "Name of the run",
-}
 HINTS = {"slide_to_roll": "0", "name": "impact"}
 
 
@@ -69,10 +46,12 @@ class NewCase:
             with ui.element("div").classes("right"):
                 self._answer = ui.element("div").classes("card answer")
                 with ui.element("div").classes("card launch"):
-                    self._name = ui.input(LABELS["name"], placeholder=HINTS["name"]).props("outlined dense stack-label")
-                    self._name.mark("name")
-                    self._run = ui.button("Run", icon="play_arrow", on_click=self._start).props("unelevated no-caps")
-                    self._run.mark("run")
+                    self._name = ui.input("Name of the run", placeholder=HINTS["name"]).mark("name")
+                    self._name.props("outlined dense stack-label")
+                    self._run = ui.button("Run", icon="play_arrow", on_click=self._start).mark("run")
+                    self._run.props("unelevated no-caps")
+        self._fields.bind_visibility_from(self._tabs, "value", value="form")
+        self._text.bind_visibility_from(self._tabs, "value", value="text")
         self._build()
         self._tabs.on_value_change(self._turned)
         self._tabs.set_value("form")
@@ -83,12 +62,13 @@ class NewCase:
         try:
             path = self.site.folder.inside(name)
             text = _text_of(path)
-            data, root = read_text(text), self.site.folder.root
-            if checking.moved(data, path.parent, root) != data:
-                text = tomli_w.dumps(checking.moved(data, path.parent, root))
+            data = read_text(text)
+            here = answer.moved(data, path.parent, self.site.folder.root)
         except ValueError as error:
             ui.notify(str(error))
             return
+        if here != data:
+            text = tomli_w.dumps(here)
         self._text.set_value(text)
         self._tabs.set_value("text")
         self._name.set_value(path.parent.name if path.name == CASE else path.stem)
@@ -97,44 +77,26 @@ class NewCase:
 
     def _build(self) -> None:
         """The fields that belong to what is chosen."""
-        form = self.form
         self._inputs = {}
         self._fields.clear()
         with self._fields:
             with ui.element("div").classes("card choices"):
                 self._choice("kind", {"impact": "Impact", "rolling": "Rolling"})
                 self._choice("given", {"si": "Quantities", "moes": "M and L"})
-            for title, names in form.groups().items():
-                self._group(title, names)
+            for title, names in self.form.groups().items():
+                with ui.element("div").classes("card group"):
+                    ui.label(title).classes("eyebrow")
+                    with ui.element("div").classes("grid"):
+                        for name in names:
+                            self._field(name)
 
-    def _group(self, title: str, names: tuple[str, ...]) -> None:
-        options: dict[str, Any] = {
-            "material_1": MATERIALS,
-            "material_2": MATERIALS,
-            "oil": OILS,
-            "rheology": RHEOLOGIES,
-            "method": METHODS[self.form.kind],
-            "nodes": {str(n): str(n) for n in GRIDS[self.form.method]},
-            "until": ENDS,
-        }
-        with ui.element("div").classes("card group"):
-            ui.label(title).classes("eyebrow")
-            with ui.element("div").classes("grid"):
-                for name in names:
-                    if name in options:
-                        self._select(name, options[name])
-                    else:
-                        self._input(name)
-
-    def _input(self, name: str) -> None:
-        field = ui.input(LABELS[name], value=getattr(self.form, name), placeholder=HINTS.get(name, ""))
+    def _field(self, name: str) -> None:
+        label, value, options = LABELS[name], getattr(self.form, name), self.form.options().get(name)
+        if options:
+            field: Any = ui.select(options, label=label, value=value).props("options-dense")
+        else:
+            field = ui.input(label, value=value, placeholder=HINTS.get(name, ""))
         field.props("outlined dense hide-bottom-space").mark(name)
-        field.on_value_change(lambda event: self._set(name, event.value))
-        self._inputs[name] = field
-
-    def _select(self, name: str, options: dict[str, str]) -> None:
-        field = ui.select(options, label=LABELS[name], value=getattr(self.form, name))
-        field.props("outlined dense options-dense hide-bottom-space").mark(name)
         field.on_value_change(lambda event: self._set(name, event.value))
         self._inputs[name] = field
 
@@ -152,12 +114,9 @@ class NewCase:
     # -- the answer ---------------------------------------------------------------------------------------------------
 
     def _turned(self) -> None:
-        """Show the form or the text; the text begins as the case file that the form makes."""
-        is_text = self._tabs.value == "text"
-        if is_text and not self._text.value:
-            self._text.set_value(self.form.text())
-        self._text.set_visibility(is_text)
-        self._fields.set_visibility(not is_text)
+        """The form or the text was opened; the text begins as the case file that the form makes."""
+        if self._tabs.value == "text" and not self._text.value:
+            self._text.set_value(tomli_w.dumps(self.form.data()))
         self._changed()
 
     def _changed(self) -> None:
@@ -172,17 +131,17 @@ class NewCase:
         await asyncio.sleep(PAUSE)
         try:
             data = read_text(self._text.value) if self._tabs.value == "text" else self.form.data()
-            parameters = await run.io_bound(checking.at_once, data, self.site.folder)
+            parameters = await run.io_bound(answer.at_once, data, self.site.folder)
             self._accept(data, parameters)
             async with self.site.checks:
                 if not self._client.has_socket_connection:  # the page was left
                     return
-                found = await checking.outlook(data, self.site.folder)
+                found = await answer.outlook(data, self.site.folder)
         except (ValueError, OSError) as error:
             self._refuse(str(error))
             return
         if not self._answer.is_deleted:
-            show_answer(self._answer, found)
+            answer.show_outlook(self._answer, found)
             self._run.enable()
 
     def _accept(self, data: dict[str, Any], parameters: dict[str, Any] | None) -> None:
@@ -193,7 +152,7 @@ class NewCase:
         self._data = data
         self._run.set_enabled(parameters is not None)
         self._name.props["placeholder"] = _name_of(data)
-        show_waiting(self._answer, parameters)
+        answer.show_waiting(self._answer, parameters)
 
     def _refuse(self, message: str) -> None:
         """Say what is wrong, also at the field where the form has it."""
@@ -201,7 +160,7 @@ class NewCase:
             return
         self._run.disable()
         self._mark(message)
-        show_fault(self._answer, message)
+        answer.show_fault(self._answer, message)
 
     def _mark(self, message: str | None) -> None:
         wrong = field_of(message) if message else None
@@ -216,7 +175,7 @@ class NewCase:
         try:
             path = self.site.processes.start(name, tomli_w.dumps({**self._data, "name": name}))
         except OSError as error:
-            ui.notify(f"cannot write to {self.site.folder.root}: {(error.strerror or str(error)).lower()}")
+            ui.notify(f"cannot write to {self.site.folder.root}: {reason_of(error)}")
             return
         ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
 
@@ -228,7 +187,7 @@ def _text_of(path: Path) -> str:
     except OSError as error:
         raise ValueError(f"{path.name}: cannot be read, {reason_of(error)}") from error
     except UnicodeDecodeError as error:
-        raise ValueError(f"{path.name}: is not text in UTF-8") from error
+        raise ValueError(f"{path.name} is not text in UTF-8") from error
 
 
 def _name_of(data: dict[str, Any]) -> str:

@@ -9,57 +9,91 @@ import os
 import signal
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from dataclasses import dataclass, field
+from importlib import import_module
 from multiprocessing import get_context, parent_process
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from ertel.apps.browser.wishes import Told, Wish, stamp_of
-
-T = TypeVar("T")
-
+INTERFEROGRAM = "interferogram"
+LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
+DRAWING = "ertel.apps.browser.drawing"  # by its name: the other process imports it
+PICTURES = "/pictures"  # where pages get them
 KEPT = 60  # pictures, of some 0.2 MB each
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """The facts on a run that a page must know.
+
+    figures: the names of its pictures.  T: the times of its maps in t0, empty for a steady contact; times: the same as
+    text.  events: the maps of events by name.  latest: label, symbol and value of the last step or grid.
+    """
+
+    title: str = ""
+    figures: tuple[str, ...] = ()
+    T: tuple[float, ...] = ()
+    times: tuple[str, ...] = ()
+    events: dict[str, int] = field(default_factory=dict)
+    latest: tuple[tuple[str, str, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class PlotRequest:
+    """A picture.  figure: its name.  at: a time in t0 or an event.  light: of an interferogram, one of `LIGHTS`.
+
+    dots: per inch.  stamp: of the data, see `stamp_of`.
+    """
+
+    run: Path
+    figure: str
+    at: float | str | None = None
+    light: str = "mono"
+    kind: str = "png"
+    dots: int = 110
+    stamp: int = 0
+
+    @property
+    def key(self) -> str:
+        """The name of the picture in its address."""
+        return format(hash(self) & (2**64 - 1), "016x")
+
+
+def stamp_of(run: Path) -> int:
+    """A number that changes when data are written; 0 where there are none yet."""
+    try:
+        return (run / "run.zarr" / "zarr.json").stat().st_mtime_ns
+    except OSError:
+        return 0
 
 
 # -- in the other process ---------------------------------------------------------------------------------------------
 
 
-def _tell(run: Path, stamp: int) -> Told:
-    from ertel.apps.browser import drawing
-
-    return _plainly(drawing.tell, run, stamp)
-
-
-def _draw(wish: Wish) -> bytes:
-    from ertel.apps.browser import drawing
-
-    content = _plainly(drawing.draw, wish)
-    gc.collect()  # the figure, whose arrays are large, refers to itself
-    return content
-
-
-def _plainly(work: Callable[..., T], *arguments: Any) -> T:
-    """The result of a function; its errors as plain ValueErrors, without a history.
+def _drawn(function: str, *arguments: Any) -> Any:
+    """The result of a function of `drawing`; its errors as plain ValueErrors, without a history.
 
     A process that receives an error of `plots`, also in the history of another, would import matplotlib.
     """
     try:
-        return work(*arguments)
+        return getattr(import_module(DRAWING), function)(*arguments)
     except ValueError as error:
-        said = str(error)
+        message = str(error)
     except Exception as error:  # of zarr, its codecs, xarray, matplotlib: the data are damaged
-        said = f"the data of this run cannot be drawn ({type(error).__name__}); ertel show tells more"
-    raise ValueError(said)
+        message = f"the data of this run cannot be drawn ({type(error).__name__}); ertel show tells more"
+    finally:
+        gc.collect()  # figures, whose arrays are large, refer to themselves
+    raise ValueError(message)
 
 
 def _begin() -> None:
     """End with the app, leave Ctrl-C to it, and import what takes long before it is asked for."""
     threading.Thread(target=_end_with_the_app, daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    from ertel.apps.browser import drawing as drawing
+    import_module(DRAWING)
 
 
 def _end_with_the_app() -> None:
@@ -77,40 +111,40 @@ def _process() -> Executor:
     return ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=_begin)
 
 
-class Artist:
-    """Draws pictures and keeps the last ones.  make: of the executor that draws."""
+class PlotWorker:
+    """Draws pictures and keeps the last ones by their keys.  make: of the executor that draws."""
 
     def __init__(self, make: Callable[[], Executor] = _process):
         self._make, self._executor = make, make()
-        self._kept: OrderedDict[Wish, bytes] = OrderedDict()
+        self.kept: OrderedDict[str, bytes] = OrderedDict()
 
     def begin(self) -> None:
         """Start the process that draws, before it is needed."""
         self._executor.submit(int)
 
-    async def tell(self, run: Path) -> Told:
-        """What is known of a run.  Raises ValueError where its data cannot be read, or are not there yet."""
-        return await self._asked(_tell, run, stamp_of(run))
+    async def info(self, run: Path) -> RunInfo:
+        """The facts on a run.  Raises ValueError where its data cannot be read, or are not there yet."""
+        found: RunInfo = await self._asked("info", run, stamp_of(run))
+        return found
 
-    async def draw(self, wish: Wish) -> bytes:
+    async def draw(self, request: PlotRequest) -> bytes:
         """A picture as a file.  Raises ValueError where there is nothing to draw."""
-        if wish not in self._kept:
-            self._kept[wish] = await self._asked(_draw, wish)
-            while len(self._kept) > KEPT:
-                self._kept.popitem(last=False)
-        self._kept.move_to_end(wish)
-        return self._kept[wish]
+        if request.key not in self.kept:
+            self.kept[request.key] = await self._asked("draw", request)
+            while len(self.kept) > KEPT:
+                self.kept.popitem(last=False)
+        self.kept.move_to_end(request.key)
+        return self.kept[request.key]
 
-    async def _asked(self, work: Callable[..., T], *arguments: Any) -> T:
+    async def address(self, request: PlotRequest) -> str:
+        """The address of a picture, which is drawn when this returns.  Raises ValueError where it cannot be."""
+        await self.draw(request)
+        return f"{PICTURES}/{request.key}"
+
+    async def _asked(self, function: str, *arguments: Any) -> Any:
         """The answer of the other process; one that ended, for want of memory perhaps, is started again."""
-        with self._renewed_if_broken():
-            return await asyncio.get_running_loop().run_in_executor(self._executor, work, *arguments)
-        raise AssertionError("a broken process is an error")
-
-    @contextmanager
-    def _renewed_if_broken(self) -> Iterator[None]:
         try:
-            yield
+            return await asyncio.get_running_loop().run_in_executor(self._executor, _drawn, function, *arguments)
         except BrokenProcessPool as error:
             self._executor = self._make()
             raise ValueError(

@@ -16,8 +16,7 @@ from pathlib import Path
 from time import monotonic
 from typing import IO, Any
 
-from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.records import fault_of, summary_of
+from ertel.apps.browser.folder import Folder, fault_of, summary_of
 from ertel.case.status import Status
 from ertel.runs import files
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
@@ -29,7 +28,7 @@ FLUSH = "2"  # seconds between what a live picture can show
 
 
 class Phase(Enum):
-    """How a run stands."""
+    """The phases of a run."""
 
     COMPILING = "compiling"
     RUNNING = "running"
@@ -46,8 +45,8 @@ class Phase(Enum):
 
 
 @dataclass(frozen=True)
-class Standing:
-    """How a run stands.  progress: as in progress.json, if there is one.  seconds: since this app started it."""
+class RunStatus:
+    """The phase of a run.  progress: as in progress.json, if there is one.  seconds: since this app started it."""
 
     phase: Phase
     progress: Mapping[str, Any] | None = None
@@ -71,17 +70,26 @@ class _Started:
     asked_to_stop: bool = False
 
     @property
-    def has_stopped(self) -> bool:
-        """Whether the process ended well, or because it was asked to."""
-        code = self.process.returncode
-        return code in STOPPED or (self.asked_to_stop and code == KILLED)
+    def is_alive(self) -> bool:
+        return self.process.poll() is None
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether the process ended by itself, and not well."""
+        code = self.process.poll()
+        return code is not None and code not in STOPPED and not (self.asked_to_stop and code == KILLED)
 
     def last_message(self) -> str:
         """The last sentence that the process said."""
         self.messages.seek(0)
-        said = self.messages.read()[-20_000:].decode(errors="replace").splitlines()
-        ours = [line.removeprefix("ertel: ") for line in said if line.startswith("ertel: ")]
-        return ours[-1] if ours else f"the process ended with code {self.process.returncode} and said nothing"
+        nothing = f"the process ended with code {self.process.returncode} and said nothing"
+        return (messages_in(self.messages.read()[-20_000:]) or [nothing])[-1]
+
+
+def messages_in(text: bytes) -> list[str]:
+    """The messages of ertel in what a process wrote on stderr."""
+    lines = text.decode(errors="replace").splitlines()
+    return [line.removeprefix("ertel: ") for line in lines if line.startswith("ertel: ")]
 
 
 class Processes:
@@ -107,7 +115,7 @@ class Processes:
 
         Raises ValueError where a process works on it.
         """
-        if self.standing(run).phase.is_active:
+        if self.status(run).phase.is_active:
             raise ValueError(f"{self.folder.name_of(run)}: is running; there is nothing to resume")
         begun = run.exists() or run not in self._started
         self._launch(run, ["resume", str(run)] if begun else self._started[run].arguments)
@@ -132,7 +140,7 @@ class Processes:
         file that asks cannot be made.
         """
         ours, computes = self._started.get(run), files.is_locked(run)
-        if ours and ours.process.poll() is None:
+        if ours and ours.is_alive:
             if ours.asked_to_stop:
                 ours.process.kill()
             elif not computes:
@@ -151,21 +159,21 @@ class Processes:
 
     def ours(self) -> list[Path]:
         """The runs that this app started and that still go on."""
-        return [run for run, started in self._started.items() if started.process.poll() is None]
+        return [run for run, started in self._started.items() if started.is_alive]
 
     # -- watched ------------------------------------------------------------------------------------------------------
 
-    def standing(self, run: Path) -> Standing:
-        """How a run stands."""
+    def status(self, run: Path) -> RunStatus:
+        """The phase and the progress of a run."""
         progress, ours = read_progress(run), self._started.get(run)
-        if ours and ours.process.poll() is None:
-            return Standing(_phase_of(ours, progress), progress, seconds=monotonic() - ours.since)
-        if ours and not ours.has_stopped and not _outcome(run):
-            return Standing(Phase.FAILED, progress, ours.last_message())
+        if ours and ours.is_alive:
+            return RunStatus(_phase_of(ours, progress), progress, seconds=monotonic() - ours.since)
+        if ours and ours.has_failed and not _outcome(run):
+            return RunStatus(Phase.FAILED, progress, ours.last_message())
         if not _outcome(run) and files.is_locked(run):
-            return Standing(_phase_elsewhere(run, progress), progress)
+            return RunStatus(_phase_elsewhere(run, progress), progress)
         fault = fault_of(run)
-        return Standing(Phase.DAMAGED, progress, fault) if fault else _ended(run, progress)
+        return RunStatus(Phase.DAMAGED, progress, fault) if fault else _ended(run, progress)
 
 
 def _phase_of(ours: _Started, progress: Mapping[str, Any] | None) -> Phase:
@@ -182,15 +190,15 @@ def _phase_elsewhere(run: Path, progress: Mapping[str, Any] | None) -> Phase:
     return Phase.RUNNING if progress and progress["status"] == Status.RUNNING.value else Phase.COMPILING
 
 
-def _ended(run: Path, progress: Mapping[str, Any] | None) -> Standing:
-    """How a run stands that no process works on."""
+def _ended(run: Path, progress: Mapping[str, Any] | None) -> RunStatus:
+    """The status of a run that no process works on."""
     status = _outcome(run) or (progress or {}).get("status")
     if status == Status.CONVERGED.value:
-        return Standing(Phase.FINISHED, progress)
+        return RunStatus(Phase.FINISHED, progress)
     if status in (Status.INTERRUPTED.value, Status.RUNNING.value, None):
-        return Standing(Phase.INTERRUPTED, progress)
+        return RunStatus(Phase.INTERRUPTED, progress)
     known = [each for each in Status if each.value == status]
-    return Standing(Phase.FAILED, progress, f"{status}; {known[0].advice}" if known else str(status))
+    return RunStatus(Phase.FAILED, progress, f"{status}; {known[0].advice}" if known else str(status))
 
 
 def _outcome(run: Path) -> str | None:

@@ -1,31 +1,27 @@
-"""What all pages share: the folder, its processes, the pictures; the frame around each page with the list of runs."""
+"""The app as all pages share it: folder, processes, pictures; the frame with the list of runs, and the first page."""
 
 import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
+from urllib.parse import quote, urlencode
 
 from fastapi import Response
 from nicegui import app, ui
 
-from ertel.apps.browser.folder import Folder, in_unicode
-from ertel.apps.browser.pictures import Artist
-from ertel.apps.browser.processes import Phase, Processes, Standing
-from ertel.apps.browser.records import summary_of
-from ertel.apps.browser.wishes import Wish
+from ertel.apps.browser.folder import Folder, in_unicode, summary_of
+from ertel.apps.browser.pictures import PICTURES, PlotWorker
+from ertel.apps.browser.processes import Phase, Processes, RunStatus
 
-PICTURES = "/pictures"
 CHECKS = 2  # processes of `ertel check` at a time, of some 300 MB each
 SECONDS = 2.0  # between two looks at the folder
-TYPES = {"png": "image/png", "svg": "image/svg+xml", "pdf": "application/pdf"}
 LOGO = (
-    '<svg class="logo" viewBox="0 0 40 40" aria-hidden="true"><circle cx="20" cy="15" r="11"/>'
-    '<path d="M3 31 H13 Q20 25.5 27 31 H37"/><path class="thin" d="M3 36 H37"/></svg>'
+    '<svg class="logo" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 40" aria-hidden="true" fill="none" '
+    'stroke="#0b5673" stroke-width="3"><circle cx="20" cy="15" r="11"/><path d="M3 31 H13 Q20 25.5 27 31 H37"/>'
+    '<path class="thin" d="M3 36 H37"/></svg>'
 )
-SAID = {
+LABELS = {
     Phase.COMPILING: ("compiling", "hourglass_top"),
     Phase.RUNNING: ("running", "play_circle"),
     Phase.STOPPING: ("stopping", "pause_circle"),
@@ -42,8 +38,13 @@ class Entry:
 
     name: str
     path: Path
-    standing: Standing
+    status: RunStatus
     about: str = ""
+
+    @property
+    def address(self) -> str:
+        """The address of its page."""
+        return address_of("/run", name=self.name)
 
 
 @dataclass
@@ -52,43 +53,29 @@ class Site:
 
     folder: Folder
     processes: Processes
-    artist: Artist
+    plots: PlotWorker
     checks: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(CHECKS))
-    _addresses: dict[str, Wish] = field(default_factory=dict)
 
     # -- pictures -----------------------------------------------------------------------------------------------------
 
-    def serve(self) -> None:
+    def serve_pictures(self) -> None:
         """Answer requests for pictures."""
-        app.get(PICTURES + "/{key}")(self.picture)
+        app.get(PICTURES + "/{key}")(self._picture)
 
-    async def picture(self, key: str) -> Response:
+    async def _picture(self, key: str) -> Response:
         """A picture that a page was given the address of."""
-        wish = self._addresses.get(key)
-        if wish is None:
+        content = self.plots.kept.get(key)
+        if content is None:
             return Response("no such picture", 404)
-        try:
-            content = await self.artist.draw(wish)
-        except ValueError as error:
-            return Response(str(error), 404)
-        return Response(content, media_type=TYPES[wish.kind], headers={"Cache-Control": "max-age=600"})
-
-    async def address(self, wish: Wish) -> str:
-        """The address of a picture, which is drawn when this returns.  Raises ValueError where it cannot be."""
-        await self.artist.draw(wish)
-        key = format(hash(wish) & (2**64 - 1), "016x")
-        self._addresses[key] = wish
-        while len(self._addresses) > 500:
-            del self._addresses[next(iter(self._addresses))]
-        return f"{PICTURES}/{key}"
+        return Response(content, media_type="image/png", headers={"Cache-Control": "max-age=600"})
 
     # -- runs ---------------------------------------------------------------------------------------------------------
 
     def entries(self) -> list[Entry]:
         """The runs of the folder, those that go on first, then the latest."""
         paths = dict.fromkeys([*self.processes.ours(), *self.folder.runs()])
-        found = [Entry(self.folder.name_of(path), path, self.processes.standing(path), _about(path)) for path in paths]
-        return sorted(found, key=lambda entry: not entry.standing.phase.is_active)
+        found = [Entry(self.folder.name_of(path), path, self.processes.status(path), _about(path)) for path in paths]
+        return sorted(found, key=lambda entry: not entry.status.phase.is_active)
 
     def find(self, name: str) -> Path:
         """The directory of a run, which may not be there yet if it was just started.  Raises ValueError."""
@@ -103,7 +90,7 @@ def _about(run: Path) -> str:
 
 def address_of(page: str, **values: str) -> str:
     """The address of a page of the app."""
-    return page + ("?" + "&".join(f"{key}={quote(value, safe='')}" for key, value in values.items()) if values else "")
+    return f"{page}?{urlencode(values, quote_via=quote)}"
 
 
 # -- the frame --------------------------------------------------------------------------------------------------------
@@ -112,7 +99,7 @@ def address_of(page: str, **values: str) -> str:
 def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
     """The page: a bar above, the list of runs at the left, and one of the pages."""
     ui.colors(primary="#0b5673", secondary="#3f7d94", accent="#d55e00", positive="#1b7f5c", negative="#b3261e")
-    ui.add_css((files(__package__) / "style.css").read_text(encoding="utf-8"))
+    ui.add_css(Path(__file__).with_name("style.css"))
     with ui.left_drawer(value=None, bordered=False).props("width=284 breakpoint=1000").classes("runs") as drawer:
         _list(site)
     with ui.header(elevated=False).classes("bar"):
@@ -120,23 +107,21 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
         with ui.link(target="/").classes("brand"):
             ui.html(LOGO, sanitize=False)
             ui.label("ertel")
-        where = in_unicode(str(site.folder.root))
-        ui.label(_shortened(site.folder.root)).classes("where").tooltip(f"The folder of this app: {where}")
+        root = in_unicode(str(site.folder.root))
+        ui.label(_shortened(site.folder.root)).classes("where").tooltip(f"The folder of this app: {root}")
         ui.space()
-        ui.button("New case", icon="add", on_click=lambda: ui.navigate.to("/new")).props("unelevated no-caps").mark(
-            "new"
-        )
+        new = ui.button("New case", icon="add", on_click=lambda: ui.navigate.to("/new"))
+        new.props("unelevated no-caps").mark("new")
         ui.button("Compare", icon="vertical_split", on_click=lambda: ui.navigate.to("/compare")).props("flat no-caps")
-        ui.button(icon="power_settings_new", on_click=lambda: _closing(site)).props(
-            "flat round dense aria-label='Close the app'"
-        ).mark("close").tooltip("Close the app")
+        close = ui.button(icon="power_settings_new", on_click=lambda: _closing(site)).tooltip("Close the app")
+        close.props("flat round dense aria-label='Close the app'").mark("close")
     ui.sub_pages(pages, data={"site": site}).classes("page")
 
 
 def _shortened(path: Path) -> str:
     """A path with ~ for the home directory, its beginning left out where it is long."""
-    text = f"~/{path.relative_to(Path.home())}" if path.is_relative_to(Path.home()) else str(path)
-    text = in_unicode(text)
+    home = Path.home()
+    text = in_unicode(f"~/{path.relative_to(home)}" if path.is_relative_to(home) else str(path))
     return text if len(text) < 44 else f"…{text[-42:]}"
 
 
@@ -164,13 +149,13 @@ def _list(site: Site) -> None:
 
 
 def _row(entry: Entry) -> None:
-    word, icon = SAID[entry.standing.phase]
-    phase = entry.standing.phase
-    with ui.link(target=address_of("/run", name=entry.name)).classes(f"run {phase.value}"):
+    phase = entry.status.phase
+    word, icon = LABELS[phase]
+    with ui.link(target=entry.address).classes(f"run {phase.value}"):
         ui.icon(icon).classes("state")
         with ui.element("div").classes("text"):
             ui.label(in_unicode(entry.path.name)).classes("name").tooltip(entry.name)
-            share = f"{word} {entry.standing.done:.0%}" if phase in (Phase.RUNNING, Phase.INTERRUPTED) else word
+            share = f"{word} {entry.status.done:.0%}" if phase in (Phase.RUNNING, Phase.INTERRUPTED) else word
             ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
 
 
@@ -198,3 +183,33 @@ def _closing(site: Site) -> None:
             if going:
                 ui.button("Stop the runs and close", on_click=lambda: close(True)).props("outline no-caps")
             ui.button("Close", on_click=lambda: close(False)).props("unelevated no-caps")
+
+
+# -- the first page ---------------------------------------------------------------------------------------------------
+
+
+def home_page(site: Site) -> None:
+    """The first page: a choice of what can be done here, and the latest runs."""
+    with ui.element("div").classes("welcome"):
+        ui.label("Impact and rolling of lubricated point contacts").classes("title")
+        ui.label(
+            "Describe a contact, run it, and watch film and pressure form. Each run is a process of its own and an "
+            "ordinary directory in this folder: it goes on when this page or the app is closed, and ertel on the "
+            "command line reads it too."
+        ).classes("lead")
+        with ui.element("div").classes("offers"):
+            _offer("add_circle", "New case", "A form, or a case file", "/new")
+            for file in site.folder.case_files()[:4]:
+                _offer("description", file.stem, "Case file in this folder", address_of("/new", case=file.name))
+            runs = [entry for entry in site.entries() if entry.status.phase is not Phase.DAMAGED]
+            for entry in runs[:4]:
+                _offer("blur_circular", entry.path.name, entry.about or "Run in this folder", entry.address)
+            if len(runs) > 1:
+                _offer("vertical_split", "Compare", "Two runs side by side", "/compare")
+
+
+def _offer(icon: str, title: str, text: str, target: str) -> None:
+    with ui.link(target=target).classes("card offer"):
+        ui.icon(icon)
+        ui.label(title).classes("name")
+        ui.label(text).classes("more")

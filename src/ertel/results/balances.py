@@ -1,7 +1,7 @@
-"""The budgets of a run: mass, momentum of the ball, and energy, each with its relative imbalance.
+"""The balances of a run: mass, momentum of the ball, and energy, each with its relative imbalance.
 
 In time the terms of `equations.account` are integrated by the trapezium rule over the steps, from the first one on;
-what is stored is a difference.  A steady contact has rates: nothing is stored.  Signs are such that in each budget
+what is stored is a difference.  A steady contact has rates: nothing is stored.  Signs are such that in each balance
 
     mass        stored + outflow = inflow + cavity_source
     momentum    ball + impulse_of_film = impulse_of_load
@@ -14,7 +14,7 @@ and the imbalance is the difference of the two sides, as a share of what is turn
     energy      the kinetic energy at the start, the work of the load, and the work of the surfaces where the gap closes
 
 Most of the work in rolling is given back where the gap opens.  So the rolling resistance, which is what is not given
-back, is less exact than the budget: by the ratio of the two.  All is dimensionless in the units of `variables`.
+back, is less exact than the balance: by the ratio of the two.  All is dimensionless in the units of `variables`.
 """
 
 from collections.abc import Mapping
@@ -29,17 +29,17 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Values = NDArray[np.float64]
-Budgets = Mapping[str, Mapping[str, float | None]]
+Balances = Mapping[str, Mapping[str, float | None]]
 
 # the right-hand sides
 GAINED = ("inflow", "cavity_source", "impulse_of_load", "applied_load", "work_of_load", "work_of_surfaces")
-# by budget: what 1 is, as an attribute of `Scales`, and its unit
+# by balance: what 1 is, as an attribute of `Scales`, and its unit
 AMOUNTS = {"mass": ("oil", "m3"), "momentum": ("momentum", "N_s"), "energy": ("energy", "J")}
 RATES = {"mass": ("oil_flow", "m3_per_s"), "momentum": ("load", "N"), "energy": ("power", "W")}
 
 
 def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]]:
-    """The budgets from the first step of a run to its last, by name; empty with fewer than two steps.
+    """The balances from the first step of a run to its last, by name; empty with fewer than two steps.
 
     Each has its terms and `imbalance`, None where nothing was turned over.
     """
@@ -70,9 +70,9 @@ def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]
 
 
 def steady(case: Case, rates: Mapping[str, float], film_load: float) -> dict[str, dict[str, float | None]]:
-    """The budgets of a steady contact, as rates.  Momentum is the load.
+    """The balances of a steady contact, as rates.  Momentum is the load.
 
-    rates: from `equations.account.steady`.  film_load: what the film carries, in F*.
+    rates: from `equations.account.steady_account`.  film_load: what the film carries, in F*.
     """
     mass = {name: rates[name] for name in ("inflow", "outflow", "cavity_source")}
     momentum = {"applied_load": case.motion.load(0.0), "film_load": film_load}
@@ -88,8 +88,8 @@ def steady(case: Case, rates: Mapping[str, float], film_load: float) -> dict[str
     }
 
 
-def in_si(case: Case, found: Budgets) -> dict[str, dict[str, float]]:
-    """The terms of the budgets of a physical case in SI; their names end with the unit."""
+def terms_in_si(case: Case, found: Balances) -> dict[str, dict[str, float]]:
+    """The terms of the balances of a physical case in SI; their names end with the unit."""
     assert case.scales is not None
     content: dict[str, dict[str, float]] = {}
     for name, terms in found.items():
@@ -101,7 +101,7 @@ def in_si(case: Case, found: Budgets) -> dict[str, dict[str, float]]:
 
 
 def _closed(terms: Mapping[str, float], turned_over: float) -> dict[str, float | None]:
-    """The terms of a budget with its imbalance."""
+    """The terms of a balance with its imbalance."""
     rest = sum(-value if name in GAINED else value for name, value in terms.items())
     return {**terms, "imbalance": abs(rest) / turned_over if turned_over > 0 else None}
 

@@ -14,12 +14,12 @@ from numpy.testing import assert_allclose
 from ertel.case.case import Case
 from ertel.case.grids import grid_of
 from ertel.equations import discretise
-from ertel.equations.friction import friction
-from ertel.equations.heat import Heated, heated
+from ertel.equations.account import friction
 from ertel.inputs.case_files import parse_case
 from ertel.numerics.integrals import Plane
 from ertel.physics.flash import flash_temperature
 from ertel.physics.thermal import gupta_factor
+from ertel.solvers.heat import Heated, heated
 
 CONTACT = {
     "kind": "rolling",
@@ -149,7 +149,7 @@ def test_a_surface_at_rest(slide_to_roll: float) -> None:
 
 def test_temperature_of_a_body_at_rest_under_hertzian_heat() -> None:
     """q0 (1 - r^2)^{1/2} raises the middle of a half space by pi q0 a/(4 k)."""
-    from ertel.equations.heat import _rise
+    from ertel.solvers.heat import _rise
 
     case, _ = usual()
     s, thermal, grid = case.scales, case.thermal, grid_of(case)

@@ -8,7 +8,7 @@ from scipy.special import lambertw
 
 from ertel.physics.flash import response
 from ertel.physics.thermal import Solid
-from ertel.physics.warming import Real, Release, Rise, Warmed, cold, warmed
+from ertel.solvers.heat import Real, Release, Rise, Warmed, cold, warmed
 
 STEEL, GLASS = Solid(7850.0, 460.0, 47.0), Solid(2510.0, 858.0, 1.114)
 NODES, SPACING = 41, 7.5e-6

@@ -1,0 +1,346 @@
+"""A run at the moment that a picture shows: its values, scales and words for the panels."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+from math import isfinite
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from ertel.case.case import Case
+from ertel.case.height_map import HeightMap
+from ertel.numerics.grid import Extrapolation, extrapolate
+from ertel.physics import surfaces
+from ertel.physics.geometry import Geometry
+from ertel.physics.geometry import geometry as geometry_of
+from ertel.plots.drawing import NoFigure, Scale, Values
+from ertel.results.dataset import maps_of
+from ertel.results.variables import EVENTS, FILMS, FRICTION, is_steady, with_prefix
+
+At = float | str | None  # a time in t0, an event, or None: maximum approach, or the last map
+MAXIMUM, LAST, END, CHOSEN = "maximum approach", "last map", "end of the run", "chosen map"
+NAMES = {"max-approach": MAXIMUM, "end": END}
+MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
+LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
+ROUNDING = 1e-9  # t0
+NOTHING = 1e-6  # of the scale of a load or a speed
+NO_FRICTION = 1e-12  # in a/R: a coefficient that is zero but for round-off
+CONDITIONS = {  # by kind, for the heading of a physical case: symbol, attribute of the Dataset, unit
+    "impact": (("$v_0$", "v0_m_per_s", "m/s"), ("$p_h^*$", "p_h_Pa", "Pa")),
+    "rolling": (("$u_m$", "u_m_m_per_s", "m/s"), ("$F$", "F_N", "N"), ("$p_h$", "p_h_Pa", "Pa")),
+}
+FRICTION_NAMES = {
+    "mu_sliding": "traction coefficient",
+    "mu_sliding_y": "along y",
+    "mu_rolling": "rolling resistance",
+    "power_loss": "power loss",
+}
+
+
+def case_of(dataset: xr.Dataset) -> Case:
+    """The case that is stored with a Dataset.
+
+    Raises
+    ------
+    ValueError
+        The case could not be written down.
+    """
+    if "case" not in dataset.attrs:
+        raise ValueError(f"dataset: does not hold its case; {dataset.attrs.get('case_not_written', 'no reason given')}")
+    return _read_case(dataset.attrs["case"], tuple(maps_of(dataset).items()))
+
+
+@lru_cache(maxsize=4)
+def _read_case(written: str, maps: tuple[tuple[str, HeightMap], ...]) -> Case:
+    return Case.from_data(json.loads(written), dict(maps))
+
+
+@dataclass(frozen=True)
+class Field:
+    """A variable over the surface: values (y, x), all dimensionless."""
+
+    x: Values
+    y: Values
+    values: Values
+
+
+@dataclass(frozen=True)
+class View:
+    """A run, and the map of it that is shown.
+
+    Attributes
+    ----------
+    dataset : xarray.Dataset
+        The run.
+    frame : int or None
+        The number of the map; None of a steady contact.
+    moment : str
+        The name of the moment: maximum approach, last map, end of the run or chosen map.
+    """
+
+    dataset: xr.Dataset
+    frame: int | None = None
+    moment: str = ""
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset, at: At = None) -> "View":
+        """The view of a run at a time in t0 (the map next to it is taken) or an event, "max-approach" or "end".
+
+        By default maximum approach, or the last map where there is none.
+
+        Raises
+        ------
+        NoFigure
+            There is nothing to draw yet; the run does not have such a moment.
+        """
+        if is_steady(dataset):
+            if at is not None:
+                raise NoFigure(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
+            if not dataset.sizes["grid"]:
+                raise NoFigure("dataset: has no solution yet, there is nothing to draw")
+            return cls(dataset.load())
+        if not dataset.sizes["frame"]:
+            raise NoFigure("dataset: has no maps yet, there is nothing to draw")
+        return cls(dataset.load(), *_choose(dataset, at))
+
+    # -- properties of the run ----------------------------------------------------------------------------------------
+
+    @cached_property
+    def case(self) -> Case:
+        """The case of the run."""
+        return case_of(self.dataset)
+
+    @property
+    def in_si(self) -> bool:
+        """Whether the run has SI scales."""
+        return "si_factor" in self.dataset["H"].attrs
+
+    @property
+    def is_radial(self) -> bool:
+        """Whether the run is axisymmetric, with a radius in place of X and Y."""
+        return "r" in self.dataset
+
+    @property
+    def geometry(self) -> Geometry:
+        """The dry contact and its directions."""
+        about = self.dataset.attrs
+        return geometry_of(about.get("radius_ratio", 1.0), about.get("entrainment_angle", 0.0))
+
+    @property
+    def stretch(self) -> float:
+        """How many times as far the dry contact reaches along y as along x."""
+        along, across = self.geometry.extent
+        return across / along
+
+    @property
+    def slides(self) -> bool:
+        """Whether the surfaces slide."""
+        return self.case.motion.slide_to_roll != 0.0
+
+    # -- scales and words ---------------------------------------------------------------------------------------------
+
+    def scale(self, name: str, largest: float = 1.0) -> Scale:
+        """The scale of a variable whose largest value, as stored, is given."""
+        return Scale.of(self.dataset[name], largest, self.dataset.attrs["kind"])
+
+    @property
+    def across(self) -> Scale:
+        """The scale of distances along the surface."""
+        return self.scale("r" if self.is_radial else "X")
+
+    def axis_label(self, axis: str) -> str:
+        """The label of distances along "x" or "y"."""
+        return f"${axis if self.in_si else axis.upper()}$ ({self.across.unit})"
+
+    def legend(self, name: str) -> str:
+        """A variable for a legend: its long name and its symbol."""
+        shown = self.scale(name)
+        return f"{shown.long_name} {shown.symbol}"
+
+    def with_unit(self, name: str, value: float) -> str:
+        """A value of a variable with its unit; a negligible value is zero."""
+        value = 0.0 if abs(value) < NOTHING else value
+        about = self.dataset[name].attrs
+        if "si_factor" in about:
+            return with_prefix(value * about["si_factor"], about["si_units"])
+        return f"{value:.3g} {self.scale(name).unit}"
+
+    @property
+    def title(self) -> list[str]:
+        """The name of the run, then its conditions."""
+        about = self.dataset.attrs
+        name = str(about["title"]).partition(", M = ")[0].replace("_", " ")  # a case without name has M and L there
+        conditions = [f"$M$ = {about['M']:.4g}", f"$L$ = {about['L']:.3g}"]
+        if "radius_ratio" in about:
+            conditions.append(f"$R_x/R_y$ = {about['radius_ratio']:.3g}")
+        if about.get("entrainment_angle"):
+            conditions.append(f"angle {about['entrainment_angle']:.3g}°")
+        if about["kind"] == "rolling" and self.slides:
+            conditions.append(f"slide-to-roll {self.case.motion.slide_to_roll:.3g}")
+        if self.in_si:
+            driven = [f"{symbol} = {with_prefix(about[key], unit)}" for symbol, key, unit in CONDITIONS[about["kind"]]]
+            conditions = [f"$R$ = {with_prefix(about['R_m'], 'm')}", *driven, *conditions]
+        return [name[:1].upper() + name[1:], *conditions]
+
+    @property
+    def outcome(self) -> list[str]:
+        """The films of a steady contact with their errors; of a run in time the moment, its load and its speed."""
+        if self.frame is None:
+            return [self._film_with_error(name) for name in FILMS]
+        data, time = self.dataset, self.scale("time")
+        parts = [f"{self.moment} at {time.symbol} = {self.time * time.factor:.4g} {time.unit}"]
+        if "F" in data:
+            parts.append(f"load {self.with_unit('F', self._now('F'))}")
+        if "U" in data and np.any(data["U"].values):
+            parts.append(f"speed {self.with_unit('U', self.flow)}")
+        return parts
+
+    @property
+    def friction(self) -> list[str]:
+        """The coefficients of friction of a steady contact that are not zero, and its power loss."""
+        last = {name: float(self.dataset[name][-1]) for name in FRICTION}
+        return [
+            f"{FRICTION_NAMES[name]} {self.with_unit(name, value)}"
+            for name, value in last.items()
+            if name == "power_loss" or abs(value) > NO_FRICTION
+        ]
+
+    def _film_with_error(self, name: str) -> str:
+        """A film on the finest grid as h_c = 146 ± 10 nm: as many digits as the error deserves."""
+        film = estimate_of(self.dataset, name)
+        z = self.scale(name, float(film.values[-1]))
+        value, error = film.values[-1] * z.factor, film.errors[-1] * z.factor
+        if not (isfinite(error) and error > 0):
+            return f"{z.symbol} = {value:.4g} {z.unit}"
+        digits = max(0, 1 - int(np.floor(np.log10(error))))
+        return f"{z.symbol} = {value:.{digits}f} ± {error:.{digits}f} {z.unit}"
+
+    # -- values at the moment -----------------------------------------------------------------------------------------
+
+    @property
+    def time(self) -> float:
+        """T of the map; 0 of a steady contact."""
+        return 0.0 if self.frame is None else float(self.dataset["frame"].values[self.frame])
+
+    def _now(self, name: str) -> float:
+        return float(np.interp(self.time, self.dataset["time"].values, self.dataset[name].values))
+
+    @property
+    def flow(self) -> float:
+        """The entrainment; of a steady contact +1 where the oil goes to the right."""
+        if self.frame is not None:
+            return self._now("U") if "U" in self.dataset else 0.0
+        X = self.dataset["X"].values  # pressure reaches far upstream, and ends soon behind the contact
+        return -float(np.sign(np.mean(X[(self.dataset["P"].values > 0).any(axis=0)])))
+
+    def values(self, name: str) -> Values:
+        """A variable over the grid."""
+        values = self.dataset[name] if self.frame is None else self.dataset[name].isel(frame=self.frame)
+        return np.asarray(values.values)
+
+    @property
+    def x(self) -> Values:
+        """The positions along the mid-line, Y = 0; of an axisymmetric run a radius and its mirror image."""
+        return _mirrored(self.dataset["r"].values, odd=True) if self.is_radial else np.asarray(self.dataset["X"].values)
+
+    def midlines(self, name: str) -> Values:
+        """A variable along the mid-line; in a run in time of all maps, (frames, x)."""
+        if self.is_radial:
+            return _mirrored(self.dataset[name].values)
+        return np.asarray(self.dataset[name].sel(Y=0.0, method="nearest").values)
+
+    def midline(self, name: str) -> Values:
+        """A variable along the mid-line at the moment."""
+        values = self.midlines(name)
+        return values if self.frame is None else values[self.frame]
+
+    def map(self, name: str) -> Field:
+        """A variable over the surface; a radial profile is turned round the centre."""
+        values = self.values(name)
+        if not self.is_radial:
+            return Field(np.asarray(self.dataset["X"].values), np.asarray(self.dataset["Y"].values), values)
+        r = np.asarray(self.dataset["r"].values)
+        x = np.linspace(-r[-1], r[-1], 601)
+        return Field(x, x, np.interp(np.hypot(x[:, None], x[None, :]), r, values))
+
+    def extent(self, x: Values, P: Values, margin: float = MARGIN) -> float:
+        """How far from the centre a profile along x is shown."""
+        return min(margin * reach(x, P), WIDEST * self.geometry.extent[0])
+
+    def film_inside(self) -> float:
+        """The maximum film thickness well inside the contact, along the mid-line."""
+        x, P, H = self.x, self.midline("P"), self.midline("H")
+        return float(H[np.abs(x) < 0.8 * min(reach(x, P), self.geometry.extent[0])].max())
+
+    def roughness(self, X: ArrayLike, Y: ArrayLike) -> Values:
+        """The height of the roughness over the contact's own coordinates.
+
+        Parameters
+        ----------
+        X, Y : arrays that broadcast
+            Positions in a*.
+
+        Returns
+        -------
+        array of the broadcast shape
+            Height in a*^2/R, positive towards the film; zero where all surfaces are smooth.  As on the grid of the run,
+            without the waves that are too short for it.
+        """
+        grid = self.dataset.coords
+        shortest = surfaces.CELLS_KEPT * float(grid["X"][1] - grid["X"][0]) if "X" in grid else 0.0
+        case = self.case
+        heights = surfaces.height(case.features, case.motion, self.time, np.asarray(X), np.asarray(Y), shortest)
+        return np.asarray(heights, dtype=np.float64)
+
+
+def events_of(dataset: xr.Dataset) -> Mapping[str, int]:
+    """The maps of the events of a run in time, by name."""
+    codes = dataset["event"].values
+    return {EVENTS[code]: int(np.flatnonzero(codes == code)[0]) for code in sorted({int(c) for c in codes}) if code}
+
+
+def _choose(dataset: xr.Dataset, at: At) -> tuple[int, str]:
+    """The map that is asked for, and the name of the moment."""
+    T, events = np.asarray(dataset["frame"].values), events_of(dataset)
+    if at is None:
+        return (events["max-approach"], MAXIMUM) if "max-approach" in events else (len(T) - 1, LAST)
+    if isinstance(at, str):
+        if at in events:
+            return events[at], NAMES[at]
+    elif T[0] - ROUNDING <= at <= T[-1] + ROUNDING:
+        return int(np.abs(T - at).argmin()), CHOSEN
+    known = ", ".join(f'"{event}"' for event in events) or "no events"
+    span = f"{T[0]:.4g} to {T[-1]:.4g} t0"
+    raise NoFigure(f"at = {at!r}: must be a time from {span} or an event of this run, which has {known}")
+
+
+def _mirrored(values: Values, odd: bool = False) -> Values:
+    left = values[..., :0:-1]
+    return np.concatenate([-left if odd else left, values], axis=-1)
+
+
+def reach(x: Values, P: Values) -> float:
+    """How far from the centre a profile carries pressure."""
+    loaded = x[LOADED * P.max() < P]
+    farthest = float(np.abs(loaded).max()) if len(loaded) else float(x.max())
+    return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value on every grid, its estimated errors (NaN on the coarsest), and the value extrapolated from the finest."""
+
+    values: Values
+    errors: Values
+    extrapolated: float
+
+
+def estimate_of(dataset: xr.Dataset, name: str) -> Estimate:
+    """The error estimates of a steady contact on every grid; the error is of second order."""
+    values = np.asarray(dataset[name].values)
+    found = [Extrapolation(values[0], np.nan, np.nan), *(extrapolate(*pair) for pair in pairwise(values))]
+    return Estimate(values, np.array([each.error for each in found]), float(found[-1].extrapolated))

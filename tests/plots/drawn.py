@@ -1,0 +1,43 @@
+"""What stands in a figure."""
+
+import numpy as np
+
+
+def panels(figure):
+    """The axes of a figure without colour bars and without the right-hand ones of twins."""
+    return [
+        axes for axes in figure.axes if axes.get_label() != "<colorbar>" and axes.yaxis.get_label_position() == "left"
+    ]
+
+
+def right_of(axes):
+    (twin,) = [other for other in axes.figure.axes if other is not axes and other.bbox.bounds == axes.bbox.bounds]
+    return twin
+
+
+def line(axes, label):
+    (found,) = [candidate for candidate in axes.get_lines() if candidate.get_label() == label]
+    return found
+
+
+def words(axes):
+    """What the legend says."""
+    legend = axes.get_legend()
+    return [text.get_text() for text in legend.get_texts()] if legend else []
+
+
+def of_type(axes, name):
+    """The collections of a type: QuadMesh, QuadContourSet."""
+    return [collection for collection in axes.collections if type(collection).__name__ == name]
+
+
+def roughness_lines(axes):
+    """Level of the contour lines round hills and valleys, and whether they are solid."""
+    sets = [contours for contours in of_type(axes, "QuadContourSet") if len(contours.levels) == 1]
+    return [(float(contours.levels[0]), contours.get_linestyle()[0][1] is None) for contours in sets]
+
+
+def flow_arrows(axes):
+    """Where the arrows of the flow point: sign of x of the end less that of the start."""
+    arrows = [text for text in axes.texts if getattr(text, "arrow_patch", None)]
+    return [float(np.sign(arrow.xy[0] - arrow.get_position()[0])) for arrow in arrows]
