@@ -1,8 +1,11 @@
-"""The examples in docstrings give what they say."""
+"""The examples in docstrings give what they say, and what users call is explained in sections."""
 
 import doctest
+import inspect
 import pkgutil
 from importlib import import_module
+
+import pytest
 
 import ertel
 
@@ -22,3 +25,19 @@ def test_examples_in_docstrings():
 def test_there_are_examples():
     found = [test for name in MODULES for test in FINDER.find(import_module(name), name) if test.examples]
     assert len(found) >= 5
+
+
+CALLED = [name for name in dir(ertel) if callable(getattr(ertel, name)) and name not in ("ConfigError", "StoreError")]
+
+
+@pytest.mark.parametrize("name", CALLED)
+def test_what_users_call_is_explained_in_sections(name):
+    thing = getattr(ertel, name)
+    text, signature = inspect.getdoc(thing), inspect.signature(thing)
+    sections = ["Parameters"] if signature.parameters else []
+    if not inspect.isclass(thing):
+        sections.append("Returns")
+    if "StoreError" in text or "ConfigError" in text or "ValueError" in text:
+        sections.append("Raises")
+    assert [section for section in sections if f"\n{section}\n{'-' * len(section)}\n" not in text] == []
+    assert "Raises " not in text

@@ -61,12 +61,33 @@ T = TypeVar("T")
 class Case:
     """One contact, ready to be simulated.
 
-    contact: the operating conditions.  oil, solver, roughness: see their records; amounts are numbers in the units of
-    the case, or quantities in SI.  drive: load and entrainment as functions of time; None: the default of an impact or
-    of rolling.  time, output: for a run in time, None if the case is steady.  name: not part of equality or digest.
-    thermal: for the temperatures of a steady contact, None if they are not wanted.
+    Amounts are numbers in the units of the case, or quantities in SI.
 
-    Raises ValueError, naming the field, its value and what is allowed, if the input is not valid.
+    Parameters
+    ----------
+    contact : Conditions
+        The operating conditions.
+    oil : Oil
+        The lubricant.
+    solver : Solver
+        Method, grid and tolerance.
+    drive : Drive, optional
+        Load and entrainment as functions of time; left out: the default of an impact or of rolling.
+    roughness : tuple of Feature
+        What stands on the surfaces.
+    time : Time, optional
+        The steps of a run in time; None for a steady case.
+    output : Output, optional
+        What is kept of a run in time; None for a steady case.
+    name : str
+        The name, not part of equality or digest.
+    thermal : Thermal, optional
+        What the temperatures of a steady contact depend on; None if they are not wanted.
+
+    Raises
+    ------
+    ValueError
+        The input is not valid; the message names the field, its value and what is allowed.
 
     Examples
     --------

@@ -26,6 +26,7 @@ from ertel.physics.units import (
     Bounds,
     Meaning,
     Quantity,
+    explained,
     plain,
 )
 
@@ -174,6 +175,7 @@ def _spline(heights: HeightMap, cutoff_x: float, cutoff_y: float) -> NDArray[np.
 
 
 @SHAPES.register("measured")
+@explained
 @dataclass(frozen=True)
 class Measured:
     """A measured map of heights: a cubic spline through them, tapered to zero at the edges of the map.

@@ -28,7 +28,22 @@ def load_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
 
     Without a name in the file the case is called as the file is; what a name may not contain becomes "_".
 
-    Raises ConfigError if the file cannot be read or contains something that is not allowed.
+    Parameters
+    ----------
+    path : str or Path
+        The case file.
+    overrides : iterable of str
+        Values in place of those in the file, as SECTION.KEY=VALUE.
+
+    Returns
+    -------
+    Case
+        The case, checked.
+
+    Raises
+    ------
+    ConfigError
+        The file cannot be read, or contains something that is not allowed.
     """
     path = path_of("path", path, "a case file; parse_case takes a mapping")
     data = apply_overrides(read_toml(path), overrides)

@@ -262,7 +262,10 @@ class Oil:
     dimensionless contact uses eta0 and alpha of a typical mineral oil if they are not given: 0.04 Pa s and 22 1/GPa.
     Quantities are numbers in SI or texts with a unit: Oil(eta0="18.6 mPa*s", alpha=20e-9).
 
-    Raises ValueError, naming the argument, for a law that is not registered and for a value that is not allowed.
+    Raises
+    ------
+    ValueError
+        A law is not registered, or a value is not allowed; the message names the argument.
     """
 
     if TYPE_CHECKING:

@@ -18,7 +18,19 @@ from numpy.typing import NDArray
 
 from ertel.physics.motion import Motion, Surface
 from ertel.physics.registry import SHAPES
-from ertel.physics.units import FINITE, HEIGHT, POSITION, RMS, WIDTH, Amount, Bounds, Meaning, Quantity, plain
+from ertel.physics.units import (
+    FINITE,
+    HEIGHT,
+    POSITION,
+    RMS,
+    WIDTH,
+    Amount,
+    Bounds,
+    Meaning,
+    Quantity,
+    explained,
+    plain,
+)
 
 CELLS_KEPT = 4.0  # in the shortest wave of a rough surface of which a grid loses nothing; of two cells nothing is left
 PERIOD = 8.0  # longest waves, where no period is given
@@ -43,6 +55,7 @@ class Shape(Protocol):
 
 
 @SHAPES.register("waviness")
+@explained
 @dataclass(frozen=True)
 class Waviness:
     """amplitude cos(2 pi X/wavelength_x + phase_x) cos(2 pi Y/wavelength_y + phase_y).
@@ -98,6 +111,7 @@ class Waviness:
 
 
 @SHAPES.register("rings")
+@explained
 @dataclass(frozen=True)
 class RingWaviness:
     """amplitude cos(2 pi r/wavelength + phase), where r is the distance from (x, y)."""
@@ -127,6 +141,7 @@ class RingWaviness:
 
 
 @SHAPES.register("spot")
+@explained
 @dataclass(frozen=True)
 class Spot:
     """A bump (height > 0) or a cavity (depth > 0, or height < 0) of the given radius at (x, y) on its surface.
@@ -167,7 +182,15 @@ class Spot:
 
 @dataclass(frozen=True)
 class Feature:
-    """A shape on surface 1 or 2.  It moves with that surface, whose coordinates are the contact's at T = 0."""
+    """A shape on a surface.  It moves with that surface, whose coordinates are the contact's at T = 0.
+
+    Parameters
+    ----------
+    shape : Shape
+        The heights: `Waviness`, `Spot`, ..., or a record of one's own.
+    surface : 1 or 2
+        The surface.
+    """
 
     shape: Shape
     surface: Surface = 1
@@ -230,6 +253,7 @@ def kept_share(cutoff_over_wavelength: Array) -> Array:
 
 
 @SHAPES.register("self-affine")
+@explained
 @dataclass(frozen=True)
 class SelfAffine:
     """A random isotropic surface with the power spectrum q^(-2 (1 + hurst)) of wave numbers q, made from a seed.

@@ -27,7 +27,12 @@ DONE, TO_DO = "converged", ("interrupted", RUNNING, UNFINISHED, MISSING)
 class StudyResult:
     """The runs of a study.
 
-    dataset: their numbers over what varies, see `study_runs.assemble`.  directory: of the study.
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The numbers of the runs over what varies.
+    directory : Path, optional
+        The directory of the study.
     """
 
     dataset: xr.Dataset

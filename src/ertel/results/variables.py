@@ -239,7 +239,20 @@ def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
 def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     """The run of a physical case in SI units; its variables have their SI names (h_c for H_c, t for time, ...).
 
-    Raises ValueError for a dimensionless run.
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The dataset of a run.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same in SI units.
+
+    Raises
+    ------
+    ValueError
+        The run is dimensionless.
     """
     if not any("si_factor" in variable.attrs for variable in dataset.variables.values()):
         raise ValueError("dataset: the case is dimensionless and has no SI scales; give radius, speed, ... in SI")

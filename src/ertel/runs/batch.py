@@ -45,10 +45,24 @@ SHRINKAGE = 4  # a batch becomes smaller, which costs a compilation, when this f
 def simulate_batch(
     cases: Sequence[CaseLike], on_step: Callable[[int, Step], object] = lambda number, step: None
 ) -> list[Result | Failure]:
-    """The results of all cases in their order, as `simulate` takes and gives them; a `Failure` where a run raised.
+    """Run cases of one kind and one grid together: one compiled program makes a step of all.
 
-    on_step sees every accepted step with the number of its case.  Raises ValueError, naming the field, where the cases
-    cannot share a step.
+    Parameters
+    ----------
+    cases : sequence of cases
+        Each as for `simulate`.
+    on_step : callable
+        Sees the number of a case and each step that is accepted in it.
+
+    Returns
+    -------
+    list of Result or Failure
+        The results in the order of the cases; a `Failure` where a run raised.
+
+    Raises
+    ------
+    ValueError
+        The cases cannot share a step; the message names the field in which they differ.
     """
     if isinstance(cases, Case | str | PathLike | Mapping) or not isinstance(cases, Iterable):
         raise ConfigError(f"cases = {written(cases)}: must be a sequence of cases")

@@ -132,7 +132,10 @@ def respond(case: CaseLike, roughnesses: Sequence[Sequence[Feature]], observers:
         H, P (Y, X) of the smooth impact at maximum approach, its scalars over time, and dH, roughness (wave, Y, X) in
         units a*^2/R.  The attribute `status` is not "converged" where a run gave up; dH is then not to be used.
 
-    Raises ValueError for another method, and for a quantity that the case has no scale for, before it computes.
+    Raises
+    ------
+    ValueError
+        The case has another method, or no scale for a quantity; before anything is computed.
     """
     smooth, roughnesses = _smooth(as_case(case), roughnesses)
     companions = [RoughRun(replace(smooth, roughness=tuple(features))) for features in roughnesses]
@@ -143,7 +146,23 @@ def respond(case: CaseLike, roughnesses: Sequence[Sequence[Feature]], observers:
 def respond_linearly(
     case: CaseLike, roughnesses: Sequence[Sequence[Feature]], observers: Sequence[Observer] = ()
 ) -> xr.Dataset:
-    """The tangent-linear response: the limit of `respond` as the height of the roughness goes to zero."""
+    """The tangent-linear response: the limit of `respond` as the height of the roughness goes to zero.
+
+    Parameters
+    ----------
+    case, roughnesses, observers
+        As in `respond`.
+
+    Returns
+    -------
+    xarray.Dataset
+        As of `respond`.
+
+    Raises
+    ------
+    ValueError
+        As in `respond`.
+    """
     smooth, roughnesses = _smooth(as_case(case), roughnesses)
     method = Transient2D(smooth)
     companions = [TangentRun(method, features) for features in roughnesses]
@@ -223,8 +242,15 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
         response_convolutions (wave): the work.
         The attribute `status` is not "converged" where a solve gave up; the response is then not to be used.
 
-    Issues a Python warning where that error is above a tenth of the amplitude, or not known.  Raises ValueError for
-    another method, other shapes, or several frequencies in one response.
+    Raises
+    ------
+    ValueError
+        The case has another method, a shape is not a wave, or a response has several frequencies.
+
+    Warns
+    -----
+    UserWarning
+        The discretisation error is above a tenth of the amplitude, or not known.
     """
     case = as_case(case)
     if not case.is_steady:

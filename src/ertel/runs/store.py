@@ -301,7 +301,15 @@ def run(case: CaseLike, directory: str | Path, progress: bool = False, observers
     progress, observers
         As in `simulate`.
 
-    Raises StoreError where the directory holds another case, or cannot be written.
+    Returns
+    -------
+    Result
+        The stored run, as of `simulate`.
+
+    Raises
+    ------
+    StoreError
+        The directory holds another case, or cannot be written.
     """
     check_jax()
     case, directory = as_case(case), path_of("directory", directory, "a run directory")
@@ -320,5 +328,21 @@ def run(case: CaseLike, directory: str | Path, progress: bool = False, observers
 
 @double_precision()
 def open_run(directory: str | Path) -> Result:
-    """The run in a directory, as far as it is written.  Raises StoreError where there is none."""
+    """Read the run in a directory, as far as it is written.
+
+    Parameters
+    ----------
+    directory : str or Path
+        The run directory.
+
+    Returns
+    -------
+    Result
+        The run; its `status` says whether it is complete.
+
+    Raises
+    ------
+    StoreError
+        There is no run, or it is damaged.
+    """
     return RunStore.open(path_of("directory", directory, "a run directory")).result()

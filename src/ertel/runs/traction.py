@@ -176,9 +176,17 @@ def traction(
     TractionCurve
         It shows itself as a table; `dataset`, `plot()`, `to_csv(path)`.
 
-    What the case with the largest shear stress asks of the model beyond its range is a Python warning, before the run.
-    Raises ConfigError, naming the argument, its value and what is allowed; StoreError where the directory holds
-    something else.
+    Raises
+    ------
+    ConfigError
+        A value is not allowed; the message names the argument, its value and what is allowed.
+    StoreError
+        The directory holds something else.
+
+    Warns
+    -----
+    UserWarning
+        The case with the largest shear stress is outside the range of the model; before the run.
 
     Examples
     --------
