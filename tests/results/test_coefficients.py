@@ -6,7 +6,7 @@ import xarray as xr
 
 import ertel
 from ertel.apps.tables import film_table, value_table
-from ertel.physics.film_formulas import Film
+from ertel.physics.film_formulas import FormulaFilm
 from ertel.results.numbers import as_now, key_numbers, scalars
 from ertel.results.variables import one_number, to_si, with_coefficients
 from ertel.runs.checked_zarr import has_old_coefficients
@@ -79,7 +79,7 @@ def test_the_films_of_an_impact_stand_where_those_of_rolling_do():
 
 def test_tables_show_the_value_and_the_extrapolated_one_with_the_error(run: ertel.Result):
     errors = {"H_c": (0.01, 0.11), "H_min": (0.02, 0.05)}
-    case, film = run.case, Film("formula", 0.12, 0.06, "source", "valid", True)
+    case, film = run.case, FormulaFilm("formula", 0.12, 0.06, "source", "valid", True)
     table = film_table(case, [film], {"H_c": 0.10, "H_min": 0.04}, errors)
     columns = [list(column.cells) for column in table.columns]
     assert columns[0] == ["computed", "computed, extrapolated", "formula"]
