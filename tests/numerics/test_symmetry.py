@@ -6,7 +6,7 @@ import pytest
 from cases import OIL, free_ball, rolled, steady_solver
 from numpy.testing import assert_allclose
 
-from ertel.case.grids import grid_of
+from ertel.case.derived import grid_of
 from ertel.case.sections import Solver, Time
 from ertel.equations import contact
 from ertel.equations.flow import Rate

@@ -5,9 +5,9 @@ import pytest
 import xarray as xr
 
 import ertel
-from ertel.apps.tables import film_table, value_table
+from ertel.apps.tables import film_rows, value_rows
 from ertel.physics.film_formulas import FormulaFilm
-from ertel.results.numbers import as_now, key_numbers, scalars
+from ertel.results.numbers import as_now, key_numbers, number, scalars
 from ertel.results.variables import one_number, to_si, with_coefficients
 from ertel.runs.checked_zarr import has_old_coefficients
 
@@ -78,13 +78,12 @@ def test_the_films_of_an_impact_stand_where_those_of_rolling_do():
 
 
 def test_tables_show_the_value_and_the_extrapolated_one_with_the_error(run: ertel.Result):
-    errors = {"H_c": (0.01, 0.11), "H_min": (0.02, 0.05)}
     case, film = run.case, FormulaFilm("formula", 0.12, 0.06, "source", "valid", True)
-    table = film_table(case, [film], {"H_c": 0.10, "H_min": 0.04}, errors)
-    columns = [list(column.cells) for column in table.columns]
-    assert columns[0] == ["computed", "computed, extrapolated", "formula"]
-    assert columns[2] == ["+-10.0%", "", "+9.1%"] and columns[4] == ["+-50.0%", "", "+20.0%"]
-    values = value_table(case, "", {"H_c": 0.10}, errors)
-    assert [str(column.header) for column in values.columns][2:] == ["value", "in SI", "error", "extrapolated", "in SI"]
-    in_si = [next(iter(column.cells)) for column in values.columns]
-    assert float(in_si[6].split()[0]) == pytest.approx(1.1 * float(in_si[3].split()[0]), rel=1e-3)
+    values = {"H_c": (0.10, 0.01, 0.11), "H_min": (0.04, 0.02, 0.05)}
+    computed = {name: number(case.kind, case.scales, name, *known) for name, known in values.items()}
+    columns = list(zip(*film_rows(case, [film], computed), strict=True))
+    assert columns[0][1:] == ("computed", "computed, extrapolated", "formula")
+    assert columns[2][1:] == ("+-10.0%", "", "+9.1%") and columns[4][1:] == ("+-50.0%", "", "+20.0%")
+    head, row = value_rows("", [computed["H_c"]])
+    assert head[2:] == ["value", "in SI", "error", "extrapolated", "in SI"]
+    assert float(row[6].split()[0]) == pytest.approx(1.1 * float(row[3].split()[0]), rel=1e-3)

@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ertel.case.case import Case
-from ertel.case.grids import grid_of
+from ertel.case.derived import grid_of
 from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.inputs.case_files import parse_case

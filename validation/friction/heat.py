@@ -14,7 +14,7 @@ import numpy as np
 
 import ertel
 from ertel.case.case import Case
-from ertel.case.grids import grid_of
+from ertel.case.derived import grid_of
 from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.numerics.integrals import Plane

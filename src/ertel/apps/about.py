@@ -1,4 +1,4 @@
-"""The content of `ertel about`: versions, devices, the compile cache, how to cite; what made a run, and its end."""
+"""The content of `ertel about`: versions, devices, cache, citation; the origin and the end of a run."""
 
 import json
 import os
@@ -35,7 +35,7 @@ BIBTEX = """\
 
 
 def about() -> dict[str, str]:
-    """What is installed and where, by name; helpful in a report of a problem."""
+    """Versions, devices and directories by name; helpful in a report of a problem."""
     return {
         "ertel": ertel.__version__,
         "Python": f"{platform.python_version()} on {platform.system()} {platform.machine()}",
@@ -53,7 +53,7 @@ def bibtex(of_version: str | None = None) -> str:
 
 
 def of_run(run: RunStore) -> dict[str, str]:
-    """What made a run, where, and how it ended, by name.  Raises StoreError where the run is damaged."""
+    """The case, versions and machine of a run, and its end, by name.  Raises StoreError where the run is damaged."""
     attributes = run.dataset().attrs
     versions = json.loads(attributes["versions"])
     return {
@@ -69,7 +69,7 @@ def of_run(run: RunStore) -> dict[str, str]:
 
 
 def _end(run: RunStore) -> str:
-    """How a run ended, or how far it is."""
+    """The end of a run, or its progress."""
     summary: dict[str, Any] | None = run.summary()
     if summary is None:
         progress = read_progress(run.directory)

@@ -39,7 +39,7 @@ def figures(incomplete: str) -> list[str]:
 
 
 def _entries(incomplete: str) -> Iterator[tuple[Path, str]]:
-    """What lies in the directory that a text names so far and begins like its end: the path and the whole text.
+    """The entries of the directory that a text names so far, if they begin like its end: path and whole text.
 
     A directory of a run is complete; any other one ends with a slash, so that one can go on.
     """
@@ -78,8 +78,7 @@ OptionalRun = Annotated[Path | None, path_argument("[DIR]", "Directory of a run.
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
 Estimate = Annotated[
-    bool,
-    typer.Option("--error", help="Run also on the half grid, in smaller steps and on a wider domain: the error."),
+    bool, typer.Option("--error", help="Run also on the half grid, in smaller steps and on a wider domain: the error.")
 ]
 Flush = Annotated[
     float | None,
@@ -90,14 +89,12 @@ Flush = Annotated[
     ),
 ]
 Jobs = Annotated[
-    int | None,
-    typer.Option(min=1, help="Number of processes; default one per core. 1: this process, with all cores."),
+    int | None, typer.Option(min=1, help="Number of processes; default one per core. 1: this process, with all cores.")
 ]
 Scheduler = Annotated[
     str | None,
     typer.Option(
-        metavar="ADDRESS",
-        help="Use the workers of a dask scheduler that runs. Who reaches it can run programs as you.",
+        metavar="ADDRESS", help="Use the workers of a dask scheduler that runs. Who reaches it can run programs as you."
     ),
 ]
 SchedulerFile = Annotated[Path | None, path_option("The same, by the file that the scheduler wrote.", "FILE")]

@@ -32,7 +32,7 @@ def params(case_file: OptionalCase = None, set_: Set = None, as_json: Json = Fal
     else:
         from ertel.apps import tables
 
-        tables.print_parameters(tables.console(), content)
+        tables.print_parameters(content)
 
 
 def film(case_file: OptionalCase = None, set_: Set = None, as_json: Json = False) -> None:
@@ -51,9 +51,8 @@ def film(case_file: OptionalCase = None, set_: Set = None, as_json: Json = False
     if as_json:
         print_json(tables.films_as_data(case, found))
     else:
-        console = tables.console()
-        console.print(tables.film_table(case, found, {}))
-        tables.print_sources(console, found)
+        tables.print_films(case, found)
+        tables.print_sources(found)
 
 
 def _case_asked_for(case_file: Path | None, settings: list[str] | None, kind: str) -> "Case":
@@ -72,10 +71,7 @@ def _case_asked_for(case_file: Path | None, settings: list[str] | None, kind: st
 
 def new(
     kind: Annotated[Literal["impact", "rolling"], typer.Argument(help="Kind of contact.")],
-    file: Annotated[
-        Path | None,
-        path_argument("[FILE]", "New case file; default KIND.toml."),
-    ] = None,
+    file: Annotated[Path | None, path_argument("[FILE]", "New case file; default KIND.toml.")] = None,
 ) -> None:
     """Write a new case file that runs, with all keys and their meanings.
 
@@ -97,7 +93,7 @@ def new(
 
 
 def _write_new(path: Path, text: str) -> bool:
-    """Whether a file could be written, because it was not there."""
+    """Write a file; False if it is there already."""
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
@@ -160,13 +156,13 @@ def _print_outlook(case: "Case", found: dict[str, Any]) -> None:
 
     out = tables.console()
     out.print(f"{case.name or case.kind}: {case.kind}, {case.solver.method}", style="bold")
-    tables.print_parameters(out, found["parameters"])
+    tables.print_parameters(found["parameters"])
     formulas = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if formulas:
         out.print()
-        out.print(tables.film_table(case, formulas, {}))
+        tables.print_films(case, formulas)
     out.print()
-    tables.print_names(out, _needs(found))
+    tables.print_names(_needs(found))
     for warning in found["warnings"]:
         out.print(f"Warning: {warning}", style="yellow")
 

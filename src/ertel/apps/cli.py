@@ -101,7 +101,7 @@ def run(
     with jax_prepared(case, tell):
         from ertel.apps import running  # while programs are loaded
 
-        running.run(case, out, running.Wishes(as_json, error, quiet, flush))
+        running.run(case, out, running.RunOptions(as_json, error, quiet, flush))
 
 
 @app.command()
@@ -111,7 +111,7 @@ def resume(
     """Continue a run that was interrupted."""
     from ertel.apps import running
 
-    running.resume(directory, running.Wishes(as_json, error, quiet, flush))
+    running.resume(directory, running.RunOptions(as_json, error, quiet, flush))
 
 
 @app.command()
@@ -187,8 +187,7 @@ def sweep(
 @app.command("warm-up")
 def warm_up(
     case_files: Annotated[
-        list[Path] | None,
-        path_argument("[CASE.toml]...", "Case files; default the usual grids."),
+        list[Path] | None, path_argument("[CASE.toml]...", "Case files; default the usual grids.")
     ] = None,
     set_: Set = None,
 ) -> None:
@@ -222,16 +221,10 @@ def show(directory: RunDirectory, as_json: Json = False) -> None:
 def plot(
     directory: RunDirectory,
     what: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Draw one figure only, such as film.",
-            autocompletion=figures,
-        ),
+        str | None, typer.Option(metavar="NAME", help="Draw one figure only, such as film.", autocompletion=figures)
     ] = None,
     at: Annotated[
-        str | None,
-        typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end."),
+        str | None, typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.")
     ] = None,
     interferogram: Interferogram = None,
     wavelength: Wavelength = None,
@@ -263,16 +256,16 @@ def oils(
     as_json: Json = False,
 ) -> None:
     """Print the oils and materials that case files know by name, or all data of one with their sources."""
-    from ertel.apps import oils, tables
+    from ertel.apps import oils
 
     with bad_input():
         entry = oils.find(name) if name else None
     if as_json:
         print_json(oils.as_data(entry) if entry else oils.library_data())
     elif entry:
-        oils.print_entry(tables.console(), entry)
+        oils.print_entry(entry)
     else:
-        oils.print_library(tables.console())
+        oils.print_library()
 
 
 @app.command()
@@ -292,7 +285,7 @@ def about(
     if cite:
         print(about.bibtex(version), end="")
     else:
-        tables.print_names(tables.console(), found)
+        tables.print_names(found)
 
 
 @app.command("app")

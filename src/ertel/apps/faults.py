@@ -74,13 +74,13 @@ def _judged(error: BaseException) -> tuple[int, str]:
 
 
 def _usage(error: Any) -> str:
-    """What is wrong with the flags, and where they are explained."""
+    """The fault in the flags, and the command that explains them."""
     message = str(error.format_message()).rstrip(".")
     return f"{message}; see {error.ctx.command_path} --help" if error.ctx else message
 
 
 def _where(error: BaseException) -> str:
-    """Where the traceback is: in a file, or below where no file can be written."""
+    """The place of the traceback: a file, or the next lines where no file can be written."""
     text = "".join(traceback.format_exception(error))
     try:
         with tempfile.NamedTemporaryFile(

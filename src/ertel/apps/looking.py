@@ -10,7 +10,7 @@ from ertel.apps.arguments import Json, RunDirectory, path_argument, path_option,
 from ertel.apps.terminal import bad_input, print_json, print_path, say, shown
 
 if TYPE_CHECKING:
-    from ertel.results.numbers import Pair
+    from ertel.results.numbers import Difference, Pair
     from ertel.runs.listing import Listed
 
 
@@ -36,51 +36,32 @@ def ls(
 
 
 def _as_data(run: "Listed", folder: Path) -> dict[str, Any]:
-    case = run.case
+    case, directory = run.case, str(run.directory.relative_to(folder))
+    state = {"directory": directory, "status": run.status, "done": run.done}
     about = {"name": case.name, "kind": case.kind, "method": case.solver.method} if case else {}
     numbers = {name: {"value": number.value, **number.attributes} for name, number in run.numbers.items()}
-    place = {"directory": _below(run.directory, folder), "status": run.status, "done": run.done}
-    return {**place, "written": run.written.isoformat(timespec="seconds"), **about, "numbers": numbers}
-
-
-def _below(directory: Path, folder: Path) -> str:
-    return str(directory.relative_to(folder))
+    return {**state, "written": run.written.isoformat(timespec="seconds"), **about, "numbers": numbers}
 
 
 def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
+    from ertel.apps.tables import print_rows
     from ertel.results.numbers import SHOWN
     from ertel.results.variables import name_in_si
 
-    names = [name for name in SHOWN if any(name in run.numbers or name_in_si(name) in run.numbers for run in runs)]
-    about = [(f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else "") for run in runs]
-    columns = [
-        ["run", *(_below(run.directory, folder) for run in runs)],
-        ["case", *about],
-        ["status", *(run.status if run.done >= 1 else f"{run.status} {run.done:.0%}" for run in runs)],
-        ["written", *(f"{run.written:%Y-%m-%d %H:%M}" for run in runs)],
-    ]
-    columns += [[name, *(_number(run, name, name_in_si(name)) for run in runs)] for name in ("M", "L", *names)]
-    _print_lines(columns, 4)
+    known = {name for run in runs for name in run.numbers}
+    names = ["M", "L", *(name for name in SHOWN if known & {name, name_in_si(name)})]
+    print_rows([("run", "case", "status", "written", *names), *(_row(run, folder, names) for run in runs)], left=4)
 
 
-def _print_lines(columns: Sequence[Sequence[str]], left: int) -> None:
-    from ertel.apps import tables
-    from ertel.results.report import aligned
+def _row(run: "Listed", folder: Path, names: Sequence[str]) -> list[str]:
+    """A run in the list, with its numbers of these names."""
+    from ertel.results.variables import name_in_si, with_prefix
 
-    out = tables.console()
-    for line in aligned(columns, left):
-        out.print(line)
-
-
-def _number(run: "Listed", name: str, name_in_si: str) -> str:
-    number = run.numbers.get(name_in_si) or run.numbers.get(name)
-    return "" if number is None else _with_unit(number.value, number.attributes["units"])
-
-
-def _with_unit(value: float, unit: str) -> str:
-    from ertel.results.variables import with_prefix
-
-    return with_prefix(value, unit)
+    case = f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else ""
+    status = run.status if run.done >= 1 else f"{run.status} {run.done:.0%}"
+    numbers = [run.numbers.get(name_in_si(name)) or run.numbers.get(name) for name in names]
+    texts = [with_prefix(number.value, number.attributes["units"]) if number else "" for number in numbers]
+    return [str(run.directory.relative_to(folder)), case, status, f"{run.written:%Y-%m-%d %H:%M}", *texts]
 
 
 def compare(
@@ -98,46 +79,42 @@ def compare(
     with running.opened(first) as one, running.opened(second) as two:
         summaries = [run.summary() or run.summary_so_far() for run in (one, two)]
         data = [run.dataset() for run in (one, two)] if plot else []
-    cases = [run.case for run in (one, two)]
-    differing = numbers.differences(*cases)
+    names, statuses = [shown(first), shown(second)], [summary["status"] for summary in summaries]
+    differing = numbers.differences(one.case, two.case)
     pairs = numbers.pairs(*summaries)
     if as_json:
         rows = [{**pair._asdict(), "change": pair.change} for pair in pairs]
         print_json({"case": [difference._asdict() for difference in differing], "numbers": rows})
     else:
-        _print_differences(differing, [shown(first), shown(second)])
-        _print_pairs(pairs, [summary["status"] for summary in summaries])
+        _print_differences(differing, names)
+        _print_pairs(pairs, statuses)
     if plot:
-        _draw(data, [shown(first), shown(second)], plot)
+        from ertel import plots
+
+        with bad_input():
+            plots.comparison(data, names).savefig(plot)
+        print_path(plot)
 
 
-def _print_differences(differing: Sequence[Any], names: Sequence[str]) -> None:
+def _print_differences(differing: "Sequence[Difference]", names: Sequence[str]) -> None:
+    from ertel.apps.tables import print_rows
     from ertel.case.records import show
 
     rows = [(field, *("" if value is None else show(value) for value in values)) for field, *values in differing]
-    rows = [("case", *names), *rows] if rows else [("The cases are the same.",)]
-    _print_lines([*zip(*[*rows, [""] * len(rows[0])], strict=True)], 3)
+    print_rows([("case", *names), *rows, ("", "", "")] if rows else [("The cases are the same.",), ("",)], left=3)
 
 
 def _print_pairs(pairs: "Sequence[Pair]", statuses: Sequence[str]) -> None:
-    rows = [("number", "", "first", "second", "change"), ("status", "", *statuses, ""), *map(_cells, pairs)]
-    _print_lines([*zip(*rows, strict=True)], 2)
+    from ertel.apps.tables import print_rows
+    from ertel.results.variables import with_prefix
 
-
-def _cells(pair: "Pair") -> tuple[str, ...]:
-    unit = pair.attributes["units"]
-    first, second = ("" if value is None else _with_unit(value, unit) for value in (pair.first, pair.second))
-    change = "" if pair.change is None else f"{pair.change:+.2%}"
-    return pair.attributes["long_name"], pair.name, first, second, change
-
-
-def _draw(data: Sequence[Any], names: Sequence[str], path: Path) -> None:
-    from ertel import plots
-
-    with bad_input():
-        figure = plots.comparison(data, names)
-        figure.savefig(path)
-    print_path(path)
+    rows = [("number", "", "first", "second", "change"), ("status", "", *statuses, "")]
+    for pair in pairs:
+        unit = pair.attributes["units"]
+        values = ["" if value is None else with_prefix(value, unit) for value in (pair.first, pair.second)]
+        change = "" if pair.change is None else f"{pair.change:+.2%}"
+        rows.append((pair.attributes["long_name"], pair.name, *values, change))
+    print_rows(rows, left=2)
 
 
 def export(

@@ -1,12 +1,10 @@
-"""What `ertel oils` prints: the library of oils and materials, and all data of one of them with their sources."""
+"""The output of `ertel oils`: the library of oils and materials, and all data of one of them with their sources."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import Any
 
-from rich.console import Console
-from rich.table import Table
-
+from ertel.apps.tables import console, print_rows
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material
@@ -28,31 +26,27 @@ def find(name: str) -> NamedOil | Material:
     raise ConfigError(f"NAME = {show(name)}: allowed: {', '.join((*oils.names(), *materials.names()))}")
 
 
-def print_library(out: Console) -> None:
+def print_library() -> None:
     """The oils at 40 and 100 degC, and the materials."""
-    table = Table("oil", box=None, pad_edge=False, caption=CAPTION)
-    table.columns[0].no_wrap = True
-    for column in ("eta0 at 40", "at 100", "alpha at 40", "at 100", "valid"):
-        table.add_column(column, justify="right", no_wrap=True)
+    rows = [["oil", "eta0 at 40", "at 100", "alpha at 40", "at 100", "valid"]]
     for name in oils.names():
         oil = oils.get(name)
         warm, hot = oil.at(WARM), oil.at(HOT)
         viscosities = [f"{1e3 * (one.eta0 or 0.0):.3g}" for one in (warm, hot)]
         alphas = [f"{1e9 * (one.alpha or 0.0):.3g}" for one in (warm, hot)]
-        table.add_row(name, *viscosities, *alphas, _range(*oil.temperatures))
-    out.print(table)
-    out.print()
-    table = Table("material", box=None, pad_edge=False)
-    for column in ("E", "nu", "density"):
-        table.add_column(column, justify="right", no_wrap=True)
+        rows.append([name, *viscosities, *alphas, _range(*oil.temperatures)])
+    print_rows(rows)
+    print(f"{CAPTION}\n")
+    rows = [["material", "E", "nu", "density"]]
     for name in materials.names():
         body = materials.get(name).elasticity.data
-        table.add_row(name, f"{body.E / 1e9:.3g} GPa", f"{body.nu:g}", f"{body.density:g} kg/m^3")
-    out.print(table)
+        rows.append([name, f"{body.E / 1e9:.3g} GPa", f"{body.nu:g}", f"{body.density:g} kg/m^3"])
+    print_rows(rows)
 
 
-def print_entry(out: Console, entry: NamedOil | Material) -> None:
+def print_entry(entry: NamedOil | Material) -> None:
     """All data of an oil or a material, each part with its range, its source and a note."""
+    out = console()
     out.print(f"{entry.name}: {entry.text}", style="bold")
     for title, part in _parts(entry):
         out.print(f"\n{title}, {_range(part.coldest, part.hottest)}: {part.data.title}")

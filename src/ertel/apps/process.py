@@ -122,7 +122,7 @@ class Stop:
     code = 0
 
     def __call__(self, item: object = None) -> bool:
-        """Whether a signal came."""
+        """True after a signal."""
         return self.code > 0
 
 

@@ -22,8 +22,8 @@ from ertel.runs.warm_up import warm_up
 
 
 @dataclass(frozen=True)
-class Wishes:
-    """What a user wants of a run: its report as JSON, its error, or nothing printed; seconds between flushes."""
+class RunOptions:
+    """The options of a run: its report as JSON, its error, or nothing printed; seconds between flushes."""
 
     as_json: bool = False
     error: bool = False
@@ -34,32 +34,32 @@ class Wishes:
 # -- commands ---------------------------------------------------------------------------------------------------------
 
 
-def run(case: Case, directory: Path | None, wishes: Wishes) -> None:
+def run(case: Case, directory: Path | None, options: RunOptions) -> None:
     """Run a case in a new directory: that one, or runs/NAME; `prepare_jax` comes first."""
-    if not wishes.quiet:
+    if not options.quiet:
         say_before([case])
     with within_memory(case):
         course = course_of(case)
-        others = _compared(course, wishes)
-        _finish(_create(directory, course), others, wishes)
+        others = _compared(course, options)
+        _finish(_create(directory, course), others, options)
 
 
-def resume(directory: Path, wishes: Wishes) -> None:
+def resume(directory: Path, options: RunOptions) -> None:
     """Continue a run, or compare a finished one for its error; what is done is only shown."""
     with opened(directory) as found:
         done = found.outcome()
-        if done and (not wishes.error or done.get("error_estimate")):
-            report(found, done, wishes)
+        if done and (not options.error or done.get("error_estimate")):
+            report(found, done, options)
             return
         prepare_jax()
         with within_memory(found.case):
-            _finish(found, _compared(found.course, wishes), wishes)
+            _finish(found, _compared(found.course, options), options)
 
 
-def _compared(course: Run, wishes: Wishes) -> Mapping[str, Run]:
+def _compared(course: Run, options: RunOptions) -> Mapping[str, Run]:
     """The runs with which a run is compared for its error.  A grid may have no half grid for them."""
     with bad_input():
-        return course.comparisons if wishes.error else {}
+        return course.comparisons if options.error else {}
 
 
 def show(directory: Path, as_json: bool) -> None:
@@ -71,7 +71,7 @@ def show(directory: Path, as_json: bool) -> None:
             raise
         except StoreError as error:
             raise StoreError(f"{error}; to start it: ertel resume {in_shell(directory)}") from error
-        report(found, summary, Wishes(as_json))
+        report(found, summary, RunOptions(as_json))
 
 
 def warm_up_all(cases: Sequence[Case]) -> None:
@@ -108,7 +108,7 @@ def opened(directory: Path) -> Iterator[RunStore]:
 
 
 def _to_repair(run: RunStore, damaged: Path) -> str:
-    """The command that makes good what is damaged."""
+    """The command that repairs the damage."""
     to_resume = f"ertel resume {in_shell(run.directory)}"
     if damaged.name == CHECKPOINT:
         return f"rm {in_shell(damaged)}; {to_resume}"
@@ -147,18 +147,18 @@ def within_memory(case: Case) -> Iterator[None]:
         leave(FAILED, f"out of memory: {outlook.memory_shortage(case)}")
 
 
-def _finish(run: RunStore, others: Mapping[str, Run], wishes: Wishes) -> None:
+def _finish(run: RunStore, others: Mapping[str, Run], options: RunOptions) -> None:
     """Continue a run to its end and report; exit with a code if it did not reach its end."""
-    run.flush_interval = wishes.flush
+    run.flush_interval = options.flush
     to_continue = f"to continue: ertel resume {in_shell(run.directory)}{' --error' if others else ''}"
     with interruptible() as stop:
         try:
-            summary = _computed(run, others, wishes.quiet, stop)
+            summary = _computed(run, others, options.quiet, stop)
         except OSError as error:
             leave(FAILED, f"cannot write to {shown(run.directory)}: {reason_of(error)}; {to_continue}")
         if summary is None:
             leave(stop.code or ASKED, f"interrupted; {to_continue}")
-        report(run, summary, wishes)
+        report(run, summary, options)
     status = Status(summary["status"])
     if status is Status.INTERRUPTED:
         leave(stop.code or ASKED, f"interrupted; {to_continue}")
@@ -202,11 +202,11 @@ def _with_error(run: RunStore, summary: Mapping[str, Any], compared: Mapping[str
 # -- reporting --------------------------------------------------------------------------------------------------------
 
 
-def report(run: RunStore, summary: Mapping[str, Any], wishes: Wishes) -> None:
+def report(run: RunStore, summary: Mapping[str, Any], options: RunOptions) -> None:
     """Print a summary in the form that the user asked for."""
-    if wishes.as_json:
+    if options.as_json:
         print_json(summary)
-    elif not wishes.quiet:
+    elif not options.quiet:
         out = tables.console()
         tables.print_summary(out, run.case, summary)
         out.print(f"Stored in {shown(run.directory)}; for figures: ertel plot {in_shell(run.directory)}")

@@ -4,20 +4,19 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.table import Table
 
 from ertel.apps.terminal import printable
-from ertel.results.numbers import errors_of, moment, values_of
-from ertel.results.parameters import domain, rheology_of
-from ertel.results.report import more_lines
+from ertel.results.numbers import Number, moment, numbers, values_of
+from ertel.results.parameters import domain, films, parameter_summary, rheology_of
+from ertel.results.report import aligned, more_lines
+from ertel.results.variables import FILMS, in_si, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
     from ertel.physics.film_formulas import FormulaFilm
 
 
-Errors = Mapping[str, tuple[float, float]]  # estimated error and extrapolated value, by name
-NO_ERRORS: Errors = {}
+NOTHING: Mapping[str, Number] = {}
 
 
 class PlainConsole(Console):
@@ -31,6 +30,25 @@ class PlainConsole(Console):
 def console() -> Console:
     """The console for tables: stdout, without markup."""
     return PlainConsole(highlight=False, markup=False, soft_wrap=True)
+
+
+def print_rows(rows: Sequence[Sequence[str]], left: int = 1) -> None:
+    """Rows of texts below each other, the first columns aligned to the left, the others to the right."""
+    out = console()
+    for line in aligned(list(zip(*rows, strict=True)), left):
+        out.print(line)
+
+
+def print_names(content: Mapping[str, str]) -> None:
+    """Names and their values, one per line."""
+    print_rows(list(content.items()), left=2)
+
+
+def print_parameters(content: Mapping[str, Any]) -> None:
+    """The parameters of a case, then its scales in SI."""
+    values = {name: value for name, value in {**content, **content.get("si", {})}.items() if name != "si"}
+    titles = {name: f"{name} (a rigid ball's)" if name.startswith("trapped_film") else name for name in values}
+    print_names({"parameter": "value", **{titles[name]: f"{value:.6g}" for name, value in values.items()}})
 
 
 # -- a run ------------------------------------------------------------------------------------------------------------
@@ -53,101 +71,87 @@ def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
 
 def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
     """Values with their errors, restitution, what holds of the whole run, and the film formulas at that moment."""
-    values, errors = values_of(summary), errors_of(summary)
-    if values:
+    found = {name: number for name, number in numbers(summary).items() if name in values_of(summary)}
+    if found:
         heading = "at the last time" if "T" in summary else moment(summary)
-        out.print(value_table(case, heading, values, errors))
+        print_rows(value_rows(heading, list(found.values())), left=2)
     else:
         out.print(f"{moment(summary).capitalize()}.")
     estimate = summary.get("error_estimate") or {}
     if estimate:
-        said = ", ".join(f"of {name} that of the {parts['dominant']}" for name, parts in estimate.items())
-        out.print(f"The largest error is {said}.")
+        largest = ", ".join(f"of {name} that of the {parts['dominant']}" for name, parts in estimate.items())
+        out.print(f"The largest error is {largest}.")
     if summary.get("restitution") is not None:
         out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
     for line in more_lines(summary):
         out.print(f"{line[0].upper()}{line[1:]}")
-    if values:
-        _print_formulas(out, case, values, errors)
+    T = found["T"].value if "T" in found else 0.0
+    formulas = films(case, case.motion.load(T), case.motion.entrainment(T)) if found else ()
+    if formulas:
+        out.print()
+        print_films(case, formulas, found)
 
 
-def _print_formulas(out: Console, case: "Case", values: Mapping[str, float], errors: Errors) -> None:
-    """The film formulas next to the computed films, where the formulas have a meaning."""
-    from ertel.results.parameters import films
-    from ertel.results.variables import FILMS
-
-    T = values.get("T", 0.0)
-    found = films(case, case.motion.load(T), case.motion.entrainment(T))
-    if not found:
-        return
-    out.print()
-    out.print(film_table(case, found, {name: values[name] for name in FILMS}, errors))
-
-
-def value_table(case: "Case", heading: str, values: Mapping[str, float], errors: Errors) -> Table:
-    """Dimensionless values, with their value in SI, error and extrapolated value, also in SI, if these are known."""
-    table = Table(heading, "", box=None, pad_edge=False)
-    in_si = ["in SI"] if case.scales else []
-    for column in ["value", *in_si, *(["error", "extrapolated", *in_si] if errors else [])]:
-        table.add_column(column, justify="right", no_wrap=True)
-    for key, value in values.items():
-        table.add_row(*_value_cells(case, key, value, errors.get(key)))
-    return table
+def value_rows(heading: str, found: Sequence[Number]) -> list[list[str]]:
+    """Numbers with their value in SI, error and extrapolated value, also in SI, as far as these are known."""
+    in_si = ["in SI"] if any(each.factor is not None for each in found) else []
+    estimated = ["error", "extrapolated", *in_si] if any(each.error is not None for each in found) else []
+    rows = [[heading, "", "value", *in_si, *estimated]]
+    for each in found:
+        row = [each.long_name, each.name, *_with_si(each, each.value, in_si)]
+        if each.error is not None and each.extrapolated is not None:
+            row += [f"{each.error / abs(each.value):.2%}" if each.value else "-"]
+            row += _with_si(each, each.extrapolated, in_si)
+        rows.append(_filled(row, len(rows[0])))
+    return rows
 
 
-def _value_cells(case: "Case", key: str, value: float, error: tuple[float, float] | None) -> list[str]:
-    from ertel.results.variables import VARIABLES, with_prefix
+def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
+    """A value in the unit of a number, and in SI if that is shown."""
+    factor = 1.0 if number.factor is None else number.factor
+    return [f"{value:.5g}", *(with_prefix(value * factor, number.si_units) for _ in in_si)]
 
-    variable = VARIABLES["time" if key == "T" else key]
-    cells = [variable.long_name, key, f"{value:.5g}"]
-    if case.scales:
-        cells.append(with_prefix(value * variable.factor(case.scales), variable.si_units))
-    if error:
-        cells += [f"{error[0] / abs(value):.2%}" if value else "-", f"{error[1]:.5g}"]
-        if case.scales:
-            cells.append(with_prefix(error[1] * variable.factor(case.scales), variable.si_units))
-    return cells
+
+def _filled(row: list[str], columns: int) -> list[str]:
+    return row + [""] * (columns - len(row))
 
 
 # -- film formulas ----------------------------------------------------------------------------------------------------
 
 
-def film_table(
-    case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[str, float], errors: Errors = NO_ERRORS
-) -> Table:
+def print_films(case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[str, Number] = NOTHING) -> None:
+    """The films by the formulas, beside the computed ones if there are some."""
+    print_rows(film_rows(case, found, computed))
+    console().print("(in brackets: the contact is outside the range of the formula)")
+
+
+def film_rows(case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[str, Number]) -> list[list[str]]:
     """Film thicknesses by the formulas, with their deviation from a computed film thickness if there is one.
 
-    computed: as it was computed.  errors: of the computed film; the deviation is then from the extrapolated one.  A
-    formula that is not made for such a contact is in brackets.
+    computed: H_c and H_min.  With estimated errors the deviation is from the extrapolated film.  A formula that is not
+    made for such a contact is in brackets.
     """
-    caption = "(in brackets: the contact is outside the range of the formula)"
-    table = Table("film", box=None, pad_edge=False, caption=caption)
-    table.columns[0].no_wrap = True
-    for column in ("central", "deviation", "minimum", "deviation") if computed else ("central", "minimum"):
-        table.add_column(column, justify="right", no_wrap=True)
-    if computed:
-        pairs = [_with_error(case, name, value, errors) for name, value in computed.items()]
-        table.add_row("computed", *(cell for pair in pairs for cell in pair))
-    if errors:
-        computed = {name: errors[name][1] if name in errors else value for name, value in computed.items()}
-        table.add_row("computed, extrapolated", _film(case, computed["H_c"]), "", _film(case, computed["H_min"]))
-    for f in found:
-        cells = [_film(case, f.central), _film(case, f.minimum)]
-        if computed:
-            cells.insert(1, _deviation(f.central, computed["H_c"]))
-            cells.append(_deviation(f.minimum, computed["H_min"]))
-        table.add_row(f.name if f.inside is not False else f"({f.name})", *cells)
-    return table
+    names = [f.name if f.inside is not False else f"({f.name})" for f in found]
+    if not computed:
+        rows = [[name, _film(case, f.central), _film(case, f.minimum)] for name, f in zip(names, found, strict=True)]
+        return [["film", "central", "minimum"], *rows]
+    both = [computed[name] for name in FILMS]
+    best = [each.value if each.extrapolated is None else each.extrapolated for each in both]
+    rows = [["film", "central", "deviation", "minimum", "deviation"]]
+    rows.append(["computed", *(cell for each in both for cell in (_film(case, each.value), _uncertainty(each)))])
+    if any(each.error is not None for each in both):
+        rows.append(["computed, extrapolated", _film(case, best[0]), "", _film(case, best[1]), ""])
+    for name, f in zip(names, found, strict=True):
+        pairs = zip((f.central, f.minimum), best, strict=True)
+        rows.append([name, *(cell for film, known in pairs for cell in (_film(case, film), _deviation(film, known)))])
+    return rows
 
 
-def _with_error(case: "Case", name: str, value: float, errors: Errors) -> list[str]:
-    """A computed film, and its error in the column of the deviations."""
-    return [_film(case, value), f"+-{errors[name][0] / abs(value):.1%}" if name in errors and value else ""]
+def _uncertainty(number: Number) -> str:
+    return f"+-{number.error / abs(number.value):.1%}" if number.error is not None and number.value else ""
 
 
 def _film(case: "Case", film: float | None) -> str:
-    from ertel.results.variables import with_prefix
-
     if film is None:
         return ""
     return with_prefix(film * case.scales.film, "m") if case.scales else f"{film:.4g}"
@@ -157,42 +161,19 @@ def _deviation(film: float | None, computed: float) -> str:
     return f"{film / computed - 1:+.1%}" if film is not None and computed else ""
 
 
-def print_sources(out: Console, found: "Sequence[FormulaFilm]") -> None:
+def print_sources(found: "Sequence[FormulaFilm]") -> None:
     """Sources and ranges of the formulas."""
     sources: dict[str, list[str]] = {}
     for f in found:
         sources.setdefault(f.source, []).append(f"{f.name}: {f.valid}")
     for source, formulas in sources.items():
-        out.print(f"\n{source}", *(f"  {line}" for line in formulas), sep="\n")
+        console().print(f"\n{source}", *(f"  {line}" for line in formulas), sep="\n")
 
 
 def films_as_data(case: "Case", found: "Sequence[FormulaFilm]") -> dict[str, Any]:
     """The parameters of a case and its film thicknesses by the formulas, as data for JSON."""
-    from ertel.results.parameters import parameter_summary
-    from ertel.results.variables import in_si
-
     rows = [film._asdict() for film in found]
     if case.scales:
         for row in rows:
-            values = {"H_c": row["central"], "H_min": row["minimum"]}
-            row["si"] = in_si(values, case.scales)
+            row["si"] = in_si({"H_c": row["central"], "H_min": row["minimum"]}, case.scales)
     return {**parameter_summary(case), "films": rows}
-
-
-# -- names and values -------------------------------------------------------------------------------------------------
-
-
-def print_parameters(out: Console, content: Mapping[str, Any]) -> None:
-    """The parameters of a case, then its scales in SI."""
-    table = Table("parameter", "value", box=None, pad_edge=False)
-    for name, value in {**content, **content.get("si", {})}.items():
-        if name != "si":
-            table.add_row(f"{name} (a rigid ball's)" if name.startswith("trapped_film") else name, f"{value:.6g}")
-    out.print(table)
-
-
-def print_names(out: Console, content: Mapping[str, str]) -> None:
-    """Names and their values, one per line."""
-    width = max(map(len, content)) + 2
-    for name, text in content.items():
-        out.print(f"{name:{width}}{text}")

@@ -7,7 +7,7 @@ from ertel.apps import running, tables
 from ertel.apps.process import interruptible
 from ertel.apps.terminal import FAILED, bad_input, leave, print_json, reason_of, shown
 from ertel.case.case import Case
-from ertel.case.estimates import newtonian_stress
+from ertel.case.derived import newtonian_stress
 from ertel.results.traction_curve import TractionCurve
 from ertel.runs.compile import prepare_jax
 from ertel.runs.curves import Curve, curve_of

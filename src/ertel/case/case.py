@@ -12,13 +12,15 @@ from functools import cached_property
 from math import inf
 from typing import Any, TypeVar
 
-from ertel.case import description, extents, rules, thermal
+from ertel.case import rules, thermal
 from ertel.case.conditions import Conditions, Kind
 from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.reading import Reader, check_key
 from ertel.case.records import (
     checked,
     data_of,
+    described,
+    described_in_html,
     feature_data,
     named,
     oil_data,
@@ -41,6 +43,8 @@ from ertel.case.sections import (
     Stop,
     Time,
     half_width_at,
+    half_width_y,
+    suited,
 )
 from ertel.case.thermal import Thermal
 from ertel.physics import film_formulas, surfaces
@@ -120,10 +124,10 @@ class Case:
         self._check()
 
     def __repr__(self) -> str:
-        return description.text(*self._described)
+        return described(*self._described)
 
     def _repr_html_(self) -> str:
-        return description.table(*self._described)
+        return described_in_html(*self._described)
 
     @property
     def _described(self) -> tuple[str, dict[str, Any]]:
@@ -142,7 +146,7 @@ class Case:
         if self.solver.inlet == self.solver.half_width:
             object.__setattr__(self, "solver", replace(self.solver, inlet=None))
         if self.solver.method != "radial" and self.solver.nodes > 1:
-            across = extents.half_width_y(self.solver, self.geometry)
+            across = half_width_y(self.solver, self.geometry)
             object.__setattr__(self, "solver", checked(replace(self.solver, half_width_y=across), "solver"))
         if not self.is_steady:
             given = self.time or Time()
@@ -378,7 +382,7 @@ def _completed(
         half_width, inlet = wide, inlet and inlet * wide / half_width
     found = replace(found, half_width=half_width, inlet=inlet)
     if method != "radial":
-        found = extents.suited(found, contact.geometry)
+        found = suited(found, contact.geometry)
     if "half_width" in written and "inlet" not in written:
         written["inlet"] = found.inlet and found.inlet * given.half_width / found.half_width
     return replace(found, **written)

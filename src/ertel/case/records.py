@@ -6,9 +6,10 @@ Plain data is the content of a case file: numbers, strings, lists, tables.  A qu
 
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
+from html import escape
 from math import inf, log10
 from typing import Any, TypeVar, get_type_hints
 
@@ -226,6 +227,43 @@ def _joined(items: Iterable[str], room: int) -> str:
 def printable(text: str) -> str:
     """The text with everything that is no visible character escaped, so that no message can steer a terminal."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+# -- a whole case, in a few lines -------------------------------------------------------------------------------------
+
+NUMBER = re.compile(r"[-+]?\d+\.?\d*(e[-+]?\d+)?(?= |$)")
+LEFT_OUT = ("schema", "name", "reference")
+
+
+def described(title: str, data: Mapping[str, Any]) -> str:
+    """A case as text.  title: the first line.  data: the case as plain data, a line each section."""
+    return "\n".join([f"Case: {title}", *(f"  {name:<10} {content}" for name, content in _sections(data))])
+
+
+def described_in_html(title: str, data: Mapping[str, Any]) -> str:
+    """The same as an HTML table."""
+    rows = "".join(f"<tr><th>{escape(n)}</th><td>{escape(content)}</td></tr>" for n, content in _sections(data))
+    return f"<div>Case: {escape(title)}<table>{rows}</table></div>"
+
+
+def _sections(data: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    for name, section in data.items():
+        for one in section if isinstance(section, list) else [section]:
+            if name not in LEFT_OUT:
+                yield name, _pairs(one) if isinstance(one, Mapping) else _short(one)
+
+
+def _pairs(data: Mapping[str, Any]) -> str:
+    return ", ".join(f"{key} = {_short(value)}" for key, value in data.items() if key not in LEFT_OUT)
+
+
+def _short(value: Any) -> str:
+    """A value for reading: numbers, also those before a unit, with four digits."""
+    if isinstance(value, Mapping):
+        return f"{{ {_pairs(value)} }}"
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    return NUMBER.sub(lambda found: f"{float(found[0]):.4g}", value) if isinstance(value, str) else str(value)
 
 
 # -- units of the case ------------------------------------------------------------------------------------------------

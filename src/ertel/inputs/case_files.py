@@ -68,8 +68,9 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
     if "contact" not in data:
         keys = ", ".join((*names_of(Materials), *names_of(Conditions)))
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
-    named = without_names(with_thermal_data(data))
+    named = data
     try:
+        named = without_names(with_thermal_data(data))
         read, maps = with_maps(named, Path(folder))
         case = Case.from_data(read, maps, READER)
     except ValueError as error:

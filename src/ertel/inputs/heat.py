@@ -11,42 +11,48 @@ from collections.abc import Mapping
 from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.estimates import LARGEST_NEWTONIAN_STRESS, newtonian_stress
+from ertel.case.derived import LARGEST_NEWTONIAN_STRESS, newtonian_stress
 from ertel.case.records import ConfigError, show
 from ertel.case.thermal import Thermal
 from ertel.inputs import library, names
+from ertel.inputs.layout import READER
 from ertel.inputs.quantities import parse_temperature
-from ertel.physics.oils import NamedOil
-from ertel.physics.units import CONDUCTIVITY, DENSITY, EXPANSION, HEAT_CAPACITY, TEMPERATURE, Unit, marks
+from ertel.physics.units import Unit, marks
 
-TEMPERATURES = tuple(key for key, mark in marks(Thermal).items() if mark is TEMPERATURE)
+PLACES = ("lubricant", "contact")  # sections that name an oil and materials
 
 
 def with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
-    """The plain data of a case, its section [thermal] complete: temperatures in K, data of the named oil and bodies.
+    """The plain data of a case, its section [thermal] complete with the data of the named oil and bodies.
 
-    Raises ConfigError, naming the key and what to give, for what is missing and for what is no temperature.
+    Raises ValueError, naming the key and what to give, for what is missing and for what is no temperature.
     """
     written = data.get("thermal")
     if not isinstance(written, Mapping):
         return dict(data)
-    lubricant, contact = (_table(data, name) for name in ("lubricant", "contact"))
-    given = dict(written)
+    lubricant, contact = (found if isinstance(found := data.get(name), Mapping) else {} for name in PLACES)
+    given = {key: value for key, value in written.items() if value is not None}
     if "temperature" in lubricant:
         given.setdefault("temperature", lubricant["temperature"])
-    for key in TEMPERATURES:
-        if key in given:
-            given[key] = _kelvin(key, given[key])
-    if "temperature" in lubricant and given["temperature"] != _kelvin("temperature", lubricant["temperature"]):
-        raise ConfigError(
-            f"thermal.temperature = {show(written['temperature'])}: differs from lubricant.temperature = "
-            f"{show(lubricant['temperature'])}, for which eta0 and alpha hold; leave thermal.temperature out"
-        )
-    found = {**_oil(lubricant, given), **_body(1, contact), **_body(2, contact), **given}
+    T = _temperature(given, lubricant)
+    in_si = {**_of_oil(lubricant, T), **_of_body(1, contact), **_of_body(2, contact)}
+    units = {key: mark.unit for key, mark in marks(Thermal).items() if isinstance(mark, Unit)}
+    found = {**{key: f"{value!r} {units[key]}" for key, value in in_si.items()}, **given}
     for key, mark in marks(Thermal).items():
         if key not in found and key not in ("temperature_1", "temperature_2"):
-            raise ConfigError(_missing(key, mark, lubricant, contact))
+            raise ValueError(_missing(key, mark, lubricant, contact))
     return {**data, "thermal": found}
+
+
+def _temperature(given: Mapping[str, Any], lubricant: Mapping[str, Any]) -> float | None:
+    """The temperature of the inlet (K), which must be that of the named oil; None if it is missing."""
+    T: float | None = READER.values(Thermal, {"temperature": given.get("temperature")}, "thermal").get("temperature")
+    if "temperature" in lubricant and T != parse_temperature(lubricant["temperature"]):
+        raise ValueError(
+            f"thermal.temperature = {show(given['temperature'])}: differs from lubricant.temperature = "
+            f"{show(lubricant['temperature'])}, for which eta0 and alpha hold; leave thermal.temperature out"
+        )
+    return T
 
 
 def require_rheology(case: Case, lubricant: object) -> None:
@@ -64,57 +70,29 @@ def require_rheology(case: Case, lubricant: object) -> None:
         )
 
 
-def _table(data: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    section = data.get(name)
-    return section if isinstance(section, Mapping) else {}
-
-
-def _kelvin(key: str, value: Any) -> str:
-    """A temperature in K with its unit."""
+def _of_oil(lubricant: Mapping[str, Any], T: float | None) -> dict[str, float]:
+    """What is known of the oil that is named or has a data sheet, at T (K); what is wrong with it is said elsewhere."""
     try:
-        if not isinstance(value, str):
-            raise ValueError('must be a temperature with its unit, "40 degC" or "313.15 K"')
-        return _text(parse_temperature(value), TEMPERATURE)
-    except ValueError as error:
-        raise ConfigError(f"thermal.{key} = {show(value)}: {error}") from error
-
-
-def _oil(lubricant: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, str]:
-    """What is known of the oil that is named or has a data sheet, at the temperature of the inlet."""
-    oil = _known(lubricant.get("oil"))
-    if oil is None or "temperature" not in given:
+        oil = names.oil_of(lubricant.get("oil"))
+    except ValueError:
         return {}
-    found = {"beta": _text(oil.thinning_at(parse_temperature(given["temperature"])), EXPANSION)}
-    return (
-        found if oil.thermal is None else {**found, "conductivity": _text(oil.thermal.data.conductivity, CONDUCTIVITY)}
-    )
+    if T is None:
+        return {}
+    thermal = {} if oil.thermal is None else {"conductivity": oil.thermal.data.conductivity}
+    return {"beta": oil.thinning_at(T), **thermal}
 
 
-def _known(written: object) -> NamedOil | None:
-    """The oil, if it is one; what is wrong with it is said elsewhere."""
-    try:
-        return names.oil_of(written)
-    except ConfigError:
-        return None
-
-
-def _body(number: int, contact: Mapping[str, Any]) -> dict[str, str]:
+def _of_body(number: int, contact: Mapping[str, Any]) -> dict[str, float]:
+    """What is known of a body whose material is named."""
     name = contact.get(f"material_{number}")
     if name not in library.material_names():
         return {}
     material = library.material(name)
-    found = {f"density_{number}": _text(material.elasticity.data.density, DENSITY)}
-    if material.thermal is None:
-        return found
-    known = material.thermal.data
-    return found | {
-        f"heat_capacity_{number}": _text(known.heat_capacity, HEAT_CAPACITY),
-        f"conductivity_{number}": _text(known.conductivity, CONDUCTIVITY),
-    }
-
-
-def _text(value: float, unit: Unit) -> str:
-    return f"{value!r} {unit.unit}"
+    found = {f"density_{number}": material.elasticity.data.density}
+    if material.thermal is not None:
+        found[f"heat_capacity_{number}"] = material.thermal.data.heat_capacity
+        found[f"conductivity_{number}"] = material.thermal.data.conductivity
+    return found
 
 
 def _missing(key: str, mark: object, lubricant: Mapping[str, Any], contact: Mapping[str, Any]) -> str:

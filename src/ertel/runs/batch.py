@@ -23,7 +23,7 @@ import numpy as np
 from jax import Array, tree
 
 from ertel.case.case import Case
-from ertel.case.grids import grid_of
+from ertel.case.derived import grid_of
 from ertel.case.status import Status
 from ertel.equations.contact import traceable, traceable_law
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, written

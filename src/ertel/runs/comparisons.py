@@ -6,7 +6,7 @@ Together they cost about 1.2 times the run itself: 1/4 of its nodes, 1/4 in 1.4 
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ertel.case import grids
+from ertel.case import derived
 from ertel.case.case import Case
 from ertel.case.sections import Solver, Time
 from ertel.numerics.grid import allowed_nodes
@@ -36,7 +36,7 @@ def wider(solver: Solver) -> Solver:
     """The domain 1.5 times as wide, at the same spacing: as near as grids allow."""
     if solver.method == "radial":
         width = WIDER_DOMAIN * solver.half_width
-        cells = (solver.nodes - 1) * grids.extent(width) / grids.extent(solver.half_width)
+        cells = (solver.nodes - 1) * derived.extent(width) / derived.extent(solver.half_width)
         return replace(solver, half_width=width, nodes=round(cells) + 1)
     spacing = 2 * solver.half_width / (solver.nodes - 1)
     nodes = allowed_nodes(WIDER_DOMAIN * (solver.nodes - 1) + 1)

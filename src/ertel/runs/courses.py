@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.grids import grid_of
+from ertel.case.derived import grid_of
 from ertel.case.status import Status
 from ertel.equations.state import Method, State, solved
 from ertel.numerics.grid import Grid, Symmetry

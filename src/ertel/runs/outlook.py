@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.estimates import LARGEST_NEWTONIAN_STRESS, film, largest_pressure, newtonian_stress
-from ertel.case.grids import grid_of, radii
+from ertel.case.derived import LARGEST_NEWTONIAN_STRESS, film, grid_of, largest_pressure, newtonian_stress, radii
 from ertel.case.sections import Time
 from ertel.inputs import materials
 from ertel.results import diagnostics

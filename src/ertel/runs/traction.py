@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.estimates import newtonian_stress
+from ertel.case.derived import newtonian_stress
 from ertel.case.status import Status
 from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.grids import grid_of
+from ertel.case.derived import grid_of
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.runs.batch import shape_of

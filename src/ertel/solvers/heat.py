@@ -45,7 +45,7 @@ from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.grids import grid_of
+from ertel.case.derived import grid_of
 from ertel.case.thermal import Inlet
 from ertel.equations.contact import opened, traceable, traceable_law
 from ertel.equations.shear import shear

@@ -86,7 +86,7 @@ class Slider:
 
     @property
     def at_end(self) -> bool:
-        """Whether the last map is shown."""
+        """True if the last map is shown."""
         return self.index >= len(self._info.T) - 1
 
     def fill(self, info: RunInfo, index: int) -> None:

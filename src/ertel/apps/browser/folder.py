@@ -74,7 +74,7 @@ class Folder:
         return sorted(path for path in self.root.glob("*.toml") if self._is_ours(path))
 
     def _is_ours(self, path: Path) -> bool:
-        """Whether a path is a regular file in the folder, with a name that pages can show."""
+        """True if a path is a regular file in the folder, with a name that pages can show."""
         try:
             is_inside = path.is_file() and path.resolve().is_relative_to(self.root)
         except OSError:  # nobody may look at it
@@ -100,7 +100,7 @@ class Folder:
 
 
 def _changed(path: Path) -> int:
-    """When a run was last written to."""
+    """The time when a run was last written to."""
     return max((stamp[0] for stamp in (_stamp(path / CASE), _stamp(path / SUMMARY)) if stamp), default=0)
 
 

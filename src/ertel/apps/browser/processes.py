@@ -40,7 +40,7 @@ class Phase(Enum):
 
     @property
     def is_active(self) -> bool:
-        """Whether a process works on the run."""
+        """True if a process works on the run."""
         return self in (Phase.COMPILING, Phase.RUNNING, Phase.STOPPING)
 
 
@@ -75,7 +75,7 @@ class _Started:
 
     @property
     def has_failed(self) -> bool:
-        """Whether the process ended by itself, and not well."""
+        """True if the process ended by itself, and not well."""
         code = self.process.poll()
         return code is not None and code not in STOPPED and not (self.asked_to_stop and code == KILLED)
 
@@ -154,7 +154,7 @@ class Processes:
             ask_to_stop(run)
 
     def knows(self, run: Path) -> bool:
-        """Whether this app started a run, the directory of which may not be there yet."""
+        """True if this app started a run, the directory of which may not be there yet."""
         return run in self._started
 
     def ours(self) -> list[Path]:

@@ -90,7 +90,7 @@ class Guard:
 
 
 def _is_own(asked: HTTPConnection) -> bool:
-    """Whether a request comes from a page of the app or from the user, as far as the browser tells."""
+    """True if a request comes from a page of the app or from the user, as far as the browser tells."""
     origin, site = asked.headers.get("origin"), asked.headers.get("sec-fetch-site")
     is_known = site in (None, "same-origin", "none") or asked.scope["type"] == "websocket"  # which has an Origin
     return is_known and origin in (None, f"http://{asked.headers['host']}")

@@ -1,6 +1,6 @@
-"""The nodes of a case: the grid on the plane, or along the radius.  This module does not import JAX."""
+"""What follows from a case without a run: its nodes, and estimates of film, pressure and shear stress.  No JAX."""
 
-from math import floor, inf, log2
+from math import cbrt, floor, inf, log2
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half w
 EDGE = 1.0  # maximum radius of the dry contact: the grid is finest here, where the film is thinnest
 WIDENING_INSIDE = 1.5  # the spacing at distance d from the edge is 1 + widening * d times that at the edge
 WIDENING_OUTSIDE = 8.0
+LARGEST_NEWTONIAN_STRESS = 6e6  # Pa: the stress at which squalane begins to thin (Liu et al. 2023, see the library)
+_PLACES = np.polynomial.legendre.leggauss(64)
 
 
 def grid_of(case: Case) -> Grid:
@@ -57,3 +59,37 @@ def _evenly(distance: float, widening: float) -> float:
 def extent(half_width: float) -> float:
     """The distance from 0 to half_width in units in which the nodes are evenly spaced."""
     return _evenly(EDGE, WIDENING_INSIDE) + _evenly(half_width - EDGE, WIDENING_OUTSIDE)
+
+
+# -- estimates of a physical contact --------------------------------------------------------------------------------
+
+
+def film(case: Case) -> float:
+    """The expected central film thickness (m), an impact's by its scale; infinite for a dimensionless case."""
+    return case.film_scale * case.scales.film if case.scales else inf
+
+
+def largest_pressure(case: Case) -> float:
+    """The maximum Hertz pressure (Pa) at the largest load, an impact's without oil; zero for a dimensionless case."""
+    if case.scales is None:
+        return 0.0
+    load = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
+    return float(case.scales.p_h * cbrt(load))
+
+
+def newtonian_stress(case: Case) -> float:
+    """The mean shear stress (Pa) that sliding gives a Newtonian oil; zero without sliding and for a dimensionless case.
+
+    eta u_s/h with the film of a formula, and the mean over the contact of the viscosity at the Hertz pressure:
+
+        2 integral from 0 to 1 of eta(p_h s) s ds,      p = p_h s at the radius sqrt(1 - s^2)
+    """
+    sliding = abs(case.motion.slide_to_roll) * max(map(abs, case.motion.entrainment.range(inf)))
+    if case.scales is None or case.oil.eta0 is None or not sliding:
+        return 0.0
+    z, weight = _PLACES
+    s = (1.0 + z) / 2.0
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        growth = float(np.sum(weight * s * case.oil.viscosity_law.viscosity(largest_pressure(case) * s)))
+    stress = growth * case.oil.eta0 * sliding * case.scales.front_speed / film(case)
+    return stress if stress >= 0.0 else inf  # beyond the pole of a modulus law
