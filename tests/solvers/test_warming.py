@@ -1,32 +1,49 @@
 """The heat balance of a sheared film and its surfaces: its equations, closed forms, one solution, and what jumps."""
 
+from dataclasses import dataclass
+
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from closed_forms import nahme
+from jax import Array
+from jax.tree_util import register_dataclass
 from numpy.testing import assert_allclose
 from scipy.special import lambertw
 
 from ertel.physics.flash import response
 from ertel.physics.thermal import Solid
-from ertel.solvers.heat import Real, Release, Rise, Warmed, cold, warmed
+from ertel.solvers.heat import Moving, Real, Warmed, warmed
 
 STEEL, GLASS = Solid(7850.0, 460.0, 47.0), Solid(2510.0, 858.0, 1.114)
 NODES, SPACING = 41, 7.5e-6
 CONDUCTIVITY = 0.14
 
 
-def moving(solid: Solid, speed: float) -> Rise:
-    into = response(solid, speed, NODES, SPACING)
-    return lambda heat: heat @ into.T
+def moving(solid: Solid, speed: float) -> Moving:
+    return Moving(response(solid, speed, NODES, SPACING))
 
 
-def constant(heat: Real) -> Release:
-    return lambda film: (heat, np.zeros_like(heat))
+@register_dataclass
+@dataclass(frozen=True)
+class Constant:
+    heat: Real
+
+    def __call__(self, film: Array) -> tuple[Array, Array]:
+        return jnp.asarray(self.heat), jnp.zeros_like(film)
 
 
-def exponential(heat: Real, beta: float) -> Release:
+@register_dataclass
+@dataclass(frozen=True)
+class Exponential:
     """A Newtonian oil: q falls as the viscosity does."""
-    return lambda film: (heat * np.exp(-beta * film), -beta * heat * np.exp(-beta * film))
+
+    heat: Real
+    beta: float
+
+    def __call__(self, film: Array) -> tuple[Array, Array]:
+        heat = self.heat * jnp.exp(-self.beta * film)
+        return heat, -self.beta * heat
 
 
 def hertzian() -> Real:
@@ -44,19 +61,19 @@ def test_the_equations_hold(speed: float) -> None:
     film = draw.uniform(5e-8, 5e-7, (3, NODES))
     first, second = moving(STEEL, 0.7), moving(GLASS, speed)
     found = warmed(
-        exponential(draw.uniform(1e8, 1e9, (3, NODES)), 0.05), (first, second), film / CONDUCTIVITY, (5.0, 2.0)
+        Exponential(draw.uniform(1e8, 1e9, (3, NODES)), 0.05), (first, second), film / CONDUCTIVITY, (5.0, 2.0)
     )
     crossing = CONDUCTIVITY * (found.surface_2 - found.surface_1) / film
     assert found.converged
-    assert_allclose(found.surface_1, 5.0 + first(found.heat / 2 + crossing), rtol=1e-6)
-    assert_allclose(found.surface_2, 2.0 + second(found.heat / 2 - crossing), rtol=1e-6)
-    middle = (found.surface_1 + found.surface_2) / 2 + found.heat * film / (12 * CONDUCTIVITY)
+    assert_allclose(found.surface_1, 5.0 + first(found.x[0] / 2 + crossing), rtol=1e-6)
+    assert_allclose(found.surface_2, 2.0 + second(found.x[0] / 2 - crossing), rtol=1e-6)
+    middle = (found.surface_1 + found.surface_2) / 2 + found.x[0] * film / (12 * CONDUCTIVITY)
     assert_allclose(found.film, middle, rtol=1e-12)
 
 
 def test_equal_surfaces_take_half_each() -> None:
     heat, into = np.full((2, NODES), 1e8), moving(STEEL, 1.0)
-    found = warmed(constant(heat), (into, into), np.full_like(heat, 1e-7))
+    found = warmed(Constant(heat), (into, into), np.full_like(heat, 1e-7))
     assert_allclose(found.surface_1, into(heat / 2), rtol=1e-12)
     assert_allclose(found.surface_2, found.surface_1, rtol=1e-12)
 
@@ -64,7 +81,7 @@ def test_equal_surfaces_take_half_each() -> None:
 def test_thin_films_leave_the_partition_to_the_solids() -> None:
     """h -> 0: both surfaces have one temperature, and uniform heat is shared by the effusivities."""
     slow, fast, heat = moving(STEEL, 1.0), moving(STEEL, 4.0), np.full((1, NODES), 1e8)
-    found = warmed(constant(heat), (slow, fast), np.full_like(heat, 1e-12))
+    found = warmed(Constant(heat), (slow, fast), np.full_like(heat, 1e-12))
     assert_allclose(found.surface_1, slow(heat / 3), rtol=1e-3)
     assert_allclose(found.surface_2, found.surface_1, rtol=1e-3)
 
@@ -84,10 +101,10 @@ MEAN_TEMPERATURE = [  # Nahme's number, viscosity over that at the walls by the 
 def between_cold_walls(Na: float) -> float:
     beta, speed, film = 0.04, 1.0, 1e-7
     stress = Na * CONDUCTIVITY / (beta * speed * film)
-    heat = np.array([stress * speed])
-    found = warmed(exponential(heat, beta), (cold, cold), np.array([film / CONDUCTIVITY]))
+    heat, wall = np.array([stress * speed]), Moving(np.zeros((1, 1)))  # it stays cold
+    found = warmed(Exponential(heat, beta), (wall, wall), np.array([film / CONDUCTIVITY]))
     assert found.converged
-    return float(found.heat[0] / heat[0])
+    return float(found.x[0][0] / heat[0])
 
 
 @pytest.mark.parametrize(("Na", "by_mean", "exact"), MEAN_TEMPERATURE)
@@ -109,12 +126,12 @@ def test_the_mean_temperature_is_exact_to_first_order() -> None:
 def strongly_heated(start: Real | None = None) -> Warmed:
     heat = hertzian()
     into = moving(STEEL, 1.5), moving(GLASS, 0.5)
-    return warmed(exponential(heat, 0.08), into, np.full_like(heat, 1e-7 / CONDUCTIVITY), heat=start)
+    return warmed(Exponential(heat, 0.08), into, np.full_like(heat, 1e-7 / CONDUCTIVITY), heat=start)
 
 
 def test_cold_and_hot_starts_end_at_the_same_temperatures() -> None:
     cold_start = strongly_heated()
-    hot_start = strongly_heated(20.0 * cold_start.heat)
+    hot_start = strongly_heated(20.0 * cold_start.x[0])
     assert cold_start.converged and hot_start.converged
     assert cold_start.film.max() > 60.0  # beta T of about 5: the viscosity falls by more than a hundredth
     assert_allclose(hot_start.film, cold_start.film, rtol=1e-6, atol=1e-9)
@@ -126,7 +143,7 @@ def test_the_plain_iteration_jumps_between_two_branches_that_are_none() -> None:
     seen = []
     for _ in range(40):
         q = heat * np.exp(-0.08 * film)
-        film = warmed(constant(q), into, np.full_like(q, 1e-7 / CONDUCTIVITY)).film
+        film = warmed(Constant(q), into, np.full_like(q, 1e-7 / CONDUCTIVITY)).film
         seen.append(film.max())
     low, high = seen[-2:] if seen[-2] < seen[-1] else seen[:-3:-1]
     assert high > 1.5 * low
@@ -144,9 +161,9 @@ def test_a_film_that_is_absurdly_stiff_when_cold() -> None:
     """Barus' law far above its range: each iteration takes a factor of e off the viscosity."""
     heat = np.exp(40.0) * hertzian()
     into = moving(STEEL, 1.5), moving(STEEL, 0.5)
-    found = warmed(exponential(heat, 0.08), into, np.full_like(heat, 1e-7 / CONDUCTIVITY))
+    found = warmed(Exponential(heat, 0.08), into, np.full_like(heat, 1e-7 / CONDUCTIVITY))
     assert found.converged
-    assert_allclose(found.heat, heat * np.exp(-0.08 * found.film), rtol=1e-4)
+    assert_allclose(found.x[0], heat * np.exp(-0.08 * found.film), rtol=1e-4)
 
 
 def test_work() -> None:

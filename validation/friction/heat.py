@@ -6,11 +6,14 @@ The traction curves take the film of one slide-to-roll ratio, so that they show 
 """
 
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
+from jax.tree_util import register_dataclass
 
 import ertel
 from ertel.case.case import Case
@@ -18,10 +21,10 @@ from ertel.case.derived import grid_of
 from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.numerics.integrals import Plane
-from ertel.physics.flash import flash_temperature
+from ertel.physics.flash import flash_temperature, peclet_number
 from ertel.physics.thermal import Solid, gupta_factor, wilson_sheu_factor
 from ertel.solvers import heat, steady
-from ertel.solvers.heat import Heated, cold, warmed
+from ertel.solvers.heat import Heated, Moving, warmed
 from ertel.solvers.steady import GridSolution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
@@ -62,18 +65,28 @@ def inlet_factor() -> None:
         print(f"| {L_t:g} | " + " | ".join(f"{value:.4f}" for value in (*gupta, *wilson)) + " |")
 
 
+@register_dataclass
+@dataclass(frozen=True)
+class Released:
+    """The heat of a film whose viscosity falls with the temperature T, and its derivative."""
+
+    most: Any
+    beta: float
+
+    def __call__(self, T: Any) -> Any:
+        heat = self.most * jnp.exp(-self.beta * T)
+        return heat, -self.beta * heat
+
+
 def cold_walls() -> None:
     """Viscosity of a sheared film over that at its cold walls, by the mean temperature and by Nahme."""
     print("\n| Na | by the mean temperature | Nahme, exact | excess | Newton iterations |\n|---|---|---|---|---|")
-    beta, film, conductivity = 0.04, 1e-7, 0.14
+    beta, film, conductivity, wall = 0.04, 1e-7, 0.14, Moving(np.zeros((1, 1)))
     for Na in (0.1, 1.0, 8.0, 50.0, 100.0, 1000.0, 1e4):
         released = Na * conductivity / (beta * film)  # at 1 m/s
 
-        def release(T: Any, most: float = released) -> Any:
-            return most * np.exp(-beta * T), -beta * most * np.exp(-beta * T)
-
-        found = warmed(release, (cold, cold), np.array([film / conductivity]))
-        ours, exact = found.heat[0] / released, nahme(Na).viscosity
+        found = warmed(Released(np.array([released]), beta), (wall, wall), np.array([film / conductivity]))
+        ours, exact = found.x[0, 0] / released, nahme(Na).viscosity
         print(f"| {Na:g} | {ours:.6f} | {exact:.6f} | {ours / exact - 1:.2%} | {found.iterations} |")
 
 
@@ -100,11 +113,14 @@ def plain_iteration(chosen: Case, s: GridSolution, S: float) -> tuple[float, flo
     thinner = thermal.inlet(chosen.oil.eta0, scales.p_h / scales.E_prime, mean, S).factor * s.H
     sheared = heat._sheared(chosen, grid, thermal.viscosity_of(chosen.oil.eta0), s.P, thinner, S * mean)
     speeds = mean * (1 + S / 2), mean * (1 - S / 2)
-    rises = [heat._rise(body, u, scales.a, grid) for body, u in zip(thermal.bodies, speeds, strict=True)]
+    rises = [
+        heat._rise(body, u, peclet_number(body, u, scales.a), scales.a, grid)
+        for body, u in zip(thermal.bodies, speeds, strict=True)
+    ]
     T, seen = np.zeros(s.P.shape), [0.0]
     for _ in range(PLAIN_STEPS):
-        q, _ = sheared.heat(T)
-        T = warmed(lambda _, q=q: (q, np.zeros_like(q)), rises, np.asarray(sheared.H) / thermal.conductivity).film
+        constant = Released(sheared(T)[0], 0.0)
+        T = warmed(constant, rises, np.asarray(sheared.H) / thermal.conductivity).film
         seen.append(float(T.max()))
     return seen[-2], seen[-1]
 

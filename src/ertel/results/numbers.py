@@ -102,7 +102,7 @@ def number(
         name,
         variable.symbol,
         variable.long_name,
-        float(value),
+        value,
         "1" if physical and variable.scale == COEFFICIENT else unit_of(kind, variable.unit),
         variable.factor(scales) if scales and physical else None,
         variable.si_name or name,
@@ -157,9 +157,11 @@ def key_numbers(summary: Outcome) -> list[Number]:
 
     A coefficient of friction is named where it is not zero.
     """
+    if not values_of(summary):
+        return []
     found = numbers(summary)
-    shown = [found[name] for name in SHOWN if name in found] if "H_c" in found else []
-    return [each for each in shown if each.value or each.name not in FRICTION]
+    names = [name for name in SHOWN if name in KEY or name in found]
+    return [found[name] for name in names if name not in FRICTION or found[name].value]
 
 
 def as_now(summary: Outcome) -> dict[str, Any]:
@@ -198,7 +200,7 @@ def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
             about = {"units": each.unit}
         elif each.unit != "1":
             about = {"units": "1", "in_units_of": each.unit}
-        found[name] = Scalar(each.value * factor, {"long_name": each.long_name, **about})
+        found[name] = Scalar(float(each.value * factor), {"long_name": each.long_name, **about})
         if each.error is not None:
             long_name = f"estimated error of the {each.long_name}"
             found[f"{name}_error"] = Scalar(each.error * factor, {"long_name": long_name, **about})

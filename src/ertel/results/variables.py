@@ -187,7 +187,7 @@ AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min
 
 def unit_of(kind: str, unit: str) -> str:
     """A unit of `VARIABLES` as a contact of this kind, "impact" or "rolling", names it."""
-    return ROLLING_UNITS.get(unit, unit) if kind == "rolling" else unit
+    return {"impact": {}, "rolling": ROLLING_UNITS}[kind].get(unit, unit)
 
 
 def name_in_si(name: str) -> str:

@@ -38,15 +38,14 @@ from itertools import chain, count
 from math import isfinite
 from os.path import lexists
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from ertel.case.case import Case
-from ertel.case.conditions import Kind
 from ertel.case.records import show
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
-from ertel.results.numbers import KEY, as_now, values_of
+from ertel.results.numbers import as_now
 from ertel.results.report import lines
 from ertel.runs.files import StoreError, content_of, reading, replace, sync_directory, unsealed
 
@@ -151,11 +150,6 @@ def read_summary(directory: Path) -> dict[str, Any] | None:
     with reading(path, "it is written again when the run is continued"):
         summary = as_now(unsealed(content_of(path)))
         Status(summary["status"])
-        if summary["kind"] not in get_args(Kind):
-            raise ValueError("it is of no kind of contact")
-        values = values_of(summary)
-        if not all(isinstance(values[name], int | float) for name in KEY if name in values):
-            raise ValueError("a value is not a number")
         if not all(isinstance(text, str) for text in (*lines(summary), *summary["warnings"])):
             raise ValueError("a warning is not a text")
     return summary

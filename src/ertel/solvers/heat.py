@@ -23,7 +23,7 @@ to both surfaces, and they warm up as the heat flows into them.  With the resist
     q = q(T_f)
 
 K_i is linear, of any kind: a moving surface, one at rest, or none at all (walls that stay cold).  Newton's iteration
-solves for q and c at all nodes together, with GMRES for its linear equations, which need nothing but K_1 and K_2.
+solves for q and c at all nodes together, with `gcr` for its linear equations, which need nothing but K_1 and K_2.
 
 There is exactly one solution.  Take the difference d of two, and sums over all nodes.  The released heat falls with
 the temperature, so the sum of dq dT_f is not above zero.  The surfaces store heat and never give back more than they
@@ -52,7 +52,8 @@ from ertel.equations.shear import shear
 from ertel.numerics import halfspace
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.integrals import Plane
-from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.newton import gcr
+from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import central_slopes, extended, inside
 from ertel.physics import flash
 from ertel.physics.fluidity import Fluidity, limited_stress
@@ -60,13 +61,11 @@ from ertel.physics.lubricant import Lubricant
 from ertel.physics.thermal import Exponential, Houpert, Solid, WarmViscosity
 
 Real = NDArray[np.float64]
-Rise = Callable[[Real], Real]  # K_i: temperature rise (K) of a surface from the heat flux into it (W/m^2), linear
-Release = Callable[[Real], tuple[Real, Real]]  # q (W/m^2) and dq/dT_f <= 0 from the mean temperature of the film
 
 TOLERANCE = 1e-6  # of the last change of T_f over its largest rise; the error is about its square
 LIMIT = 100  # of Newton iterations; each makes a film that is far too stiff e times less so
 REDUCTION = 1e-2  # of the residual of the linear equations
-KRYLOV_LIMIT = 60
+KRYLOV_LIMIT = 40
 
 for _law in (Houpert, Exponential):
     register_dataclass(_law)
@@ -124,18 +123,13 @@ class _Film:
         found = shear(self.law, pressure, jnp.stack([sliding, jnp.zeros_like(sliding)]), gradient)
         return jnp.where(self.P > 0.0, limited_stress(self.law, found.stress, pressure), 0.0)
 
-    def heat(self, warmer: Real) -> tuple[Real, Real]:
-        """tau_m.(u1 - u2) in W/m^2, and its derivative by the temperature."""
-        stress, slope = _program(self, warmer)
-        return np.asarray(stress[0]) * self.speed, np.asarray(slope[0]) * self.speed
+    def __call__(self, warmer: Array) -> tuple[Array, Array]:
+        """The heat tau_m.(u1 - u2) in W/m^2, and its derivative by the temperature at the node."""
+        stress, slope = jax.jvp(self.stress, (warmer,), (jnp.ones_like(warmer),))
+        return self.speed * stress[0], self.speed * slope[0]
 
 
-def _stress_and_slope(film: _Film, warmer: Array) -> tuple[Array, Array]:
-    """tau_m, and its derivative by the temperature at the node."""
-    return jax.jvp(film.stress, (warmer,), (jnp.ones_like(warmer),))
-
-
-_program = Program(jax.jit(_stress_and_slope), ANY_SIZE)
+_stress_program = Program(jax.jit(_Film.stress), ANY_SIZE)
 
 
 def heated(
@@ -172,21 +166,21 @@ def heated(
     moving = list(zip(thermal.bodies, (mean * (1.0 + 0.5 * S), mean * (1.0 - 0.5 * S)), strict=True))
     peclet = tuple(flash.peclet_number(body, speed, half_width) for body, speed in moving)
     rises = [_rise(body, speed, number, s.a, grid) for (body, speed), number in zip(moving, peclet, strict=True)]
-    found = warmed(sheared.heat, rises, np.asarray(sheared.H) / thermal.conductivity, thermal.warmer, heat)
-    stress = _program(sheared, found.film)[0] / s.shear_stress
+    found = warmed(sheared, rises, np.asarray(sheared.H) / thermal.conductivity, thermal.warmer, heat)
+    stress = _stress_program(sheared, found.film) / s.shear_stress
     return Heated(
         inlet=inlet,
         film=film,
         T_1=thermal.temperature + found.surface_1,
         T_2=thermal.temperature + found.surface_2,
         T_film=thermal.temperature + found.film,
-        heat=found.heat,
+        heat=found.x[0],
         stress=stress,
         sliding=_force(grid, stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
         peclet=peclet,
-        iterations=found.iterations,
-        applications=found.applications,
-        converged=found.converged,
+        iterations=int(found.iterations),
+        applications=int(found.applications),
+        converged=bool(found.converged),
     )
 
 
@@ -203,43 +197,62 @@ def _force(grid: Grid, stress: Array) -> Array:
     return jnp.stack([plane.total(stress[0]), jnp.zeros(()) if grid.even.y else plane.total(stress[1])])
 
 
-def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid) -> Rise:
-    """How warm a surface gets by the heat that flows into it: as it passes through the contact, or at rest."""
+def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid) -> "Rise":
     if peclet >= flash.AT_REST:
-        response = flash.response(body, speed, grid.shape[1], grid.spacing * a)
-        return lambda heat: np.asarray(heat @ response.T)
-    kernel = halfspace.spectrum(grid, a / (2.0 * pi * body.conductivity))
-    return lambda heat: np.asarray(
-        halfspace.surface_displacement(kernel, inside(jnp.asarray(heat), grid.even), grid.even)
-    )
+        return Moving(flash.response(body, speed, grid.shape[1], grid.spacing * a))
+    return Resting(halfspace.spectrum(grid, a / (2.0 * pi * body.conductivity)), grid.even)
 
 
 # -- the balance of heat -----------------------------------------------------------------------------------------------
 
 
-class Warmed(NamedTuple):
-    """Temperatures and what it took to find them.
+@register_dataclass
+@dataclass(frozen=True)
+class Moving:
+    """K_i of a surface that passes through the contact.  response: from `flash.response`."""
 
-    heat: q in W/m^2.  surface_1, surface_2, film: T_1, T_2, T_f in K.  iterations: of Newton's method.
+    response: Any
+
+    def __call__(self, heat: Any) -> Any:
+        """The temperature rise (K) from the heat flux into the surface (W/m^2)."""
+        return heat @ self.response.T
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Resting:
+    """K_i of a surface at rest.  kernel: of the half space, with 1/(2 pi k) as its compliance."""
+
+    kernel: Array
+    even: Symmetry = field(metadata={"static": True})
+
+    def __call__(self, heat: Any) -> Any:
+        """The temperature rise (K) from the heat flux into the surface (W/m^2)."""
+        return halfspace.surface_displacement(self.kernel, inside(jnp.asarray(heat), self.even), self.even)
+
+
+Rise = Moving | Resting
+
+
+@exportable
+class Warmed(NamedTuple):
+    """Temperatures and the work to find them.
+
+    x: q and c in W/m^2.  surface_1, surface_2, film: T_1, T_2, T_f in K.  iterations: of Newton's method.
     applications: how often K_1 and K_2 were applied.
     """
 
-    heat: Real
-    surface_1: Real
-    surface_2: Real
-    film: Real
-    iterations: int
-    applications: int
-    converged: bool
-
-
-def cold(heat: Real) -> Real:
-    """K_i = 0: a wall that keeps its temperature."""
-    return np.zeros_like(heat)
+    x: Any
+    surface_1: Any
+    surface_2: Any
+    film: Any
+    iterations: Any
+    applications: Any
+    converged: Any
 
 
 def warmed(
-    release: Release,
+    release: Callable[[Any], tuple[Any, Any]],
     rises: Sequence[Rise],
     resistance: Real,
     bodies: Sequence[float] = (0.0, 0.0),
@@ -250,9 +263,9 @@ def warmed(
     Parameters
     ----------
     release : callable
-        q and dq/dT_f at T_f, of the shape of the film.
-    rises : two callables
-        K_1 and K_2.
+        q (W/m^2) and dq/dT_f <= 0 at T_f, of the shape of the film; traceable by JAX, and a pytree.
+    rises : two of `Moving` and `Resting`
+        K_1 and K_2, linear.
     resistance : array
         r = h/k of the film, m^2 K/W, above zero, of any shape.
     bodies : two floats
@@ -260,63 +273,73 @@ def warmed(
     heat : array, optional
         q from which the iteration starts; a film that releases none if it is left out.
     """
-    problem = _Problem(release, rises, resistance, bodies)
     q = np.zeros_like(resistance) if heat is None else heat
-    x, applications = np.stack([q, np.zeros_like(q)]), 2
-    state = problem.at(x)
-    for iteration in range(1, LIMIT + 1):
-        if not np.all(np.isfinite(state.film + state.slope)):
-            break
-        change, needed = problem.newton_change(state)
-        x = x + change
-        before, state = state.film, problem.at(x)
-        applications += needed + 1
-        if np.max(np.abs(state.film - before)) <= TOLERANCE * np.max(np.abs(state.film - min(bodies)), initial=1e-300):
-            return Warmed(x[0], state.surface_1, state.surface_2, state.film, iteration, applications, True)
-    return Warmed(x[0], state.surface_1, state.surface_2, state.film, iteration, applications, False)
+    found: Warmed = jax.device_get(_program(_Balance(release, tuple(rises), resistance, tuple(bodies)), q))
+    return found
 
 
-class _State(NamedTuple):
-    x: Real
-    surface_1: Real
-    surface_2: Real
-    film: Real
-    release: Real
-    slope: Real
+@register_dataclass
+@dataclass(frozen=True)
+class _Balance:
+    """The equations for x = (q, c), see `warmed`."""
 
+    release: Any
+    rises: Sequence[Rise]
+    resistance: Any
+    bodies: Sequence[Any]
 
-class _Problem:
-    """The equations for x = (q, c), each divided by about the diagonal of its own derivative."""
+    def rise(self, x: Array) -> tuple[Array, Array, Array]:
+        """What the heat adds to the temperatures of both surfaces and of the film."""
+        rise_1, rise_2 = self.rises[0](0.5 * x[0] + x[1]), self.rises[1](0.5 * x[0] - x[1])
+        return rise_1, rise_2, 0.5 * (rise_1 + rise_2) + self.resistance * x[0] / 12.0
 
-    def __init__(self, release: Release, rises: Sequence[Rise], resistance: Real, bodies: Sequence[float]):
-        self.release, self.rises, self.r, self.bodies = release, rises, resistance, bodies
-        ones = np.ones_like(resistance)
-        self.surfaces = rises[0](ones) + rises[1](ones)  # the most that they resist, under heat everywhere upstream
+    def temperatures(self, x: Array) -> tuple[Array, Array, Array]:
+        """T_1, T_2 and T_f."""
+        (body_1, body_2), (rise_1, rise_2, film) = self.bodies, self.rise(x)
+        return body_1 + rise_1, body_2 + rise_2, 0.5 * (body_1 + body_2) + film
 
-    def at(self, x: Real) -> _State:
-        T_1, T_2 = (body + rise for body, rise in zip(self.bodies, self._rises(x), strict=True))
-        film = 0.5 * (T_1 + T_2) + self.r * x[0] / 12.0
+    def newton_change(self, w: Warmed, coldest: Array) -> tuple[Array, Array]:
+        """The change of x, and how often K_1 and K_2 were applied for it.
+
+        Each equation is divided by about the diagonal of its own derivative.
+        """
         # no film gets colder than both bodies, but an iterate may, and the viscosity of very cold oil is no number
-        return _State(x, T_1, T_2, film, *self.release(np.maximum(film, min(self.bodies))))
+        release, slope = self.release(jnp.maximum(w.film, coldest))
+        ones = jnp.ones_like(self.resistance)
+        surfaces = self.rises[0](ones) + self.rises[1](
+            ones
+        )  # the most that they resist, under heat everywhere upstream
+        along, across = 1.0 - slope * (0.25 * surfaces + self.resistance / 12.0), self.resistance + surfaces
+        wrong = (w.x[0] - release) / along, (self.resistance * w.x[1] + w.surface_1 - w.surface_2) / across
 
-    def newton_change(self, s: _State) -> tuple[Real, int]:
-        """The change of x, and how often K_1 and K_2 were applied for it."""
-        from scipy.sparse.linalg import LinearOperator, gmres
+        def derivative(d: Array) -> Array:
+            rise_1, rise_2, film = self.rise(d)
+            return jnp.stack([(d[0] - slope * film) / along, (self.resistance * d[1] + rise_1 - rise_2) / across])
 
-        along, across = 1.0 - s.slope * (0.25 * self.surfaces + self.r / 12.0), self.r + self.surfaces
-        wrong = np.stack([(s.x[0] - s.release) / along, (self.r * s.x[1] + s.surface_1 - s.surface_2) / across])
-        shape, count = s.x.shape, [0]
+        return gcr(derivative, lambda k, r: r, -jnp.stack(wrong), REDUCTION, KRYLOV_LIMIT)
 
-        def derivative(flat: Any) -> Any:
-            count[0] += 1
-            d = flat.reshape(shape)
-            rise_1, rise_2 = self._rises(d)
-            film = 0.5 * (rise_1 + rise_2) + self.r * d[0] / 12.0
-            return np.stack([(d[0] - s.slope * film) / along, (self.r * d[1] + rise_1 - rise_2) / across]).ravel()
 
-        operator = LinearOperator((s.x.size, s.x.size), matvec=derivative, dtype=float)
-        found, _ = gmres(operator, -wrong.ravel(), rtol=REDUCTION, restart=KRYLOV_LIMIT, maxiter=1)
-        return found.reshape(shape), count[0]
+def _solved(balance: _Balance, q: Array) -> Warmed:
+    """Newton's iteration from the heat q."""
+    coldest = jnp.minimum(*balance.bodies)
 
-    def _rises(self, x: Real) -> tuple[Real, Real]:
-        return self.rises[0](0.5 * x[0] + x[1]), self.rises[1](0.5 * x[0] - x[1])
+    def is_unsolved(w: Warmed) -> Array:
+        unsolved: Array = ~w.converged & (w.iterations < LIMIT) & jnp.all(jnp.isfinite(w.film))
+        return unsolved
+
+    def improve(w: Warmed) -> Warmed:
+        change, applications = balance.newton_change(w, coldest)
+        T_1, T_2, film = balance.temperatures(w.x + change)
+        rise = jnp.maximum(jnp.max(jnp.abs(film - coldest)), 1e-300)
+        converged = jnp.max(jnp.abs(film - w.film)) <= TOLERANCE * rise
+        done = w.applications + applications + 1
+        return Warmed(w.x + change, T_1, T_2, film, w.iterations + 1, done, converged)
+
+    x = jnp.stack([q, jnp.zeros_like(q)])
+    zero = jnp.zeros((), jnp.int32)
+    start = Warmed(x, *balance.temperatures(x), zero, zero + 2, zero > 0)
+    found: Warmed = jax.lax.while_loop(is_unsolved, improve, start)
+    return found
+
+
+_program = Program(jax.jit(_solved), ANY_SIZE)
