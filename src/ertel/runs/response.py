@@ -38,7 +38,7 @@ from ertel.runs.courses import METHODS, TransientRun
 from ertel.runs.drive import Observer, Recorder, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
 from ertel.solvers import steady
-from ertel.solvers.response import RoughnessWave, WaveResponse
+from ertel.solvers.response import RoughnessWave, WaveResponse, tangent_start, tangent_step, wave_response
 from ertel.solvers.steady import Rolling
 from ertel.solvers.transient import Transient2D
 
@@ -90,8 +90,8 @@ def tangent_run(method: Transient2D, features: Sequence[Feature]) -> Companion:
     """The derivative of the smooth impact with respect to the height of the roughness, times the roughness."""
     height = partial(discretise.heights, features, method.case, method.grid)
     return Companion(
-        [tangent.start(height(0.0))],
-        lambda smooth, levels: tangent.advance(method, smooth, levels, height(smooth[0].T)),
+        [tangent_start(height(0.0))],
+        lambda smooth, levels: tangent_step(method, smooth, levels, height(smooth[0].T)),
         lambda change, smooth: change.H,
     )
 
@@ -253,7 +253,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     rolling = steady.steady_film(case)
     film = rolling.finest
     waves = [_wave(case, some, film.grid) for some in features]
-    found = [harmonic.respond(case, film, wave) for wave in waves]
+    found = [wave_response(case, film, wave) for wave in waves]
     status = film.status if all(response.converged for response in found) else Status.NEWTON_STALLED
     per_wave = {
         "frequency": [wave.frequency for wave in waves],
@@ -287,7 +287,7 @@ def _errors(
     *coarser, film = rolling.solutions
     if coarser and coarser[-1].status.ok:
         for number, (some, fine) in enumerate(zip(features, found, strict=True)):
-            coarse = harmonic.respond(case, coarser[-1], _wave(case, some, coarser[-1].grid))
+            coarse = wave_response(case, coarser[-1], _wave(case, some, coarser[-1].grid))
             if coarse.converged:
                 errors[number] = abs(at_centre(film.grid, fine.H) - at_centre(coarser[-1].grid, coarse.H))
     return errors
