@@ -30,27 +30,7 @@ from ertel.optics.rig import (
 )
 
 __all__ = [
-    "BK7",
-    "CHROMIUM",
-    "SILICA",
-    "STEEL",
-    "BlackBody",
-    "Chart",
-    "Constant",
-    "Daylight",
-    "DoubtfulFilm",
-    "Fringes",
-    "JohnsonChristy",
-    "Lamp",
-    "Layer",
-    "Light",
-    "Medium",
-    "Monochromatic",
-    "Rig",
-    "Sellmeier",
-    "TwoBeams",
-    "White",
-    "film_of_intensity",
-    "lorentz_lorenz",
-    "reflection",
-]
+    "BK7", "CHROMIUM", "SILICA", "STEEL", "BlackBody", "Chart", "Constant", "Daylight", "DoubtfulFilm", "Fringes",
+    "JohnsonChristy", "Lamp", "Layer", "Light", "Medium", "Monochromatic", "Rig", "Sellmeier", "TwoBeams", "White",
+    "film_of_intensity", "lorentz_lorenz", "reflection",
+]  # fmt: skip

@@ -21,7 +21,7 @@ SECTION = Template("""<section>
 $content
 </section>""")
 FIGURE = Template("""<figure>
-<img alt="$heading" src="$picture">
+<img alt="$heading" src="$picture"/>
 <figcaption>$caption</figcaption>
 </figure>
 $tables
