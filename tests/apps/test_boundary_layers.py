@@ -73,7 +73,7 @@ def test_the_page_needs_no_network_and_has_everything(small, tmp_path):
     seen = [element.tag for element in ElementTree.fromstring(text).iter()]
     tags = ("html", "head", "title", "body", "section", "figure", "img")
     assert [seen.count(tag) for tag in tags] == [1, 1, 1, 1, 2, 1, 1]
-    assert text.startswith("<!doctype html>")
+    assert text.startswith("<!DOCTYPE html>")
 
 
 def test_what_it_takes_is_known_before(small, tmp_path):
