@@ -19,13 +19,13 @@ from ertel.equations import discretise
 from ertel.equations.state import Method, State, solved
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.results.dataset import assemble, assemble_steady
+from ertel.results.errors import comparisons
 from ertel.results.summary import (
     impact_summary,
     rolling_summary,
     steady_summary,
 )
 from ertel.runs import workers
-from ertel.runs.comparisons import comparisons
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
