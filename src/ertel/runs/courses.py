@@ -14,18 +14,18 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.case.status import Status
-from ertel.equations import discretise
 from ertel.equations.state import Method, State, solved
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.results.dataset import assemble, assemble_steady
+from ertel.results.errors import comparisons
 from ertel.results.summary import (
     impact_summary,
     rolling_summary,
     steady_summary,
 )
 from ertel.runs import workers
-from ertel.runs.comparisons import comparisons
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
@@ -259,7 +259,7 @@ class SteadyRun(Run):
         return GridStep(tuple(solutions), Status(str(arrays["status"])))
 
     def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: GridStep) -> xr.Dataset:
-        grid = last.solutions[-1].grid if last.solutions else discretise.grid_of(self.case)
+        grid = last.solutions[-1].grid if last.solutions else grid_of(self.case)
         return assemble_steady(self.case, grid, last.solutions)
 
     def summary(self, data: xr.Dataset, last: GridStep, status: Status, work: Mapping[str, float]) -> dict[str, Any]:

@@ -28,8 +28,7 @@ from uuid import uuid4
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
 from ertel.case.status import Status
-from ertel.inputs.coordinates import coordinates
-from ertel.inputs.studies import Study, load_study, parse_study
+from ertel.inputs.studies import Study, coordinates, load_study, parse_study
 from ertel.results.numbers import scalars
 from ertel.results.study_result import MISSING, RUNNING, UNFINISHED, StudyResult, StudyRun, assemble
 from ertel.runs.compile import check_jax
