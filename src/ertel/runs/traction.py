@@ -150,7 +150,11 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
 
     given: by the name of the axis, exactly one of them.  Raises ConfigError, naming the argument.
     """
-    _check_steady(case)
+    if not case.is_steady:
+        raise ConfigError(
+            f'solver.method = "{case.solver.method}": a traction curve is of a steady contact; use contact.kind = '
+            '"rolling" and solver.method = "steady"'
+        )
     wanted = {name: values for name, values in given.items() if values is not None}
     if len(wanted) != 1:
         said = " and ".join(wanted) or "none"
@@ -161,18 +165,10 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     _check_factors(case, axis)
     found = parse_values(axis, values, AXES[axis].mark)
     try:
-        cases = tuple(AT[axis](case, value) for value in found)
+        cases = tuple(_at(case, axis, value) for value in found)
     except ValueError as error:
         raise ConfigError(str(error)) from error
     return Curve(case, axis, found, cases, _film(case, axis, film))
-
-
-def _check_steady(case: Case) -> None:
-    if not case.is_steady:
-        raise ConfigError(
-            f'solver.method = "{case.solver.method}": a traction curve is of a steady contact; use contact.kind = '
-            '"rolling" and solver.method = "steady"'
-        )
 
 
 def _film(case: Case, axis: str, film: str | None) -> FilmChoice:
@@ -187,38 +183,23 @@ def _film(case: Case, axis: str, film: str | None) -> FilmChoice:
 
 def _check_factors(case: Case, axis: str) -> None:
     """Speed and load of a case may have a constant factor in [motion], which would change the axis."""
-    for of, key, factor in (
-        ("load", "load", case.motion.load(0.0)),
-        ("mean_speed", "entrainment", abs(case.motion.entrainment(0.0))),
-    ):
-        if axis == of and factor != 1.0:
-            raise ConfigError(f"motion.{key} = {factor:g}: multiplies the {of} of a curve; leave it out of the case")
+    key, factor = "load", case.motion.load(0.0)
+    if axis == "mean_speed":
+        key, factor = "entrainment", abs(case.motion.entrainment(0.0))
+    if axis != "slide_to_roll" and factor != 1.0:
+        raise ConfigError(f"motion.{key} = {factor:g}: multiplies the {axis} of a curve; leave it out of the case")
 
 
-def _with_slide_to_roll(case: Case, value: float) -> Case:
-    if case.contact.is_physical:
-        return _with_speeds(case, case.contact.speeds.mean, value)
-    return replace(case, drive=replace(case.drive or Drive(), slide_to_roll=value))
-
-
-def _with_mean_speed(case: Case, value: float) -> Case:
-    return _with_speeds(case, value, case.contact.speeds.slide_to_roll)
-
-
-def _with_speeds(case: Case, mean: float | None, slide_to_roll: float | None) -> Case:
-    contact = replace(case.contact, mean_speed=mean, slide_to_roll=slide_to_roll, speed_1=None, speed_2=None)
+def _at(case: Case, axis: str, value: float) -> Case:
+    """The case of a point."""
+    if axis == "load":
+        return replace(case, contact=replace(case.contact, load=value))
+    if not case.contact.is_physical:
+        return replace(case, drive=replace(case.drive or Drive(), slide_to_roll=value))
+    mean = value if axis == "mean_speed" else case.contact.speeds.mean
+    sliding = value if axis == "slide_to_roll" else case.contact.speeds.slide_to_roll
+    contact = replace(case.contact, mean_speed=mean, slide_to_roll=sliding, speed_1=None, speed_2=None)
     return replace(case, contact=contact)
-
-
-def _with_load(case: Case, value: float) -> Case:
-    return replace(case, contact=replace(case.contact, load=value))
-
-
-AT: Mapping[str, Callable[[Case, float], Case]] = {
-    "slide_to_roll": _with_slide_to_roll,
-    "mean_speed": _with_mean_speed,
-    "load": _with_load,
-}
 
 
 # -- its points -------------------------------------------------------------------------------------------------------
@@ -230,11 +211,11 @@ def compute_curve(curve: Curve, progress: bool = False) -> TractionCurve:
     numbers = count()
     with bars(progress) as shown:
         total = 1 if curve.film == "once" else len(curve.cases)
-        bar = shown.add_task(curve.case.name or curve.case.kind, total=total, news="")
+        bar = shown.add_task(curve.case.name or curve.case.kind, total=total, message="")
 
         def film_of(case: Case) -> FilmRun:
             number, course = next(numbers), course_of(case)
-            film = drive(course, [lambda item: shown.update(bar, completed=number + course.fraction(item))])
+            film = drive(course, [lambda item: shown.update(bar, completed=number + course.progress(item).done)])
             warnings = diagnostics.steady_warnings(case, film.solutions)
             return StudyRun({}, warnings, film.status.value, ""), film
 
