@@ -117,9 +117,9 @@ def schema(
     print(table(places()) if as_table else json_schema_text(), end="")
 
 
-def print_keys(wanted: bool) -> None:
+def print_keys(requested: bool) -> None:
     """Print all keys with their meanings, and end; the callback of --help-keys."""
-    if not wanted:
+    if not requested:
         return
     from ertel.inputs.layout import places
 

@@ -185,8 +185,8 @@ def _computed(run: RunStore, others: Mapping[str, Run], quiet: bool, stop: Stop)
 
 
 def _summary_of(course: Run, observers: list[Any]) -> Mapping[str, Any]:
-    gathering = Recorder(course)
-    return gathering.result(drive(course, [gathering, *observers])).summary
+    recorder = Recorder(course)
+    return recorder.result(drive(course, [recorder, *observers])).summary
 
 
 def _completed(run: RunStore, summary: Mapping[str, Any], compared: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -45,9 +45,11 @@ def _figures(data: xr.Dataset, names: Sequence[str]) -> tuple[str, ...]:
 def _latest(data: xr.Dataset) -> tuple[tuple[str, str, str], ...]:
     """The last values of a run; a friction that is zero is none."""
     last = {name: float(data[name].values[-1]) for name in LATEST if name in data and data[name].size}
-    told = {name: value for name, value in last.items() if value or not name.startswith("mu")}
+    shown = {name: value for name, value in last.items() if value or not name.startswith("mu")}
     view = View(data)
-    return tuple((VARIABLES[name].long_name, name, _plain(view.with_unit(name, value))) for name, value in told.items())
+    return tuple(
+        (VARIABLES[name].long_name, name, _plain(view.with_unit(name, value))) for name, value in shown.items()
+    )
 
 
 def _plain(text: str) -> str:
