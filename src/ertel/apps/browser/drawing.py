@@ -3,6 +3,7 @@
 They return plain data and raise ValueError with a sentence for the page.
 """
 
+import gc
 from collections.abc import Sequence
 from functools import lru_cache
 from io import BytesIO
@@ -68,6 +69,8 @@ def draw(request: PlotRequest) -> bytes:
         raise
     content = BytesIO()
     figure.savefig(content, format=request.kind, dpi=request.dots)
+    del figure
+    gc.collect()  # it refers to itself, and its arrays are large
     return content.getvalue()
 
 

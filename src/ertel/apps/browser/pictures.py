@@ -4,7 +4,6 @@ Neither process imports JAX, and this one imports no matplotlib.
 """
 
 import asyncio
-import gc
 import os
 import signal
 import threading
@@ -84,8 +83,6 @@ def _drawn(function: str, *arguments: Any) -> Any:
         message = str(error)
     except Exception as error:  # of zarr, its codecs, xarray, matplotlib: the data are damaged
         message = f"the data of this run cannot be drawn ({type(error).__name__}); ertel show tells more"
-    finally:
-        gc.collect()  # figures, whose arrays are large, refer to themselves
     raise ValueError(message)
 
 
