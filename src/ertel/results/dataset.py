@@ -19,6 +19,7 @@ from ertel.case.height_map import HeightMap
 from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
 from ertel.results.parameters import parameters_of, scales_of
+from ertel.results.steady import SteadyGrid
 from ertel.results.variables import (
     AXES,
     BUDGET,
@@ -45,24 +46,6 @@ class Frame(Protocol):
     def fields(self) -> Mapping[str, Any]: ...
     @property
     def event(self) -> str: ...
-
-
-class SteadyGrid(Protocol):
-    """The steady contact on one grid.
-
-    record: its numbers by name, those of `MEASURED`, `BUDGET` and `FRICTION`, and its work.  maps: `FIELDS` on the
-    whole plane by name, with a section [thermal] also `TEMPERATURES`.  history: the maximum residual before the first
-    and after each Newton iteration.
-    """
-
-    @property
-    def grid(self) -> Grid: ...
-    @property
-    def record(self) -> Mapping[str, float]: ...
-    @property
-    def maps(self) -> Mapping[str, Any]: ...
-    @property
-    def history(self) -> Sequence[float]: ...
 
 
 def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from math import inf
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,9 +11,8 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.numerics.grid import extrapolate
 from ertel.results import balances, diagnostics
-from ertel.results.diagnostics import Solved
 from ertel.results.parameters import parameters_of, scales_of
-from ertel.results.temperatures import Warm, thermal_summary, thermal_warnings
+from ertel.results.steady import SteadyGrid, thermal_summary, thermal_warnings
 from ertel.results.variables import AT_MAXIMUM, FILMS, FRICTION, MEASURED, in_si, with_coefficients
 
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
@@ -31,19 +30,6 @@ def restitution(data: xr.Dataset) -> float | None:
         return None
     V, F = float(data["V"][-1]), float(data["F"][-1])
     return -V if V < 0 and F < 1e-8 else None
-
-
-class SolvedGrid(Solved, Warm, Protocol):
-    """The steady contact on one grid, see also `dataset.SteadyGrid`; convolutions: in units of one on this grid."""
-
-    @property
-    def record(self) -> Mapping[str, float]: ...
-    @property
-    def newton(self) -> int: ...
-    @property
-    def krylov(self) -> int: ...
-    @property
-    def convolutions(self) -> float: ...
 
 
 def impact_summary(
@@ -119,7 +105,7 @@ def rolling_summary(case: Case, data: xr.Dataset, work: Mapping[str, float], sta
 
 
 def steady_summary(
-    case: Case, solutions: Sequence[SolvedGrid], work: Mapping[str, float], status: Status
+    case: Case, solutions: Sequence[SteadyGrid], work: Mapping[str, float], status: Status
 ) -> dict[str, Any]:
     """The outcome of a steady run as plain data: parameters, values on the finest grid, errors, work, status, warnings.
 
@@ -128,7 +114,7 @@ def steady_summary(
     mu_sliding, mu_rolling and power_loss are those of `equations.account`; mu_sliding_y is there where it is not zero.
     In a physical case the coefficients are plain numbers; in a dimensionless one, where a/R is not known, they are
     multiples of it.
-    `thermal` is there with a section [thermal], see `temperatures.thermal_summary`.
+    `thermal` is there with a section [thermal], see `steady.thermal_summary`.
     Counts are those of all grids, convolutions in units of one on the finest.  A run without a result has no values, no
     friction and no balances.
 
@@ -136,7 +122,7 @@ def steady_summary(
     ----------
     case : Case
         The case of the run.
-    solutions : sequence of SolvedGrid
+    solutions : sequence of SteadyGrid
         The solutions on all grids, coarsest first.
     work : mapping
         compilations, wall_s.
@@ -168,7 +154,7 @@ def steady_summary(
     return _rolling_summary(case, values, _estimates(solutions), {**parts, **counts}, status, said)
 
 
-def _estimates(solutions: Sequence[SolvedGrid]) -> dict[str, float]:
+def _estimates(solutions: Sequence[SteadyGrid]) -> dict[str, float]:
     """Errors and extrapolated values of the films; empty without two grids that converged."""
     if len(solutions) < 2 or not all(s.status.ok for s in solutions[-2:]):
         return {}

@@ -113,7 +113,7 @@ PUSHED = "the force of surface 1 on surface 2 over the load of the film, positiv
 RESISTANCE = (
     "of each surface: (1/2) double integral of H dP/dX over the load of the film, positive against motion along X"
 )
-FRICTION: Mapping[str, Variable] = {  # see `equations.friction`
+FRICTION: Mapping[str, Variable] = {  # see `equations.account`
     "mu_sliding": _coefficient("traction coefficient", "mu_sliding", PUSHED),
     "mu_sliding_y": _coefficient("traction coefficient along y", "mu_sliding_y", PUSHED.replace("X", "Y")),
     "mu_rolling": _coefficient("rolling resistance coefficient", "mu_rolling", RESISTANCE),
@@ -150,7 +150,7 @@ FIELDS: Mapping[str, Variable] = {
     "tau_y": _shear("shear stress in the middle of the film along y", "tau_y"),
     "loss": Variable("power loss per area", "q", "p_h* a*^2/(R t0)", "power_per_area", "loss", "W/m2"),
 }
-TEMPERATURES: Mapping[str, Variable] = {  # maps of a steady contact with [thermal], see `equations.heat`
+TEMPERATURES: Mapping[str, Variable] = {  # maps of a steady contact with [thermal], see `solvers.heat`
     "T_1": _temperature("surface 1", "T_1"),
     "T_2": _temperature("surface 2", "T_2"),
     "T_film": _temperature("the film", "T_film", "mean across the film"),

@@ -19,7 +19,7 @@ from ertel.inputs.ranges import Given
 from ertel.numerics.arrays import double_precision
 from ertel.results import diagnostics
 from ertel.results.curve_points import WORK, Point, assemble, point
-from ertel.results.temperatures import thermal_warnings
+from ertel.results.steady import thermal_warnings
 from ertel.results.traction_curve import TractionCurve
 from ertel.results.variables import with_coefficients
 from ertel.runs import workers
