@@ -59,7 +59,7 @@ def case_warnings(case: Case) -> list[str]:
     return _given([said, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
 
 
-def budget_warnings(case: Case, balances: Balances) -> list[str]:
+def balance_warnings(case: Case, balances: Balances) -> list[str]:
     """A warning for every balance that does not close; an empty list if all do."""
     imbalances = {name: terms["imbalance"] or 0.0 for name, terms in balances.items()}
     return [
@@ -202,7 +202,7 @@ def _cells_in_sweep(case: Case, speed: float) -> float:
 
 
 def _resolve(case: Case, cells: float) -> str:
-    """What to use so that `CELLS_IN_FRONT` cells lie across the sweep in place of these."""
+    """The advice for `CELLS_IN_FRONT` cells across the sweep in place of these."""
     return _use((case.solver.nodes - 1) * CELLS_IN_FRONT / cells + 1)
 
 
@@ -213,8 +213,8 @@ def _error_warning(case: Case, solutions: Sequence[SteadyGrid]) -> str:
         nodes = solutions[-2].grid.nodes
         return f"there is no error estimate, because the grid of {nodes} x {nodes} nodes did not converge"
     coarse, fine = (s.measure() for s in solutions[-2:])
-    found = {name: extrapolate(coarse[name], fine[name]) for name in variables.FILMS}
-    shares = {name: e.error / abs(e.value) for name, e in found.items() if e.value}
+    estimates = {name: extrapolate(coarse[name], fine[name]) for name in variables.FILMS}
+    shares = {name: e.error / abs(e.value) for name, e in estimates.items() if e.value}
     worst = max(shares, key=lambda name: shares[name])
     if shares[worst] <= LARGE_ERROR:
         return ""
