@@ -1,6 +1,5 @@
 """The paper's waves: bars, dots and marks on made-up fields whose answer is known, and on small runs."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -8,16 +7,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from ertel.apps.boundary_layers import beyond, oils, reduction, shapes, waves
-from ertel.apps.boundary_layers.beyond import shape_name, shaped_name
-from ertel.apps.boundary_layers.dots import Extrapolated
+from ertel.apps.boundary_layers import others, reduction, runs
+from ertel.apps.boundary_layers.figures import FIGURES
 from ertel.apps.boundary_layers.page import Drawn
-from ertel.apps.boundary_layers.plans import QUICK, BeyondPlan, Plan, SmoothPlan, WavesPlan
-from ertel.apps.boundary_layers.smooth import Results, radial_name
+from ertel.apps.boundary_layers.plans import QUICK, BeyondPlan, SmoothPlan, WavesPlan
+from ertel.apps.boundary_layers.ratios import Extrapolated, over_film
 from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
 from ertel.results.waves import local_nabla2
-from ertel.runs.tasks import Task
 
 M, L, WAVE = 200, 10, 0.4
 X = np.linspace(-1.5, 1.5, 301)
@@ -56,6 +53,7 @@ def fading(amplitude: float) -> xr.Dataset:
     """What an impact leaves of one wave, and a front that comes to rest at 1, A^2 = 1 - (1 - T)^2."""
     T = np.linspace(0, 1, 101)
     dH = amplitude * np.cos(2 * np.pi * X / WAVE)
+    names = [runs.wave_name(shape, runs.HEIGHT, WAVE) for shape in ("transverse", "rings")]
     return xr.Dataset(
         {
             "dH": (("wave", "X"), [dH, dH / 2]),
@@ -64,13 +62,13 @@ def fading(amplitude: float) -> xr.Dataset:
             "Y_min": ("time", np.zeros_like(T)),
             "P_max": ("time", np.ones_like(T)),
         },
-        {"X": X, "time": T, "frame": 1.0, "wave": [shape_name(shape, WAVE) for shape in ("transverse", "rings")]},
+        {"X": X, "time": T, "frame": 1.0, "wave": names},
     )
 
 
 def test_marks_of_other_shapes():
-    results = {shaped_name("shapes", M, L, 65): fading(0.5), shaped_name("shapes", M, L, 33): fading(0.6)}
-    across, rings, along = shapes.shaped_marks(results, SMALL)
+    results = {runs.shapes_task(SMALL, (M, L), nodes).name: fading(A) for nodes, A in ((65, 0.5), (33, 0.6))}
+    across, rings, along = others.impacts_on_shapes(results, SMALL)
     assert [mark.kind for mark in (across, rings, along)] == ["transverse", "rings", "longitudinal"]
     assert across.ratio == pytest.approx((0.6, 0.5), rel=1e-3)
     assert rings.ratio == pytest.approx((0.3, 0.25), rel=1e-3)
@@ -84,10 +82,10 @@ def test_marks_of_other_shapes():
 
 def test_figure_5():
     """The last complete wave of a response of constant amplitude 0.4."""
-    known, name = fading(0.4), waves.wave_name(waves.HEIGHT, WAVE)
+    known, name = fading(0.4), runs.wave_name("isotropic", runs.HEIGHT, WAVE)
     response = known.isel(wave=[0]).assign(shape=known["dH"], H=known["dH"][0]).assign_coords(wave=[name])
-    results = {waves.impact_name(M, L, 65): response, radial_name(M, L, SMALL): known}
-    made = waves.deformed_waves(results, SMALL)
+    results = {runs.waves_task(SMALL, (M, L), 65).name: response, runs.radial_task(M, L, SMALL).name: known}
+    made = reduction.deformed_waves(results, SMALL)
     [table] = made.tables.values()
     assert table.to_dict("list") == {"wavelength (a*)": ["0.4"], "X": ["0.700"], "A_d/A_i": ["0.400"]}
     assert list(made.data["dH"]) == ["X", "H", "dH/A_i, wavelength 0.4"]
@@ -95,10 +93,10 @@ def test_figure_5():
 
 def test_wavelength_over_film_is_nabla2_where_the_oil_is_piezoviscous():
     p = Parameters.from_moes(M, L)
-    assert beyond.over_film(p, WAVE) == pytest.approx(p.nabla2(WAVE))
-    assert beyond.over_film(p, WAVE, 0.3, 0.7) == pytest.approx(float(local_nabla2(p, WAVE, 0.3, 0.7)))
+    assert over_film(p, WAVE) == pytest.approx(p.nabla2(WAVE))
+    assert over_film(p, WAVE, 0.3, 0.7) == pytest.approx(float(local_nabla2(p, WAVE, 0.3, 0.7)))
     soft = Parameters.from_moes(M, 0)
-    assert beyond.over_film(soft, WAVE) == pytest.approx(WAVE / (0.3135 * np.sqrt(soft.lambda_bar)))
+    assert over_film(soft, WAVE) == pytest.approx(WAVE / (0.3135 * np.sqrt(soft.lambda_bar)))
 
 
 # -- the figures themselves, from small runs ---------------------------------------------------------------------------
@@ -110,13 +108,11 @@ def results() -> dict[str, Any]:
     return {}
 
 
-def drawn(
-    tasks: Callable[[Plan], list[Task]], draw: Callable[[Results, Plan], Drawn], results: dict[str, Any]
-) -> Drawn:
-    for task in tasks(SMALL):
+def drawn(name: str, results: dict[str, Any]) -> Drawn:
+    for task in FIGURES[name].tasks(SMALL):
         if task.name not in results:
             results[task.name] = task.function(*task.arguments)
-    made = draw(results, SMALL)
+    made = FIGURES[name].draw(results, SMALL)
     for table in made.tables.values():
         assert len(table) and table.notna().all().all()
     for table in made.data.values():
@@ -126,26 +122,24 @@ def drawn(
 
 @pytest.mark.slow
 def test_figure_6(results):
-    made = drawn(reduction.tasks, reduction.reduction, results)
+    made = drawn("fig6", results)
     assert 0.3 < made.data["rolling"]["limit"][0] < 0.8
     assert made.data["impact"]["last"].sum() == 1
 
 
 @pytest.mark.slow
 def test_figure_7(results):
-    made = drawn(shapes.tasks, shapes.other_waves, results)
-    assert (made.data["impact"]["fine"] < 1.05).all()
+    assert (drawn("fig7", results).data["impact"]["fine"] < 1.05).all()
 
 
 @pytest.mark.slow
 def test_figure_8(results):
-    made = drawn(oils.tasks, oils.other_oils, results)
-    assert len(made.tables[f"Compared with {beyond.USUAL}"]) == 2
+    assert len(drawn("fig8", results).tables[f"Compared with {runs.USUAL}"]) == 2
 
 
 @pytest.mark.slow
 def test_long_ridges_under_rolling():
     """Hardly deformed where they are short, nearly flat where they are long, as (15) has it with f = e."""
     nabla2 = Parameters.from_moes(M, L).nabla2(0.5)
-    found = shapes.ridged_rolling(M, L, 0.5, 65)
+    found = runs.ridged_rolling(M, L, 0.5, 65)
     assert found == pytest.approx(float(amplitude_reduction.ratio_left(nabla2, np.inf)), abs=0.2)

@@ -16,11 +16,11 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from ertel.apps import boundary_layers
-from ertel.apps.boundary_layers import figures, front, page, smooth
+from ertel.apps.boundary_layers import figures, front, page, runs
 from ertel.apps.boundary_layers.figures import PaperFigure
 from ertel.apps.boundary_layers.page import Drawn
 from ertel.apps.boundary_layers.plans import FULL, LOADS, QUICK, SHOWN_LOAD, L, Plan, SmoothPlan
-from ertel.apps.boundary_layers.smooth import Results
+from ertel.apps.boundary_layers.runs import Results
 from ertel.apps.cli import app
 from ertel.results import fronts
 from ertel.runs.tasks import Task, run_tasks
@@ -198,9 +198,9 @@ def turned(run: xr.Dataset) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def impacts() -> Results:
-    tasks = smooth.radial_tasks(COARSE)
-    runs = dict(zip([task.name for task in tasks], run_tasks(tasks, LocalWorker()), strict=True))
-    return {**runs, smooth.plane_name(COARSE): turned(runs[smooth.radial_name(SHOWN_LOAD, L, COARSE)])}
+    tasks = runs.radial_tasks(COARSE)
+    done = dict(zip([task.name for task in tasks], run_tasks(tasks, LocalWorker()), strict=True))
+    return {**done, runs.plane_task(COARSE).name: turned(done[runs.radial_task(SHOWN_LOAD, L, COARSE).name])}
 
 
 @pytest.mark.parametrize("name", ["fig1", "fig2", "fig3", "fig4"])
@@ -226,4 +226,4 @@ def test_figures_find_their_runs_by_name(impacts):
 
 def test_an_impact_that_gives_up_is_a_failure():
     with pytest.raises(ValueError, match=r"solver\.nodes"):
-        smooth.smooth_impact(1000, 10, {"method": "radial", "nodes": 3}, 0.1)
+        runs.smooth_impact(1000, 10, {"method": "radial", "nodes": 3}, 0.1)

@@ -3,13 +3,17 @@
 import csv
 import json
 import signal
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from cases import LEFT, ertel_, names
 
-from ertel.runs import traction_store
+import ertel
+from ertel.case.status import Status
+from ertel.runs.drive import drive
+from ertel.runs.store import RunStore
 
 CASE = """
 [contact]
@@ -24,7 +28,7 @@ alpha = "20 / GPa"
 [solver]
 nodes = 33
 """
-FILES = LEFT | {"case.toml", "traction.json", "traction.csv", "traction.png"}
+FILES = LEFT | {"runs", "traction.zarr", "traction.csv", "traction.png"}
 
 
 @pytest.fixture
@@ -47,14 +51,13 @@ def test_a_curve_is_printed_and_stored(here: Path) -> None:
     assert names(here / "traction" / "ball") == FILES
     assert [float(row["slide_to_roll"]) for row in rows(here / "traction" / "ball")] == [0.0, 0.02, 0.04]
     assert (here / "traction" / "ball" / "traction.png").read_bytes().startswith(b"\x89PNG")
-    ertel_("traction", "ball.toml", "--slide-to-roll", "0:0.06:3", "-q")  # another curve takes another name
-    assert names(here / "traction") == {"ball", "ball-2"}
+    assert len(names(here / "traction" / "ball" / "runs")) == 1
 
 
 def test_the_same_command_shows_a_finished_curve(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     command = ("traction", "ball.toml", "--slide-to-roll", "0:0.04:3", "--out", "curve")
     first = ertel_(*command).stdout
-    monkeypatch.setattr("ertel.runs.traction.drive", None)  # nothing is solved again
+    monkeypatch.setattr("ertel.runs.store.drive", None)  # nothing is solved again
     assert ertel_(*command).stdout == first
     data = json.loads(ertel_(*command, "--json").stdout)
     assert [point["slide_to_roll"] for point in data["points"]] == [0.0, 0.02, 0.04]
@@ -65,63 +68,53 @@ def test_the_same_command_shows_a_finished_curve(here: Path, monkeypatch: pytest
 def test_an_interrupted_curve_goes_on(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     command = ("traction", "ball.toml", "--mean-speed", "0.5:2 m/s:3:log", "--set", "contact.slide_to_roll=0.02")
     ertel_(*command, "--out", "whole", "-q")
-    keep = traction_store.CurveStore.keep
+    finish = RunStore.finish
 
-    def keep_and_interrupt(store: Any, new: Any) -> None:
-        keep(store, new)
+    def finish_and_interrupt(store: RunStore, summary: Any) -> None:
+        finish(store, summary)
         signal.raise_signal(signal.SIGINT)
 
     with monkeypatch.context() as patch:
-        patch.setattr(traction_store.CurveStore, "keep", keep_and_interrupt)
+        patch.setattr(RunStore, "finish", finish_and_interrupt)
         result = ertel_(*command, "--out", "cut", code=130)
     assert "interrupted; the same command continues" in result.stderr
     assert "1 points over the mean speed, not complete" in result.stdout
-    assert len(rows(here / "cut")) == 1
+    assert [row["status"] for row in rows(here / "cut")] == ["converged", "missing", "missing"]
     ertel_(*command, "--out", "cut", "-q")
     assert rows(here / "cut") == rows(here / "whole")
     assert [float(row["mean_speed_m_per_s"]) for row in rows(here / "cut")] == pytest.approx([0.5, 1.0, 2.0])
 
 
-def test_a_directory_with_something_else_is_left_alone(here: Path) -> None:
+def test_a_curve_with_other_values_keeps_the_films_that_it_shares(here: Path) -> None:
     ertel_("traction", "ball.toml", "--load", "20:40 N:2", "--out", "curve", "-q")
-    before = (here / "curve" / "traction.json").read_bytes()
-    for changed, said in (
-        (("--load", "20:50 N:2"), "holds another curve (values"),
-        (("--load", "20:40 N:2", "--set", "contact.mean_speed=2 m/s"), "holds another curve (case.contact.mean_speed"),
-    ):
-        result = ertel_("traction", "ball.toml", *changed, "--out", "curve", code=2)
-        assert said in result.stderr
-        assert "choose another --out" in result.stderr
-    (here / "mine").mkdir()
-    (here / "mine" / "notes.txt").write_text("mine")
-    result = ertel_("traction", "ball.toml", "--load", "20:40 N:2", "--out", "mine", code=2)
-    assert "mine: exists already; choose another --out" in result.stderr
-    assert (here / "curve" / "traction.json").read_bytes() == before
-    assert names(here / "mine") == {"notes.txt"}
+    ertel_("traction", "ball.toml", "--load", "20:40 N:3", "--out", "curve", "-q")
+    assert [float(row["load_N"]) for row in rows(here / "curve")] == [20.0, 30.0, 40.0]
+    assert len(names(here / "curve" / "runs")) == 3
+    for row in rows(here / "curve"):
+        assert ertel.open(here / "curve" / row["directory"]).case.contact.load == float(row["load_N"])
 
 
-def test_points_of_other_sources_are_not_mixed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    command = ("traction", "ball.toml", "--slide-to-roll", "0:0.04:3", "--out", "curve")
-    ertel_(*command, "-q")
-    monkeypatch.setattr(traction_store, "own_sources", lambda: "others")
-    assert "another version of ertel" in ertel_(*command, code=2).stderr
+def test_a_curve_of_an_earlier_version_is_left_alone(here: Path) -> None:
+    (here / "traction" / "ball").mkdir(parents=True)
+    (here / "traction" / "ball" / "traction.json").write_text("{}")
+    result = ertel_("traction", "ball.toml", "--slide-to-roll", "0:0.04:3", code=2)
+    assert "earlier version (traction.json); choose another directory" in result.stderr
+    assert names(here / "traction" / "ball") == {"traction.json"}
 
 
 def test_a_damaged_file_is_named(here: Path) -> None:
     command = ("traction", "ball.toml", "--slide-to-roll", "0:0.04:3", "--out", "curve")
     ertel_(*command, "-q")
-    file = here / "curve" / "traction.json"
-    file.write_text(file.read_text().replace("converged", "convergde", 1))
-    assert "traction.json: is damaged (its checksum does not agree)" in ertel_(*command, code=2).stderr
+    [checkpoint] = here.glob("curve/runs/*/checkpoint.npz")
+    checkpoint.write_bytes(checkpoint.read_bytes().replace(b"newton", b"nawton"))
+    assert "checkpoint.npz: is damaged (its checksum does not agree)" in ertel_(*command, code=2).stderr
 
 
 def test_a_film_that_does_not_converge_fails(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    point = traction_store.CurveStore.keep
+    def stalled(*arguments: Any) -> Any:
+        return replace(drive(*arguments), status=Status.NEWTON_STALLED)
 
-    def keep(store: Any, new: Any) -> None:
-        point(store, {name: None if isinstance(v, float) else v for name, v in new.items()} | {"status": "stalled"})
-
-    monkeypatch.setattr(traction_store.CurveStore, "keep", keep)
+    monkeypatch.setattr("ertel.runs.store.drive", stalled)
     result = ertel_("traction", "ball.toml", "--slide-to-roll", "0:0.04:3", code=1)
     assert "failed: the film did not converge at slide_to_roll = 0, 0.02, 0.04" in result.stderr
 

@@ -258,7 +258,7 @@ def test_malformed_override(item):
         ({"solver": {"method": "radial", "nodes": 3}}, ["solver.nodes = 3: must be at least"]),
         ({"solver": {"nodes": 129.0}}, ["solver.nodes = 129.0", "integer"]),
         ({"solver": {"half_width": 0.5}}, ["solver.half_width = 0.5", "greater than 1"]),
-        ({"time": {"until": "never"}}, ['time.until = "never"', '"max-approach"', '"rebound"', "time above zero"]),
+        ({"time": {"until": "never"}}, ['time.until = "never"', '"max-approach"', '"rebound"', "above zero"]),
         ({"time": {"until": -1}}, ["time.until = -1", "above zero"]),
         ({"time": {"start_approach": 0.5}}, ["time.start_approach = 0.5", "less than 0"]),
         ({"time": {"step": 0}}, ["time.step = 0", "above zero"]),

@@ -78,7 +78,7 @@ BAD = [
         {**ROLLING, "radius_x_1": "10 mm", "radius_y_1": "10 mm", "radius_y_2": "-9 mm"},
         'contact.radius_y_1 = "10 mm" and contact.radius_y_2 = "-9 mm"',
     ),
-    ({**ROLLING, "radius_x_1": "10 mm", "radius_y_1": "10 mm", "radius_y_2": "-10 mm"}, "no contact at a point"),
+    ({**ROLLING, "radius_x_1": "10 mm", "radius_y_1": "10 mm", "radius_y_2": "-10 mm"}, "point contact"),
     ({**ROLLING, "radius_x_1": "0 mm", "radius_y_1": "10 mm"}, "contact.radius_x_1 = "),
     ({**ROLLING, "radius_x": "10 mm"}, "contact.radius_y: missing"),
     ({**ROLLING, "radius_x": "-10 mm", "radius_y": "10 mm"}, "contact.radius_x = "),

@@ -165,10 +165,10 @@ def test_gaps_of_an_array_are_its_nan(tmp_path) -> None:
     [
         ({}, "roughness[1].file: missing"),
         ({"file": "nothing.al3d"}, 'roughness[1].file = "nothing.al3d": cannot be read'),
-        ({"file": "."}, 'roughness[1].file = ".": is no regular file'),
+        ({"file": "."}, 'roughness[1].file = ".": is not a regular file'),
         ({"file": "broken.al3d"}, 'roughness[1].file = "broken.al3d": SurfaceTopography cannot read it'),
-        ({"file": "broken.npy"}, 'roughness[1].file = "broken.npy": is no array of numbers'),
-        ({"file": "complex.npy"}, 'roughness[1].file = "complex.npy": is no array of numbers'),
+        ({"file": "broken.npy"}, 'roughness[1].file = "broken.npy": is not an array of numbers'),
+        ({"file": "complex.npy"}, 'roughness[1].file = "complex.npy": is not an array of numbers'),
         ({"file": "line.npy", "unit": "m", "length_x": 1}, 'roughness[1].file = "line.npy": heights: is 30; must be'),
         ({"file": "disc.nc", "channel": "Phase"}, 'roughness[1].channel = "Phase": the file has "Default"'),
         ({"file": "disc.nc", "unit": "nm"}, 'roughness[1].unit = "nm": the file says µm; leave it out'),
@@ -300,7 +300,7 @@ def refused(folder: Path, name: str, message: str, most: float = 5e6, **table: A
     ("shape", "message"),
     [
         ((100_000, 100_000), "heights: is 100000 x 100000; must be a map of 4 to 4096 points a side"),
-        ((4000, 4000), "is no array of numbers, 4000 x 4000 of float64 in 8 bytes"),
+        ((4000, 4000), "is not an array of numbers, 4000 x 4000 of float64 in 8 bytes"),
     ],
 )
 def test_an_array_is_refused_by_its_header(tmp_path, name, shape, message) -> None:

@@ -168,7 +168,7 @@ def test_quantities_for_records():
         (
             ertel.impact,
             {"M": 200, "L": 10, "until": "never"},
-            'time.until = "never": must be "max-approach", "rebound"',
+            'time.until = "never": must be a quantity above zero',
         ),
         (ertel.impact, {"M": 200, "L": 10, "time_tolerance": 2}, "time.tolerance = 2: must be less than 1"),
         (ertel.impact, {"M": 200, "L": 10, "roughness": [{"shape": "hill"}]}, 'roughness[1].shape = "hill"; allowed: '),

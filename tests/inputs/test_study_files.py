@@ -6,8 +6,7 @@ from pstats import Stats
 import pytest
 
 from ertel.case.records import ConfigError
-from ertel.inputs.coordinates import coordinates
-from ertel.inputs.studies import load_study, parse_study
+from ertel.inputs.studies import coordinates, load_study, parse_study
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
 OIL = {"eta0": "10 mPa*s", "alpha": "22 / GPa"}

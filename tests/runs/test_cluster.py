@@ -160,7 +160,7 @@ def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
                 os.kill(said["process"], signal.SIGKILL)
         return False
 
-    said = run_study(study, tmp_path, two, asked=kill_once)
+    said = run_study(study.cases, tmp_path, two, asked=kill_once)
     assert len(killed) == 1 and said == {case.digest: "converged" for case in study.cases}
     found = gather(study, tmp_path).dataset["H_min_extreme"]
     assert found.values[0] == pytest.approx(simulate(study.cases[0]).summary["extremes"]["H_min"]["value"], rel=1e-6)

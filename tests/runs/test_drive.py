@@ -19,7 +19,7 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.units import COMPLIANCE
-from ertel.results import summary
+from ertel.results.errors import with_error
 from ertel.results.result import Result
 from ertel.runs.courses import TransientRun, course_of
 from ertel.runs.drive import Recorder, drive, simulate
@@ -89,16 +89,6 @@ def test_a_resumed_run_equals_an_uninterrupted_one_bit_for_bit() -> None:
     for a, b in zip(whole[-1].state.levels, rest[-1].state.levels, strict=True):
         assert np.array_equal(a.P, b.P) and np.array_equal(a.H, b.H)
         assert (a.T, a.approach, a.velocity) == (b.T, b.approach, b.velocity)
-
-
-@pytest.mark.parametrize("history", [1, 2, 3])
-def test_a_state_survives_storage(history: int) -> None:
-    course, whole = whole_course()
-    state = whole[history - 1].state
-    again = course.from_arrays(course.to_arrays(whole[history - 1])).state
-    assert again.counts == state.counts and again.next_step == state.next_step
-    assert len(again.levels) == len(state.levels)
-    assert np.array_equal(again.levels[0].P, state.levels[0].P)
 
 
 class Unwilling(Method):
@@ -244,11 +234,12 @@ def test_error_estimate_is_exact_for_the_orders_that_it_assumes() -> None:
 
     fine = at(0.01, 0.01, 2.0)
     others = {"grid": at(0.02, 0.01, 2.0), "time": at(0.02, 0.01 * 0.5**0.5, 2.0), "domain": at(0.02, 0.01, 3.0)}
-    found = summary.impact_with_error(fine, others)["error_estimate"]
+    case = impact(200, 10, 33)
+    found = with_error(case, fine, others)["error_estimate"]
     assert found["H_c"]["extrapolated"] == pytest.approx(0.07, rel=1e-12)
     parts = {"grid": -3e-4, "time": 2e-4, "domain": -0.00125}
     assert {name: found["H_c"][name] for name in parts} == pytest.approx(parts, rel=1e-9)
     assert found["H_c"]["error"] == pytest.approx(sum(part**2 for part in parts.values()) ** 0.5, rel=1e-9)
     assert [found[name]["dominant"] for name in ("H_c", "H_min", "Delta_max")] == ["domain", "grid", "domain"]
     assert found["Delta_max"]["value"] == fine["max_approach"]["Delta"]
-    assert summary.impact_with_error(fine, {**others, "time": {"max_approach": None}})["error_estimate"] is None
+    assert with_error(case, fine, {**others, "time": {"max_approach": None}})["error_estimate"] is None

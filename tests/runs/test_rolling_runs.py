@@ -1,26 +1,18 @@
-"""Steady rolling contacts from file to summary: what is stored; no moment of death costs more than a grid."""
+"""Steady rolling contacts from file to summary, and when there is no result."""
 
-import itertools
 import json
-import warnings
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
-from cases import LEFT, names, physics, stop_after
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.inputs.case_files import load_case, parse_case
+from ertel.inputs.case_files import parse_case
 from ertel.results import diagnostics, variables
 from ertel.results.dataset import provenance
 from ertel.results.summary import steady_summary
-from ertel.runs import checked_zarr
-from ertel.runs.arrays import ReplacedData
 from ertel.runs.drive import simulate
-from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
@@ -159,96 +151,6 @@ def test_warnings_of_a_coarse_grid(case, solutions):
 # -- stored -----------------------------------------------------------------------------------------------------------
 
 
-def test_a_stored_run_is_the_run_in_memory(tmp_path, case, whole):
-    run = RunStore.create(tmp_path / "run", case)
-    summary = compute(run)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        data = xr.open_zarr(tmp_path / "run" / "run.zarr").load()  # and nothing else
-    xr.testing.assert_identical(physics(data), physics(whole.dataset))
-    assert data.attrs["status"] == "converged"
-    assert data.attrs["H_c"] == summary["H_c"]
-    assert run.summary() == summary
-    same = {key: value for key, value in summary.items() if key not in ("wall_s", "compilations")}
-    assert same.items() <= dict(whole.summary).items()
-    assert load_case(tmp_path / "run" / "case.toml") == case
-    own = {"case.toml", "run.zarr", "checkpoint.npz", "summary.json", "progress.json"}
-    assert names(tmp_path / "run") == LEFT | own
-
-
-def test_resumed_equals_uninterrupted(tmp_path, case, whole):
-    run = RunStore.create(tmp_path / "run", case)
-    summary = compute(run, [stop_after(1)])
-    assert (summary["status"], summary["nodes"]) == ("interrupted", 33)
-    assert xr.open_zarr(tmp_path / "run" / "run.zarr").sizes["X"] == 33
-    again = RunStore.open(tmp_path / "run")
-    assert compute(again)["status"] == "converged"
-    xr.testing.assert_identical(physics(again.dataset()), physics(whole.dataset))
-    last = again.item().solutions[-1]
-    assert last.history == tuple(whole.dataset["history"].values[-1][: len(last.history)])
-
-
-def test_a_run_that_ended_is_not_computed_again_without_its_summary(tmp_path, monkeypatch, case, whole):
-    compute(RunStore.create(tmp_path / "run", case))
-    (tmp_path / "run" / "summary.json").unlink()
-    monkeypatch.setattr(steady, "nested", lambda *_: pytest.fail("the run has ended"))
-    again = RunStore.open(tmp_path / "run")
-    assert compute(again)["status"] == "converged"
-    xr.testing.assert_identical(physics(again.dataset()), physics(whole.dataset))
-
-
-class Killed(BaseException):
-    """Nobody catches it, like SIGKILL."""
-
-
-PLACES = [
-    (checked_zarr, "write_root"),
-    (ReplacedData, "_write"),
-    (RunStore, "_write_checkpoint"),
-    (Path, "rename"),
-    (Path, "replace"),
-]
-
-
-QUICK = [("before", 1), ("after", 2), ("before", 4)]
-MOMENTS = [
-    pytest.param(when, count, marks=[] if (when, count) in QUICK else pytest.mark.slow)
-    for when, count in itertools.product(("before", "after"), (1, 2, 3, 4))
-]
-
-
-@pytest.mark.parametrize(("place", "name"), PLACES)
-@pytest.mark.parametrize(("when", "count"), MOMENTS)
-def test_death_at_any_moment(tmp_path, monkeypatch, case, solutions, whole, place, name, when, count):
-    monkeypatch.setattr(steady, "nested", lambda case, done: iter(solutions[len(done) :]))
-    run = RunStore.create(tmp_path / "run", case)
-    original, calls = getattr(place, name), itertools.count(1)
-
-    def deadly(*arguments, **options):
-        last = next(calls) == count
-        if last and when == "before":
-            raise Killed
-        result = original(*arguments, **options)
-        if last:
-            raise Killed
-        return result
-
-    with monkeypatch.context() as patch:
-        patch.setattr(place, name, deadly)
-        try:
-            compute(run)
-        except Killed:
-            pass
-        else:
-            assert next(calls) <= count
-    again = RunStore.open(tmp_path / "run")
-    assert again.dataset().sizes["X"] in (33, 65)
-    compute(again)
-    xr.testing.assert_identical(physics(again.dataset()), physics(whole.dataset))
-    own = {"case.toml", "run.zarr", "checkpoint.npz", "summary.json", "progress.json"}
-    assert names(tmp_path / "run") == LEFT | own
-
-
 def test_a_run_that_gives_up(tmp_path, monkeypatch, case, solutions):
     coarse, fine = solutions
     stalled = [coarse, replace(fine, status=Status.NEWTON_STALLED)]
@@ -300,12 +202,3 @@ def test_a_solution_that_stalled_is_no_result(case, solutions):
     numbers_are_withheld(summary)
     assert "the solution failed (residual 0.3, 1e-08 is allowed)" in summary["warnings"][0]
     assert not any("%" in sentence for sentence in summary["warnings"])
-
-
-def test_nothing_computed_yet(tmp_path, case):
-    run = RunStore.create(tmp_path / "run", case)
-    data = run.dataset()
-    assert (data.sizes["grid"], data.sizes["X"]) == (0, 65)
-    assert np.isnan(data["H"].values).all()
-    with pytest.raises(StoreError, match="nothing is computed yet"):
-        run.summary_so_far()

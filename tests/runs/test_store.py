@@ -1,6 +1,6 @@
-"""The run directory: what it holds, and that no moment of death costs more than the last seconds."""
+"""The store of a run: what it holds, and that no moment of death costs more than the last seconds, or the last grid."""
 
-import itertools
+import errno
 import os
 import signal
 import subprocess
@@ -8,89 +8,103 @@ import sys
 import textwrap
 import warnings
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 import xarray as xr
-from cases import physics, stop_after
+from cases import LEFT, names, physics, stop_after
+from dying import killed
 
 import ertel
+from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import load_case, parse_case
-from ertel.runs import checked_zarr
-from ertel.runs.arrays import AppendedData
+from ertel.runs import checked_zarr, store
+from ertel.runs.arrays import ReplacedData
 from ertel.runs.courses import TransientRun, method_of
 from ertel.runs.drive import simulate
 from ertel.runs.files import StoreError
 from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, compute
+from ertel.solvers import steady
 
-pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
-CASE = {
-    "name": "small",
-    "contact": {"M": 200, "L": 10},
-    "solver": {"nodes": 33},
-    "time": {"tolerance": 0.01, "until": 0.9},
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:the film is not resolved", "ignore:the oil outside the domain", "ignore:H_min is uncertain"
+)
+OWN = ("wall_s", "compilations", "date_created")  # of the process
+BALL = {"name": "small", "contact": {"M": 200, "L": 10}}
+RADIAL = {**BALL, "solver": {"method": "radial", "nodes": 33}}
+SHORT = parse_case({**RADIAL, "time": {"tolerance": 0.01, "until": 0.15}, "output": {"interval": 0.05}})
+CASES = {
+    "impact": parse_case({**BALL, "solver": {"nodes": 33}, "time": {"tolerance": 0.01, "until": 0.9}}),
+    "radial": parse_case({**RADIAL, "time": {"tolerance": 0.01, "until": 0.9}}),
+    "steady": parse_case({"name": "small", "contact": {"kind": "rolling", "M": 20, "L": 10}, "solver": {"nodes": 65}}),
 }
 
 
-@pytest.fixture(scope="module")
-def case():
-    return parse_case(CASE)
+class Kind(NamedTuple):
+    """A kind of run: its case, and its result in memory."""
+
+    case: Case
+    whole: ertel.Result
+
+    def is_whole(self, run: RunStore) -> bool:
+        """Whether a stored run is the one in memory."""
+        xr.testing.assert_identical(physics(run.dataset()), physics(self.whole.dataset))
+        summary = run.summary()
+        return summary is not None and of_no_process(summary) == of_no_process(self.whole.summary)
+
+
+def of_no_process(values):
+    return {key: value for key, value in values.items() if key not in OWN}
 
 
 @pytest.fixture(scope="module")
-def uninterrupted(case):
-    return simulate(case)
+def kinds():
+    return {name: Kind(case, simulate(case)) for name, case in CASES.items()}
 
 
-def at_every_step(run):
-    """An observer that has everything written at once."""
-    return lambda item: run.flush()
+@pytest.fixture(params=CASES)
+def kind(request, kinds):
+    return kinds[request.param]
+
+
+@pytest.fixture
+def impact(kinds):
+    return kinds["impact"]
 
 
 # -- a whole run ------------------------------------------------------------------------------------------------------
 
 
-def test_a_stored_run_is_the_run_in_memory(tmp_path, case, uninterrupted):
-    run = RunStore.create(tmp_path / "run", case)
+def test_a_stored_run_is_the_run_in_memory(tmp_path, kind):
+    run = RunStore.create(tmp_path / "run", kind.case)
     summary = compute(run)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         data = xr.open_zarr(tmp_path / "run" / "run.zarr").load()  # and nothing else
-    xr.testing.assert_identical(physics(data), physics(uninterrupted.dataset))
-    assert data.attrs["status"] == "converged"
-    assert data.attrs["M"] == case.parameters.M
-    assert data.attrs["steps"] == summary["steps"] == uninterrupted.summary["steps"]
-    assert run.summary() == summary
-    same = {key: value for key, value in summary.items() if key not in ("wall_s", "compilations")}
-    assert same.items() <= dict(uninterrupted.summary).items()
-
-
-def test_the_resolved_case_is_the_case(tmp_path, case):
-    RunStore.create(tmp_path / "run", case)
+    xr.testing.assert_identical(physics(data), physics(kind.whole.dataset))
+    assert (data.attrs["status"], data.attrs["M"]) == ("converged", kind.case.parameters.M)
+    assert run.summary() == summary and kind.is_whole(run)
     again = load_case(tmp_path / "run" / "case.toml")
-    assert again == case
-    assert again.to_data() == case.to_data()
+    assert again == kind.case and again.to_data() == kind.case.to_data()
+    own = {"case.toml", "run.zarr", "checkpoint.npz", "summary.json", "progress.json"}
+    assert names(tmp_path / "run") == LEFT | own
 
 
-def test_variables_say_what_they_are(uninterrupted):
-    for name, variable in uninterrupted.dataset.variables.items():
+def test_variables_say_what_they_are(impact):
+    data = impact.whole.dataset
+    for name, variable in data.variables.items():
         assert {"units", "long_name", "symbol"} <= set(variable.attrs), name
-    assert uninterrupted.dataset["H"].dims == ("frame", "Y", "X")
-    assert uninterrupted.dataset["H_c"].dims == ("time",)
+    assert (data["H"].dims, data["H_c"].dims) == (("frame", "Y", "X"), ("time",))
+    regular = data["frame"].values[data["event"].values == 0]
+    np.testing.assert_allclose(regular, impact.case.output.interval * np.arange(1, len(regular) + 1), rtol=1e-12)
+    assert np.all(np.diff(data["frame"]) >= 0)  # so that .sel(frame=..., method="nearest") works
 
 
-def test_frames_are_at_their_times(uninterrupted, case):
-    frames = uninterrupted.dataset["frame"].values
-    regular = frames[uninterrupted.dataset["event"].values == 0]
-    assert np.allclose(regular, case.output.interval * np.arange(1, len(regular) + 1), rtol=1e-12)
-    assert np.all(np.diff(frames) >= 0)  # so that .sel(frame=..., method="nearest") works
-
-
-def test_a_flush_writes_once_however_many_steps_there_are(tmp_path, monkeypatch, case):
+def test_a_flush_writes_once_however_many_steps_there_are(tmp_path, monkeypatch):
     """It costs far less than the seconds between two of them: what is appended does not grow with the run."""
-    run = RunStore.create(tmp_path / "run", case)
     appended, append = [], checked_zarr.append
 
     def counting(path, arrays):
@@ -98,113 +112,84 @@ def test_a_flush_writes_once_however_many_steps_there_are(tmp_path, monkeypatch,
         append(path, arrays)
 
     monkeypatch.setattr(checked_zarr, "append", counting)
-    summary = compute(run)
+    summary = compute(RunStore.create(tmp_path / "run", SHORT))
     assert sum(appended) == summary["steps"] > len(appended)
+
+
+def test_nothing_computed_yet(tmp_path, kind):
+    run = RunStore.create(tmp_path / "run", kind.case)
+    assert run.summary() is None
+    assert run.dataset().sizes["grid" if kind.case.is_steady else "time"] == 0
+    with pytest.raises(StoreError, match="nothing is computed yet"):
+        run.summary_so_far()
 
 
 # -- interrupted ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("steps", [1, 2, 7])
-def test_resumed_equals_uninterrupted(tmp_path, case, uninterrupted, steps):
-    run = RunStore.create(tmp_path / "run", case)
-    assert compute(run, [stop_after(steps)])["status"] == "interrupted"
-    assert run.dataset().sizes["time"] == steps
+@pytest.mark.parametrize(("name", "steps"), [("impact", 1), ("impact", 2), ("impact", 7), ("radial", 9), ("steady", 1)])
+def test_resumed_equals_uninterrupted(tmp_path, kinds, name, steps):
+    kind, run = kinds[name], RunStore.create(tmp_path / "run", CASES[name])
+    first = compute(run, [stop_after(steps)])
+    assert first["status"] == "interrupted"
+    assert xr.open_zarr(tmp_path / "run" / "run.zarr").sizes["grid" if name == "steady" else "time"] == steps
     again = RunStore.open(tmp_path / "run")
-    summary = compute(again)
-    xr.testing.assert_identical(physics(again.dataset()), physics(uninterrupted.dataset))
-    assert summary["status"] == "converged"
-    assert summary["newton_iterations"] == uninterrupted.summary["newton_iterations"]
+    assert compute(again)["wall_s"] > first["wall_s"] > 0
+    assert kind.is_whole(again)
 
 
-def test_resumed_equals_uninterrupted_for_the_radial_method(tmp_path):
-    case = parse_case({**CASE, "solver": {"method": "radial", "nodes": 49}})
-    compute(RunStore.create(tmp_path / "run", case), [stop_after(9)])
-    again = RunStore.open(tmp_path / "run")
-    compute(again)
-    assert again.dataset()["H"].dims == ("frame", "r")
-    xr.testing.assert_identical(physics(again.dataset()), physics(simulate(case).dataset))
-
-
-def test_resumed_many_times(tmp_path, case, uninterrupted):
-    RunStore.create(tmp_path / "run", case)
+def test_resumed_many_times(tmp_path, impact):
+    RunStore.create(tmp_path / "run", impact.case)
     for _ in range(100):
         run = RunStore.open(tmp_path / "run")
         if compute(run, [stop_after(3)])["status"] == "converged":
             break
-    xr.testing.assert_identical(physics(run.dataset()), physics(uninterrupted.dataset))
-
-
-def test_wall_time_adds_up(tmp_path, case):
-    first = compute(RunStore.create(tmp_path / "run", case), [stop_after(2)])["wall_s"]
-    second = compute(RunStore.open(tmp_path / "run"))["wall_s"]
-    assert second > first > 0
-
-
-def test_a_run_that_ended_is_not_stepped_further_without_its_summary(tmp_path, case, uninterrupted):
-    """The checkpoint says that the run has ended, and how."""
-    compute(RunStore.create(tmp_path / "run", case))
-    (tmp_path / "run" / "summary.json").unlink()
-    seen = []
-    again = RunStore.open(tmp_path / "run")
-    summary = compute(again, [lambda item: seen.append(item.record)])
-    assert summary["status"] == "converged"
-    assert not any(seen)
-    xr.testing.assert_identical(physics(again.dataset()), physics(uninterrupted.dataset))
-
-
-class Killed(BaseException):
-    """Nobody catches it, like SIGKILL."""
+    assert impact.is_whole(run)
 
 
 def deaths():
-    """Where a run can die: the functions that a flush calls, before and after each, sooner or later.
-
-    Quick: early before, late after.
-    """
-    places = [
-        (checked_zarr, "append"),
-        (checked_zarr, "write_root"),
-        (Path, "replace"),
-        (RunStore, "_write_checkpoint"),
-        (TransientRun, "to_arrays"),
-    ]
-    quick = [("before", 2), ("after", 5)]
-    slow = [("before", 5), ("after", 2)]
-    return [
-        *((place, name, *moment) for place, name in places for moment in quick),
-        *(pytest.param(place, name, *moment, marks=pytest.mark.slow) for place, name in places for moment in slow),
-    ]
+    """Where a run can die: the functions that a flush calls, before and after each, sooner or later."""
+    both = [(checked_zarr, "write_root"), (Path, "replace"), (RunStore, "_write_checkpoint")]
+    places = {
+        "impact": [*both, (checked_zarr, "append"), (TransientRun, "to_arrays")],
+        "steady": [*both, (ReplacedData, "_write"), (Path, "rename")],
+    }
+    quick = {"impact": [("before", 2), ("after", 5)], "steady": [("before", 1), ("after", 2), ("before", 4)]}
+    slow = {
+        "impact": [("before", 5), ("after", 2)],
+        "steady": [("before", 2), ("before", 3), ("after", 1), ("after", 3), ("after", 4)],
+    }
+    for name, functions in places.items():
+        for place, function in functions:
+            yield from ((name, place, function, *moment) for moment in quick[name])
+            yield from (pytest.param(name, place, function, *each, marks=pytest.mark.slow) for each in slow[name])
 
 
-@pytest.mark.parametrize(("place", "name", "when", "count"), deaths())
-def test_death_within_a_flush(tmp_path, monkeypatch, case, uninterrupted, place, name, when, count):
-    run = RunStore.create(tmp_path / "run", case)
-    original, calls = getattr(place, name), itertools.count(1)
-
-    def deadly(*arguments, **options):
-        last = next(calls) == count
-        if last and when == "before":
-            raise Killed
-        result = original(*arguments, **options)
-        if last:
-            raise Killed
-        return result
-
-    with monkeypatch.context() as patch:
-        patch.setattr(place, name, deadly)
-        with pytest.raises(Killed):
-            compute(run, [at_every_step(run)])
-    xr.open_zarr(tmp_path / "run" / "run.zarr").load()  # readers see a whole, if shorter, run
+@pytest.mark.parametrize(("name", "place", "function", "when", "count"), list(deaths()))
+def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, name, place, function, when, count):
+    if name == "steady":
+        monkeypatch.setattr(steady, "nested", lambda case, done: iter(grids[len(done) :]))
+    run = RunStore.create(tmp_path / "run", kinds[name].case)
+    with killed(monkeypatch, place, function, when, count):
+        compute(run, [lambda result: run.flush()])
+    xr.open_zarr(checked_zarr.present(tmp_path / "run" / "run.zarr")).load()  # a whole, if shorter, run
     again = RunStore.open(tmp_path / "run")
+    again.dataset()
     compute(again)
-    xr.testing.assert_identical(physics(again.dataset()), physics(uninterrupted.dataset))
+    assert kinds[name].is_whole(again)
+    assert not list((tmp_path / "run").rglob("*.partial")) and not list((tmp_path / "run").glob("*.old"))
+
+
+@pytest.fixture(scope="module")
+def grids():
+    """The solutions of the steady contact."""
+    return list(steady.nested(CASES["steady"]))
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
-def test_killed_process(tmp_path, case, uninterrupted):
+def test_killed_process(tmp_path, impact):
     """A real SIGKILL while the store is being written."""
-    RunStore.create(tmp_path / "run", case)
+    RunStore.create(tmp_path / "run", impact.case)
     program = f"""
         from pathlib import Path
         from ertel.runs import store
@@ -214,8 +199,7 @@ def test_killed_process(tmp_path, case, uninterrupted):
             run.flush()
         store.compute(run, [tell])
     """
-    path = str(Path(ertel.__path__[0]).parent)
-    environment = {**os.environ, "PYTHONPATH": path}
+    environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
     command = [sys.executable, "-c", textwrap.dedent(program)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
         assert process.stdout is not None
@@ -223,122 +207,155 @@ def test_killed_process(tmp_path, case, uninterrupted):
             process.stdout.readline()
         process.kill()
     again = RunStore.open(tmp_path / "run")
-    seen = again.summary_so_far()["steps"]
-    assert 0 < seen < uninterrupted.summary["steps"]
+    assert 0 < again.summary_so_far()["steps"] < impact.whole.summary["steps"]
     compute(again)
-    xr.testing.assert_identical(physics(again.dataset()), physics(uninterrupted.dataset))
+    assert impact.is_whole(again)
 
 
-def test_a_run_that_gives_up_keeps_what_it_has(tmp_path, case, uninterrupted):
-    course = TransientRun(case, method_of(case), StepLimits(first=0.03, smallest=0.02))
-    run = RunStore.create(tmp_path / "run", case, course)
+# -- the end ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_run_that_gives_up_keeps_what_it_has(tmp_path, impact):
+    course = TransientRun(impact.case, method_of(impact.case), StepLimits(first=0.03, smallest=0.02))
+    run = RunStore.create(tmp_path / "run", impact.case, course)
     summary = compute(run)
-    assert summary["status"] == Status.STEP_TOO_SMALL.value
-    assert summary["max_approach"] is None
-    assert 0 < run.dataset().sizes["time"] == summary["steps"] < uninterrupted.summary["steps"]
+    assert (summary["status"], summary["max_approach"]) == (Status.STEP_TOO_SMALL.value, None)
+    assert 0 < run.dataset().sizes["time"] == summary["steps"] < impact.whole.summary["steps"]
     assert run.dataset().attrs["status"] == summary["status"]
 
 
-def test_only_one_at_a_time(tmp_path, case):
-    run = RunStore.create(tmp_path / "run", case)
+def test_a_steady_run_that_ended_is_not_computed_again_without_its_summary(tmp_path, monkeypatch, kinds):
+    compute(RunStore.create(tmp_path / "run", CASES["steady"]))
+    (tmp_path / "run" / "summary.json").unlink()
+    monkeypatch.setattr(steady, "nested", lambda *_: pytest.fail("the run has ended"))
+    again = RunStore.open(tmp_path / "run")
+    compute(again)
+    assert kinds["steady"].is_whole(again)
+
+
+def test_a_run_that_has_ended_meanwhile_is_left_alone(tmp_path):
+    """A second process saw it running, and would have deleted its summary."""
+    run = RunStore.create(tmp_path / "run", SHORT)
     second = RunStore.open(tmp_path / "run")
+    assert second.summary() is None
+    summary = compute(run)
+    before = (tmp_path / "run" / "summary.json").read_bytes()
+    with second.alone():
+        assert second.outcome() == summary
+        assert compute(second, [lambda item: pytest.fail("nothing is left to do")]) == summary
+        assert (tmp_path / "run" / "summary.json").read_bytes() == before
+        second.finish({**summary, "error_estimate": None})
+    assert RunStore.open(tmp_path / "run").summary() == {**summary, "error_estimate": None}
 
-    def meddle(item):
-        with pytest.raises(StoreError, match="another process"):
-            compute(second)
-        return True
 
-    compute(run, [meddle])
-    assert compute(second)["status"] == "converged"
+def ends():
+    """Runs by how they end: at a time, at an event, and by giving up."""
+    event = parse_case({**RADIAL, "time": {"tolerance": 0.02, "until": "max-approach"}})
+    limits = StepLimits(first=0.03, smallest=0.02)
+    return {"time": (SHORT, None), "event": (event, None), "given up": (SHORT, limits)}
+
+
+@pytest.fixture(scope="module", params=["time", "event", "given up"])
+def ended(request, tmp_path_factory):
+    """A run that has ended, its course and its summary."""
+    case, limits = ends()[request.param]
+    course = TransientRun(case, method_of(case), limits)
+    run = RunStore.create(tmp_path_factory.mktemp("ended") / "run", case, course)
+    return course, compute(run), run.dataset()
+
+
+CUTS = [(RunStore, "summarise"), (RunStore, "finish"), (checked_zarr, "update_attributes"), (store, "sealed")]
+
+
+@pytest.mark.parametrize(("place", "name"), CUTS)
+def test_a_cut_between_the_last_checkpoint_and_the_summary(ended, tmp_path, monkeypatch, place, name):
+    """A resumed run stepped past its end: restitution changed after an event, and a time raised an error."""
+    course, summary, data = ended
+    run = RunStore.create(tmp_path / "run", course.case, course)
+    with killed(monkeypatch, place, name):
+        compute(run)
+    (tmp_path / "run" / "summary.json").unlink(missing_ok=True)
+    seen = []
+    again = RunStore.open(tmp_path / "run")
+    assert of_no_process(compute(again, [lambda item: seen.append(item.record)])) == of_no_process(summary)
+    assert not any(seen)
+    xr.testing.assert_identical(physics(again.dataset()), physics(data))
+    assert of_no_process(again.dataset().attrs) == of_no_process(data.attrs)
+
+
+# -- the disk ---------------------------------------------------------------------------------------------------------
+
+
+def test_all_is_on_the_disk_before_the_checkpoint_counts_on_it(tmp_path, monkeypatch):
+    synced: list[int] = []
+    fsync = os.fsync
+
+    def record(handle):
+        synced.append(os.fstat(handle).st_ino)
+        fsync(handle)
+
+    monkeypatch.setattr(os, "fsync", record)
+    run = RunStore.create(tmp_path / "run", SHORT)
+    compute(run)
+    last = {inode: place for place, inode in enumerate(synced)}
+    inode = {path: path.stat().st_ino for path in (tmp_path / "run").rglob("*")}
+    checkpoint = last[inode[tmp_path / "run" / "checkpoint.npz"]]
+    chunks = [path for path in inode if path.is_file() and "c" in path.parts]
+    assert {"H_c", "H", "r"} <= {path.relative_to(tmp_path / "run" / "run.zarr").parts[0] for path in chunks}
+    for chunk in chunks:
+        assert last[inode[chunk]] < checkpoint
+        assert inode[chunk.parent] in synced
+    assert inode[tmp_path / "run" / "case.toml"] in synced
+    assert inode[tmp_path / "run" / "run.zarr" / "zarr.json"] in synced
+    assert last[inode[tmp_path / "run" / "summary.json"]] > checkpoint
+
+
+def failing(number):
+    def fsync(handle):
+        raise OSError(number, os.strerror(number))
+
+    return fsync
+
+
+def test_a_system_that_cannot_sync(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "fsync", failing(errno.EINVAL))
+    assert compute(RunStore.create(tmp_path / "run", SHORT))["status"] == "converged"
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO])
+def test_a_disk_that_fails_loses_nothing(tmp_path, monkeypatch, number):
+    whole, run = simulate(SHORT), RunStore.create(tmp_path / "run", SHORT)
+    compute(run, [stop_after(2)])
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", failing(number))
+        with pytest.raises(OSError, match=os.strerror(number)):
+            compute(run)
+    assert not list((tmp_path / "run").rglob("*.partial"))
+    again = RunStore.open(tmp_path / "run")
+    assert compute(again)["steps"] == whole.summary["steps"]
+    xr.testing.assert_identical(physics(again.dataset()), physics(whole.dataset))
 
 
 # -- ertel.run and ertel.open -----------------------------------------------------------------------------------------
 
 
-def test_run_takes_up_what_was_interrupted_and_reads_what_is_done(tmp_path, case, uninterrupted):
-    first = ertel.run(case, tmp_path / "run", observers=[stop_after(4)])
+def test_run_takes_up_what_was_interrupted_and_reads_what_is_done(tmp_path, impact):
+    first = ertel.run(impact.case, tmp_path / "run", observers=[stop_after(4)])
     assert (first.status, first.dataset.sizes["time"]) == (Status.INTERRUPTED, 4)
-    second = ertel.run(case, str(tmp_path / "run"))
-    xr.testing.assert_identical(physics(second.dataset), physics(uninterrupted.dataset))
+    second = ertel.run(impact.case, str(tmp_path / "run"))
+    xr.testing.assert_identical(physics(second.dataset), physics(impact.whole.dataset))
     seen = []
-    third = ertel.run(case, tmp_path / "run", observers=[seen.append])
+    third = ertel.run(impact.case, tmp_path / "run", observers=[seen.append])
     assert seen == [] and third.status.ok
     xr.testing.assert_identical(third.dataset, second.dataset)
     again = ertel.open(tmp_path / "run")
-    assert (again.case, again.directory) == (case, tmp_path / "run")
+    assert (again.case, again.directory) == (impact.case, tmp_path / "run")
     assert again.summary == third.summary
     assert f"stored in {tmp_path / 'run'}" in repr(again)
 
 
-def test_run_refuses_the_directory_of_another_case(tmp_path, case):
-    RunStore.create(tmp_path / "run", case)
-    other = parse_case({**CASE, "contact": {"M": 300, "L": 10}})
-    with pytest.raises(StoreError, match=r"run: holds another case \(contact\.M 200\.0 → 300\.0\)"):
+def test_run_refuses_the_directory_of_another_case(tmp_path):
+    RunStore.create(tmp_path / "run", SHORT)
+    other = parse_case({**RADIAL, "contact": {"M": 300, "L": 10}})
+    with pytest.raises(StoreError, match=r"run: holds another case \(contact\.M 200\.0 → 300\.0"):
         ertel.run(other, tmp_path / "run")
-
-
-def test_open_where_nothing_is(tmp_path):
-    with pytest.raises(ValueError, match=r"nowhere is not an ertel run directory \(no case\.toml\)"):
-        ertel.open(tmp_path / "nowhere")
-
-
-# -- directories that will not do -------------------------------------------------------------------------------------
-
-
-def test_existing_output_is_left_alone(tmp_path, case):
-    (tmp_path / "run").mkdir()
-    (tmp_path / "run" / "precious").write_text("data")
-    with pytest.raises(StoreError, match=r"run: exists already"):
-        RunStore.create(tmp_path / "run", case)
-    assert [path.name for path in tmp_path.rglob("*")] == ["run", "precious"]
-
-
-def test_an_empty_directory_will_do(tmp_path, case):
-    (tmp_path / "run").mkdir()
-    RunStore.create(tmp_path / "run", case)
-    assert RunStore.open(tmp_path / "run").case == case
-
-
-def test_a_file_in_the_way(tmp_path, case):
-    (tmp_path / "file").write_text("")
-    for target in (tmp_path / "file", tmp_path / "file" / "run"):
-        with pytest.raises(StoreError):
-            RunStore.create(target, case)
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
-
-
-def test_failure_while_making_leaves_nothing(tmp_path, monkeypatch, case):
-    def full(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(AppendedData, "create", full)
-    with pytest.raises(StoreError, match="run: cannot write there, no space left on device"):
-        RunStore.create(tmp_path / "run", case)
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("missing", ["case.toml", "run.zarr"])
-def test_not_a_run(tmp_path, missing):
-    for name in {"case.toml", "run.zarr"} - {missing}:
-        (tmp_path / name).mkdir()
-    with pytest.raises(StoreError, match=rf"is not an ertel run directory \(no {missing}\)"):
-        RunStore.open(tmp_path)
-
-
-def test_nothing_computed_yet(tmp_path, case):
-    run = RunStore.create(tmp_path / "run", case)
-    assert run.summary() is None
-    assert run.dataset().sizes["time"] == 0
-    with pytest.raises(StoreError, match="nothing is computed yet"):
-        run.summary_so_far()
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a POSIX system")
-@pytest.mark.parametrize("name", ["summary.json", "checkpoint.npz"])
-def test_a_pipe_is_not_waited_for(tmp_path, case, name):
-    """Reading it would never end."""
-    run = RunStore.create(tmp_path / "run", case)
-    os.mkfifo(tmp_path / "run" / name)
-    read = run.summary if name == "summary.json" else run.item
-    with pytest.raises(OSError, match=f"not a regular file: .*{name}"):
-        read()

@@ -1,6 +1,7 @@
 """A stored run stays the run of its case: what another case would make of it is refused, and what cannot be written."""
 
 import json
+import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -105,8 +106,6 @@ def short(tmp_path_factory):
 @pytest.fixture
 def run(short, tmp_path):
     """A copy of it."""
-    import shutil
-
     return Path(shutil.copytree(short, tmp_path / "run"))
 
 
@@ -115,8 +114,6 @@ def run(short, tmp_path):
     [
         ("M = 200.0", "M = 300.0", r"contact\.M 200\.0 → 300\.0"),
         ('viscosity = "roelands"', 'viscosity = "barus"', r'lubricant\.viscosity "roelands" → "barus"'),
-        ("nodes = 33", "nodes = 65", r"solver\.nodes 33 → 65"),
-        ("fold = true", "fold = false", r"solver\.fold true → false"),
         ("until = 0.4", 'until = "max-approach"', r'time\.until 0\.4 → "max-approach"'),
     ],
 )
@@ -134,14 +131,6 @@ def test_name_and_reference_may_be_edited(run):
     text = (run / "case.toml").read_text()
     (run / "case.toml").write_text('name = "renamed"\n' + text.replace("[lubricant]", '[lubricant]\nreference = "new"'))
     assert RunStore.open(run).case.name == "renamed"
-
-
-def test_the_checkpoint_of_another_case_is_refused(run, tmp_path):
-    other = parse_case({**CASE, "contact": {"M": 300, "L": 10}})
-    compute(RunStore.create(tmp_path / "other", other), [stop_after(2)])
-    (tmp_path / "other" / "checkpoint.npz").replace(run / "checkpoint.npz")
-    with pytest.raises(StoreError, match=r"run: checkpoint\.npz is not that of case\.toml"):
-        compute(RunStore.open(run))
 
 
 def test_the_data_of_another_case_are_refused(run, tmp_path):

@@ -85,13 +85,13 @@ def test_what_is_written_opens_without_ertel(four, recwarn):
 
 def test_what_is_done_is_not_done_again(four):
     study = parse_study(study_of())
-    assert left_of(study, four) == {}
-    assert run_study(study, four, workers := Remembering()) == {} and workers.tasks == []
+    assert left_of(study.cases, four) == {}
+    assert run_study(study.cases, four, workers := Remembering()) == {} and workers.tasks == []
 
 
 def test_an_edited_study_runs_only_what_is_new(four):
     study = parse_study(study_of(eta0=["20 mPa*s", "30 mPa*s"]))
-    left = left_of(study, four)
+    left = left_of(study.cases, four)
     assert sorted((case.contact.speed, case.oil.eta0) for case in left.values()) == [(0.1, 0.03), (0.2, 0.03)]
     status = gathered(study, four).dataset["status"]
     assert status.values.tolist() == [["converged", "missing"], ["converged", "missing"]]
@@ -106,22 +106,22 @@ def test_a_zip_has_one_dimension(four):
 
 def test_parts_are_everything_and_no_run_twice(tmp_path):
     study = parse_study(study_of())
-    parts = [set(left_of(study, tmp_path, (number, 3))) for number in (1, 2, 3)]
-    assert set.union(*parts) == set(left_of(study, tmp_path)) and sum(map(len, parts)) == 4
+    parts = [set(left_of(study.cases, tmp_path, (number, 3))) for number in (1, 2, 3)]
+    assert set.union(*parts) == set(left_of(study.cases, tmp_path)) and sum(map(len, parts)) == 4
 
 
 def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
     """Stopped after three steps of the first run: it is an ordinary run that is continued."""
     study = parse_study(study_of(until=0.1, speed=["0.1 m/s"], eta0=["10 mPa*s", "20 mPa*s"]))
     steps = itertools.count()
-    said = run_study(study, tmp_path / "a", LocalWorker(), asked=lambda: next(steps) > 3)
+    said = run_study(study.cases, tmp_path / "a", LocalWorker(), asked=lambda: next(steps) > 3)
     assert list(said.values()) == ["interrupted", "interrupted"]
     result = gathered(study, tmp_path / "a", said)
     assert not result.complete and result.failed == []
     first = run_directory(tmp_path / "a", study.cases[0])
     assert 0 < ertel.open(first).summary["steps"] <= 4
-    again = run_study(study, tmp_path / "a", LocalWorker())
-    whole = run_study(study, tmp_path / "b", LocalWorker())
+    again = run_study(study.cases, tmp_path / "a", LocalWorker())
+    whole = run_study(study.cases, tmp_path / "b", LocalWorker())
     assert again == whole and set(whole.values()) == {"converged"}
     found, wanted = (gathered(study, tmp_path / name).dataset["h_min_extreme"].values for name in "ab")
     assert np.array_equal(found, wanted)
@@ -189,8 +189,8 @@ def test_the_bars_say_what_the_runs_write_of_their_progress(tmp_path, monkeypatc
         original(self, item)
 
     monkeypatch.setattr(RunStore, "__call__", take)
-    with study_bars(tmp_path, left_of(study, tmp_path), True) as shown:
-        run_study(study, tmp_path, LocalWorker(), on_done=shown.done)
+    with study_bars(tmp_path, left_of(study.cases, tmp_path), True) as shown:
+        run_study(study.cases, tmp_path, LocalWorker(), on_done=shown.done)
     runs = [said.news[case.digest[:8]] for case in study.cases]
     assert all(0 <= done <= 1 and text.startswith("T 0.") for news in runs for done, text in news) and all(runs)
     assert [text.split()[1] for _, text in said.news["runs"]] == ["converged", "converged"]
@@ -231,7 +231,7 @@ def test_a_measured_surface_goes_with_its_case_to_another_process(tmp_path):
     (tmp_path / "rough.toml").write_text(ROUGH)
     study = load_study(tmp_path / "rough.toml")
     workers = Remembering()
-    run_study(study, tmp_path, workers)
+    run_study(study.cases, tmp_path, workers)
     arrived = [Case.from_data(*pickle.loads(pickle.dumps(task.arguments))[1:3]) for task in workers.tasks]
     assert tuple(arrived) == study.cases and arrived[0] != arrived[1]
 

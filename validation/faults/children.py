@@ -23,7 +23,7 @@ import xarray as xr
 
 from ertel.__main__ import main
 from ertel.runs.store import RunStore, open_run
-from ertel.runs.studies import DATA, PICTURE, RUNS, TABLE
+from ertel.runs.studies import NAME, RUNS
 
 KILLED = 137
 PATIENCE = 120.0  # s: a child that takes longer is taken for one that never ends
@@ -299,10 +299,11 @@ def gathered(directory: Path) -> dict[str, str]:
     """A digest of what a study wrote of all its runs, which is written again when it goes on; nothing of a run."""
     if not (directory / RUNS).exists():
         return {}
-    with xr.open_zarr(directory / DATA, chunks=None, consolidated=False) as data:
+    with xr.open_zarr(directory / f"{NAME}.zarr", chunks=None, consolidated=False) as data:
         numbers = data.drop_vars(OWN, errors="ignore").load()
-    rows = sorted(key for row in csv.DictReader((directory / TABLE).open()) for key in row.items() if key[0] not in OWN)
-    return {**_digests(numbers), "table": _digest(_text(rows)), "picture": str((directory / PICTURE).exists())}
+    table = csv.DictReader((directory / f"{NAME}.csv").open())
+    rows = sorted(key for row in table for key in row.items() if key[0] not in OWN)
+    return {**_digests(numbers), "table": _digest(_text(rows)), "picture": str((directory / f"{NAME}.png").exists())}
 
 
 def _digests(data: xr.Dataset) -> dict[str, str]:

@@ -26,7 +26,7 @@ from ertel.case.case import Case
 from ertel.equations import account
 from ertel.numerics.integrals import Plane
 from ertel.physics.fluidity import cut_off
-from ertel.runs.curves import curve_of
+from ertel.runs.traction import curve_of
 from ertel.solvers import steady
 from ertel.solvers.steady import GridSolution
 

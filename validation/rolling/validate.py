@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 import ertel
 from ertel import Case, Parameters, amplitude_reduction, load_case, parse_case, simulate
-from ertel.apps.boundary_layers.waves import marched_rolling, rolling_response
+from ertel.apps.boundary_layers.runs import marched_rolling, rolling_response
 from ertel.physics import far_field, film_formulas
 from ertel.solvers import steady
 

@@ -124,7 +124,7 @@ def traction(
         str | None, typer.Option(metavar="each|once", help="Solve the film at each point, or once.")
     ] = None,
     set_: Set = None,
-    out: Annotated[Path | None, path_option("New directory for the curve; default traction/NAME.")] = None,
+    out: Annotated[Path | None, path_option("Directory of the curve; default traction/NAME.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -138,13 +138,14 @@ def traction(
 
     After an interruption the same command continues.
     """
-    from ertel.apps.traction import traction
+    from ertel.apps import studies
     from ertel.inputs.case_files import load_case
 
     with bad_input():
         case = load_case(case_file, set_ or [])
     given = {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}
-    traction(case, given, film, out, as_json, quiet)
+    name = case.name or case.kind
+    studies.traction(case, given, film, out or Path("traction").absolute() / name, as_json, quiet)
 
 
 @app.command()
@@ -175,13 +176,13 @@ def sweep(
     Each run is an ordinary run directory, DIR/runs/DIGEST of its case. What is missing or unfinished is done: a study
     can be stopped, killed, edited and started again with the same command.
     """
-    from ertel.apps import sweep
+    from ertel.apps import studies
     from ertel.inputs.studies import load_study
 
     with bad_input():
-        engine, chosen = sweep.Engine(jobs, scheduler, scheduler_file, tls), sweep.part_of(part)
+        engine, chosen = studies.Engine(jobs, scheduler, scheduler_file, tls), studies.part_of(part)
         study = load_study(study_file, set_ or [])
-    sweep.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
+    studies.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
 
 
 @app.command("warm-up")

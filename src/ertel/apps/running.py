@@ -11,6 +11,7 @@ from ertel.apps.process import Stop, interruptible
 from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, reason_of, say, shown
 from ertel.case.case import Case
 from ertel.case.status import Status
+from ertel.results.errors import with_error
 from ertel.runs import outlook, store
 from ertel.runs.compile import cache_directory, prepare_jax
 from ertel.runs.courses import Run, course_of
@@ -179,7 +180,7 @@ def _computed(run: RunStore, others: Mapping[str, Run], quiet: bool, stop: Stop)
                 return None
         summary = run.outcome() or store.compute(run, [watch(shown_bars, run.course), stop])
         if summary["status"] == "converged" and compared:
-            return _with_error(run, summary, compared)
+            return _completed(run, summary, compared)
     return summary
 
 
@@ -188,13 +189,13 @@ def _summary_of(course: Run, observers: list[Any]) -> Mapping[str, Any]:
     return gathering.result(drive(course, [gathering, *observers])).summary
 
 
-def _with_error(run: RunStore, summary: Mapping[str, Any], compared: Mapping[str, Any]) -> Mapping[str, Any]:
+def _completed(run: RunStore, summary: Mapping[str, Any], compared: Mapping[str, Any]) -> Mapping[str, Any]:
     """The summary with the errors, also stored; without them if a run for comparison gave up."""
     for part, other in compared.items():
         if other["status"] != "converged":
             say(f"ertel: warning: no error is estimated: the run for the error of the {part} failed: {other['status']}")
             return summary
-    complete = run.course.with_error(summary, compared)
+    complete = with_error(run.case, summary, compared)
     run.finish(complete)
     return complete
 

@@ -41,7 +41,7 @@ Kind = Literal["impact", "rolling"]
 KINDS: tuple[Kind, ...] = ("impact", "rolling")
 POISSON = Bounds(gt=-1, le=0.5)
 REDUCED = LENGTH.between(1e-6, 100.0)
-BODY = LENGTH.between(1e-6, 1e5)  # one of two may be all but plane
+BODY = LENGTH.between(1e-6, 1e5)  # one of two may be nearly flat
 FALL = LENGTH.between(1e-12, 1e5)
 MOES_M = Bounds(gt=0, least=1e-6, most=1e10)
 MOES_L = Bounds(ge=0, most=1e4)
@@ -326,7 +326,7 @@ class Conditions:
 
 
 def _following(law: Callable[..., T], *values: Any) -> T:
-    """What follows by a law from values that are allowed one by one, but may be too far apart together."""
+    """The result of a law for values that are allowed one by one, but may be too far apart together."""
     try:
         return law(*values)
     except ArithmeticError as error:

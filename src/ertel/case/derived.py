@@ -1,4 +1,4 @@
-"""What follows from a case without a run: its nodes, and estimates of film, pressure and shear stress.  No JAX."""
+"""Nodes of a case, and estimates of its film, pressure and shear stress without a run.  No JAX."""
 
 from math import cbrt, floor, inf, log2
 
@@ -34,7 +34,7 @@ def _symmetry(case: Case, centre_x: float) -> Symmetry:
 
 
 def coarsenings(case: Case, spacing: float, most: int) -> int:
-    """How often a grid can be coarsened, at most `most` times, and still show the contact and the roughness."""
+    """The number of times, at most `most`, that a grid can be coarsened and still show contact and roughness."""
     finest = min((getattr(f.shape, "size", 0.0) for f in case.features), default=inf)
     widest = min(case.geometry.smaller / CELLS_SHOWN, finest / CELLS_OF_DETAIL)
     return min(most, max(0, floor(log2(widest / spacing) + 1e-9))) if widest > 0 else 0

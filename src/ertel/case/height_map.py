@@ -62,11 +62,11 @@ def array_in(content: bytes) -> NDArray[Any]:
     try:
         shape, kind = _header(stream)
     except (ValueError, TypeError, KeyError, SyntaxError, TokenError) as error:  # NumPy evaluates the header as Python
-        raise ValueError(f"is no array of numbers, {error}") from error
+        raise ValueError(f"is not an array of numbers, {error}") from error
     check_shape(shape)
     bytes_left = len(content) - stream.tell()
     if kind.kind not in "biuf" or kind.itemsize * shape[0] * shape[1] > bytes_left:
-        raise ValueError(f"is no array of numbers, {shape[0]} x {shape[1]} of {kind} in {bytes_left} bytes")
+        raise ValueError(f"is not an array of numbers, {shape[0]} x {shape[1]} of {kind} in {bytes_left} bytes")
     found: NDArray[Any] = np.load(BytesIO(content), allow_pickle=False)
     return found
 

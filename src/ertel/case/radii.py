@@ -73,5 +73,5 @@ def _check_pair(contact: Given, keys: Keys) -> None:
     given = " and ".join(contact.entry(key) for key in keys if key in contact.given)
     raise ValueError(
         f"{given or f'contact.{keys[0]}: missing'}: the curvatures 1/{keys[0]} + 1/{keys[1]} must add up to more than "
-        "zero, otherwise there is no contact at a point"
+        "zero, otherwise the bodies do not form a point contact"
     )

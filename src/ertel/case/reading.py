@@ -149,11 +149,7 @@ class Reader:
             try:
                 return self.amount(value, mark) if mark.scale else self.quantity(value, mark)
             except ValueError as error:
-                if not names:
-                    raise
-                events = ", ".join(f'"{name}"' for name in names)
-                said = f'a time above zero, in units {mark.own} or a quantity such as "{mark.example}"'
-                raise ValueError(f"must be {events} or {said}") from error
+                raise ValueError(f"{error}{''.join(f', or {show(name)}' for name in names)}") from error
         if names:
             raise ValueError(f"allowed: {alternatives(map(repr, names))}")
         if HeightMap in options:

@@ -22,7 +22,7 @@ from ertel.physics.motion import Oscillation, Polyline
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
 from ertel.physics.scales import Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import TIME, Bounds, Mark, Quantity, Unit, marks
+from ertel.physics.units import FINITE, LARGEST, TIME, Bounds, Mark, Quantity, Unit, marks
 
 T = TypeVar("T")
 OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}  # by field of an oil
@@ -113,10 +113,14 @@ def with_own_numbers(value: Any) -> Any:
 
 
 def checked(record: T, place: str) -> T:
-    """The same record.  Raises ValueError if a field has a value that its mark does not allow."""
+    """The same record.  Raises ValueError if a field, also of a record in it, has a value that is not allowed."""
+    if isinstance(record, Polyline):
+        _check_points(record, place)
     kinds = marks(type(record))
     for item in fields(record):  # type: ignore[arg-type]
         value, mark = getattr(record, item.name), kinds.get(item.name)
+        if is_dataclass(value) and mark is None:
+            checked(value, f"{place}.{item.name}")
         is_default = type(value) is type(item.default) and bool(value == item.default)  # which may be infinite
         if value is not None and mark is not None and not is_default:
             try:
@@ -124,6 +128,12 @@ def checked(record: T, place: str) -> T:
             except ValueError as error:
                 raise ValueError(f"{place}.{item.name} = {_shown_with_unit(value, mark)}: {error}") from error
     return record
+
+
+def _check_points(signal: Polyline, place: str) -> None:
+    for number in (number for point in signal.points for number in point):
+        if FINITE.complaint(number.value if isinstance(number, Quantity) else number):
+            raise ValueError(f"{place} = {show(signal)}: must be finite numbers, of size {LARGEST:g} at most")
 
 
 def check_value(value: Any, mark: Mark) -> None:
@@ -225,7 +235,7 @@ def _joined(items: Iterable[str], room: int) -> str:
 
 
 def printable(text: str) -> str:
-    """The text with everything that is no visible character escaped, so that no message can steer a terminal."""
+    """The text with all invisible characters escaped, so that no message can steer a terminal."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 

@@ -3,19 +3,19 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass, replace
 from math import inf
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED, Conditions, Kind
-from ertel.case.records import checked, law_fields, show
+from ertel.case.records import checked, show
 from ertel.case.sections import METHODS, STOPS, WIDEST_HALF_WIDTH, Drive, Output, Schedule, Solver, Stop, Time
 from ertel.numerics import grid
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, Geometry
 from ertel.physics.lubricant import DowsonHigginson, Oil
-from ertel.physics.motion import Motion, Oscillation, Polyline
+from ertel.physics.motion import Motion
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import ABOVE_ZERO, FINITE, LARGEST, NOT_NEGATIVE, Bounds, Quantity, Unit
+from ertel.physics.units import ABOVE_ZERO, NOT_NEGATIVE, Bounds, Unit
 
 T = TypeVar("T")
 LONGEST_NAME = 100  # bytes: a file name may have 255, and a run's directory has temporary ones made of it
@@ -73,7 +73,7 @@ def check_oil(oil: Oil, scales: Scales | None) -> None:
 
 def check_rheology(oil: Oil, scales: Scales | None, solver: Solver) -> None:
     """An oil that thins under shear has a stress in Pa, and flows on the 2-D grid only."""
-    law = _checked_law(oil.fluidity_law, "lubricant.rheology")
+    law = checked(oil.fluidity_law, "lubricant.rheology")
     if oil.is_newtonian:
         return
     given = f'lubricant.rheology = {{ law = "{FLUIDITY_LAWS.name_of(law)}", ... }}'
@@ -89,16 +89,8 @@ def check_rheology(oil: Oil, scales: Scales | None, solver: Solver) -> None:
         )
 
 
-def _checked_law(law: T, place: str) -> T:
-    """The same law of shear thinning; see `checked`, also for a law inside of it."""
-    kind: Any = type(law)
-    for name in law_fields(kind):
-        _checked_law(getattr(law, name), f"{place}.{name}")
-    return checked(law, place)
-
-
 def check_scales(scales: Scales | None, parameters: Parameters) -> None:
-    """What follows from the contact must be of a sane size, like its values."""
+    """The scales and parameters of the contact must be of a sane size, like its values."""
     found = {**(vars(scales) if scales else {}), **vars(parameters), "M": parameters.M, "L": parameters.L}
     bounds: Mapping[str, Unit | Bounds] = {"alpha_bar": NOT_NEGATIVE, "R": REDUCED, "M": MOES_M, "L": MOES_L}
     for name, value in found.items():
@@ -128,27 +120,14 @@ def check_fields(drive: Drive | None, time: Time | None, output: Output | None, 
             names = ", ".join(f'"{event}"' for event in STOPS)
             raise ValueError(f"time.until = {show(time.until)}: must be {names} or a time above zero, in units t0 or s")
         checked(replace(time, until=None) if isinstance(time.until, str) else time, "time")
-    if output is not None:
-        checked(output, "output")
-    if drive is not None:
-        checked(drive, "motion")
-        for name in ("load", "entrainment"):
-            signal = getattr(drive, name)
-            if isinstance(signal, Oscillation):
-                checked(signal, f"motion.{name}")
-            if isinstance(signal, Polyline):
-                _check_points(signal, f"motion.{name}")
+    for name, section in {"output": output, "motion": drive}.items():
+        if section is not None:
+            checked(section, name)
     for number, feature in enumerate(roughness, 1):
         if not (is_dataclass(feature.shape) and hasattr(feature.shape, "heights")):
             kind = type(feature.shape).__name__
             raise ValueError(f"roughness[{number}].shape = {kind}: must be a dataclass with a method heights(X, Y)")
         checked(feature.shape, f"roughness[{number}]")
-
-
-def _check_points(signal: Polyline, place: str) -> None:
-    numbers = [number for T, value in signal.points for number in (T.value if isinstance(T, Quantity) else T, value)]
-    if any(FINITE.complaint(number) for number in numbers):
-        raise ValueError(f"{place} = {show(signal)}: must be finite numbers, of size {LARGEST:g} at most")
 
 
 def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | None) -> None:

@@ -27,9 +27,9 @@ class Solver:
     """Grid and tolerance; all lengths in units a (impact: a*).
 
     The tolerance of a time step is a film thickness in units of the expected film thickness (`Case.film_scale`), and
-    20 time.tolerance at most.  What a step leaves over, the next step makes good, so it does not add up.  For a steady
-    contact it is the residual of Reynolds' equation; 0.03 takes less than half the work and leaves at most about a
-    tenth of the grid's own error in H_c and H_min.  The defaults follow the size of an ellipse, see `suited`.
+    20 time.tolerance at most.  The residual left by one step is corrected in the next, so it does not add up.  For a
+    steady contact it is the residual of the Reynolds equation; 0.03 takes less than half the work and leaves at most
+    about a tenth of the grid's own error in H_c and H_min.  The defaults follow the size of an ellipse, see `suited`.
     """
 
     method: Annotated[
@@ -44,7 +44,7 @@ class Solver:
     half_width: Annotated[
         float,
         Bounds(gt=0, le=WIDEST_HALF_WIDTH),
-        Meaning("from the middle of the grid to its edge along x, in a; wider by default for M < 100 (rolling: M < 5)"),
+        Meaning("half width of the grid along x, in a; wider by default for M < 100 (rolling: M < 5)"),
     ] = 2.0
     inlet: Annotated[
         float | None,

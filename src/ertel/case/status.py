@@ -15,7 +15,7 @@ class Status(Enum):
 
     @property
     def advice(self) -> str:
-        """What to try next."""
+        """The advice for the next attempt."""
         return _ADVICE.get(self, "")
 
     @property

@@ -24,7 +24,7 @@ from ertel.physics.units import CONDUCTIVITY, DENSITY, EXPANSION, HEAT_CAPACITY,
 @explained
 @dataclass(frozen=True)
 class Thermal:
-    """What the temperatures of a contact depend on, in SI: temperatures (K), data of the oil and of both bodies.
+    """Data for the temperatures of a contact in SI: temperatures (K), data of the oil and of both bodies.
 
     How warm a machine gets is not known to a contact.  The named laws are in `physics.thermal`: WARM_VISCOSITIES, how
     the viscosity falls with the temperature under pressure, and INLET_FACTORS, by which formula inlet shear heating

@@ -191,7 +191,7 @@ def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[s
             raise ConfigError(f"--set {shortened(item)}: must be section.key=value, for example solver.nodes=129")
         place = merged.setdefault(section[0], {}) if section else merged
         if not isinstance(place, dict):
-            raise ConfigError(f"--set {shortened(item)}: {shortened(section[0])} is no section")
+            raise ConfigError(f"--set {shortened(item)}: {shortened(section[0])} is not a section")
         place[key] = _toml_or_text(text.strip())
     return merged
 

@@ -1,4 +1,4 @@
-"""What the file of an instrument declares: refused where it is more than a map may have, before a reader unpacks it.
+"""Limits to the declared content of an instrument's file, checked before a reader unpacks it.
 
 Readers of text make a list of numbers for each line, readers of XML a tree; a zip archive of a megabyte may unpack to
 gigabytes.  `zipfile` never unpacks more of a member than its declared size, so that a size that lies gains nothing.
@@ -14,7 +14,7 @@ from ertel.case.height_map import MOST
 LARGEST_FILE = 600_000_000  # bytes, also unpacked: four maps of the most points, or one as text
 LARGEST_XML = 10_000_000  # bytes: what stands beside the heights
 MOST_NUMBERS = MOST**2
-MOST_WORDS = 1_000_000  # of a line that is no line of numbers
+MOST_WORDS = 1_000_000  # of a line that is not all numbers
 PART = 1 << 20  # characters of a line that are looked at in one go
 NUMERIC = "0123456789+-.eE,;nNaAiIfFtTbBdD \t\r\n\0"  # also nan, inf, infinite and bad; NUL of UTF-16
 TEXT = printable.encode() + bytes(range(0x80, 0x100))
@@ -77,7 +77,7 @@ def _check_xml(member: ZipInfo) -> None:
 
 
 def _head(archive: ZipFile, member: ZipInfo) -> bytes:
-    """How a member of text begins; nothing of other data."""
+    """The beginning of a member of text; nothing of other data."""
     try:
         with archive.open(member) as stream:
             head = stream.read(64).lstrip(BEFORE_XML)

@@ -25,7 +25,7 @@ PLACES = ("lubricant", "contact")  # sections that name an oil and materials
 def with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
     """The plain data of a case, its section [thermal] complete with the data of the named oil and bodies.
 
-    Raises ValueError, naming the key and what to give, for what is missing and for what is no temperature.
+    Raises ValueError, naming the key and what to give, for what is missing and for what is not a temperature.
     """
     written = data.get("thermal")
     if not isinstance(written, Mapping):
@@ -71,7 +71,7 @@ def require_rheology(case: Case, lubricant: object) -> None:
 
 
 def _of_oil(lubricant: Mapping[str, Any], T: float | None) -> dict[str, float]:
-    """What is known of the oil that is named or has a data sheet, at T (K); what is wrong with it is said elsewhere."""
+    """Data of the oil that is named or has a data sheet, at T (K); errors in it are reported elsewhere."""
     try:
         oil = names.oil_of(lubricant.get("oil"))
     except ValueError:
@@ -83,7 +83,7 @@ def _of_oil(lubricant: Mapping[str, Any], T: float | None) -> dict[str, float]:
 
 
 def _of_body(number: int, contact: Mapping[str, Any]) -> dict[str, float]:
-    """What is known of a body whose material is named."""
+    """Data of a body whose material is named."""
     name = contact.get(f"material_{number}")
     if name not in library.material_names():
         return {}
@@ -96,7 +96,7 @@ def _of_body(number: int, contact: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _missing(key: str, mark: object, lubricant: Mapping[str, Any], contact: Mapping[str, Any]) -> str:
-    """What to do for a key that nothing gives."""
+    """The message for a key that nothing gives."""
     assert isinstance(mark, Unit)
     number = key[-1] if key[-2] == "_" else ""
     place, name = ("contact", f"material_{number}") if number else ("lubricant", "oil")

@@ -40,7 +40,7 @@ SIZES = ("length_x", "length_y", "rms")
 
 
 class _Raw(NamedTuple):
-    """What a file says.
+    """The heights in a file.
 
     heights: (ny, nx), masked where there are gaps.  sizes: lengths along x and y, None if the file has none.  metre:
     one unit of both in metres, None if not known.
@@ -100,7 +100,7 @@ def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dic
 def _content(path: Path, written: str) -> bytes:
     try:
         if path.exists() and not path.is_file():
-            raise ValueError(f"file = {show(written)}: is no regular file")
+            raise ValueError(f"file = {show(written)}: is not a regular file")
         with path.open("rb") as file:
             size = fstat(file.fileno()).st_size
             content = file.read(size) if size <= LARGEST_FILE else b""
@@ -116,7 +116,7 @@ def _content(path: Path, written: str) -> bytes:
 
 
 def _named(written: str, make: Callable[[Any], T], content: Any) -> T:
-    """What is made of a content; a ValueError that names the file where that fails."""
+    """The result for a content; a ValueError that names the file where that fails."""
     try:
         return make(content)
     except (ValueError, EOFError) as error:

@@ -70,7 +70,7 @@ class NamedLubricant:
 
 @dataclass(frozen=True)
 class MeasuredFile:
-    """How the file of a measured map is read, in [[roughness]]."""
+    """Keys for reading the file of a measured map, in [[roughness]]."""
 
     channel: Annotated[
         str | None, Meaning("which of the channels of the file; left out: its first one with heights", "Height")
@@ -260,7 +260,7 @@ def inner_laws(laws: Registry) -> Mapping[str, Any]:
 
 
 def _default(record: Any, item: Any, meaning: Meaning) -> str:
-    """What holds where the key is left out, as it is written."""
+    """The value that holds where the key is left out, as it is written."""
     if record is Solver:
         return _by_owner({method: getattr(solver, item.name) for method, solver in SOLVERS.items()}, item.name)
     if record is Time and item.name in ("start_approach", "until"):

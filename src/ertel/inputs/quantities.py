@@ -122,13 +122,13 @@ def with_unit(value: Any, mark: object) -> Any:
 
 @reads_quantities
 def number_or_quantity(value: object, unit: Unit) -> float:
-    """What Python takes for a quantity, in SI: a number in the SI unit, or a text with a unit."""
+    """A quantity given in Python, in SI: a number in the SI unit, or a text with a unit."""
     return parse_quantity(with_unit(plain_data(value), unit), unit)
 
 
 @lru_cache(maxsize=256)
 def _factor(written: str, unit: Unit) -> Decimal:
-    """How many SI units one `written` is."""
+    """The number of SI units in one `written`."""
     if written == unit.unit:
         return Decimal(1)
     unknown = f'has an unknown unit "{written}"; write for example "{unit.example}"'

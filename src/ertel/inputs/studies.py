@@ -24,12 +24,15 @@ from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.records import ConfigError, field_name, show
+from ertel.case.records import OIL_LAWS, ConfigError, field_name, show
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
-from ertel.inputs.layout import SECTIONS
-from ertel.inputs.quantities import plain_data
+from ertel.inputs.layout import SECTIONS, DataSheet
+from ertel.inputs.quantities import parse_quantity, plain_data
 from ertel.inputs.ranges import LOG, MOST_VALUES, spaced, unit_in
+from ertel.physics.motion import Oscillation
+from ertel.physics.registry import SHAPES
+from ertel.physics.units import Mark, Unit, marks, meanings
 
 SWEEP, MODE, MODES = "sweep", "mode", ("product", "zip")
 RANGE = ("from", "to", "number", "spacing")
@@ -241,3 +244,73 @@ def _put(data: dict[str, Any], axes: Sequence[Axis], values: Sequence[Any]) -> N
         for part in axis.place[:-1]:
             table = table[part]
         table[axis.place[-1]] = value
+
+
+# -- the coordinates of its numbers -----------------------------------------------------------------------------------
+
+Coordinate = tuple[list[float] | list[str], dict[str, str]]  # values, and attributes: long_name, field, units
+
+
+def coordinates(study: Study) -> dict[str, Coordinate]:
+    """The values along each axis by its name: the last part of its key, more of it where two are alike.
+
+    What is no number, a law or the name of an oil, is a text.
+    """
+    short = [str(axis.place[-1]) for axis in study.axes]
+    found = {}
+    for axis, name in zip(study.axes, short, strict=True):
+        whole = [str(part + 1) if isinstance(part, int) else part for part in axis.place]  # tables count from one
+        unique = name if short.count(name) == 1 else "_".join(whole)
+        found[unique] = _coordinate(axis, _records(axis.place, study.data))
+    return found
+
+
+def _coordinate(axis: Axis, records: Sequence[Any]) -> Coordinate:
+    key = str(axis.place[-1])
+    mark = next((marks(record)[key] for record in records if key in marks(record)), None)
+    meaning = next((meanings(record)[key].text for record in records if key in meanings(record)), key)
+    about = {"long_name": meaning, "field": axis.field}
+    if all(isinstance(value, int | float) for value in axis.values):
+        about |= {"units": "1"}
+        if isinstance(mark, Unit) and mark.scale:
+            about |= {"in_units_of": mark.own}
+        return [float(value) for value in axis.values], about
+    in_si = _in_si(axis.values, mark)
+    if in_si is not None and isinstance(mark, Unit):
+        return in_si, {**about, "units": mark.unit}
+    return [value if isinstance(value, str) else show(value) for value in axis.values], about
+
+
+def _in_si(values: Sequence[Any], mark: Mark | None) -> list[float] | None:
+    """Quantities in SI; None where they are none, or not all of them."""
+    if not isinstance(mark, Unit) or not all(isinstance(value, str) for value in values):
+        return None
+    try:
+        return [parse_quantity(value, mark.in_si) or 0.0 for value in values]
+    except ValueError:  # an event in the place of a time
+        return None
+
+
+def _records(place: Place, data: Mapping[str, Any]) -> list[Any]:
+    """The records (classes) whose fields a key may be."""
+    section, *inner = place
+    if section == "roughness":
+        shape = data["roughness"][inner[0]].get("shape")
+        return [SHAPES[shape]] if shape in SHAPES else []
+    if len(inner) == 1:
+        part = SECTIONS[str(section)]
+        return [record for record in (part.named, part.record) if record]
+    if section == "motion":
+        return [Oscillation]
+    if inner[0] == "oil":
+        return [DataSheet]
+    return _law(inner, data[str(section)])
+
+
+def _law(inner: Sequence[Any], table: Mapping[str, Any]) -> list[Any]:
+    """The law whose key a place in [lubricant] is; a law may stand inside of another one."""
+    laws: Mapping[str, Any] = OIL_LAWS.get(str(inner[0]), {})
+    for part in inner[:-1]:
+        table = table[part]
+    law = table.get("law")
+    return [laws[law]] if isinstance(law, str) and law in laws else []

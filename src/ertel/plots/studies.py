@@ -1,6 +1,7 @@
-"""The picture of a study: Dataset of `results.study_runs` -> matplotlib Figure."""
+"""Pictures of studies and of traction curves: Dataset of `results.study_result` -> matplotlib Figure."""
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -10,10 +11,23 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
-from ertel.plots.drawing import BLUE, ORDERED_COLOURS, UNITS, NoFigure, Picture, mathtext
-from ertel.plots.traction import has_equal_ratios
-from ertel.results.curve_points import largest_of
-from ertel.results.variables import PREFIXES, exponent, with_prefix
+from ertel.plots.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    ORDERED_COLOURS,
+    PURPLE,
+    NoFigure,
+    Panel,
+    Picture,
+    Scale,
+    compose,
+    mathtext,
+)
+from ertel.plots.view import case_of
+from ertel.results.report import largest_of
+from ertel.results.variables import name_in_si, with_prefix
 
 PANELS = (  # numbers that are drawn together, in SI or not
     ("h_c", "h_min", "H_c", "H_min"),
@@ -26,6 +40,9 @@ DECADES = 300.0  # ratio of the ends of a logarithmic axis from which its ticks 
 MOST_LINES = 12  # with a name in the legend
 
 Place = Mapping[str, int]  # of a line in the Dataset
+
+
+# -- studies ----------------------------------------------------------------------------------------------------------
 
 
 def figure(dataset: xr.Dataset) -> Figure:
@@ -53,15 +70,15 @@ def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
     along = _abscissa(dataset)
     places = list(_places(dataset, along))
     shades = ORDERED_COLOURS(np.linspace(0.0, 1.0, len(places))) if len(places) > 1 else [BLUE]
-    factor, unit = _unit(dataset[names[0]], max(largest_of(dataset[name]) for name in names))
+    z = _scale(dataset[names[0]], max(largest_of(dataset[name]) for name in names))
     x, label = _x(axes, along)
     for name, style in zip(names, STYLES, strict=False):
         for place, colour in zip(places, shades, strict=True):
-            y = dataset[name].isel(place).values * factor
+            y = dataset[name].isel(place).values * z.factor
             there = np.isfinite(y)
             if not there.any():
                 continue
-            bar = dataset[f"{name}_error"].isel(place).values[there] * factor if f"{name}_error" in dataset else None
+            bar = dataset[f"{name}_error"].isel(place).values[there] * z.factor if f"{name}_error" in dataset else None
             said = [mathtext(name)] if len(names) > 1 else []
             said += [_said(dataset[dim][index]) for dim, index in place.items()]
             axes.errorbar(
@@ -71,7 +88,7 @@ def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
         axes.set_yscale("log")  # films are powers of speed, load and viscosity, nearly
         _name_ticks(axes.yaxis, np.array(axes.get_ylim()))
     title = "film thickness" if len(names) > 1 else dataset[names[0]].attrs["long_name"]
-    axes.set(xlabel=label, ylabel=f"{title} ({unit})" if unit else title)
+    axes.set(xlabel=label, ylabel=f"{title} {z.in_brackets}".rstrip())
     if 1 < len(places) * len(names) <= MOST_LINES:
         axes.legend(frameon=False, fontsize="x-small")
 
@@ -88,21 +105,109 @@ def _places(dataset: xr.Dataset, along: xr.DataArray) -> Iterator[Place]:
         yield dict(zip(others, indices, strict=True))
 
 
+def _said(value: xr.DataArray) -> str:
+    """One value of what varies, for the legend."""
+    if value.dtype.kind != "f":
+        return str(value.values)
+    unit = value.attrs.get("units", "1")
+    return f"{_spoken(value)} = {with_prefix(float(value), unit)}"
+
+
+# -- traction curves --------------------------------------------------------------------------------------------------
+
+CURVE_PANELS: Mapping[str, Mapping[str, str]] = {  # title: variables with their colours
+    "Traction": {"mu_sliding": BLUE, "mu_rolling": ORANGE},
+    "Film": {"H_c": BLUE, "H_min": ORANGE},
+    "Power loss": {"power_loss": GREEN},
+    "Maximum shear stress": {"tau_max": PURPLE},
+}
+WARM_PANELS: Mapping[str, Mapping[str, str]] = {  # with a section [thermal]
+    **CURVE_PANELS,
+    "Traction": {"mu_sliding": BLUE, "mu_isothermal": GREY, "mu_rolling": ORANGE},
+    "Temperature": {"T_film_max": PURPLE, "T_1_max": BLUE, "T_2_max": ORANGE},
+    "Inlet factor": {"phi_T": GREEN},
+}
+
+
+def traction_figure(dataset: xr.Dataset) -> Figure:
+    """Traction coefficient, film thickness, power loss and shear stress along a traction curve.
+
+    Raises NoFigure where there are no points yet.
+    """
+    if not np.isfinite(dataset["mu_rolling"]).any():
+        raise NoFigure("dataset: has no points yet, there is nothing to draw")
+    shown = WARM_PANELS if "phi_T" in dataset else CURVE_PANELS
+    panels: list[Panel[xr.Dataset]] = [partial(_draw_curve, title=title, names=names) for title, names in shown.items()]
+    half = len(panels) // 2
+    return compose(dataset, [panels[:half], panels[half:]], _heading(dataset))
+
+
+def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str]) -> None:
+    """Some variables of one unit over what varies."""
+    x, label = _x(axes, dataset[dataset.attrs["varies"]])
+    found = {colour: dataset[name if name in dataset else name_in_si(name)] for name, colour in names.items()}
+    largest = max(largest_of(values) for values in found.values())
+    for colour, values in found.items():
+        z = _scale(values, largest, dataset.attrs["kind"])
+        axes.plot(x, values * z.factor, "o-", color=colour, markersize=3.5, label=z.long_name)
+    if title != "Temperature":
+        axes.axhline(0.0, color="black", linewidth=0.5)
+    axes.set(xlabel=label, ylabel=f"{title.lower()} {z.in_brackets}".rstrip(), title=title)
+    if len(found) > 1:
+        axes.legend(frameon=False, fontsize="small")
+
+
+def _heading(dataset: xr.Dataset) -> list[str]:
+    """The name of the case, then its conditions apart from what varies."""
+    a, varies = dataset.attrs, dataset.attrs["varies"]
+    name = str(a["title"]).partition(", M = ")[0].replace("_", " ")
+    said = [f"{name[:1].upper()}{name[1:]}"]
+    if "R_m" in a:
+        said.append(f"$R$ = {with_prefix(a['R_m'], 'm')}")
+        for axis, symbol, key, unit in (("mean_speed", "$u_m$", "u_m_m_per_s", "m/s"), ("load", "$F$", "F_N", "N")):
+            if varies != axis:
+                said.append(f"{symbol} = {with_prefix(a[key], unit)}")
+        if varies != "load":
+            said.append(f"$p_h$ = {with_prefix(a['p_h_Pa'], 'Pa')}")
+    if varies != "slide_to_roll":
+        said.append(f"slide-to-roll {case_of(dataset).motion.slide_to_roll:.3g}")
+    else:
+        said += [f"$M$ = {a['M']:.4g}", f"$L$ = {a['L']:.3g}"]
+    return said
+
+
+# -- axes -------------------------------------------------------------------------------------------------------------
+
+
+def _scale(values: xr.DataArray, largest: float, kind: str = "") -> Scale:
+    """The scale of the numbers of a study, whose symbol is their name where they have no other."""
+    named = {"long_name": str(values.name), "symbol": str(values.name), "units": "1", **values.attrs}
+    return Scale.of(values.assign_attrs(named), largest, kind)
+
+
 def _x(axes: Axes, along: xr.DataArray) -> tuple[np.ndarray, str]:
     """The abscissae and their label."""
     if along.dtype.kind != "f":
         x = np.arange(along.size)
         axes.set_xticks(x, [str(value) for value in along.values], rotation=20)
         return x, _spoken(along)
-    unit = along.attrs.get("units", "1")
-    power = 0 if unit == "1" or "/" in unit or unit == "K" else exponent(largest_of(along))
-    if has_equal_ratios(along.values):
+    if _has_equal_ratios(along.values):
         axes.set_xscale("log")
         _name_ticks(axes.xaxis, along.values)
     else:
         axes.xaxis.set_major_locator(MaxNLocator(6))
-    shown = f" ({PREFIXES[power]}{unit.replace('*', ' ')})" if unit != "1" else ""
-    return along.values / 10**power, _spoken(along) + shown
+    scale = _scale(along.assign_attrs(in_units_of=""), largest_of(along))
+    if "symbol" in along.attrs:
+        return along.values * scale.factor, scale.label
+    return along.values * scale.factor, f"{_spoken(along)} {scale.in_brackets}".rstrip().replace("*", " ")
+
+
+def _has_equal_ratios(x: np.ndarray) -> bool:
+    """Whether the values were spaced by equal ratios."""
+    if len(x) < 3 or not (x > 0).all():
+        return False
+    steps = np.diff(np.log(x))
+    return bool(np.allclose(steps, steps[0]))
 
 
 def _name_ticks(axis: Axis, values: np.ndarray) -> None:
@@ -116,21 +221,3 @@ def _name_ticks(axis: Axis, values: np.ndarray) -> None:
 def _spoken(values: xr.DataArray) -> str:
     """The name of what varies, as it is spoken."""
     return str(values.name).replace("_", " ")
-
-
-def _said(value: xr.DataArray) -> str:
-    """One value of what varies, for the legend."""
-    if value.dtype.kind != "f":
-        return str(value.values)
-    unit = value.attrs.get("units", "1")
-    return f"{_spoken(value)} = {with_prefix(float(value), unit)}"
-
-
-def _unit(values: xr.DataArray, largest: float) -> tuple[float, str]:
-    """The factor and the unit with which numbers are shown."""
-    unit = values.attrs["units"]
-    if unit != "1":
-        power = 0 if "/" in unit else exponent(largest)
-        return 10.0**-power, PREFIXES[power] + unit
-    own = values.attrs.get("in_units_of", "")
-    return 1.0, UNITS.get(own, own)

@@ -6,11 +6,14 @@ from html import escape
 from io import BytesIO
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.results.numbers import Outcome, key_numbers, moment, number, numbers, scales_in
-from ertel.results.variables import with_prefix
+from ertel.results.variables import PREFIXES, exponent, with_prefix
 
-if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
+if TYPE_CHECKING:  # they are imported when there is something to draw or to read
+    import xarray as xr
     from matplotlib.figure import Figure
 
 HEAD = ("quantity", "symbol", "value", "in SI", "error")
@@ -115,3 +118,28 @@ def html_image(figure: "Figure", name: str) -> str:
     png = BytesIO()
     figure.savefig(png, format="png", dpi=DOTS_PER_INCH)
     return f'<img alt="{escape(name)}" src="data:image/png;base64,{b64encode(png.getvalue()).decode()}">'
+
+
+# -- columns of Datasets ----------------------------------------------------------------------------------------------
+
+
+def with_units(dataset: "xr.Dataset") -> "xr.Dataset":
+    """The dataset with the unit at the end of every name in SI: h_c_m, mean_speed_m_per_s."""
+    units = {str(name): str(v.attrs.get("units", "1")) for name, v in dataset.variables.items()}
+    spelled = {name: unit.replace("/", "_per_").replace("*", "_") for name, unit in units.items() if unit != "1"}
+    return dataset.rename({name: f"{name}_{unit}" for name, unit in spelled.items()})
+
+
+def column(head: str, values: "xr.DataArray") -> list[str]:
+    """A heading with the unit, and the values in it, with a prefix that fits the largest; texts as they are."""
+    if values.dtype.kind in "UOT":
+        return [head, *(str(value) for value in values.values)]
+    unit = values.attrs.get("units", "1")
+    power = 0 if "/" in unit or unit in ("1", "K", "Pa*s") else exponent(largest_of(values))
+    shown = ["-" if np.isnan(value) else f"{value:.4g}" for value in values.values / 10**power]
+    return [head if unit == "1" else f"{head} ({PREFIXES[power]}{unit})", *shown]
+
+
+def largest_of(values: "xr.DataArray") -> float:
+    """The largest size of the values that are there."""
+    return float(np.abs(np.nan_to_num(values.values)).max(initial=0.0))

@@ -1,32 +1,102 @@
-"""A traction curve: the friction of a steady contact against the slide-to-roll ratio, the speed or the load."""
+"""A traction curve: the friction of a steady contact against the slide-to-roll ratio, the speed or the load.
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from html import escape
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+The curve of a physical case is in SI.  That of a dimensionless case is in the units of the case; its traction
+coefficients are multiples of a/R, a number that such a case does not have.
+"""
 
-import xarray as xr
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import nan
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ertel.case.case import Case
-from ertel.results.columns import column, with_units
-from ertel.results.curve_points import AXES, SHOWN, SHOWN_WARM, shown_name
-from ertel.results.report import aligned, html_image, html_row
+from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
+from ertel.results.numbers import Scalar
+from ertel.results.report import column
+from ertel.results.study_result import DONE, TO_DO, StudyResult
+from ertel.results.variables import COEFFICIENT, FRICTION, VARIABLES, Variable
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
+
+class CurveAxis(NamedTuple):
+    """What varies along a curve: its name in words, its symbol and unit, and what its values must be."""
+
+    long_name: str
+    symbol: str
+    unit: str
+    mark: Mark
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Of the coordinate of a Dataset."""
+        return {"long_name": self.long_name, "symbol": self.symbol, "units": self.unit}
+
+
+AXES: Mapping[str, CurveAxis] = {
+    "slide_to_roll": CurveAxis("slide-to-roll ratio", "S", "1", FINITE),
+    "mean_speed": CurveAxis("mean speed", "u_m", "m/s", VELOCITY),
+    "load": CurveAxis("load", "F", "N", LOAD),
+}
 HEADS = {  # of a table, where names are long
     **{"mu_sliding": "mu", "mu_rolling": "mu_r", "power_loss": "loss"},
     **{"mu_isothermal": "mu_iso", "T_film_max": "T_film"},
+}
+SHOWN = ("mu_sliding", "mu_rolling", "mu_1", "power_loss", "H_c", "H_min", "tau_max")  # in a table
+SHOWN_WARM = ("mu_isothermal", "T_film_max")  # with a section [thermal]
+WORK = ("newton_iterations", "krylov_iterations", "convolutions")
+NUMBERS = (*SHOWN, "mu_2", "mu_sliding_y", "P_max", *WORK)
+WARM_NUMBERS = (*SHOWN_WARM, "T_1_max", "T_2_max", "phi_T")
+CURVE_VARIABLES: Mapping[str, Variable] = {
+    **VARIABLES,
+    "mu_1": Variable("friction coefficient of surface 1, mu + mu_r", "mu_1", "a/R", COEFFICIENT, "mu_1", "1"),
+    "mu_2": Variable("friction coefficient of surface 2, mu_r - mu", "mu_2", "a/R", COEFFICIENT, "mu_2", "1"),
+    "tau_max": Variable("maximum mid-plane shear stress", "tau_max", "p_h a/R", "shear_stress", "tau_max", "Pa"),
+    "mu_isothermal": replace(
+        FRICTION["mu_sliding"], long_name="isothermal traction coefficient", si_name="mu_isothermal"
+    ),
+    "T_1_max": Variable("highest temperature of surface 1", "T_1", "K", "", "T_1_max", "K"),
+    "T_2_max": Variable("highest temperature of surface 2", "T_2", "K", "", "T_2_max", "K"),
+    "T_film_max": Variable("highest temperature of the film", "T_film", "K", "", "T_film_max", "K"),
+    "phi_T": Variable("inlet factor of the film", "phi_T"),
 }
 WARM = (
     "mu, loss, films and stress include heat (inlet shear heating, flash temperature); mu_iso and mu_r are isothermal"
 )
 
 
-@dataclass(frozen=True, repr=False, eq=False)
-class TractionCurve:
+def point_scalars(case: Case, values: Mapping[str, float]) -> dict[str, Scalar]:
+    """The numbers of a point from dimensionless values by name; nan where there is none.
+
+    Those of a physical case are in SI under SI names (h_c for H_c).
+    """
+    found = {}
+    for name in NUMBERS if case.thermal is None else (*NUMBERS, *WARM_NUMBERS):
+        variable = CURVE_VARIABLES[name]
+        factor = variable.factor(case.scales) if case.scales and variable.scale else 1.0
+        found[shown_name(case.scales is not None, name)] = Scalar(
+            values.get(name, nan) * factor, _attributes(case, variable)
+        )
+    return found
+
+
+def shown_name(physical: bool, name: str) -> str:
+    """The name of a variable in a curve: that in SI, or the dimensionless one."""
+    return (physical and CURVE_VARIABLES[name].si_name) or name
+
+
+def _attributes(case: Case, variable: Variable) -> dict[str, str]:
+    comment = {"comment": variable.comment} if variable.comment else {}
+    if case.scales:
+        symbol = variable.si_name or variable.symbol
+        return {"long_name": variable.long_name, "symbol": symbol, "units": variable.si_units or "1", **comment}
+    unit = {"in_units_of": variable.unit} if variable.unit != "1" else {}
+    return {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1", **unit, **comment}
+
+
+@dataclass(frozen=True, repr=False, eq=False, kw_only=True)
+class TractionCurve(StudyResult):
     """A traction curve.
 
     Parameters
@@ -40,19 +110,14 @@ class TractionCurve:
         did not converge.  In SI under SI names (h_c for H_c) where the case is physical.  With a section [thermal] all
         but mu_rolling and p_max is of the warm film; mu_isothermal is without heat, phi_T the inlet factor in h_c and
         h_min, T_1_max, T_2_max, T_film_max (K) the highest temperatures.
-    said : tuple of str
-        Warnings of the points, and which points they are about; `warnings` has those of the whole curve too.
-    complete : bool
-        Whether all points are computed.
+    warnings : list of str
+        Warnings about the oil, the grid and the domain, with the points that they are about.
     directory : Path, optional
         Where the curve is stored.
     """
 
     case: Case
-    dataset: xr.Dataset
-    said: tuple[str, ...] = ()
-    complete: bool = True
-    directory: Path | None = None
+    warnings: list[str]
 
     @property
     def axis(self) -> str:
@@ -62,46 +127,34 @@ class TractionCurve:
     @property
     def failed(self) -> list[float]:
         """Where along the axis the film did not converge."""
-        found: list[float] = self.dataset[self.axis].values[self.dataset["status"].values != "converged"].tolist()
+        ended = ~self.dataset["status"].isin([DONE, *TO_DO])
+        found: list[float] = self.dataset[self.axis].values[ended].tolist()
         return found
 
     def plot(self) -> "Figure":
         """The curve: traction coefficient and rolling resistance, films, power loss and shear stress."""
-        from ertel.plots import traction
+        from ertel.plots import studies
 
-        return traction.figure(self.dataset)
-
-    def to_csv(self, path: str | Path) -> None:
-        """Write the points as a CSV file; the names of its columns end with the unit, h_c_m, power_loss_W."""
-        with_units(self.dataset).to_dataframe().to_csv(path)
+        return studies.traction_figure(self.dataset)
 
     def as_data(self) -> dict[str, Any]:
         """The curve as plain data for JSON; names in SI end with the unit, and what is missing is None."""
-        rows = with_units(self.dataset).to_dataframe().reset_index().to_dict("records")
-        points = [{name: None if value != value else value for name, value in row.items()} for row in rows]
         about = {name: self.dataset.attrs[name] for name in ("title", "kind", "M", "L", "varies", "film")}
-        return {**about, "points": points, "warnings": self.warnings, "complete": self.complete}
+        return {**about, "points": self.rows(), "warnings": self.warnings, "complete": self.complete}
 
-    def table(self) -> tuple[list[str], list[list[str]]]:
-        """The heading and the rows of a table to read, with units that fit."""
+    def table(self) -> list[list[str]]:
+        """The columns of a table to read, each with its heading first, with units that fit."""
         physical = self.case.scales is not None
         found = [column(AXES[self.axis].symbol, self.dataset[self.axis])]
         for name in SHOWN if self.case.thermal is None else (*SHOWN, *SHOWN_WARM):
             shown = shown_name(physical, name)
             found.append(column(HEADS.get(name, shown), self.dataset[shown]))
-        if self.failed:
-            found.append(["status", *self.dataset["status"].values.tolist()])
-        heads, *rows = (list(cells) for cells in zip(*found, strict=True))
-        return heads, rows
-
-    def table_lines(self) -> Iterator[str]:
-        """The same as lines of text."""
-        heads, rows = self.table()
-        yield from aligned(list(zip(heads, *rows, strict=True)))
+        status = self.dataset["status"]
+        return found if (status == DONE).all() else [*found, column("status", status)]
 
     @property
     def remarks(self) -> list[str]:
-        """What is to be said of the curve: how the film was computed, units, and warnings."""
+        """Lines below the table: how the film was computed, units, and warnings."""
         said = [f"film: {self.dataset.attrs['film']}"]
         if not self.case.scales:
             said.append("mu is in units a/R, films in a^2/R, stresses in p_h a/R: the case is dimensionless")
@@ -110,25 +163,9 @@ class TractionCurve:
         return [*said, *(f"warning: {warning}" for warning in self.warnings)]
 
     @property
-    def warnings(self) -> list[str]:
-        """Warnings about the oil, the grid and the domain, with the points that they are about."""
-        return list(self.said)
-
-    def __repr__(self) -> str:
-        lines = (*self.table_lines(), *self.remarks)
-        return "\n".join([f"TractionCurve: {self.heading}", *(f"  {line}" for line in lines)])
-
-    @property
     def heading(self) -> str:
-        """What the curve is of."""
+        """The title of the table."""
         name = self.case.name or self.case.kind
-        number = self.dataset.sizes[self.axis]
+        done = int((~self.dataset["status"].isin(TO_DO)).sum())
         ended = "" if self.complete else ", not complete"
-        return f"{name}, {number} points over the {AXES[self.axis].long_name}{ended}"
-
-    def _repr_html_(self) -> str:
-        heads, rows = self.table()
-        table = f"<table>{html_row('th', heads)}{''.join(html_row('td', cells) for cells in rows)}</table>"
-        remarks = "".join(f"<div>{escape(line)}</div>" for line in self.remarks)
-        picture = html_image(self.plot(), "traction curve") if rows else ""
-        return f"<div><b>{escape(self.heading)}</b>{table}{remarks}</div>{picture}"
+        return f"{name}, {done} points over the {AXES[self.axis].long_name}{ended}"

@@ -85,34 +85,31 @@ def _asking(case: Case, on_step: Callable[[Step], object]) -> Generator[StepProb
 
 
 def run_together(runs: Sequence[Asking], solve: SolveTogether) -> list[Any]:
-    """What the runs return, in their order; a `Failure` for each that raised, and for all that a failed solve left.
+    """The outcomes of the runs in their order; a `Failure` for each that raised, also when a solve failed.
 
     solve(problems, lanes) solves the problems of all runs that have not ended, at most `lanes`.
     """
     outcomes: list[Any] = [None] * len(runs)
-    asked: dict[int, Any] = {}
-
-    def go_on(number: int, reply: Callable[[], Any]) -> None:
-        try:
-            asked[number] = reply()
-        except StopIteration as end:
-            outcomes[number] = end.value
-        except Exception as error:
-            outcomes[number] = Failure(f"{type(error).__name__}: {error}")
-
-    for number, run in enumerate(runs):
-        go_on(number, partial(next, run))
+    replies: dict[int, Any] = dict.fromkeys(range(len(runs)))  # a solution or an exception, by the number of the run
     lanes = len(runs)
-    while asked:
-        numbers, problems = list(asked), list(asked.values())
-        asked.clear()
+    while True:
+        problems = {}
+        for number, reply in replies.items():
+            run = runs[number]
+            try:
+                problems[number] = run.throw(reply) if isinstance(reply, Exception) else run.send(reply)
+            except StopIteration as end:
+                outcomes[number] = end.value
+            except Exception as error:
+                outcomes[number] = Failure(f"{type(error).__name__}: {error}")
+        if not problems:
+            break
         lanes = lanes_for(len(problems), lanes)
         try:
-            replies = [partial(runs[n].send, s) for n, s in zip(numbers, solve(problems, lanes), strict=True)]
+            solutions = solve(list(problems.values()), lanes)
         except Exception as error:
-            replies = [partial(runs[n].throw, error) for n in numbers]
-        for number, reply in zip(numbers, replies, strict=True):
-            go_on(number, reply)
+            solutions = [error] * len(problems)
+        replies = dict(zip(problems, solutions, strict=True))
     return outcomes
 
 

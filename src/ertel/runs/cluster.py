@@ -53,6 +53,7 @@ ANSWER = 20  # s in which a scheduler must answer
 PATIENCE = 10  # s without any worker, after which this is said
 RUNNING = "running"  # the status of a client that has its scheduler
 LOST = Failure("the scheduler was lost")
+NO_WORKERS = "the scheduler has no workers: the runs wait until some come"
 SETTINGS = {"NPROC": "1", "XLA_PYTHON_CLIENT_PREALLOCATE": "false"}  # workers share the memory of a GPU
 ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 LOCAL: dict[str, Any] = {
@@ -197,7 +198,7 @@ class Cluster:
             alike.setdefault(task.program or task.name, []).append(task)
         ready = [first for first, *_ in alike.values()]
         waiting = {first.name: (first.has_compiled, others) for first, *others in alike.values() if others}
-        left, call, patience = {task.name for task in tasks}, uuid4().hex, _NoWorkerWarning(self._has_workers)
+        left, call, patience = {task.name for task in tasks}, uuid4().hex, time.monotonic() + PATIENCE
         done = as_completed(loop=self._client.loop)
         names: dict[Future[Any], str] = {}
         try:
@@ -213,8 +214,11 @@ class Cluster:
                     left.remove(names[future])
                     yield names[future], self._outcome(future)
                 if not ended:
-                    patience.look()
                     time.sleep(LOOK)
+                if time.monotonic() > patience:
+                    patience = time.monotonic() + PATIENCE if self._has_workers() else inf
+                    if patience == inf:  # once
+                        warnings.warn(NO_WORKERS, RuntimeWarning, stacklevel=2)
                 free = [name for name, (compiled, _) in waiting.items() if name not in left or compiled()]
                 ready = [task for name in free for task in waiting.pop(name)[1]]
             yield from ((name, LOST) for name in left)
@@ -243,22 +247,6 @@ class Cluster:
         with suppress(OSError):  # the scheduler is lost, see above
             return bool(self._client.nthreads())
         return True
-
-
-class _NoWorkerWarning:
-    """Warns once when there was no worker for some seconds."""
-
-    def __init__(self, has_workers: Condition):
-        self._has_workers, self._next = has_workers, time.monotonic() + PATIENCE
-
-    def look(self) -> None:
-        """Look whether there are workers, at intervals, until this was said."""
-        if time.monotonic() < self._next:
-            return
-        alone = not self._has_workers()
-        self._next = inf if alone else time.monotonic() + PATIENCE
-        if alone:
-            warnings.warn("the scheduler has no workers: the runs wait until some come", RuntimeWarning, stacklevel=2)
 
 
 # -- on the workers ---------------------------------------------------------------------------------------------------

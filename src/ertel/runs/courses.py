@@ -19,14 +19,13 @@ from ertel.equations import discretise
 from ertel.equations.state import Method, State, solved
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.results.dataset import assemble, assemble_steady
-from ertel.results.errors import with_error
+from ertel.results.errors import comparisons
 from ertel.results.summary import (
     impact_summary,
     rolling_summary,
     steady_summary,
 )
 from ertel.runs import workers
-from ertel.runs.comparisons import comparisons
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
@@ -95,10 +94,6 @@ class Run(ABC):
     def comparisons(self) -> "Mapping[str, Run]":
         """The runs with which this one is compared, by the part of its error that they estimate."""
         return {name: course_of(case) for name, case in comparisons(self.case).items()}
-
-    def with_error(self, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-        """The summary with the errors estimated from the summaries of the comparisons."""
-        return with_error(self.case, fine, others)
 
 
 def course_of(case: Case) -> Run:

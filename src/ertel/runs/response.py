@@ -7,10 +7,10 @@ the derivative of the run with respect to the height of the roughness (tangent-l
 Rolling over waviness of small height: the response of the steady film is periodic, and found without time steps.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from math import inf, pi
-from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
@@ -49,54 +49,51 @@ ERROR = {
     "symbol": "dH_error",
     "units": "1",
 }
+Field = tuple[tuple[str, ...], np.ndarray, dict[str, str]]  # a variable: dimensions, values, attributes
 HEIGHT = {"long_name": "height of the roughness", "symbol": "R", "units": "1"}
 
 
-class Companion(Protocol):
-    """A run that makes the same steps as the smooth run."""
+@dataclass
+class Companion:
+    """A run that makes the same steps as the smooth one: a rough impact, or the derivative of the smooth one.
+
+    advance: the next level, from the levels of the smooth run (newest first) and those of this one.  film_change: dH,
+    from a level of this run and the same one of the smooth run.
+    """
+
+    levels: list[State]
+    advance: Callable[[Sequence[State], Sequence[State]], State]
+    film_change: Callable[[State, State], Array]
 
     def follow(self, smooth: Sequence[State]) -> Status:
-        """Make the step that the smooth run has made; its levels are given newest first."""
-        ...
+        """Make the step that the smooth run has made."""
+        new = self.advance(smooth, self.levels)
+        self.levels = [new, *self.levels][:3]
+        return new.status
 
-    def film_change(self, smooth: Sequence[State], weights: bdf.Weights) -> Array:
-        """dH between the last levels, interpolated with the weights."""
-        ...
+    def changes(self, smooth: Sequence[State]) -> list[Array]:
+        """dH at the times of the last levels."""
+        return [self.film_change(level, other) for level, other in zip(self.levels, smooth, strict=True)]
 
 
-class RoughRun:
+def rough_run(case: Case) -> Companion:
     """A rough impact of finite height."""
-
-    def __init__(self, case: Case):
-        self.method = Transient2D(case)
-        self.levels = [self.method.start()]
-
-    def follow(self, smooth: Sequence[State]) -> Status:
-        new = self.method.advance(self.levels, smooth[0].T - smooth[1].T)
-        self.levels = [new, *self.levels][:3]
-        return new.status
-
-    def film_change(self, smooth: Sequence[State], weights: bdf.Weights) -> Array:
-        return combined(weights, [rough.H - level.H for rough, level in zip(self.levels, smooth, strict=True)])
+    method = Transient2D(case)
+    return Companion(
+        [method.start()],
+        lambda smooth, levels: method.advance(levels, smooth[0].T - smooth[1].T),
+        lambda rough, smooth: rough.H - smooth.H,
+    )
 
 
-class TangentRun:
-    """The derivative of the smooth impact with respect to the roughness, times the roughness."""
-
-    def __init__(self, method: Transient2D, features: Sequence[Feature]):
-        self.method, self.features = method, features
-        self.levels = [tangent.start(self._height(0.0))]
-
-    def _height(self, T: float) -> Array:
-        return discretise.heights(self.features, self.method.case, self.method.grid, T)
-
-    def follow(self, smooth: Sequence[State]) -> Status:
-        new = tangent.advance(self.method, smooth, self.levels, self._height(smooth[0].T))
-        self.levels = [new, *self.levels][:3]
-        return new.status
-
-    def film_change(self, smooth: Sequence[State], weights: bdf.Weights) -> Array:
-        return combined(weights, [level.H for level in self.levels])
+def tangent_run(method: Transient2D, features: Sequence[Feature]) -> Companion:
+    """The derivative of the smooth impact with respect to the height of the roughness, times the roughness."""
+    height = partial(discretise.heights, features, method.case, method.grid)
+    return Companion(
+        [tangent.start(height(0.0))],
+        lambda smooth, levels: tangent.advance(method, smooth, levels, height(smooth[0].T)),
+        lambda change, smooth: change.H,
+    )
 
 
 class Lockstep:
@@ -138,7 +135,7 @@ def respond(case: CaseLike, roughnesses: Sequence[Sequence[Feature]], observers:
         The case has another method, or no scale for a quantity; before anything is computed.
     """
     smooth, roughnesses = _smooth(as_case(case), roughnesses)
-    companions = [RoughRun(replace(smooth, roughness=tuple(features))) for features in roughnesses]
+    companions = [rough_run(replace(smooth, roughness=tuple(features))) for features in roughnesses]
     return _in_lockstep(smooth, Transient2D(smooth), companions, roughnesses, observers)
 
 
@@ -165,7 +162,7 @@ def respond_linearly(
     """
     smooth, roughnesses = _smooth(as_case(case), roughnesses)
     method = Transient2D(smooth)
-    companions = [TangentRun(method, features) for features in roughnesses]
+    companions = [tangent_run(method, features) for features in roughnesses]
     return _in_lockstep(smooth, method, companions, roughnesses, observers)
 
 
@@ -187,32 +184,26 @@ def _in_lockstep(
     roughnesses: Sequence[Sequence[Feature]],
     observers: Sequence[Observer],
 ) -> xr.Dataset:
-    """The smooth run with its companions, and their fields at maximum approach."""
-    course = TransientRun(smooth, method)
-    gathering, lockstep = Recorder(course), Lockstep(companions)
-    last = drive(course, [gathering, lockstep, *observers])
+    """The smooth run with its companions, and all fields at maximum approach, interpolated between the last levels."""
+    run = TransientRun(smooth, method)
+    recorder, lockstep = Recorder(run), Lockstep(companions)
+    last = drive(run, [recorder, lockstep, *observers])
     status = last.status if lockstep.status.ok else lockstep.status
-    data = _assemble(method, gathering, last, companions, status)
-    return data.assign_coords(roughness=(("wave", "Y", "X"), _heights(method, roughnesses), HEIGHT))
-
-
-def _heights(method: Transient2D, roughnesses: Sequence[Sequence[Feature]]) -> np.ndarray:
-    fields = [discretise.heights(features, method.case, method.grid, 0.0) for features in roughnesses]
-    return np.stack([np.asarray(method.whole(field)) for field in fields])
-
-
-def _assemble(
-    method: Transient2D, gathering: Recorder, last: Step, companions: Sequence[Companion], status: Status
-) -> xr.Dataset:
-    """All fields at maximum approach, interpolated between the last levels."""
     levels = last.state.levels
     T = turning_time(levels) if status.ok else levels[0].T
-    peak = interpolated(levels, T)
-    frame = frame_of(method, peak, "max-approach")
-    data = gathering.run.dataset(gathering.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
+    frame = frame_of(method, interpolated(levels, T), "max-approach")
+    data = run.dataset(recorder.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
+
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
-    changes = [method.whole(companion.film_change(levels, weights)) for companion in companions]
-    return data.assign(dH=(("wave", "Y", "X"), np.stack([np.asarray(change) for change in changes]), FILM_CHANGE))
+    changes = [combined(weights, companion.changes(levels)) for companion in companions]
+    heights = [discretise.heights(features, smooth, method.grid, 0.0) for features in roughnesses]
+    data = data.assign(dH=_field(map(method.whole, changes), FILM_CHANGE))
+    return data.assign_coords(roughness=_field(map(method.whole, heights), HEIGHT))
+
+
+def _field(fields: Iterable[Array], attributes: Mapping[str, str]) -> Field:
+    """A variable of the dataset: the whole fields of all responses."""
+    return ("wave", "Y", "X"), np.stack([np.asarray(field) for field in fields]), dict(attributes)
 
 
 # -- rolling ----------------------------------------------------------------------------------------------------------
@@ -255,27 +246,28 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     case = as_case(case)
     if not case.is_steady:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "steady" for the response to passing waves')
+    workers.check_fork()
     features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)
     case = replace(case, solver=replace(case.solver, fold=fold))
-    workers.check_fork()
     rolling = steady.steady(case)
     film = rolling.finest
     waves = [_wave(case, some, film.grid) for some in features]
     found = [harmonic.respond(case, film, wave) for wave in waves]
-    errors = _errors(case, rolling, features, found)
-    status = film.status if all(r.converged for r in found) else Status.NEWTON_STALLED
-    data = assemble_steady(case, rolling.finest.grid, rolling.solutions, {"status": status.value})
-    work = {"response_krylov": [r.krylov for r in found], "response_convolutions": [r.convolutions for r in found]}
-    per_wave = {"frequency": [wave.frequency for wave in waves], **work}
+    status = film.status if all(response.converged for response in found) else Status.NEWTON_STALLED
+    per_wave = {
+        "frequency": [wave.frequency for wave in waves],
+        "response_krylov": [response.krylov for response in found],
+        "response_convolutions": [response.convolutions for response in found],
+    }
+    data = assemble_steady(case, film.grid, rolling.solutions, {"status": status.value})
     data = data.assign({name: ("wave", np.array(values)) for name, values in per_wave.items()})
-    data = data.assign(_oscillation("dH", FILM_CHANGE, [film.whole(r.H) for r in found]))
-    data = data.assign(_oscillation("dP", PRESSURE_CHANGE, [film.whole(r.P) for r in found]))
-    data = data.assign(dH_error=("wave", errors, ERROR))
-    said = [diagnostics.steady_failure(case, film), *_error_warnings(data, film.grid.nodes)]
-    warn([sentence for sentence in said if sentence])
-    heights = np.stack([np.asarray(film.whole(wave.shape.real)) for wave in waves])
-    return data.assign_coords(roughness=(("wave", "Y", "X"), heights, HEIGHT))
+    data = data.assign(_oscillation("dH", FILM_CHANGE, [film.whole(response.H) for response in found]))
+    data = data.assign(_oscillation("dP", PRESSURE_CHANGE, [film.whole(response.P) for response in found]))
+    data = data.assign(dH_error=("wave", _errors(case, rolling, features, found), ERROR))
+    failure = diagnostics.steady_failure(case, film)
+    warn([*([failure] if failure else []), *_error_warnings(data, film.grid.nodes)])
+    return data.assign_coords(roughness=_field((film.whole(wave.shape.real) for wave in waves), HEIGHT))
 
 
 def _errors(
@@ -286,21 +278,19 @@ def _errors(
     It is three times the error where that falls with the square of the spacing, and about the error on coarse grids:
     for M = 200, L = 10 and 65 nodes 20, 29, 33 % at wavelengths 0.5, 1, 2, where the errors are 17, 25, 26 %.
     """
+
+    def at_centre(grid: Grid, field: Array) -> float:
+        row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
+        return float(abs(field[row, column]))
+
+    errors = np.full(len(found), np.nan)
     *coarser, film = rolling.solutions
-    if not coarser or not coarser[-1].status.ok:
-        return np.full(len(found), np.nan)
-    coarse = coarser[-1]
-    errors = []
-    for some, fine in zip(features, found, strict=True):
-        other = harmonic.respond(case, coarse, _wave(case, some, coarse.grid))
-        amplitudes = [_at_centre(s.grid, r.H) for s, r in ((coarse, other), (film, fine))]
-        errors.append(abs(amplitudes[1] - amplitudes[0]) if other.converged else np.nan)
-    return np.array(errors)
-
-
-def _at_centre(grid: Grid, field: Array) -> float:
-    row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
-    return float(abs(field[row, column]))
+    if coarser and coarser[-1].status.ok:
+        for number, (some, fine) in enumerate(zip(features, found, strict=True)):
+            coarse = harmonic.respond(case, coarser[-1], _wave(case, some, coarser[-1].grid))
+            if coarse.converged:
+                errors[number] = abs(at_centre(film.grid, fine.H) - at_centre(coarser[-1].grid, coarse.H))
+    return errors
 
 
 def _error_warnings(data: xr.Dataset, nodes: int) -> list[str]:
@@ -350,9 +340,13 @@ def _wave(case: Case, features: Sequence[Feature], grid: Grid) -> Wave:
     return Wave(frequency, now - 1j * discretise.heights(features, case, grid, pi / (2 * frequency)))
 
 
-def _oscillation(name: str, attributes: Mapping[str, str], fields: Sequence[Array]) -> dict[str, Any]:
+def _oscillation(name: str, attributes: Mapping[str, str], fields: Sequence[Array]) -> dict[str, Field]:
     """The variables of the amplitude and the phase of complex fields."""
-    stack, dims = np.stack([np.asarray(field) for field in fields]), ("wave", "Y", "X")
-    amplitude = {**attributes, "long_name": f"amplitude of the {attributes['long_name']}"}
-    phase = {**attributes, "long_name": f"phase of the {attributes['long_name']}", "units": "rad"}
-    return {f"{name}_amplitude": (dims, np.abs(stack), amplitude), f"{name}_phase": (dims, np.angle(stack), phase)}
+    long_name = attributes["long_name"]
+    amplitude = {**attributes, "long_name": f"amplitude of the {long_name}"}
+    phase = {**attributes, "long_name": f"phase of the {long_name}", "units": "rad"}
+    dims, values, _ = _field(fields, attributes)
+    return {
+        f"{name}_amplitude": (dims, np.abs(values), amplitude),
+        f"{name}_phase": (dims, np.angle(values), phase),
+    }

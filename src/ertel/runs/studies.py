@@ -28,10 +28,9 @@ from uuid import uuid4
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
 from ertel.case.status import Status
-from ertel.inputs.coordinates import coordinates
-from ertel.inputs.studies import Study, load_study, parse_study
-from ertel.results.study_result import StudyResult
-from ertel.results.study_runs import MISSING, RUNNING, UNFINISHED, StudyRun, assemble
+from ertel.inputs.studies import Study, coordinates, load_study, parse_study
+from ertel.results.numbers import scalars
+from ertel.results.study_result import MISSING, RUNNING, UNFINISHED, StudyResult, StudyRun, assemble
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, Taken, heeding_stop, is_asked_to_stop, read_progress
 from ertel.runs.drive import bars
@@ -41,7 +40,8 @@ from ertel.runs.tasks import Engine
 from ertel.runs.warm_up import has_compiled, program_of
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
-RUNS, DATA, TABLE, PICTURE = "runs", "sweep.zarr", "sweep.csv", "sweep.png"
+RUNS = "runs"
+NAME, ENDINGS = "sweep", ("zarr", "csv", "png")  # of the files with the numbers
 FAILED = "failed: "  # how the status of a run begins that raised an exception
 EVERY = (1, 1)  # the part that is all of it
 
@@ -103,9 +103,9 @@ def sweep(
     engine = Engine(jobs, scheduler, file, keys)
     found = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
     place = Path(directory).absolute()
-    left = left_of(found, place)
+    left = left_of(found.cases, place)
     with engine.workers(len(left)) as workers, alone(place), study_bars(place, left, progress) as shown:
-        said = run_study(found, place, workers, on_done=shown.done)
+        said = run_study(found.cases, place, workers, on_done=shown.done)
         result = gather(found, place, said)
         write(result, place)
     return result
@@ -119,10 +119,10 @@ def run_directory(directory: Path, case: Case) -> Path:
     return directory / RUNS / case.digest
 
 
-def left_of(study: Study, directory: Path, part: Part = EVERY) -> dict[str, Case]:
+def left_of(cases: Sequence[Case], directory: Path, part: Part = EVERY) -> dict[str, Case]:
     """The cases of a part whose runs are missing or unfinished, each once, by digest: cases i, i + n, i + 2n, ..."""
     number, parts = part
-    every = {case.digest: case for case in study.cases}
+    every = {case.digest: case for case in cases}
     chosen = dict(list(every.items())[number - 1 :: parts])
     return {digest: case for digest, case in chosen.items() if not _is_done(run_directory(directory, case))}
 
@@ -145,7 +145,7 @@ def alone(directory: Path) -> Iterator[None]:
 
 
 def run_study(
-    study: Study,
+    cases: Sequence[Case],
     directory: Path,
     workers: Workers,
     part: Part = EVERY,
@@ -163,7 +163,7 @@ def run_study(
     found = {}
     try:
         with heeding_stop(directory):
-            tasks = [_task_of(case, directory, stop) for case in left_of(study, directory, part).values()]
+            tasks = [_task_of(case, directory, stop) for case in left_of(cases, directory, part).values()]
             for digest, outcome in workers.outcomes(tasks, stop):
                 found[digest] = f"{FAILED}{outcome.reason}" if isinstance(outcome, Failure) else str(outcome)
                 on_done(digest, found[digest])
@@ -257,12 +257,12 @@ def study_bars(directory: Path, left: Mapping[str, Case], shown: bool) -> Iterat
 
 def gather(study: Study, directory: Path, said: Mapping[str, str] | None = None) -> StudyResult:
     """The numbers of all runs as they are on the disk.  said: why runs failed, from `run_study`."""
-    runs = [_study_run(case, directory, said or {}) for case in study.cases]
-    data = assemble(study.name, study.mode, study.shape, coordinates(study), runs)
-    return StudyResult(data, directory)
+    runs = [study_run(case, directory, said or {}) for case in study.cases]
+    about = {"title": study.name, "kind": study.cases[0].kind}
+    return StudyResult(assemble(study.mode, study.shape, coordinates(study), runs, about), directory)
 
 
-def _study_run(case: Case, directory: Path, said: Mapping[str, str]) -> StudyRun:
+def study_run(case: Case, directory: Path, said: Mapping[str, str]) -> StudyRun:
     """A run as it is on the disk."""
     place = run_directory(directory, case)
     status, summary = said.get(case.digest, ""), None
@@ -272,7 +272,8 @@ def _study_run(case: Case, directory: Path, said: Mapping[str, str]) -> StudyRun
             status = summary["status"] if summary else _status_without_summary(place)
     except (StoreError, OSError) as error:
         status = f"{FAILED}{error}"
-    return StudyRun(case, summary, status, str(place.relative_to(directory)))
+    numbers, warnings = (scalars(summary), summary["warnings"]) if summary else ({}, [])
+    return StudyRun(numbers, warnings, status, str(place.relative_to(directory)))
 
 
 def _status_without_summary(place: Path) -> str:
@@ -281,22 +282,24 @@ def _status_without_summary(place: Path) -> str:
     return RUNNING if is_locked(place) else UNFINISHED
 
 
-def write(result: StudyResult, directory: Path) -> list[str]:
-    """Write the numbers of all runs into the directory of the study; the names of what is there now.
+def files_in(directory: Path, name: str = NAME) -> list[str]:
+    """The names of the files with the numbers of a study; there is no figure before a run has numbers to draw."""
+    return [file for ending in ENDINGS if (directory / (file := f"{name}.{ending}")).exists()]
 
-    There is no figure before a run has numbers to draw.
-    """
+
+def write(result: StudyResult, directory: Path, name: str = NAME) -> None:
+    """Write the numbers of all runs into the directory of the study."""
     from ertel.plots.drawing import NoFigure  # here, so that workers need no matplotlib
 
-    draft = directory / f".{DATA}-{uuid4().hex[:8]}"
+    data, table, picture = (directory / f"{name}.{ending}" for ending in ENDINGS)
+    draft = directory / f".{data.name}-{uuid4().hex[:8]}"
     try:
         result.dataset.to_zarr(draft, mode="w", consolidated=False)
-        shutil.rmtree(directory / DATA, ignore_errors=True)
-        draft.rename(directory / DATA)
+        shutil.rmtree(data, ignore_errors=True)
+        draft.rename(data)
     finally:
         shutil.rmtree(draft, ignore_errors=True)
-    result.to_csv(directory / TABLE)
-    (directory / PICTURE).unlink(missing_ok=True)
+    result.to_csv(table)
+    picture.unlink(missing_ok=True)
     with suppress(NoFigure):
-        result.plot().savefig(directory / PICTURE)
-    return [name for name in (DATA, TABLE, PICTURE) if (directory / name).exists()]
+        result.plot().savefig(picture)

@@ -1,86 +1,271 @@
 """Traction curves: the friction of a steady contact at several slide-to-roll ratios, speeds or loads.
 
-curve = traction(case, slide_to_roll="0:0.5:15")
+    curve = traction(case, slide_to_roll="0:0.5:15")
+
+Each point is the steady contact of the case with one value replaced.  A curve over the speed or the load needs the film
+of every point.  Over the slide-to-roll ratio the film of a Newtonian oil is the same at all points, so it is solved
+once; an oil that thins has another film at each, and is solved for each unless the user wants one film.
+
+A curve is a study whose runs are these films, see `studies`: in its directory they are in runs/DIGEST, beside
+traction.zarr, traction.csv and traction.png.  The points follow from the films.
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Literal, get_args
 
 import numpy as np
 
 from ertel.case.case import Case
 from ertel.case.derived import newtonian_stress
+from ertel.case.records import ConfigError, show
+from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.inputs.ranges import Given
+from ertel.inputs.ranges import Given, parse_values
 from ertel.numerics.arrays import double_precision
 from ertel.results import diagnostics
-from ertel.results.curve_points import WORK, Point, assemble, point
+from ertel.results.dataset import provenance
 from ertel.results.steady import thermal_warnings
-from ertel.results.traction_curve import TractionCurve
+from ertel.results.study_result import DONE, StudyRun, assemble
+from ertel.results.traction_curve import AXES, WORK, TractionCurve, point_scalars
 from ertel.results.variables import with_coefficients
-from ertel.runs import workers
+from ertel.runs import studies, workers
 from ertel.runs.compile import check_jax
-from ertel.runs.courses import GridStep, SteadyRun
-from ertel.runs.curves import Curve, Film, curve_of
-from ertel.runs.drive import Observer, bars, drive, warn
+from ertel.runs.courses import GridStep, course_of
+from ertel.runs.drive import bars, drive, warn
+from ertel.runs.files import StoreError
 from ertel.runs.outlook import beyond
-from ertel.runs.traction_store import CurveStore
+from ertel.runs.store import RunStore
+from ertel.runs.workers import Condition, LocalWorker, never
 from ertel.solvers.heat import Heated, heated
 from ertel.solvers.steady import Rolling
 
+NAME = "traction"  # of the files with the points
+OLDER = "traction.json"  # what earlier versions kept their points in
 NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but not that of a surface
 
-ObserversOf = Callable[[int, SteadyRun], Sequence[Observer]]  # of the film for a point, by the number of the point
+FilmChoice = Literal["each", "once"]
+FilmRun = tuple[StudyRun, GridStep | None]  # the run that solves a film, and its grids where it has converged
+
+
+def traction(
+    case: CaseLike,
+    *,
+    slide_to_roll: Given | None = None,
+    mean_speed: Given | None = None,
+    load: Given | None = None,
+    film: FilmChoice | None = None,
+    directory: str | Path | None = None,
+    progress: bool = False,
+) -> TractionCurve:
+    """The traction curve of a steady contact, over the slide-to-roll ratio, the mean speed or the load.
+
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        A steady rolling contact; its other values hold for all points.
+    slide_to_roll, mean_speed, load : str or sequence
+        One of them: a range such as "0:0.5:15" (first, last, number of values; with ":log" at the end equal ratios), or
+        values.  mean_speed (m/s, or texts with a unit) and load (N) need a case in SI.
+    film : "each" or "once"
+        Over the slide-to-roll ratio: whether the film is solved for each point, or once, at the smallest slide-to-roll
+        ratio.  For a Newtonian oil once is exact and the default.  An oil that thins has a thinner film where it
+        slides, so each is the default; once takes the work of one point and leaves that out.
+    directory : str or Path
+        Where the curve is stored, as a study is (see `ertel.sweep`): made if it is not there.  What is missing or
+        unfinished is done.
+    progress : bool
+        Whether to show a progress bar.
+
+    Returns
+    -------
+    TractionCurve
+        It shows itself as a table; `dataset`, `plot()`, `to_csv(path)`.
+
+    Raises
+    ------
+    ConfigError
+        A value is not allowed; the message names the argument, its value and what is allowed.
+    StoreError
+        Another process computes the curve, or the directory holds a curve of an earlier version.
+
+    Warns
+    -----
+    UserWarning
+        The case with the largest shear stress is outside the range of the model; before the run.
+
+    Examples
+    --------
+    >>> import ertel
+    >>> case = ertel.load_case("examples/squalane.toml")  # doctest: +SKIP
+    >>> ertel.traction(case, slide_to_roll="0:0.5:15").plot()  # doctest: +SKIP
+    """
+    check_jax()
+    curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
+    warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
+    if directory:
+        return store_curve(curve, Path(directory).absolute(), progress)
+    return compute_curve(curve, progress)
+
+
+# -- the curve --------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Curve:
+    """What a traction curve is of: the case, what varies and its values in SI, the case of each point, and the film.
+
+    film: "each", solved for each point, or "once", that of the smallest slide-to-roll ratio for all points.
+    """
+
+    case: Case
+    axis: str
+    values: tuple[float, ...]
+    cases: tuple[Case, ...]
+    film: FilmChoice
+
+    @property
+    def films(self) -> tuple[Case, ...]:
+        """The case of the film of each point."""
+        if self.film == "each":
+            return self.cases
+        return (self.cases[int(np.argmin(np.abs(self.values)))],) * len(self.cases)
+
+    @property
+    def film_in_words(self) -> str:
+        """How the film was computed."""
+        if self.film == "each":
+            return "solved for each point"
+        one = f"solved once, at S = {min(self.values, key=abs):g}"
+        return f"{one}: that of a Newtonian oil is the same at all points" if self.case.oil.is_newtonian else one
+
+
+def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = None) -> Curve:
+    """The curve that a user asks for.
+
+    given: by the name of the axis, exactly one of them.  Raises ConfigError, naming the argument.
+    """
+    if not case.is_steady:
+        raise ConfigError(
+            f'solver.method = "{case.solver.method}": a traction curve is of a steady contact; use contact.kind = '
+            '"rolling" and solver.method = "steady"'
+        )
+    wanted = {name: values for name, values in given.items() if values is not None}
+    if len(wanted) != 1:
+        said = " and ".join(wanted) or "none"
+        raise ConfigError(f"give exactly one of {', '.join(AXES)}; got {said}")
+    [(axis, values)] = wanted.items()
+    if axis != "slide_to_roll" and not case.scales:
+        raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
+    _check_factors(case, axis)
+    found = parse_values(axis, values, AXES[axis].mark)
+    try:
+        cases = tuple(_at(case, axis, value) for value in found)
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
+    return Curve(case, axis, found, cases, _film(case, axis, film))
+
+
+def _film(case: Case, axis: str, film: str | None) -> FilmChoice:
+    if film not in (None, *get_args(FilmChoice)):
+        raise ConfigError(f"film = {show(film)}: allowed: {', '.join(get_args(FilmChoice))}")
+    if axis != "slide_to_roll":
+        if film == "once":
+            raise ConfigError(f'film = "once": the film depends on {axis}; leave it out, or use film = "each"')
+        return "each"
+    return film or ("once" if case.oil.is_newtonian else "each")  # type: ignore[return-value]
+
+
+def _check_factors(case: Case, axis: str) -> None:
+    """Speed and load of a case may have a constant factor in [motion], which would change the axis."""
+    key, factor = "load", case.motion.load(0.0)
+    if axis == "mean_speed":
+        key, factor = "entrainment", abs(case.motion.entrainment(0.0))
+    if axis != "slide_to_roll" and factor != 1.0:
+        raise ConfigError(f"motion.{key} = {factor:g}: multiplies the {axis} of a curve; leave it out of the case")
+
+
+def _at(case: Case, axis: str, value: float) -> Case:
+    """The case of a point."""
+    if axis == "load":
+        return replace(case, contact=replace(case.contact, load=value))
+    if not case.contact.is_physical:
+        return replace(case, drive=replace(case.drive or Drive(), slide_to_roll=value))
+    mean = value if axis == "mean_speed" else case.contact.speeds.mean
+    sliding = value if axis == "slide_to_roll" else case.contact.speeds.slide_to_roll
+    contact = replace(case.contact, mean_speed=mean, slide_to_roll=sliding, speed_1=None, speed_2=None)
+    return replace(case, contact=contact)
+
+
+# -- its points -------------------------------------------------------------------------------------------------------
 
 
 @double_precision()
-def run(
-    curve: Curve,
-    store: CurveStore | None = None,
-    observers_of: ObserversOf = lambda number, course: (),
-    stop: Callable[[object], bool] = lambda item: False,
-) -> TractionCurve:
-    """Compute the points that are not there yet, up to a stop; the curve so far, which the store also has.
+def compute_curve(curve: Curve, progress: bool = False) -> TractionCurve:
+    """Compute a curve in memory.  progress: whether to show a progress bar."""
+    numbers = count()
+    with bars(progress) as shown:
+        total = 1 if curve.film == "once" else len(curve.cases)
+        bar = shown.add_task(curve.case.name or curve.case.kind, total=total, news="")
 
-    observers_of: see every grid of the film of a point.  stop: is asked after every grid and every point.
+        def film_of(case: Case) -> FilmRun:
+            number, course = next(numbers), course_of(case)
+            film = drive(course, [lambda item: shown.update(bar, completed=number + course.fraction(item))])
+            warnings = diagnostics.steady_warnings(case, film.solutions)
+            return StudyRun({}, warnings, film.status.value, ""), film
+
+        return _curve(curve, film_of)
+
+
+@double_precision()
+def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Condition = never) -> TractionCurve:
+    """Compute the films that a directory lacks, up to a stop; the curve so far, which is written there.
+
+    asked: whether to stop, see `studies.run_study`.  Raises StoreError.
     """
-    if store is None:
-        return _found(curve, list(_computed(curve, 0, observers_of, stop)))
-    with store.alone():
-        before = len(store.points)
-        for new in _computed(curve, before, observers_of, stop):
-            store.keep(new)
-        found = _found(curve, store.points, store.directory)
-        if len(store.points) > before or not store.drawn:
-            store.draw(found)
+    workers.check_fork()
+    if (directory / OLDER).exists():
+        raise StoreError(f"{directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
+    with studies.alone(directory):
+        left = studies.left_of(curve.films, directory)
+        with studies.study_bars(directory, left, progress) as shown:
+            said = studies.run_study(curve.films, directory, LocalWorker(), asked=asked, on_done=shown.done)
+
+        def film_of(case: Case) -> FilmRun:
+            run = studies.study_run(case, directory, said)
+            film = RunStore.open(directory / run.directory).item() if run.status == DONE else None
+            return run, film
+
+        found = replace(_curve(curve, film_of), directory=directory)
+        studies.write(found, directory, NAME)
     return found
 
 
-def _computed(curve: Curve, done: int, observers_of: ObserversOf, stop: Callable[[object], bool]) -> Iterator[Point]:
-    """The points of a curve from number `done` on, up to a stop."""
-    workers.check_fork()
-    film: GridStep | None = None
-    for number in range(done, len(curve.values)):
-        fresh = film is None or curve.film == "each"
-        if film is None or fresh:
-            course = SteadyRun(curve.cases[number if curve.film == "each" else curve.of_film])
-            film = drive(course, [*observers_of(number, course), stop])
-            if film.status is Status.INTERRUPTED:
-                return
-        new = _measured(curve.cases[number], film, fresh)
-        yield new
-        if stop(new):
-            return
+def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
+    """The curve from its films.  film_of: finds or computes that of a case."""
+    shared = film_of(curve.films[0]) if curve.film == "once" else None
+    points = []
+    for number, (case, film_case) in enumerate(zip(curve.cases, curve.films, strict=True)):
+        run, film = shared or film_of(film_case)
+        if film is None or run.status != DONE:
+            points.append(run._replace(numbers=point_scalars(case, {})))
+        else:
+            points.append(_measured(case, film, number == 0 or shared is None, run.directory))
+    axis = {curve.axis: (curve.values, AXES[curve.axis].attributes)}
+    about = {**provenance(curve.case), "varies": curve.axis, "film": curve.film_in_words}
+    data = assemble("product", [len(points)], axis, points, about)
+    return TractionCurve(data, case=curve.case, warnings=_grouped(curve, points))
 
 
-def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
+def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyRun:
     """The friction of a film in a case, which may slide in another way than that of the film.
 
-    fresh: whether the film was solved for this point, so that its work counts here.
+    fresh: whether the film was solved for this point, so that its work counts here.  directory: of the film's run.
     """
     grids = Rolling(film.solutions)
     found = steady_friction(case, grids.finest)
@@ -95,15 +280,15 @@ def _measured(case: Case, film: GridStep, fresh: bool) -> Point:
         "tau_max": float(np.hypot(*np.asarray(found.stress)).max()),
         **dict(zip(WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
-    said, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
-    if case.thermal is not None and film.status.ok:
+    warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
+    if case.thermal is not None and status.ok:
         warm = heated(case, grids.finest.P, grids.finest.H, grid=grids.finest.grid)
         values |= _warm_values(case, values, warm)
-        said += thermal_warnings(case, warm)
-        status = film.status if warm.converged else Status.NEWTON_STALLED
+        warnings += thermal_warnings(case, warm)
+        status = status if warm.converged else Status.NEWTON_STALLED
     if status.ok:
-        said += diagnostics.friction_warnings(case, values["mu_sliding"])
-    return point(case, values, status, said)
+        warnings += diagnostics.friction_warnings(case, values["mu_sliding"])
+    return StudyRun(point_scalars(case, values if status.ok else {}), warnings, status.value, directory)
 
 
 def _warm_values(case: Case, cold: Mapping[str, float], warm: Heated) -> dict[str, float]:
@@ -127,93 +312,11 @@ def _warm_values(case: Case, cold: Mapping[str, float], warm: Heated) -> dict[st
     }
 
 
-def _found(curve: Curve, points: Sequence[Point], directory: Path | None = None) -> TractionCurve:
-    """The curve of the points so far."""
-    dataset = assemble(curve.case, curve.axis, curve.values, points, curve.film_in_words)
-    return TractionCurve(curve.case, dataset, _grouped(curve, points), len(points) == len(curve.values), directory)
-
-
-def _grouped(curve: Curve, points: Sequence[Point]) -> tuple[str, ...]:
+def _grouped(curve: Curve, points: Sequence[StudyRun]) -> list[str]:
     """The warnings of all points: of those that differ in their numbers only the first, and at how many points."""
     alike: dict[str, list[str]] = {}
-    for value, each in zip(curve.values, points, strict=False):
-        for sentence in each["warnings"]:
+    for value, point in zip(curve.values, points, strict=True):
+        for sentence in point.warnings:
             alike.setdefault(NUMBER.sub("#", sentence), []).append(f"{curve.axis} = {value:.4g}: {sentence}")
     more = " (and the same at {} other points)".format
-    return tuple(first + (more(len(others)) if others else "") for first, *others in alike.values())
-
-
-def traction(
-    case: CaseLike,
-    *,
-    slide_to_roll: Given | None = None,
-    mean_speed: Given | None = None,
-    load: Given | None = None,
-    film: Film | None = None,
-    directory: str | Path | None = None,
-    progress: bool = False,
-) -> TractionCurve:
-    """The traction curve of a steady contact, over the slide-to-roll ratio, the mean speed or the load.
-
-    Parameters
-    ----------
-    case : Case, str, Path or mapping
-        A steady rolling contact; its other values hold for all points.
-    slide_to_roll, mean_speed, load : str or sequence
-        One of them: a range such as "0:0.5:15" (first, last, number of values; with ":log" at the end equal ratios), or
-        values.  mean_speed (m/s, or texts with a unit) and load (N) need a case in SI.
-    film : "each" or "once"
-        Over the slide-to-roll ratio: whether the film is solved for each point, or once, at the smallest slide-to-roll
-        ratio.  For a Newtonian oil once is exact and the default.  An oil that thins has a thinner film where it
-        slides, so each is the default; once takes the work of one point and leaves that out.
-    directory : str or Path
-        Where the curve is stored: made if it is not there.  A curve that was interrupted goes on.
-    progress : bool
-        Whether to show a progress bar.
-
-    Returns
-    -------
-    TractionCurve
-        It shows itself as a table; `dataset`, `plot()`, `to_csv(path)`.
-
-    Raises
-    ------
-    ConfigError
-        A value is not allowed; the message names the argument, its value and what is allowed.
-    StoreError
-        The directory holds something else.
-
-    Warns
-    -----
-    UserWarning
-        The case with the largest shear stress is outside the range of the model; before the run.
-
-    Examples
-    --------
-    >>> import ertel
-    >>> case = ertel.load_case("examples/squalane.toml")  # doctest: +SKIP
-    >>> ertel.traction(case, slide_to_roll="0:0.5:15").plot()  # doctest: +SKIP
-    """
-    check_jax()
-    curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
-    store = CurveStore.of(Path(directory), curve) if directory else None
-    warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
-    with bars(progress) as shown:
-        return run(curve, store, watched(shown, curve))
-
-
-def watched(progress: Any, curve: Curve) -> ObserversOf:
-    """Observers that show the points in one bar."""
-    bar = progress.add_task(
-        curve.case.name or curve.case.kind, total=len(curve.values), news="compiling (once per machine and grid size)"
-    )
-
-    def observers_of(number: int, course: SteadyRun) -> list[Observer]:
-        where = f"{number + 1}/{len(curve.values)}  {curve.axis} = {curve.values[number]:.4g}"
-
-        def show(item: GridStep) -> None:
-            progress.update(bar, completed=number + course.fraction(item), news=f"{where}  {course.message(item)}")
-
-        return [show]
-
-    return observers_of
+    return [first + (more(len(others)) if others else "") for first, *others in alike.values()]

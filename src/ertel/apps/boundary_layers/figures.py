@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import ertel
-from ertel.apps.boundary_layers import film, front, oils, page, reduction, shapes, smooth, waves
-from ertel.apps.boundary_layers.page import Drawn, Part
+from ertel.apps.boundary_layers import front, others, page, reduction, runs
+from ertel.apps.boundary_layers.page import Drawn
 from ertel.apps.boundary_layers.plans import FULL, QUICK, Plan
-from ertel.apps.boundary_layers.smooth import Results
+from ertel.apps.boundary_layers.runs import Results
 from ertel.runs.tasks import Failure, Task, kept, run_tasks
 from ertel.runs.workers import Workers
 
@@ -37,14 +37,14 @@ class PaperFigure:
 
 
 FIGURES: Mapping[str, PaperFigure] = {
-    "fig1": PaperFigure("Fig. 1  The dry impact", smooth.radial_tasks, front.dry_impact),
-    "fig2": PaperFigure("Fig. 2  Speed of the front", smooth.all_tasks, front.front_speed),
-    "fig3": PaperFigure("Fig. 3  Film at maximum impact", smooth.all_tasks, film.film_and_speed),
-    "fig4": PaperFigure("Fig. 4  Film behind the front", smooth.radial_tasks, film.film_predicted),
-    "fig5": PaperFigure("Fig. 5  Waves in an impact", waves.impact_tasks, waves.deformed_waves),
+    "fig1": PaperFigure("Fig. 1  The dry impact", runs.radial_tasks, front.dry_impact),
+    "fig2": PaperFigure("Fig. 2  Speed of the front", runs.smooth_tasks, front.front_speed),
+    "fig3": PaperFigure("Fig. 3  Film at maximum impact", runs.smooth_tasks, front.film_and_speed),
+    "fig4": PaperFigure("Fig. 4  Film behind the front", runs.radial_tasks, front.film_predicted),
+    "fig5": PaperFigure("Fig. 5  Waves in an impact", runs.waves_tasks, reduction.deformed_waves),
     "fig6": PaperFigure("Fig. 6  Amplitude reduction in impact and rolling", reduction.tasks, reduction.reduction),
-    "fig7": PaperFigure("Beyond the paper: Fig. 7  Waves of other shapes", shapes.tasks, shapes.other_waves),
-    "fig8": PaperFigure("Beyond the paper: Fig. 8  Other lubricants", oils.tasks, oils.other_oils),
+    "fig7": PaperFigure("Beyond the paper: Fig. 7  Waves of other shapes", others.shape_tasks, others.other_waves),
+    "fig8": PaperFigure("Beyond the paper: Fig. 8  Other lubricants", others.oil_tasks, others.other_oils),
 }
 
 
@@ -55,11 +55,6 @@ def names_of(figure: str) -> list[str]:
     return list(FIGURES) if figure == "all" else [figure]
 
 
-def plan_of(quick: bool) -> Plan:
-    """The plan with coarse grids or the one at full resolution."""
-    return QUICK if quick else FULL
-
-
 def tasks_of(names: Sequence[str], plan: Plan) -> list[Task]:
     """All runs that the figures need, each once."""
     found = {task.name: task for name in names for task in FIGURES[name].tasks(plan)}
@@ -68,7 +63,7 @@ def tasks_of(names: Sequence[str], plan: Plan) -> list[Task]:
 
 def expected(names: Sequence[str], quick: bool, directory: Path, jobs: int) -> tuple[int, int, float]:
     """Number of runs, number of those that are done, and seconds that the others will take."""
-    tasks = tasks_of(names, plan_of(quick))
+    tasks = tasks_of(names, QUICK if quick else FULL)
     done = kept(tasks, directory / RUNS)
     left = [task.seconds for task in tasks if task.name not in done]
     return len(tasks), len(done), max(sum(left) / jobs, max(left, default=0.0))
@@ -85,21 +80,19 @@ def make(
 
     Returns the path of the page, and for each figure that is missing its name and the reason.
     """
-    plan = plan_of(quick)
+    plan = QUICK if quick else FULL
     tasks = tasks_of(names, plan)
     results = dict(zip([t.name for t in tasks], run_tasks(tasks, workers, directory / RUNS, on_done), strict=True))
-    parts = {name: _part(name, results, plan, directory) for name in names}
+    missing, sections = {}, []
+    for name in names:
+        figure = FIGURES[name]
+        own = {task.name: results[task.name] for task in figure.tasks(plan)}
+        if failures := [result.reason for result in own.values() if isinstance(result, Failure)]:
+            missing[name] = "; ".join(failures)
+            sections.append(page.failed(figure.title, missing[name]))
+        else:
+            sections.append(page.save(figure.draw(own, plan), name, figure.title, directory))
     remarks = [f"ertel {ertel.__version__}, {plan.resolution}.  {SETTINGS}"]
     file = directory / ("index.html" if len(names) > 1 else f"{names[0]}.html")
-    file.write_text(page.page(TITLE, remarks, list(parts.values())), encoding="utf-8")
-    return file, {name: part.failure for name, part in parts.items() if part.failure}
-
-
-def _part(name: str, results: Results, plan: Plan, directory: Path) -> Part:
-    """The figure drawn and saved, or the reasons why its runs failed."""
-    figure = FIGURES[name]
-    own = {task.name: results[task.name] for task in figure.tasks(plan)}
-    failures = [result.reason for result in own.values() if isinstance(result, Failure)]
-    if failures:
-        return Part(figure.title, failure="; ".join(failures))
-    return page.save(figure.draw(own, plan), name, figure.title, directory)
+    file.write_text(page.page(TITLE, remarks, sections), encoding="utf-8")
+    return file, missing

@@ -1,41 +1,28 @@
-"""Figures 1 and 2 of the paper: the dry impact, and the speed of the front in the lubricated impact."""
+"""Figures 1 to 4 of the paper: the dry impact, the speed of the front in a lubricated one, and the film behind it."""
 
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
-from ertel import fronts, hertz, plots
-from ertel.apps.boundary_layers.page import Drawn, side_by_side
-from ertel.apps.boundary_layers.plans import LOADS, SHOWN_LOAD, L, Plan
-from ertel.apps.boundary_layers.smooth import (
-    FORMED,
-    NAMES,
-    Definition,
-    Results,
-    Values,
-    new_figure,
-    plane_name,
-    radial_runs,
-)
+from ertel import Parameters, fronts, hertz, plots
+from ertel.apps.boundary_layers.page import Drawn, new_figure, side_by_side
+from ertel.apps.boundary_layers.plans import FORMED, FRONTS, LOADS, SHOWN_LOAD, Definition, L, Plan
+from ertel.apps.boundary_layers.ratios import Values
+from ertel.apps.boundary_layers.runs import Results, plane_task, radial_runs, radial_task
+
+Curve = tuple[Values, str, str]  # values, colour and style of a line
 
 TOUCH = 1.0  # t0: the ball starts one delta* above the surface
 LINES: Mapping[Definition, str] = {"film": "-", "slope": ":", "half-hertz": "--"}
 COMPARED = np.linspace(0.5, 0.9, 41)  # places where the front's speed is compared with the dry contact's
+INNER, OUTER = 0.75, 0.95  # a*: where the film follows the speed of the front
+FITTED_ON = np.linspace(INNER, OUTER, 81)
 
 
 # -- Fig. 1 -----------------------------------------------------------------------------------------------------------
-
-
-class Law(NamedTuple):
-    """Contact radius A (a*) of the dry impact over time, and how it is drawn."""
-
-    A: Values
-    colour: str
-    line: str
 
 
 def dry_impact(results: Results, plan: Plan) -> Drawn:
@@ -43,11 +30,11 @@ def dry_impact(results: Results, plan: Plan) -> Drawn:
     T = np.linspace(-hertz.HALF_CONTACT_TIME, hertz.HALF_CONTACT_TIME, 1201)
     exact = hertz.contact_radius(T + hertz.HALF_CONTACT_TIME)
     fitted = fronts.fit_half_base(T, exact)
-    laws = {
-        "exact": Law(exact, "black", "-"),
-        "Johnson (20)": Law(hertz.johnson_radius(T), plots.BLUE, "--"),
-        "parabola (22), t* = 1.35": Law(hertz.parabola_radius(T), plots.ORANGE, "-"),
-        f"parabola, t* = {fitted:.3f} fitted": Law(hertz.parabola_radius(T, fitted), plots.GREEN, ":"),
+    laws: dict[str, Curve] = {
+        "exact": (exact, "black", "-"),
+        "Johnson (20)": (hertz.johnson_radius(T), plots.BLUE, "--"),
+        "parabola (22), t* = 1.35": (hertz.parabola_radius(T), plots.ORANGE, "-"),
+        f"parabola, t* = {fitted:.3f} fitted": (hertz.parabola_radius(T, fitted), plots.GREEN, ":"),
     }
     figure, (left, right) = new_figure(1, 2)
     _draw_laws(left, right, T, laws)
@@ -57,12 +44,22 @@ def dry_impact(results: Results, plan: Plan) -> Drawn:
         f"base of {2 * fitted:.3f}.  The second table gives fits to the front of the lubricated impact, its radius "
         "divided by the largest one, for three definitions of the front."
     )
-    tables = {"Errors of the laws": _errors(laws, exact), "Full base fitted to the front": _bases(results, plan)}
-    data = DataFrame({"T": T, **{name: law.A for name, law in laws.items()}})
-    return Drawn(figure, caption, {"radius": data}, tables)
+    errors = {name: np.abs(A - exact)[exact > 0.5].max() for name, (A, *_) in laws.items() if name != "exact"}
+    largest = "largest error of a/a* where a > a*/2"
+    bases = [
+        {"M": str(M), **{f"front by {name}": f"{2 * _half_base(run, by):.3f}" for by, name in FRONTS.items()}}
+        for M, run in radial_runs(results, plan).items()
+    ]
+    tables = {
+        "Errors of the laws": DataFrame({"law": name, largest: f"{error:.4f}"} for name, error in errors.items()),
+        "Full base fitted to the front": DataFrame(bases),
+    }
+    return Drawn(
+        figure, caption, {"radius": DataFrame({"T": T, **{name: A for name, (A, *_) in laws.items()}})}, tables
+    )
 
 
-def _draw_laws(left: Axes, right: Axes, T: Values, laws: Mapping[str, Law]) -> None:
+def _draw_laws(left: Axes, right: Axes, T: Values, laws: Mapping[str, Curve]) -> None:
     for name, (A, colour, line) in laws.items():
         with np.errstate(divide="ignore", invalid="ignore"):
             speed = np.where((A > 0.02) & (A < 1.01), np.gradient(A, T), np.nan)
@@ -74,19 +71,6 @@ def _draw_laws(left: Axes, right: Axes, T: Values, laws: Mapping[str, Law]) -> N
     left.legend(loc="lower center", frameon=False, fontsize="small")
     right.legend(loc="upper right", frameon=False, fontsize="small")
     right.text(0.03, 0.03, "colours as on the left", transform=right.transAxes, fontsize="small")
-
-
-def _errors(laws: Mapping[str, Law], exact: Values) -> DataFrame:
-    errors = {name: np.abs(law.A - exact)[exact > 0.5].max() for name, law in laws.items() if name != "exact"}
-    largest = "largest error of a/a* where a > a*/2"
-    return DataFrame([{"law": name, largest: f"{error:.4f}"} for name, error in errors.items()])
-
-
-def _bases(results: Results, plan: Plan) -> DataFrame:
-    return DataFrame(
-        {"M": str(M), **{f"front by {name}": f"{2 * _half_base(run, by):.3f}" for by, name in NAMES.items()}}
-        for M, run in radial_runs(results, plan).items()
-    )
 
 
 def _half_base(run: xr.Dataset, by: Definition) -> float:
@@ -102,9 +86,9 @@ Found = Mapping[int, Mapping[Definition, fronts.Front]]  # M, definition -> fron
 
 def front_speed(results: Results, plan: Plan) -> Drawn:
     """Fig. 2: speed of the front in the lubricated impact for six M, by three definitions of the front."""
-    found: Found = {M: {by: fronts.front(run, by) for by in NAMES} for M, run in radial_runs(results, plan).items()}
+    found: Found = {M: {by: fronts.front(run, by) for by in FRONTS} for M, run in radial_runs(results, plan).items()}
     figure, (left, right) = new_figure(1, 2)
-    _draw_speed(left, found, fronts.front(results[plane_name(plan)]))
+    _draw_speed(left, found, fronts.front(results[plane_task(plan).name]))
     _draw_share(right, found)
     caption = (
         f"Speed of the front for M = {LOADS[0]} to {LOADS[-1]}, L = {L:g}, up to maximum approach.  Left: front "
@@ -119,7 +103,15 @@ def front_speed(results: Results, plan: Plan) -> Drawn:
         for by, front in by_definition.items()
         for name, values in front._asdict().items()
     }
-    tables = {"Speed of the front divided by that of the dry contact, 0.5 < A < 0.9: mean (range)": _shares(found)}
+    shares = [
+        {
+            "M": str(M),
+            **{f"front by {name}": _share(by_definition[by]) for by, name in FRONTS.items()},
+            "last A by minimum film": f"{by_definition['film'].A[-1]:.3f}",
+        }
+        for M, by_definition in found.items()
+    ]
+    tables = {"Speed of the front divided by that of the dry contact, 0.5 < A < 0.9: mean (range)": DataFrame(shares)}
     return Drawn(figure, caption, {"fronts": side_by_side(columns)}, tables)
 
 
@@ -129,14 +121,13 @@ def _draw_speed(axes: Axes, found: Found, plane: fronts.Front) -> None:
     linear = hertz.linear_front_speed(T - hertz.HALF_CONTACT_TIME)
     axes.plot(T, linear, color=plots.GREY, linestyle=":", label="linear (24), $t^*$ = 1.35")
     for (M, by_definition), colour in zip(found.items(), _shades(), strict=True):
-        for by in ("film", "half-hertz"):
+        labels: Mapping[Definition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
+        for by, label in labels.items():
             front = by_definition[by]
             late = front.A > FORMED
-            label = f"$M$ = {M}" if by == "film" else None
             axes.plot(front.T[late] - TOUCH, front.speed[late], LINES[by], color=colour, linewidth=1.0, label=label)
-    axes.plot(
-        plane.T - TOUCH, plane.speed, ".", color=plots.GREY, markersize=3, label=f"$M$ = {SHOWN_LOAD}, 2-D method"
-    )
+    label = f"$M$ = {SHOWN_LOAD}, 2-D method"
+    axes.plot(plane.T - TOUCH, plane.speed, ".", color=plots.GREY, markersize=3, label=label)
     axes.set(xlabel="time from the dry ball's first touch ($t_0$)", ylabel="front speed $dA/dT$ ($a^*/t_0$)")
     axes.set(xlim=(0, 1.5), ylim=(0, 1.4))
     axes.legend(loc="upper right", frameon=False, fontsize="small")
@@ -148,23 +139,12 @@ def _draw_share(axes: Axes, found: Found) -> None:
             late = front.A > FORMED
             share = front.speed / hertz.front_speed(np.minimum(front.A, 1.0))
             axes.plot(front.A[late], share[late], LINES[by], color=colour, linewidth=1.0)
-    for by, name in NAMES.items():
+    for by, name in FRONTS.items():
         axes.plot([], [], LINES[by], color=plots.GREY, label=name)
     axes.axhline(1.0, color="black", linewidth=0.8)
     axes.set(xlabel="position of the front $A$ ($a^*$)", ylabel="speed over that of the dry contact", ylim=(0, 1.1))
     axes.set(xlim=(FORMED, 1.0))
     axes.legend(loc="lower left", frameon=False, fontsize="small")
-
-
-def _shares(found: Found) -> DataFrame:
-    return DataFrame(
-        {
-            "M": str(M),
-            **{f"front by {name}": _share(by_definition[by]) for by, name in NAMES.items()},
-            "last A by minimum film": f"{by_definition['film'].A[-1]:.3f}",
-        }
-        for M, by_definition in found.items()
-    )
 
 
 def _share(front: fronts.Front) -> str:
@@ -174,3 +154,130 @@ def _share(front: fronts.Front) -> str:
 
 def _shades() -> Values:
     return np.asarray(plots.ORDERED_COLOURS(np.linspace(1.0, 0.0, len(LOADS))))
+
+
+# -- Fig. 3 -----------------------------------------------------------------------------------------------------------
+
+
+def film_and_speed(results: Results, plan: Plan) -> Drawn:
+    """Fig. 3: film at maximum impact for one M, by both methods, and C v^0.67."""
+    radial = results[radial_task(SHOWN_LOAD, L, plan).name]
+    plane = fronts.at_max_approach(results[plane_task(plan).name])["H"].sel(Y=0.0, method="nearest")
+    X, H = _profile(radial)
+    dry = hertz.parabola_front_speed_at(np.where((X > 0) & (X < 1), X, np.nan))
+    fitted: dict[str, Curve] = {
+        "$C v^{0.67}$, $v$ of the computed front": (
+            _fitted(X, H, fronts.front(radial).speed_at(X)),
+            plots.ORANGE,
+            "--",
+        ),
+        "$C v^{0.67}$, $v$ of the parabola (23)": (_fitted(X, H, dry), plots.BLUE, "--"),
+    }
+    figure, (axes,) = new_figure(1, 1)
+    _draw_both_sides(axes, X, (H, "black", "-"), "computed, radial method")
+    axes.plot(plane["X"], plane, ".", color=plots.GREY, markersize=4, label="computed, 2-D method")
+    for name, curve in fitted.items():
+        _draw_both_sides(axes, X, curve, name)
+    axes.set(xlim=(-1.2, 1.2), ylim=(0, 1.5 * float(H[0])), xlabel="$X$ ($a^*$)", ylabel="film $H$ ($a^{*2}/R$)")
+    axes.legend(loc="lower center", frameon=False, fontsize="small")
+    centre = float(plane.sel(X=0.0, method="nearest"))
+    caption = (
+        f"Film at maximum impact, M = {SHOWN_LOAD}, L = {L:g}, and C v^0.67 with C fitted on {INNER} < X < {OUTER}.  "
+        "The bell in the centre formed before there was a front.  Central film by the radial and by the 2-D method: "
+        f"H(0) = {H[0]:.5f} and {centre:.5f} ({centre / H[0] - 1:+.2%})."
+    )
+    data = DataFrame({"X": X, "H": H, **{name: values for name, (values, *_) in fitted.items()}})
+    return Drawn(figure, caption, {"film": data})
+
+
+def _draw_both_sides(axes: Axes, X: Values, curve: Curve, label: str) -> None:
+    H, colour, line = curve
+    axes.plot(np.r_[-X[::-1], X], np.r_[H[::-1], H], color=colour, linestyle=line, label=label)
+
+
+def _profile(run: xr.Dataset) -> tuple[Values, Values]:
+    """Distance X from the centre and film H, at maximum approach."""
+    last = fronts.at_max_approach(run)
+    return np.asarray(last["r"].values), np.asarray(last["H"].values)
+
+
+def _fitted(X: Values, H: Values, speed: Values) -> Values:
+    """C v^0.67 with C fitted on the range of the paper."""
+    near = (X > INNER) & (X < OUTER) & np.isfinite(speed) & (speed > 0)
+    C = fronts.fit_power(fronts.Trace(X[near], H[near], speed[near]))
+    return np.asarray(C * speed**fronts.SPEED_EXPONENT)
+
+
+# -- Fig. 4 -----------------------------------------------------------------------------------------------------------
+
+
+def film_predicted(results: Results, plan: Plan) -> Drawn:
+    """Fig. 4: film behind the front for six M, C v^0.67, and the film that a steady formula predicts."""
+    runs = radial_runs(results, plan)
+    figure, panels = new_figure(2, 3)
+    columns: dict[str, Values] = {}
+    for (M, run), axes in zip(runs.items(), panels, strict=True):
+        columns |= {f"{name}, M = {M}": values for name, values in _draw_film(axes, M, run).items()}
+    panels[0].legend(loc="lower left", frameon=False, fontsize="small")
+    for axes in panels[3:]:
+        axes.set_xlabel("$X$ ($a^*$)")
+    for axes in panels[::3]:
+        axes.set_ylabel("film $H$ ($a^{*2}/R$)")
+    caption = (
+        f"Computed film (enlarged), C v^0.67 with C fitted on {INNER} < X < {OUTER}, and the central film of "
+        "Nijenbanning, Venner and Moes at the local parameters, without a fit: at (lambda_bar v, alpha_bar), and with "
+        "the Hertz contact of that moment, at (lambda_bar v/A^4, alpha_bar A) and times A^2.  Here v is the speed of "
+        "the front defined by the minimum film.  The table gives deviations on the same range, as far as the front "
+        "came, by the definition of the front.  The formula holds for Barus' law and an incompressible oil, the runs "
+        "have Roelands' law and a compressible oil."
+    )
+    rows = DataFrame([row for M, run in runs.items() for row in _deviations(M, run)])
+    tables = {"Deviation from the computed film: root mean square (mean)": rows}
+    return Drawn(figure, caption, {"film": side_by_side(columns)}, tables)
+
+
+def _draw_film(axes: Axes, M: int, run: xr.Dataset) -> dict[str, Values]:
+    """Draw the panel of one M and return its data."""
+    r, H = _profile(run)
+    near = (r > 0.6) & (r < 1.02)
+    p, speed = Parameters.from_moes(M, L), fronts.front(run).speed_at(r[near])
+    curves: dict[str, Curve] = {
+        "$C v^{0.67}$": (_fitted(r[near], H[near], speed), plots.ORANGE, "-"),
+        "formula at $\\bar\\lambda v$": (_predicted(p, speed, np.ones_like(speed)), plots.BLUE, "--"),
+        "formula, local Hertz": (_predicted(p, speed, r[near]), plots.GREEN, "-."),
+    }
+    axes.plot(r[near], H[near], color="black", label="computed")
+    for name, (film, colour, line) in curves.items():
+        axes.plot(r[near], film, color=colour, linestyle=line, label=name)
+    axes.set(xlim=(0.65, 1.0), ylim=(0, 1.05 * float(np.interp(0.65, r, H))), title=f"$M$ = {M}")
+    return {**{name: film for name, (film, *_) in curves.items()}, "X": r[near], "H": H[near], "speed": speed}
+
+
+def _predicted(p: Parameters, speed: Values, A: Values) -> Values:
+    """The film of the formula where the speed of the front is known, nan elsewhere."""
+    curve = np.full_like(speed, np.nan)
+    known = np.isfinite(speed) & (speed > 0)
+    curve[known] = fronts.film_from_speed(p, speed[known], A[known])
+    return curve
+
+
+def _deviations(M: int, run: xr.Dataset) -> Iterator[dict[str, str]]:
+    """Rows of the table: deviation of C v^0.67 and of the formula from the film, for each speed of the front."""
+    p, H = Parameters.from_moes(M, L), np.interp(FITTED_ON, *_profile(run))
+    traces = {
+        **{name: fronts.film_behind_front(run, fronts.front(run, by), FITTED_ON) for by, name in FRONTS.items()},
+        "none: exact dry law": fronts.Trace(FITTED_ON, H, hertz.front_speed(FITTED_ON)),
+        "none: parabola (23)": fronts.Trace(FITTED_ON, H, hertz.parabola_front_speed_at(FITTED_ON)),
+    }
+    for name, trace in traces.items():
+        if len(trace.X) < 3:
+            continue
+        C = fronts.fit_power(trace)
+        films = {
+            "C v^0.67": C * trace.speed**fronts.SPEED_EXPONENT,
+            "formula": fronts.film_from_speed(p, trace.speed),
+            "formula, local Hertz": fronts.film_from_speed(p, trace.speed, trace.X),
+        }
+        found = {title: fronts.deviation(film, trace.H) for title, film in films.items()}
+        cells = {title: f"{off.rms:.1%} ({off.mean:+.1%})" for title, off in found.items()}
+        yield {"M": str(M), "front": name, "C": f"{C:.5f}", **cells, "X up to": f"{trace.X[-1]:.2f}"}

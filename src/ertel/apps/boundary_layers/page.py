@@ -4,14 +4,51 @@ import base64
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from html import escape
 from pathlib import Path
+from string import Template
 
-from jinja2 import Environment, PackageLoader
-from markupsafe import Markup
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 from pandas import DataFrame, Series, option_context
+
+PAGE = Template("""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width">
+<title>$title</title>
+<style>
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
+section { margin: 2.5rem 0; }
+figure { margin: 1rem 0; }
+img { width: 100%; height: auto; }
+h3 { font-size: 0.9rem; margin: 1rem 0 0; }
+table { border-collapse: collapse; font-size: 0.85rem; margin: 0.5rem 0; }
+th, td { padding: 0.15rem 0.7rem; text-align: right; border-bottom: 1px solid #ddd; }
+th:first-child, td:first-child { text-align: left; }
+.failed { color: #a00; }
+</style>
+</head>
+<body>
+<h1>$title</h1>
+$remarks
+$sections
+</body>
+</html>
+""")
+SECTION = Template("""<section>
+<h2>$heading</h2>
+$content
+</section>""")
+FIGURE = Template("""<figure>
+<img alt="$heading" src="$picture">
+<figcaption>$caption</figcaption>
+</figure>
+$tables
+$data""")
 
 
 @dataclass(frozen=True)
@@ -28,39 +65,46 @@ class Drawn:
     tables: Mapping[str, DataFrame] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class Part:
-    """A figure on the page.  picture: address of the image; files: name -> address; failure: why there is no figure.
+def new_figure(rows: int, columns: int) -> tuple[Figure, list[Axes]]:
+    """A figure with panels, row by row."""
+    figure = Figure(figsize=(max(4.8 * columns, 7.0), 3.8 * rows), layout="constrained")
+    return figure, list(figure.subplots(rows, columns, squeeze=False).ravel())
 
-    Pictures and files are embedded: their addresses are data URLs.
+
+def save(drawn: Drawn, name: str, heading: str, directory: Path) -> str:
+    """Write NAME.svg, NAME.png and the data as NAME_PART.csv; the figure as a section of the page.
+
+    Picture and data are embedded in the section.
     """
-
-    heading: str
-    picture: str = ""
-    caption: str = ""
-    tables: Mapping[str, Markup] = field(default_factory=dict)
-    files: Mapping[str, str] = field(default_factory=dict)
-    failure: str = ""
-
-
-def save(drawn: Drawn, name: str, heading: str, directory: Path) -> Part:
-    """Write NAME.svg, NAME.png and the data as NAME_PART.csv; the figure as a part of the page."""
     directory.mkdir(parents=True, exist_ok=True)
     image = io.BytesIO()
     with rc_context({"svg.hashsalt": name}):  # the same figure gives the same file
         drawn.figure.savefig(image, format="svg", metadata={"Date": None})
     (directory / f"{name}.svg").write_bytes(image.getvalue())
     drawn.figure.savefig(directory / f"{name}.png", dpi=150)
-    files = {f"{name}_{part}.csv": to_csv(table).encode() for part, table in drawn.data.items()}
-    for file, content in files.items():
+    links = []
+    for part, table in drawn.data.items():
+        file, content = f"{name}_{part}.csv", to_csv(table).encode()
         (directory / file).write_bytes(content)
-    return Part(
-        heading,
-        _embedded("image/svg+xml", image.getvalue()),
-        drawn.caption,
-        {title: to_html(table) for title, table in drawn.tables.items()},
-        {file: _embedded("text/csv", content) for file, content in files.items()},
+        links.append(f'<a download="{escape(file)}" href="{_embedded("text/csv", content)}">{escape(file)}</a>')
+    figure = FIGURE.substitute(
+        heading=escape(heading),
+        picture=_embedded("image/svg+xml", image.getvalue()),
+        caption=escape(drawn.caption),
+        tables="\n".join(f"<h3>{escape(title)}</h3>\n{to_html(table)}" for title, table in drawn.tables.items()),
+        data=f"<p>Data:\n{', '.join(links)}\n</p>" if links else "",
     )
+    return section(heading, figure)
+
+
+def section(heading: str, content: str) -> str:
+    """A section of the page.  content: HTML."""
+    return SECTION.substitute(heading=escape(heading), content=content)
+
+
+def failed(heading: str, reason: str) -> str:
+    """The section of a figure that could not be made."""
+    return section(heading, f'<p class="failed">Not made: {escape(reason)}</p>')
 
 
 def side_by_side(columns: Mapping[str, ArrayLike]) -> DataFrame:
@@ -73,17 +117,16 @@ def to_csv(table: DataFrame) -> str:
     return str(table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))
 
 
-def to_html(table: DataFrame) -> Markup:
+def to_html(table: DataFrame) -> str:
     """A table as HTML, its texts escaped and not cut off."""
     with option_context("display.max_colwidth", None):
-        return Markup(table.to_html(index=False, border=0, justify="unset"))
+        return str(table.to_html(index=False, border=0, justify="unset"))
 
 
-def page(title: str, remarks: Sequence[str], parts: Sequence[Part]) -> str:
-    """The HTML page."""
-    loader = PackageLoader("ertel.apps.boundary_layers")
-    environment = Environment(loader=loader, autoescape=True, trim_blocks=True)
-    return environment.get_template("page.html").render(title=title, remarks=remarks, parts=parts)
+def page(title: str, remarks: Sequence[str], sections: Sequence[str]) -> str:
+    """The HTML page.  sections: HTML."""
+    paragraphs = "\n".join(f"<p>{escape(remark)}</p>" for remark in remarks)
+    return PAGE.substitute(title=escape(title), remarks=paragraphs, sections="\n".join(sections))
 
 
 def _embedded(kind: str, content: bytes) -> str:

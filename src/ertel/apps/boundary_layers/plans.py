@@ -2,10 +2,19 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 LOADS = (200, 500, 1000, 2000, 5000, 10000)  # M of Figs. 1, 2 and 4
 L = 10.0  # of Figs. 1 to 4
 SHOWN_LOAD = 1000  # M of Fig. 3, and of the run by the 2-D method
+
+Definition = Literal["film", "slope", "half-hertz"]  # of the front, see ertel.fronts.front
+FRONTS: Mapping[Definition, str] = {
+    "film": "minimum film",
+    "slope": "steepest pressure",
+    "half-hertz": "half the Hertz pressure",
+}
+FORMED = 0.4  # a*: at smaller radii there is a bell of pressure and no front yet
 
 Moes = tuple[float, float]  # M, L
 Wavelengths = tuple[float, ...]  # in units a* (impact) or a (rolling)

@@ -1,51 +1,129 @@
-"""Figure 6 of the paper: amplitude reduction in impact and in rolling, and the parameter that brings them together."""
+"""Figures 5 and 6 of the paper: waves in an impact, and amplitude reduction in impact and in rolling.
 
-from collections.abc import Callable, Mapping, Sequence
+The checks of Fig. 6: A_d/A_i does not depend on the height of the waves, and hardly on the time steps.  In rolling it
+is computed without time steps; time steps over waves of finite height lead to the same value.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from pandas import DataFrame
 
-from ertel import amplitude_reduction, plots, waves
-from ertel.apps.boundary_layers import checks
-from ertel.apps.boundary_layers.dots import (
-    DRY,
-    FILM,
-    HALF_HERTZ,
-    Dot,
-    Rolled,
-    Twin,
-    curve_of,
-    dots,
-    rolled_over,
+from ertel import Parameters, amplitude_reduction, fronts, hertz, plots, waves
+from ertel.apps.boundary_layers.page import Drawn, new_figure
+from ertel.apps.boundary_layers.plans import FORMED, FRONTS, Moes, Plan
+from ertel.apps.boundary_layers.ratios import (
+    LINE_CONTACT,
+    RANGE,
+    Extrapolated,
+    Grids,
+    Mark,
+    draw_curves,
+    draw_fit,
+    impact_mark,
+    rolling_mark,
     scatter,
-    twins_of,
 )
-from ertel.apps.boundary_layers.page import Drawn
-from ertel.apps.boundary_layers.plans import Plan
-from ertel.apps.boundary_layers.smooth import FORMED, Results, new_figure
-from ertel.apps.boundary_layers.waves import check_tasks, impact_tasks, rolling_tasks, twin_tasks
+from ertel.apps.boundary_layers.runs import (
+    CHECKED,
+    HALF_WIDTH,
+    HEIGHT,
+    SHORTER,
+    Results,
+    check_tasks,
+    radial_task,
+    rolled_wavelengths,
+    rolling_task,
+    rolling_tasks,
+    twin_task,
+    wave_name,
+    waves_task,
+    waves_tasks,
+)
 from ertel.runs.tasks import Task
 
-LINE_CONTACT = {
-    "line contact (1997)": amplitude_reduction.LINE_1997,
-    "line contact (later fit)": amplitude_reduction.LINE_REFIT,
-}
+FILM, HALF_HERTZ, DRY = FRONTS["film"], FRONTS["half-hertz"], "dry law"  # the speeds of the front
+SMALLEST_ERROR = 0.01  # of a ratio, in the fit: no ratio counts as more accurate
+EDGE = 1.0  # a*: of the contact, in the checks
 
 
 def tasks(plan: Plan) -> list[Task]:
     """The runs of Fig. 6."""
-    return [*impact_tasks(plan), *check_tasks(plan), *rolling_tasks(plan), *twin_tasks(plan)]
+    twins = [twin_task(twin, nodes) for twin in plan.waves.twins for nodes in plan.waves.twin_grids]
+    return [*waves_tasks(plan), *check_tasks(plan).values(), *rolling_tasks(plan), *twins]
+
+
+# -- Fig. 5 -----------------------------------------------------------------------------------------------------------
+
+
+def deformed_waves(results: Results, plan: Plan) -> Drawn:
+    """Fig. 5: dH(X, 0)/A_i at maximum impact, inside and outside the contact."""
+    (M, L), nodes = plan.waves.shown, plan.waves.grids[1]
+    wavelengths = plan.waves.impacts[M, L]
+    fine = results[waves_task(plan, (M, L), nodes).name]
+    edge = float(fronts.front(results[radial_task(M, L, plan).name]).A[-1])
+    figure, panels = new_figure(len(wavelengths), 1)
+    figure.set_size_inches(8.0, 2.4 * len(wavelengths))
+    columns, rows = {"X": fine["X"].values, "H": fine["H"].values}, []
+    for wavelength, axes in zip(wavelengths, panels, strict=True):
+        response = fine.sel(wave=wave_name("isotropic", HEIGHT, wavelength))
+        wave = waves.last_wave(response["X"].values, response["dH"].values, edge)
+        _draw_waves(axes, response, wave, edge)
+        axes.set_ylabel(f"$\\Lambda$ = {wavelength:g}")
+        columns[f"dH/A_i, wavelength {wavelength:g}"] = response["dH"].values
+        rows.append({"wavelength (a*)": f"{wavelength:g}", "X": f"{wave.X:.3f}", "A_d/A_i": f"{wave.amplitude:.3f}"})
+    panels[0].legend(loc="lower left", frameon=True, fontsize="x-small", ncols=3)
+    panels[-1].set_xlabel("$X$ ($a^*$)")
+    caption = (
+        f"dH(X, 0)/A_i at maximum impact, M = {M:g}, L = {L:g}, roughness A_i cos(2 pi X/Lambda) cos(2 pi Y/Lambda) "
+        f"with a crest at the centre, A_i = {HEIGHT} sqrt(L/M), {nodes} nodes per side.  The vertical lines mark the "
+        "minimum film.  The deformation of the waves rises with their distance from the centre and with their "
+        "wavelength, and the waves are shifted outwards.  Outside the contact they keep their amplitude."
+    )
+    tables = {f"Last complete waves, {nodes} nodes per side": DataFrame(rows)}
+    return Drawn(figure, caption, {"dH": DataFrame(columns)}, tables)
+
+
+def _draw_waves(axes: Axes, response: xr.Dataset, wave: waves.Wave, edge: float) -> None:
+    X, shape = response["X"].values, -response["shape"].values
+    axes.plot(X, shape, color=plots.GREY, linewidth=0.7, linestyle=":", label="undeformed: $-\\mathcal{R}/A_i$")
+    axes.plot(X, response["dH"].values, color=plots.BLUE, label="$dH/A_i$")
+    axes.axvspan(wave.start, wave.end, color=plots.ORANGE, alpha=0.2, label="last complete wave")
+    for side in (-edge, edge):
+        axes.axvline(side, color="black", linewidth=0.7)
+    axes.set(xlim=(-HALF_WIDTH, HALF_WIDTH), ylim=(-1.15, 1.15))
+
+
+# -- Fig. 6 -----------------------------------------------------------------------------------------------------------
+
+
+class Dot(NamedTuple):
+    """One wave in an impact.  local: nabla2 by the speed of the front, for FILM, HALF_HERTZ and DRY."""
+
+    mark: Mark
+    local: Mapping[str, float]
+    last: bool
+
+
+class Twin(NamedTuple):
+    """An impact's wave, and rolling at the parameters of the front as it passed there."""
+
+    impact: Mark
+    nabla2: float
+    rolling: Extrapolated
 
 
 @dataclass(frozen=True)
 class Found:
-    """All that Fig. 6 shows.  own: the curve of the form of (15) through the rolling contacts."""
+    """The content of Fig. 6.  own: the curve of the form of (15) through the rolling contacts."""
 
     impacts: list[Dot]
-    rolled: list[Rolled]
+    rolled: list[Mark]
     twins: list[Twin]
     own: waves.Reduction
 
@@ -57,13 +135,55 @@ class Found:
     @property
     def inner(self) -> list[Dot]:
         """The waves further in, as far as there was a front."""
-        return [dot for dot in self.impacts if not dot.last and dot.X > FORMED]
+        return [dot for dot in self.impacts if not dot.last and dot.mark.X > FORMED]
+
+
+def find(results: Results, plan: Plan) -> Found:
+    """The ratios of impacts, of rolling contacts and of the rolling twins."""
+    impacts = [dot for case in plan.waves.impacts for dot in _dots(results, plan, case)]
+    rolled = list(_rolled(results, plan))
+    errors = [max(mark.ratio.error, SMALLEST_ERROR) for mark in rolled]
+    own = waves.fit_reduction([mark.local for mark in rolled], [mark.ratio.limit for mark in rolled], errors)
+    return Found(impacts, rolled, list(_twins([dot.mark for dot in impacts], results, plan)), own)
+
+
+def _dots(results: Results, plan: Plan, case: Moes) -> Iterator[Dot]:
+    """Each complete wave inside the contact, from the centre outwards."""
+    smooth = results[radial_task(*case, plan).name]
+    front, by_pressure = fronts.front(smooth), fronts.front(smooth, "half-hertz")
+    grids, p = Grids(*(results[waves_task(plan, case, n).name] for n in plan.waves.grids)), Parameters.from_moes(*case)
+    for wavelength in plan.waves.impacts[case]:
+        inside = [waves.waves(X, dH, float(front.A[-1])) for X, dH in grids.responses("isotropic", wavelength)]
+        pairs = list(zip(*(found[::-1] for found in inside), strict=False))  # from the edge inwards
+        for number, (coarse, fine) in reversed(list(enumerate(pairs))):
+            ratio = Extrapolated(coarse.amplitude, fine.amplitude)
+            mark = impact_mark("impact", case, wavelength, fine.X, ratio, front)
+            speeds = {HALF_HERTZ: by_pressure.speed_at(fine.X), DRY: hertz.front_speed(fine.X)}
+            others = {name: float(waves.local_nabla2(p, wavelength, speed)) for name, speed in speeds.items()}
+            yield Dot(mark, {FILM: mark.local, **others}, last=number == 0)
+
+
+def _rolled(results: Results, plan: Plan) -> Iterator[Mark]:
+    """The rolling contacts."""
+    for case, wavelengths in plan.waves.rolling.items():
+        grids = [results[rolling_task(plan, case, nodes).name] for nodes in plan.waves.rolling_grids]
+        for wavelength, coarse, fine in zip(wavelengths, *grids, strict=True):
+            yield rolling_mark("rolling", case, wavelength, Extrapolated(coarse, fine))
+
+
+def _twins(impacts: Sequence[Mark], results: Results, plan: Plan) -> Iterator[Twin]:
+    """The rolling twins, each with the wave of the impact that is nearest to its place."""
+    for twin in plan.waves.twins:
+        *case, X = twin
+        nearest = min((mark for mark in impacts if mark.case == tuple(case)), key=lambda mark: abs(mark.X - X))
+        (_, coarse), (nabla2, fine) = (results[twin_task(twin, nodes).name] for nodes in plan.waves.twin_grids)
+        yield Twin(nearest, nabla2, Extrapolated(coarse, fine))
 
 
 def reduction(results: Results, plan: Plan) -> Drawn:
     """Fig. 6: A_d/A_i of impact and of rolling against the local and the global nabla2, and the curve (15)."""
-    impacts, rolled = list(dots(results, plan)), list(rolled_over(results, plan))
-    found = Found(impacts, rolled, list(twins_of(impacts, results, plan)), curve_of(rolled))
+    found = find(results, plan)
+    own = f"1/(1 + {found.own.linear:.3f} nabla2 + {found.own.quadratic:.4f} nabla2^2)"
     caption = (
         "Amplitude reduction.  Dots: last complete wave inside the contact at maximum impact, extrapolated from grids "
         f"of {plan.waves.grids[0]} and {plan.waves.grids[1]} nodes per side for a method of second order; the error "
@@ -74,38 +194,36 @@ def reduction(results: Results, plan: Plan) -> Drawn:
         "Solid line: eq. (15).  "
         "Grey: transverse waviness in a line contact, 1/(1 + 0.17 n + 0.03 n^2) of 1997 (dashed) and a later fit, "
         "1/(1 + 0.125 n + 0.04 n^2) (dotted), n = 0.608 nabla2.  "
-        f"Dash-dotted: {_text(found.own)}, fitted to the squares.  Right: nabla2 with radius and pressure of the Hertz "
+        f"Dash-dotted: {own}, fitted to the squares.  Right: nabla2 with radius and pressure of the Hertz "
         "contact at the moment when the front passed, lambda_bar v/A^4, alpha_bar A, wavelength/A.  Crosses: rolling "
         "at exactly these parameters."
     )
     tables = {
-        "Impact: last complete waves": _dots_table(found.last),
+        "Impact: last complete waves": DataFrame(
+            {**dot.mark.cells_of_place(), "(15) of local": _by_15(dot.mark.local)} for dot in found.last
+        ),
         "A_d/A_i minus the curve: mean, root mean square": _scatter_table(found),
         "Rolling at the parameters of the front": _twins_table(found.twins),
-        "Rolling": _rolling_table(found.rolled),
-        **checks.tables(results, plan),
+        "Rolling": DataFrame(
+            {**m.cells(), "nabla2": f"{m.local:.2f}", **m.ratio.cells(), "(15)": _by_15(m.local)} for m in found.rolled
+        ),
+        **_checks(results, plan),
     }
-    data = {"impact": _impact_data(impacts), "rolling": _rolling_data(rolled)}
-    return Drawn(_draw(found), caption, data, tables)
-
-
-# -- the figure -------------------------------------------------------------------------------------------------------
+    return Drawn(_draw(found), caption, {"impact": _impact_data(found), "rolling": _rolling_data(found)}, tables)
 
 
 def _draw(found: Found) -> Figure:
     figure, (left, middle, right) = new_figure(1, 3)
+    rolled = [mark.local for mark in found.rolled], [mark.ratio.limit for mark in found.rolled]
+    bars = [mark.ratio.error for mark in found.rolled]
     for axes in (left, middle, right):
         draw_curves(axes)
-        n = np.geomspace(0.3, 30, 200)
-        axes.plot(
-            n, found.own.ratio(n), color=plots.ORANGE, linewidth=1.0, linestyle="-.", label="fitted to the squares"
-        )
-        _draw_rolled(axes, found.rolled)
-    ranges = [(min(dot.local.values()), max(dot.local.values())) for dot in found.last]
-    _draw_dots(left, found.last, [dot.local[FILM] for dot in found.last], ranges)
-    _draw_dots(middle, found.last, [dot.everywhere for dot in found.last])
-    _draw_dots(right, found.last, [dot.hertz for dot in found.last])
-    further = [dot.hertz for dot in found.inner], [dot.ratio.limit for dot in found.inner]
+        draw_fit(axes, found.own.ratio(RANGE), "-.", "fitted to the squares")
+        axes.errorbar(*rolled, bars, fmt="s", color="black", markerfacecolor="white", capsize=2, label="rolling")
+    _draw_dots(left, found.last, lambda dot: dot.mark.local, ranges=True)
+    _draw_dots(middle, found.last, lambda dot: dot.mark.everywhere)
+    _draw_dots(right, found.last, lambda dot: dot.mark.hertz)
+    further = [dot.mark.hertz for dot in found.inner], [dot.mark.ratio.limit for dot in found.inner]
     crosses = [twin.nabla2 for twin in found.twins], [twin.rolling.limit for twin in found.twins]
     handles = right.plot(*further, ".", color=plots.GREY, markersize=3, label="impact, waves further in")
     handles += right.plot(*crosses, "x", color=plots.BLUE, label="rolling, parameters of the front")
@@ -117,84 +235,42 @@ def _draw(found: Found) -> Figure:
     return figure
 
 
-def draw_curves(axes: Axes) -> None:
-    """Eq. (15) and the curves of the line contact, for nabla2 = 0.4 to 20."""
-    n = np.geomspace(0.3, 30, 200)
-    axes.semilogx(n, amplitude_reduction.ratio_left(n), color="black", label="(15), isotropic")
-    for (name, coefficients), style in zip(LINE_CONTACT.items(), ("--", ":"), strict=True):
-        line_contact = amplitude_reduction.in_line_contact(n, coefficients)
-        axes.semilogx(n, line_contact, color=plots.GREY, linestyle=style, label=f"transverse, {name}")
-    axes.set(ylim=(0, 1.1), xlim=(0.4, 20), ylabel="$A_d/A_i$")
-    axes.set_xticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
-
-
-def _draw_dots(
-    axes: Axes, found: Sequence[Dot], nabla2: Sequence[float], ranges: Sequence[tuple[float, float]] = ()
-) -> None:
-    """Dots with error bars, one colour and marker for each (M, L); horizontal bars where ranges of nabla2 are given."""
-    cases = list(dict.fromkeys((dot.M, dot.L) for dot in found))
+def _draw_dots(axes: Axes, dots: Sequence[Dot], nabla2: Callable[[Dot], float], ranges: bool = False) -> None:
+    """Draw dots with error bars, one colour and marker for each (M, L); ranges: with horizontal bars for the speeds."""
+    cases = list(dict.fromkeys(dot.mark.case[:2] for dot in dots))
     shades = plots.ORDERED_COLOURS(np.linspace(0.95, 0.0, len(cases)))
-    for (M, L), colour, marker in zip(cases, shades, "ovD^P*<>", strict=False):
-        own = [i for i, dot in enumerate(found) if (dot.M, dot.L) == (M, L)]
-        place, ratios = [nabla2[i] for i in own], [found[i].ratio for i in own]
-        limit, bar = [ratio.limit for ratio in ratios], [ratio.error for ratio in ratios]
-        across = np.array([(nabla2[i] - ranges[i][0], ranges[i][1] - nabla2[i]) for i in own]).T if ranges else None
-        label = f"impact, M = {M:g}, L = {L:g}"
-        axes.errorbar(place, limit, bar, across, fmt=marker, color=colour, label=label, capsize=2, elinewidth=0.8)
+    for case, colour, marker in zip(cases, shades, "ovD^P*<>", strict=False):
+        own = [dot for dot in dots if dot.mark.case[:2] == case]
+        place, ratios = [nabla2(dot) for dot in own], [dot.mark.ratio for dot in own]
+        ends = [(x - min(dot.local.values()), max(dot.local.values()) - x) for x, dot in zip(place, own, strict=True)]
+        across = np.array(ends).T if ranges else None
+        limit, bar, label = [r.limit for r in ratios], [r.error for r in ratios], "impact, M = {:g}, L = {:g}"
+        axes.errorbar(
+            place, limit, bar, across, fmt=marker, color=colour, label=label.format(*case), capsize=2, elinewidth=0.8
+        )
 
 
-def _draw_rolled(axes: Axes, rolled: Sequence[Rolled]) -> None:
-    place, limit = [r.nabla2 for r in rolled], [r.ratio.limit for r in rolled]
-    bar = [r.ratio.error for r in rolled]
-    axes.errorbar(place, limit, bar, fmt="s", color="black", markerfacecolor="white", capsize=2, label="rolling")
+def _by_15(nabla2: float) -> str:
+    return f"{float(amplitude_reduction.ratio_left(nabla2)):.3f}"
 
 
-# -- data -------------------------------------------------------------------------------------------------------------
-
-
-def _impact_data(impacts: Sequence[Dot]) -> DataFrame:
+def _impact_data(found: Found) -> DataFrame:
     return DataFrame(
         {
-            **{name: getattr(dot, name) for name in ("M", "L", "wavelength", "X")},
+            **{name: getattr(dot.mark, name) for name in ("M", "L", "wavelength", "X")},
             "last": int(dot.last),
-            "everywhere": dot.everywhere,
-            "hertz": dot.hertz,
-            **dot.ratio.columns(),
+            "everywhere": dot.mark.everywhere,
+            "hertz": dot.mark.hertz,
+            **dot.mark.ratio.columns(),
             **{f"local, {name}": nabla2 for name, nabla2 in dot.local.items()},
         }
-        for dot in impacts
+        for dot in found.impacts
     )
 
 
-def _rolling_data(rolled: Sequence[Rolled]) -> DataFrame:
-    names = ("M", "L", "wavelength", "nabla2")
-    return DataFrame({**{name: getattr(r, name) for name in names}, **r.ratio.columns()} for r in rolled)
-
-
-# -- tables -----------------------------------------------------------------------------------------------------------
-
-
-def _text(curve: waves.Reduction) -> str:
-    return f"1/(1 + {curve.linear:.3f} nabla2 + {curve.quadratic:.4f} nabla2^2)"
-
-
-def case_cells(M: float, L: float, wavelength: float) -> dict[str, str]:
-    """The first cells of a row."""
-    return {"M": f"{M:g}", "L": f"{L:g}", "wavelength": f"{wavelength:g}"}
-
-
-def _dots_table(found: Sequence[Dot]) -> DataFrame:
+def _rolling_data(found: Found) -> DataFrame:
     return DataFrame(
-        {
-            **case_cells(dot.M, dot.L, dot.wavelength),
-            "X": f"{dot.X:.3f}",
-            **dot.ratio.cells(),
-            "nabla2 local": f"{dot.local[FILM]:.2f}",
-            "momentary Hertz contact": f"{dot.hertz:.2f}",
-            "global": f"{dot.everywhere:.2f}",
-            "(15) of local": f"{float(amplitude_reduction.ratio_left(dot.local[FILM])):.3f}",
-        }
-        for dot in found
+        {"M": m.M, "L": m.L, "wavelength": m.wavelength, "nabla2": m.local, **m.ratio.columns()} for m in found.rolled
     )
 
 
@@ -202,8 +278,8 @@ PARAMETERS: Mapping[str, Callable[[Dot], float]] = {
     f"local nabla2, speed by {FILM}": lambda dot: dot.local[FILM],
     f"local nabla2, speed by {HALF_HERTZ}": lambda dot: dot.local[HALF_HERTZ],
     f"local nabla2, speed by {DRY}": lambda dot: dot.local[DRY],
-    "local nabla2, momentary Hertz contact": lambda dot: dot.hertz,
-    "global nabla2": lambda dot: dot.everywhere,
+    "local nabla2, momentary Hertz contact": lambda dot: dot.mark.hertz,
+    "global nabla2": lambda dot: dot.mark.everywhere,
 }
 
 
@@ -213,45 +289,76 @@ def _scatter_table(found: Found) -> DataFrame:
     for name, chosen in {"last waves": found.last, f"waves further in, X > {FORMED:g}": found.inner}.items():
         known = [dot for dot in chosen if np.isfinite(list(dot.local.values())).all()]
         for kind, nabla2 in PARAMETERS.items() if known else ():
-            cells = _about([dot.ratio.limit for dot in known], [nabla2(dot) for dot in known], found.own)
+            cells = _about([dot.mark for dot in known], [nabla2(dot) for dot in known], found.own)
             rows.append({"parameter": f"impact, {name} ({len(known)}), {kind}", **cells})
-    cells = _about([r.ratio.limit for r in found.rolled], [r.nabla2 for r in found.rolled], found.own)
+    cells = _about(found.rolled, [mark.local for mark in found.rolled], found.own)
     return DataFrame([*rows, {"parameter": "rolling", **cells}])
 
 
-def _about(values: Sequence[float], nabla2: Sequence[float], own: waves.Reduction) -> dict[str, str]:
+def _about(marks: Sequence[Mark], nabla2: Sequence[float], own: waves.Reduction) -> dict[str, str]:
     curves = {
         "isotropic (15)": amplitude_reduction.ratio_left(nabla2),
         **{name: amplitude_reduction.in_line_contact(nabla2, c) for name, c in LINE_CONTACT.items()},
         "fitted to rolling": own.ratio(nabla2),
     }
-    return {name: scatter(values, curve).text() for name, curve in curves.items()}
+    return {name: scatter(marks, curve).text() for name, curve in curves.items()}
 
 
 def _twins_table(twins: Sequence[Twin]) -> DataFrame:
     rows = [
         {
-            **case_cells(twin.M, twin.L, twin.wavelength),
-            "X": f"{twin.X:.3f}",
+            **twin.impact.cells(),
+            "X": f"{twin.impact.X:.3f}",
             "nabla2": f"{twin.nabla2:.2f}",
-            "impact at X": twin.impact.text(),
+            "impact at X": twin.impact.ratio.text(),
             "rolling": twin.rolling.text(),
-            "impact minus rolling": f"{twin.impact.limit - twin.rolling.limit:+.3f}",
+            "impact minus rolling": f"{twin.impact.ratio.limit - twin.rolling.limit:+.3f}",
         }
         for twin in twins
     ]
-    off = scatter([twin.impact.limit for twin in twins], np.array([twin.rolling.limit for twin in twins]))
+    off = scatter([twin.impact for twin in twins], [twin.rolling.limit for twin in twins])
     total = {"M": "mean, root mean square", "impact minus rolling": off.text()}
     return DataFrame([*rows, total]).fillna("")
 
 
-def _rolling_table(rolled: Sequence[Rolled]) -> DataFrame:
-    return DataFrame(
+# -- checks -----------------------------------------------------------------------------------------------------------
+
+
+def _checks(results: Results, plan: Plan) -> dict[str, DataFrame]:
+    """Title -> table of each check."""
+    runs = {name: results[task.name] for name, task in check_tasks(plan).items()}
+    (M, L), nodes = plan.waves.shown, plan.waves.grids[0]
+    shortest = plan.waves.impacts[M, L][0]
+    ratios = {"0: tangent-linear": _last_ratio(runs["linear"], HEIGHT, shortest)}
+    ratios |= {f"{height:g}": _last_ratio(runs["heights"], height, shortest) for height in CHECKED}
+    usual = results[waves_task(plan, (M, L), nodes).name]
+    steps = [
         {
-            **case_cells(r.M, r.L, r.wavelength),
-            "nabla2": f"{r.nabla2:.2f}",
-            **r.ratio.cells(),
-            "(15)": f"{float(amplitude_reduction.ratio_left(r.nabla2)):.3f}",
+            "run": f"impact, M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {nodes} nodes",
+            "A_d/A_i, usual steps": f"{_last_ratio(usual, HEIGHT, wavelength):.4f}",
+            f"{SHORTER} times as many": f"{_last_ratio(runs['steps'], HEIGHT, wavelength):.4f}",
         }
-        for r in rolled
-    )
+        for wavelength in plan.waves.impacts[M, L]
+    ]
+    return {
+        f"Height of the waves: M = {M:g}, L = {L:g}, wavelength {shortest:g}, {nodes} nodes": DataFrame(
+            {"A_i / sqrt(L/M)": height, "A_d/A_i": f"{ratio:.4f}"} for height, ratio in ratios.items()
+        ),
+        "Time steps": DataFrame(steps),
+        "Rolling with and without time steps": _by_marching(results, runs["marched"], plan),
+    }
+
+
+def _last_ratio(run: xr.Dataset, height: float, wavelength: float) -> float:
+    response = run.sel(wave=wave_name("isotropic", height, wavelength))
+    return waves.last_wave(response["X"].values, response["dH"].values, EDGE).amplitude
+
+
+def _by_marching(results: Results, marched: float, plan: Plan) -> DataFrame:
+    M, L, wavelength, nodes = plan.waves.marched
+    own = rolled_wavelengths(plan, (M, L), nodes)
+    linear = results[rolling_task(plan, (M, L), nodes).name][own.index(wavelength)]
+    run = f"M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {nodes} nodes"
+    steps = f"time steps of one cell, A_i = {HEIGHT:g} of the film scale"
+    found = {"without time steps, to first order": linear, steps: marched}
+    return DataFrame({"rolling": run, "computed": how, "A_d/A_i": f"{ratio:.4f}"} for how, ratio in found.items())

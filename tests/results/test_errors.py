@@ -12,16 +12,14 @@ from ertel.case.sections import Time
 from ertel.equations import discretise
 from ertel.inputs.case_files import parse_case
 from ertel.physics.units import Quantity
-from ertel.runs.comparisons import comparisons, in_smaller_steps
-from ertel.runs.courses import course_of
+from ertel.results.errors import comparisons, in_smaller_steps, with_error
 from ertel.runs.drive import simulate
 from ertel.solvers import radial
 
 
-def with_error(case: Case) -> dict[str, Any]:
-    course = course_of(case)
+def compared(case: Case) -> dict[str, Any]:
     others = {name: simulate(other).summary for name, other in comparisons(case).items()}
-    return course.with_error(simulate(case).summary, others)
+    return with_error(case, simulate(case).summary, others)
 
 
 @pytest.mark.parametrize("nodes", [65, 97, 129, 257, 385])
@@ -71,7 +69,7 @@ def truth() -> dict[str, float]:
 @pytest.mark.parametrize("rough", ROUGH)
 def test_the_estimate_is_honest(rough: dict[str, float]) -> None:
     """True error over estimated error: for H_c a half to 2; Delta's parts may cancel, it is never understated."""
-    true, found = truth(), with_error(ball(**rough))["error_estimate"]  # type: ignore[arg-type]
+    true, found = truth(), compared(ball(**rough))["error_estimate"]  # type: ignore[arg-type]
     ratio = {
         name: abs(found[name]["value"] - true[key]) / found[name]["error"]
         for name, key in {"H_c": "H_c", "Delta_max": "Delta"}.items()

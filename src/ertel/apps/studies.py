@@ -1,17 +1,20 @@
-"""`ertel sweep`: a parameter study from its file to the printed table."""
+"""`ertel sweep` and `ertel traction`: studies from their input to the printed table."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
-from ertel.apps import tables
+from ertel.apps import running, tables
 from ertel.apps.process import interruptible
 from ertel.apps.terminal import ASKED, FAILED, bad_input, in_shell, leave, print_json, reason_of, say, shown
+from ertel.case.case import Case
+from ertel.case.derived import newtonian_stress
 from ertel.case.status import Status
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
+from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
-from ertel.runs.studies import EVERY, Part, alone, gather, left_of, run_study, study_bars, write
+from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, study_bars, write
 from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
@@ -31,7 +34,7 @@ def part_of(text: str | None) -> Part:
 def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bool, quiet: bool) -> None:
     """Do what is left of a study, write and print what all its runs say."""
     prepare_jax()
-    left = left_of(study, directory, part)
+    left = left_of(study.cases, directory, part)
     if not quiet:
         say(f"{len(study.cases)} runs, {len(left)} of them to do{_in_part(part)}")
     with interruptible() as stop, ExitStack() as stack:
@@ -41,13 +44,14 @@ def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bo
             stack.enter_context(alone(directory))
         try:
             with study_bars(directory, left, not quiet) as shown_bars:
-                said = run_study(study, directory, workers, part, stop, shown_bars.done)
+                said = run_study(study.cases, directory, workers, part, stop, shown_bars.done)
             result = gather(study, directory, said)
-            files = write(result, directory) if part == EVERY else []
+            if part == EVERY:
+                write(result, directory)
         except OSError as error:
             leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {GOES_ON}")
-    if files:
-        _report(result, directory, files, as_json, quiet)
+    if part == EVERY:
+        _report(result, directory, NAME, as_json, quiet)
     if stop.code or len(said) < len(left) or Status.INTERRUPTED.value in said.values():
         leave(stop.code or ASKED, f"interrupted; {GOES_ON}")
     _leave_if_failed(said, result, directory, part)
@@ -68,13 +72,38 @@ def _leave_if_failed(said: Mapping[str, str], result: StudyResult, directory: Pa
         leave(FAILED, f"{len(failed)} of {result.dataset['status'].size} runs failed: {named}; {advice}")
 
 
-def _report(result: StudyResult, directory: Path, files: Sequence[str], as_json: bool, quiet: bool) -> None:
-    """Print the study in the form that the user asked for."""
+def traction(
+    case: Case, given: Mapping[str, str | None], film: str | None, directory: Path, as_json: bool, quiet: bool
+) -> None:
+    """Compute what is left of a traction curve, write and print it."""
+    with bad_input():
+        curve = curves.curve_of(case, given, film)
+    if not quiet:
+        running.say_before([max(curve.cases, key=newtonian_stress)])
+    prepare_jax()
+    with running.within_memory(case), interruptible() as stop:
+        try:
+            found = curves.store_curve(curve, directory, not quiet, stop)
+        except OSError as error:
+            leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {GOES_ON}")
+    _report(found, directory, curves.NAME, as_json, quiet)
+    if not found.complete:
+        leave(stop.code or ASKED, f"interrupted; {GOES_ON}")
+    if found.failed:
+        places = ", ".join(f"{value:.4g}" for value in found.failed)
+        leave(FAILED, f"failed: the film did not converge at {found.axis} = {places}; the other points are there")
+
+
+def _report(result: StudyResult, directory: Path, name: str, as_json: bool, quiet: bool) -> None:
+    """Print a study in the form that the user asked for.  name: of its files."""
     if as_json:
-        print_json({"title": result.dataset.attrs["title"], "runs": result.rows()})
+        print_json(result.as_data())
     elif not quiet:
         out = tables.console()
-        out.print(result.dataset.attrs["title"], style="bold")
-        for line in (*result.table_lines(), *result.remarks):
+        out.print(result.heading, style="bold")
+        for line in result.table_lines():
             out.print(line)
-        out.print(f"Stored in {shown(directory)}, with {', '.join(files[:-1])} and {files[-1]}")
+        for remark in result.remarks:
+            out.print(f"{remark[0].upper()}{remark[1:]}", style="yellow" if remark.startswith("warning") else None)
+        *files, last = files_in(directory, name)
+        out.print(f"Stored in {shown(directory)}, with {', '.join(files)} and {last}")
