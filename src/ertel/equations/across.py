@@ -27,8 +27,8 @@ Nodes = tuple[Array, Array]  # zeta > 0 and weight of each pair, shape (NODES/2,
 def gauss_nodes(law: Fluidity, across: int, pressure: Array, stress: Array, gradient: Array) -> Nodes:
     """Gauss nodes for the middle stress and gradient, near the walls where the fluidity grows steeply there.
 
-    zeta = asinh(z sinh c)/(2 c) with Gauss nodes z in (-1, 1), which are those for c = 0.  c grows with the rate of growth
-    of ln(phi) at the wall with the larger stress.
+    zeta = asinh(z sinh c)/(2 c) with Gauss nodes z in (-1, 1), which are those for c = 0.  c grows with the rate of
+    growth of ln(phi) at the wall with the larger stress.
     """
     wall = stress + jnp.where(dot(stress, gradient) >= 0.0, 0.5, -0.5) * gradient
     phi, slope = with_slope(law, pressure, length(wall))
