@@ -2,9 +2,9 @@
 
     python benchmarks/fft.py [nodes ...]        (257 513 1025 2049 unless said; one minute)
 
-The whole plane, double precision, zero-padded to twice the nodes, as in `halfspace.displacement`.  "Cores" is how many
-threads share the work, (sum of their CPU times)² / sum of squares, which other work on the machine does not change:
-near one, an FFT runs on one core; near the number of cores, it uses them.
+The whole plane, double precision, zero-padded to twice the nodes, as in `halfspace.surface_displacement`.  "Cores" is
+how many threads share the work, (sum of their CPU times)² / sum of squares, which other work on the machine does not
+change: near one, an FFT runs on one core; near the number of cores, it uses them.
 """
 
 import math
@@ -48,7 +48,7 @@ def measure(nodes: int, cores: int) -> list[Any]:
     P = np.zeros((nodes, nodes))
     P[1:-1, 1:-1] = np.random.default_rng(0).random((nodes - 2, nodes - 2))
     on_device, host_kernel = jnp.asarray(P), np.asarray(kernel)
-    convolve = jax.jit(halfspace.displacement)
+    convolve = jax.jit(halfspace.surface_displacement)
     by_jax = partial(_waited, convolve, kernel, on_device)
     one, all_cores = (partial(displacement, host_kernel, P, workers) for workers in (1, cores))
     np.testing.assert_allclose(np.asarray(by_jax()), all_cores(), rtol=1e-9, atol=1e-12)
@@ -63,7 +63,7 @@ def _waited(work: Callable[..., Any], *arguments: Any) -> Any:
 
 
 def displacement(kernel: Any, P: Any, workers: int) -> Any:
-    """`halfspace.displacement` on the whole plane by scipy.fft: the same rows transformed, the same kernel."""
+    """`halfspace.surface_displacement` on the whole plane by scipy.fft: the same rows transformed, the same kernel."""
     from scipy import fft
 
     period, nodes = 2 * (kernel.shape[1] - 1), P.shape[0]

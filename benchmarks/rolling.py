@@ -34,9 +34,9 @@ def measure(M: float, nodes: int) -> Iterator[list[str]]:
     from ertel.numerics import halfspace
     from ertel.solvers import steady
 
-    exact = steady.steady(case(M, nodes, tolerance=1e-9))
+    exact = steady.steady_film(case(M, nodes, tolerance=1e-9))
     grid = exact.finest.grid
-    convolve = jax.jit(halfspace.displacement, static_argnums=2)
+    convolve = jax.jit(halfspace.surface_displacement, static_argnums=2)
     one = seconds(convolve, halfspace.spectrum(grid), jnp.asarray(exact.finest.P), grid.even, repeats=15)
     for tolerance in (1e-6, steady.AS_EXACT_AS_THE_GRID):
         found, wall, cpu = quickest(case(M, nodes, tolerance=tolerance))
@@ -58,7 +58,7 @@ def quickest(problem: Any, repeats: int = 4) -> tuple[Any, float, float]:
     walls, cpus = [], []
     for _ in range(repeats):
         cpu = time.process_time()
-        wall, found = timed(lambda: steady.steady(problem))
+        wall, found = timed(lambda: steady.steady_film(problem))
         walls.append(wall)
         cpus.append(time.process_time() - cpu)
     return found, min(walls), min(cpus)

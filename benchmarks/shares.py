@@ -82,7 +82,7 @@ def compile_seconds(kind: str, nodes: int) -> float:
     if kind == "rolling":
         from ertel.solvers import steady
 
-        first, second = (timed(lambda: steady.steady(rolling(1000, nodes)))[0] for _ in range(2))
+        first, second = (timed(lambda: steady.steady_film(rolling(1000, nodes)))[0] for _ in range(2))
         return first - second
     from ertel.solvers.transient import Transient2D
 
@@ -178,7 +178,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     newton, krylov = (statistics.mean(getattr(level.work, name) for level in found) for name in ("newton", "krylov"))
     now = levels[0]
     rate, line = Rate(1.5 / STEP, 0.0 * now.H), balanced()
-    how = nonlinear.bordered, preconditioner.point_preconditioner, transient.FALLING
+    how = nonlinear.approach_as_unknown, preconditioner.point_preconditioner, transient.FALLING
     problem = nonlinear.Problem(method.contact, method.setting.elastic, rate, line, 1.0, 1.0, *how)
     parts = _parts(problem, now.P, now.H)
     return {
@@ -220,7 +220,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
 
     keep_compiled()
     case = rolling(1000, nodes)
-    steady.steady(case)
+    steady.steady_film(case)
     solve, on_device = steady._program, [0.0]
 
     def solve_and_wait(*fields: Any) -> Any:
@@ -231,8 +231,8 @@ def measure_rolling(nodes: int) -> dict[str, float]:
         walls, solutions = zip(*_each(steady.nested(case)), strict=True)
     last = solutions[-1]
     c = discretise.contact_of(case, last.grid)
-    elastic = multigrid.elasticities(last.grid, CIRCLE.compliance, preconditioner.PRECISION)
-    how = nonlinear.bordered, preconditioner.line_preconditioner, steady.OPTIONS
+    elastic = multigrid.deformation_operators(last.grid, CIRCLE.compliance, preconditioner.PRECISION)
+    how = nonlinear.approach_as_unknown, preconditioner.line_preconditioner, steady.OPTIONS
     problem = nonlinear.Problem(c, elastic, steady_rate(1.0), balanced(), 1.0, 1.0, *how)
     parts = _parts(problem, last.P, last.H)
     return {
@@ -288,7 +288,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
         return problem.preconditioner(problem, P, H, free).args[0]
 
     levels = levels_at(P, H)
-    convolve = jax.jit(halfspace.displacement, static_argnums=2)
+    convolve = jax.jit(halfspace.surface_displacement, static_argnums=2)
     exact = clock(convolve, c.kernel, P, c.even)
     fft = smooth = transfer = operate = 0.0
     for fine, coarse in itertools.pairwise(levels):

@@ -62,7 +62,7 @@ def steps(rheology: Any, nodes: int) -> tuple[float, ...]:
 
 def steady(rheology: Any, nodes: int) -> tuple[float, ...]:
     """Newton and Krylov iterations of a steady solve on the finest grid, its wall and processor time, all grids."""
-    from ertel.solvers.steady import steady as solve
+    from ertel.solvers.steady import steady_film as solve
 
     chosen = case(rheology, nodes, "steady")
     found, clocks = solve(chosen), []

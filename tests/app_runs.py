@@ -2,8 +2,14 @@
 
 import atexit
 import json
+import os
+import re
 import shutil
+import socket
+import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
@@ -11,6 +17,7 @@ from tempfile import mkdtemp
 from made_up import BALL_FALLS, dry_impact
 from zarr.storage import LocalStore
 
+import ertel
 from ertel.inputs.case_files import parse_case, to_toml
 from ertel.runs import checked_zarr
 from ertel.runs.files import sealed
@@ -73,6 +80,26 @@ def stand_in(place: Path) -> list[str]:
     script = place / "stand_in.py"
     script.write_text(STANDS_FOR_ERTEL)
     return [sys.executable, str(script)]
+
+
+@contextmanager
+def served(folder: Path, *flags: str, **variables: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """The app in a folder as a process, and its address with the token."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    inherited = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}  # NiceGUI asks
+    environment = {**inherited, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), **variables}
+    command = [sys.executable, "-m", "ertel", "app", str(folder), "--port", str(port), *flags]
+    with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr
+        message = re.fullmatch(
+            r"The app is at (http://127\.0\.0\.1:(\d+)/\?token=\S+), Ctrl-C closes it\n", process.stderr.readline()
+        )
+        assert message and int(message[2]) == port
+        yield process, message[1]
+        process.terminate()
+        process.communicate(timeout=30)
 
 
 def write_progress(run: Path, **content: object) -> None:

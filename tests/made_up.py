@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.case.sections import SOLVERS
 from ertel.case.status import Status
-from ertel.equations.discretise import grid_of
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import Oil, rolling
 from ertel.physics import hertz

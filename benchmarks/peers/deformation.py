@@ -57,7 +57,10 @@ def by_ertel(nodes: int, P: Any) -> Callable[[], Any]:
     from ertel.numerics import halfspace
     from ertel.numerics.grid import Grid
 
-    kernel, convolve = halfspace.spectrum(Grid.square(nodes, HALF_WIDTH), 2 / np.pi**2), jax.jit(halfspace.displacement)
+    kernel, convolve = (
+        halfspace.spectrum(Grid.square(nodes, HALF_WIDTH), 2 / np.pi**2),
+        jax.jit(halfspace.surface_displacement),
+    )
     on_device = jnp.asarray(P)
     return lambda: jax.block_until_ready(convolve(kernel, on_device))
 

@@ -29,7 +29,7 @@ def main() -> None:
     from ertel.solvers import steady
 
     python = os.environ.get("SLIPPY_PYTHON", sys.executable)
-    fine = steady.steady(case(513))
+    fine = steady.steady_film(case(513))
     exact = {name: fine.extrapolate(name).extrapolated for name in ("H_c", "H_min")}
     print(f"M = {M:g}, L = {L:g}; converged: H_c = {exact['H_c']:.4f}, H_min = {exact['H_min']:.4f}\n", flush=True)
     skipped = ""
@@ -54,9 +54,9 @@ def case(nodes: int) -> Any:
 def by_ertel(nodes: int) -> dict[str, Any]:
     from ertel.solvers import steady
 
-    steady.steady(case(nodes))
+    steady.steady_film(case(nodes))
     start = time.process_time()
-    found = steady.steady(case(nodes)).finest
+    found = steady.steady_film(case(nodes)).finest
     found_in = time.process_time() - start
     return {**found.measure(), "iterations": found.newton, "seconds": found_in}
 

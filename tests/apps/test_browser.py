@@ -204,7 +204,7 @@ def test_a_sliding_contact_may_thin_its_oil():
     with pytest.raises(ConfigError) as error:
         parse_case(form.data())
     assert field_of(str(error.value)) == "tau0"
-    form.tau0 = "3 MPa"
+    form.choose("tau0", "3 MPa")
     assert not parse_case(form.data()).oil.is_newtonian
 
 

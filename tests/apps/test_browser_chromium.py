@@ -7,18 +7,14 @@ are kept as pictures for someone to look at.
 import json
 import os
 import shutil
-import socket
-import subprocess
-import sys
 import time
 from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from app_runs import make_run
+from app_runs import make_run, served
 
-import ertel
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.processes import Phase, Processes
 
@@ -48,19 +44,9 @@ def folder(tmp_path):
 @pytest.fixture
 def server(folder):
     """The app as a process: the process, its address and its token."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    inherited = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}  # NiceGUI asks
-    environment = {**inherited, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
-    command = [sys.executable, "-m", "ertel", "app", str(folder), "--no-browser", "--port", str(port)]
-    with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
-        said = process.stderr.readline()
-        address, token = f"http://127.0.0.1:{port}", said.partition("/?token=")[2].partition(",")[0]
-        assert said == f"The app is at {address}/?token={token}, Ctrl-C closes it\n"
-        yield process, address, token
-        process.terminate()
-        process.communicate(timeout=30)
+    with served(folder, "--no-browser") as (process, address):
+        root, _, token = address.partition("/?token=")
+        yield process, root, token
 
 
 @pytest.fixture

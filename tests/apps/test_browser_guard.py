@@ -2,18 +2,12 @@
 
 import asyncio
 import os
-import re
-import socket
 import stat
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
-from app_runs import make_run
-
-import ertel
+from app_runs import make_run, served
 
 pytest.importorskip("nicegui")
 import httpx
@@ -98,17 +92,8 @@ def server(tmp_path_factory):
     browser = place / "browser"
     browser.write_text(f'#!/bin/sh\necho "$@" > {place}/draft\nmv {place}/draft {place}/opened\n')
     browser.chmod(0o700)
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    inherited = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}  # NiceGUI asks
-    environment = {**inherited, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), "BROWSER": f"{browser} %s"}
-    command = [sys.executable, "-m", "ertel", "app", str(place / "folder"), "--port", str(port)]
-    with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
-        said = process.stderr.readline()
-        yield process, re.search(r"http://\S+(?=, Ctrl-C closes it)", said)[0], place
-        process.terminate()
-        process.communicate(timeout=30)
+    with served(place / "folder", BROWSER=f"{browser} %s") as (process, address):
+        yield process, address, place
     assert list((place / "folder").glob(".ertel-app-*")) == []
 
 

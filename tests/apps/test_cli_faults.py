@@ -245,7 +245,7 @@ def test_error_of_a_finished_run(here):
 
 def test_a_known_error_is_not_computed_again(done, monkeypatch):
     run = RunStore.open(done)
-    run.finish({**run.summary(), "error_estimate": {"H_c": {"dominant": "grid"}}})
+    run.finish({**run.summary(), "error_estimate": {"H_c": {"error": 0.1, "extrapolated": 0.2, "dominant": "grid"}}})
     monkeypatch.delattr(running, "drive")
     assert "dominant" in ertel_("resume", "my run", "--error", "--json").stdout
 

@@ -80,11 +80,6 @@ def test_traction_without_meaning_is_warned_of(here):
     )
 
 
-def test_run_json_is_json_and_nothing_else(here):
-    result = ertel_("run", "steady.toml", "--out", "here", "--json", "--set", "solver.nodes=33")
-    assert json.loads(result.stdout) == RunStore.open(here / "here").summary()
-
-
 def test_interrupt_and_resume(here, monkeypatch, case):
     original = RunStore._write_checkpoint
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import ertel
+from ertel.case.derived import grid_of
 from ertel.case.sections import METHODS
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
@@ -155,7 +156,7 @@ def test_rough_examples(name: str, nodes: int, until: float) -> None:
     films = [run.dataset["H"].isel(frame=-1).values for run in (rough, smooth)]
     assert films[0].min() > 0
     assert np.abs(films[0] - films[1]).max() > 0.02 * case.film_scale
-    grid = discretise.grid_of(case)
+    grid = grid_of(case)
     heights = np.asarray(discretise.heights(case.features, case, grid, until))
     assert np.corrcoef((films[1] - films[0]).ravel(), heights.ravel())[0, 1] > 0.9
 

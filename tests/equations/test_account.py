@@ -8,6 +8,7 @@ import pytest
 from cases import BARUS, BARUS_LIMIT, OIL, rolled, steady_solver
 
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.case.sections import Drive
 from ertel.equations import account, contact, discretise
 from ertel.physics.lubricant import Oil
@@ -26,7 +27,7 @@ def case_of(speed: float = 1.0, nodes: int = 129, oil: Oil = OIL, L: float = 5) 
 @cache
 def film(speed: float = 1.0, L: float = 5, oil: Oil = OIL) -> tuple[Case, Rolling]:
     case = case_of(speed, oil=oil, L=L)
-    return case, steady.steady(case)
+    return case, steady.steady_film(case)
 
 
 def imbalances(case: Case, s: GridSolution) -> tuple[float, float]:
@@ -41,11 +42,11 @@ def imbalances(case: Case, s: GridSolution) -> tuple[float, float]:
 def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
     """Of F delta; the oil stores the integral of its energy of compression over the film, all of thickness 0.1."""
     case = case_of()
-    grid = discretise.grid_of(case)
+    grid = grid_of(case)
     P, approach = steady.dry_guess(case.geometry, grid, 1.0)
     c = discretise.contact_of(case, grid)
     H = contact.film_thickness(c, P, approach)
-    solution = steady.steady(case_of(nodes=33)).finest
+    solution = steady.steady_film(case_of(nodes=33)).finest
     dry = replace(solution, grid=grid, P=P, H=H, approach=approach, outside=0.0)
     assert account.steady_account(case, dry)[0]["elastic_energy"] == pytest.approx(2 / 5, rel=2e-3)
     r = np.linspace(0, 1, 20001)

@@ -32,7 +32,7 @@ def smooth_fields(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
 
 def test_hertz_pressure_closes_the_gap() -> None:
     grid = Grid.square(257, 2.0)
-    dry = contact.smooth_contact(CIRCLE, grid, 1.0, PLAIN)
+    dry = contact.bare_contact(CIRCLE, grid, 1.0, PLAIN)
     r = np.hypot(grid.x[None, :], grid.y[:, None])
     H = np.asarray(contact.film_thickness(dry, jnp.asarray(hertz.pressure(r)), 1.0))
     assert np.abs(H[r < 0.9]).max() < 1e-3
@@ -48,7 +48,7 @@ def test_the_residual_is_second_order(entrainment: float, oil: Lubricant) -> Non
     for nodes in (65, 129, 257, 513):
         grid = Grid.square(nodes, 2.0)
         P, H = smooth_fields(grid)
-        c = contact.smooth_contact(CIRCLE, grid, 0.05, oil)
+        c = contact.bare_contact(CIRCLE, grid, 0.05, oil)
         r = residual_in_any_flow(c, jnp.asarray(P), jnp.asarray(H), Rate(3.0, -0.5, entrainment))
         step = (nodes - 1) // 64
         values.append(np.asarray(r)[4 * step : -4 * step : step, 4 * step : -4 * step : step])
@@ -61,7 +61,7 @@ def test_the_residual_of_a_known_flow() -> None:
     """H = 1, isoviscous: div(P flux) = Laplacian(P)/lambda_bar; P = X^2 (1 + Y) has the Laplacian 2 (1 + Y)."""
     grid = Grid.square(33, 2.0)
     x, y = grid.x[None, :], grid.y[:, None]
-    c = contact.smooth_contact(CIRCLE, grid, 0.25, PLAIN)
+    c = contact.bare_contact(CIRCLE, grid, 0.25, PLAIN)
     r = contact.residual(c, jnp.asarray(x**2 * (1 + y)), jnp.ones((33, 33)), Rate(0.0, 0.0))
     np.testing.assert_allclose(
         np.asarray(r)[1:-1, 1:-1], np.broadcast_to(-8 * (1 + y), (33, 33))[1:-1, 1:-1], rtol=1e-10
@@ -84,7 +84,7 @@ def test_mass_is_conserved_by_the_fluxes(seed: int) -> None:
 @jax.jit
 def residual_in_any_flow(c: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """As the solver takes it: X along the flow, and back again."""
-    turned = partial(nonlinear.along_the_flow, rate)
+    turned = partial(nonlinear.flow_aligned, rate)
     return turned(contact.residual(c, turned(P), turned(H), Rate(rate.new, turned(rate.past), abs(rate.wedge))))
 
 
@@ -93,7 +93,7 @@ def residual_in_any_flow(c: Contact, P: Array, H: Array, rate: Rate) -> Array:
 def test_mirroring_the_contact_and_the_speed_mirrors_the_residual(seed: int, U: float) -> None:
     rng = np.random.default_rng(seed)
     grid = Grid.square(17, 2.0)
-    c = contact.smooth_contact(CIRCLE, grid, 0.1, REAL)
+    c = contact.bare_contact(CIRCLE, grid, 0.1, REAL)
     P, H = jnp.asarray(rng.random((17, 17))), jnp.asarray(0.1 + rng.random((17, 17)))
     r = residual_in_any_flow(c, P, H, Rate(2.0, -H, U))
     mirrored = residual_in_any_flow(c, P[:, ::-1], H[:, ::-1], Rate(2.0, -H[:, ::-1], -U))
@@ -104,7 +104,7 @@ def test_mirroring_the_contact_and_the_speed_mirrors_the_residual(seed: int, U: 
 @given(st.integers(0, 10**6))
 def test_mirroring_the_contact_across_the_flow_mirrors_the_residual(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    c = contact.smooth_contact(CIRCLE, Grid.square(17, 2.0), 0.1, REAL)
+    c = contact.bare_contact(CIRCLE, Grid.square(17, 2.0), 0.1, REAL)
     P, H = jnp.asarray(rng.random((17, 17))), jnp.asarray(0.1 + rng.random((17, 17)))
     r = contact.residual(c, P, H, Rate(2.0, -H, 1.7))
     mirrored = contact.residual(c, P[::-1], H[::-1], Rate(2.0, -H[::-1], 1.7))
@@ -123,7 +123,7 @@ def test_only_what_lies_upstream_makes_the_wedge(seed: int) -> None:
 
 @given(st.floats(-3, 3), st.floats(-3, 3))
 def test_the_wedge_is_exact_for_parabolas(b: float, U: float) -> None:
-    x, turned = jnp.asarray(Grid.square(33, 2.0).x), partial(nonlinear.along_the_flow, steady_rate(U))
+    x, turned = jnp.asarray(Grid.square(33, 2.0).x), partial(nonlinear.flow_aligned, steady_rate(U))
     mass = jnp.broadcast_to(1 + b * x + x**2, (33, 33))
     slope = (1 if U >= 0 else -1) * turned(stencils.upstream_slope(turned(mass), 0.125))
     np.testing.assert_allclose(np.asarray(slope)[:, 2:-2], np.broadcast_to(b + 2 * x, (33, 33))[:, 2:-2], atol=1e-11)
@@ -139,7 +139,7 @@ def test_dry_contact_of_an_ellipse(D: float, angle: float) -> None:
         spacing = ellipse.smaller / cells
         columns, rows = (2 * round(1.1 * side / spacing) + 1 for side in (wide, high))
         grid = Grid(columns, rows, spacing)
-        c = contact.smooth_contact(ellipse, grid, 0.01, PLAIN)
+        c = contact.bare_contact(ellipse, grid, 0.01, PLAIN)
         X, Y = grid.x[None, :], grid.y[:, None]
         H = np.asarray(contact.film_thickness(c, ellipse.dry_pressure(1.0, X, Y), ellipse.dry_approach(1.0)))
         errors.append(np.abs(H[ellipse.distance(X, Y) < 0.8]).mean())

@@ -13,12 +13,12 @@ from jax import Array
 from numpy.testing import assert_allclose
 
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.case.sections import Drive
 from ertel.case.status import Status
-from ertel.equations import account, discretise
+from ertel.equations import account
 from ertel.equations.account import Friction, friction, steady_friction
-from ertel.equations.contact import Contact, smooth_contact
-from ertel.equations.pytrees import traceable_law
+from ertel.equations.contact import Contact, bare_contact, traceable_law
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
@@ -39,7 +39,7 @@ def square(nodes: int = 33, half_width: float = 1.5) -> Grid:
 
 def contact(grid: Grid, lambda_bar: float, alpha_bar: float, tau0: float | None = None) -> Contact:
     """Barus' oil, Newtonian or Eyring's with tau0 in units p_h a/R."""
-    plain = smooth_contact(CIRCLE, grid, lambda_bar, Lubricant(Barus(alpha_bar), Incompressible()))
+    plain = bare_contact(CIRCLE, grid, lambda_bar, Lubricant(Barus(alpha_bar), Incompressible()))
     return plain if tau0 is None else replace(plain, flow=ThinningFlow(traceable_law(ReeEyring(tau0)), 1.0, 1.0, 0.0))
 
 
@@ -148,7 +148,7 @@ def test_the_coefficients_do_not_depend_on_the_units():
     p, scales = si.parameters, si.scales
     assert scales is not None
     moes = rolled(p, BARUS, si.solver, Drive(slide_to_roll=0.2))
-    grid = discretise.grid_of(si)
+    grid = grid_of(si)
     P = jnp.asarray(si.geometry.dry_pressure(1.0, grid.kept_x[None, :], grid.kept_y[:, None]))
     H = 0.1 + jnp.asarray(si.geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
     one, two = (steady_friction(case, film_of(case, grid, P, H)) for case in (si, moes))

@@ -6,8 +6,8 @@ import pytest
 from cases import ertel_
 
 import ertel
+from ertel.case.derived import grid_of
 from ertel.case.records import ConfigError
-from ertel.equations import discretise
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.physics.geometry import CIRCLE, Geometry
 
@@ -133,8 +133,8 @@ def test_the_default_grid_follows_the_ellipse(kind: str, D: float, angle: float)
     turned = {"entrainment_angle": f"{angle} deg"} if angle else {}
     drive = {"motion": {"entrainment": 0.5}} if kind == "impact" and angle else {}
     case = case_of({"kind": kind, **MOES, "radius_ratio": D, **turned}, **drive)
-    grid, unit, (wide, high) = discretise.grid_of(case), case.geometry.smaller, case.geometry.extent
-    circle = discretise.grid_of(case_of({"kind": kind, "M": case.parameters.as_ball.M, "L": 10.0}))
+    grid, unit, (wide, high) = grid_of(case), case.geometry.smaller, case.geometry.extent
+    circle = grid_of(case_of({"kind": kind, "M": case.parameters.as_ball.M, "L": 10.0}))
     left, right = (1e-9 + (abs(edge) - 1) * unit for edge in (circle.x[0], circle.x[-1]))
     assert -grid.x[0] - wide >= 0.94 * left and grid.x[-1] - wide >= 0.94 * right - 0.02
     assert grid.x[-1] - grid.x[0] >= 2 * wide + left + right - 1e-6
@@ -149,7 +149,7 @@ def has_a_node_at_zero(axis) -> bool:
 
 def test_a_half_grid_covers_the_same_domain() -> None:
     case = case_of({"kind": "rolling", **MOES, "radius_ratio": 0.17}, solver={"nodes": 129})
-    fine, half = discretise.grid_of(case), discretise.grid_of(case.on_half_grid())
+    fine, half = grid_of(case), grid_of(case.on_half_grid())
     assert (half.nodes_x, half.nodes_y) == ((fine.nodes_x + 1) // 2, (fine.nodes_y + 1) // 2)
     assert (half.x[0], half.y[0]) == pytest.approx((fine.x[0], fine.y[0]))
 

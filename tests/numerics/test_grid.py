@@ -11,7 +11,7 @@ from ertel.numerics.grid import (
     Grid,
     Symmetry,
     allowed_nodes,
-    check_grid,
+    check_coarsening,
     check_nodes,
     nodes_across,
 )
@@ -61,7 +61,7 @@ def test_the_advice_for_a_refused_count_is_good_advice() -> None:
 @pytest.mark.parametrize(("nodes_x", "nodes_y"), [(257, 129), (65, 33), (33, 129)])
 def test_a_rectangle_is_coarsened_alike_in_both_directions(nodes_x: int, nodes_y: int) -> None:
     grid = Grid(nodes_x, nodes_y, 0.1, centre_x=-1.0)
-    check_grid(grid)
+    check_coarsening(grid)
     assert grid.shape == (len(grid.y), len(grid.x)) == (nodes_y, nodes_x)
     for fine, coarse in itertools.pairwise(grid.hierarchy()):
         np.testing.assert_allclose(coarse.x, fine.x[::2], rtol=0, atol=1e-14)
@@ -71,7 +71,7 @@ def test_a_rectangle_is_coarsened_alike_in_both_directions(nodes_x: int, nodes_y
 @pytest.mark.parametrize(("nodes_x", "nodes_y", "message"), [(100, 129, "nodes = 100"), (2049, 17, "less different")])
 def test_a_rectangle_that_multigrid_cannot_coarsen_is_refused(nodes_x: int, nodes_y: int, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        check_grid(Grid(nodes_x, nodes_y, 0.1))
+        check_coarsening(Grid(nodes_x, nodes_y, 0.1))
 
 
 @given(st.sampled_from([33, 65, 129, 161, 257, 641]), st.floats(0.14, 6.7))
@@ -81,7 +81,7 @@ def test_a_side_that_can_be_coarsened_as_often_as_the_other(nodes: int, ratio: f
     wanted = ratio * (nodes - 1)
     assert -1e-4 <= (across - 1) - wanted < max(8, 0.25 * wanted) and across % 2 == 1
     grid = Grid(nodes, across, 0.1, even=Symmetry(True, False))
-    check_grid(grid)
+    check_coarsening(grid)
     assert min(grid.hierarchy()[-1].shape) >= 3
     if across > 17 and nodes > 33:
         assert nodes_across((nodes + 1) // 2, (across - 1) / (nodes - 1)) == (across + 1) // 2

@@ -32,7 +32,7 @@ def direct_sum(K: NDArray[np.float64], P: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def displaced(grid: Grid, P: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(halfspace.displacement(halfspace.spectrum(grid, CIRCLE.compliance), jnp.asarray(P)))
+    return np.asarray(halfspace.surface_displacement(halfspace.spectrum(grid, CIRCLE.compliance), jnp.asarray(P)))
 
 
 @settings(max_examples=8, deadline=None)
@@ -54,7 +54,7 @@ def test_on_a_rectangle_too_whatever_the_symmetry(nodes_x: int, nodes_y: int, ev
     expected = direct_sum(halfspace.love_coefficients(nodes_y, nodes_x, grid.spacing), P)
     kept = jnp.asarray(folded(P, even))
     assert kept.shape == grid.shape
-    found = halfspace.displacement(halfspace.spectrum(grid), kept, even)
+    found = halfspace.surface_displacement(halfspace.spectrum(grid), kept, even)
     np.testing.assert_allclose(unfolded(found, even), expected, rtol=1e-12)
 
 
@@ -143,6 +143,8 @@ def test_a_smooth_pressure_is_second_order_everywhere() -> None:
 
 def test_single_precision_is_single_precision() -> None:
     grid, P = Grid.square(65, 2.0), random_pressure(65, 3)
-    single = halfspace.displacement(halfspace.spectrum(grid, CIRCLE.compliance, "float32"), jnp.asarray(P, "float32"))
+    single = halfspace.surface_displacement(
+        halfspace.spectrum(grid, CIRCLE.compliance, "float32"), jnp.asarray(P, "float32")
+    )
     assert single.dtype == jnp.float32
     np.testing.assert_allclose(np.asarray(single), displaced(grid, P), rtol=1e-5)

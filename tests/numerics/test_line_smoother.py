@@ -6,7 +6,7 @@ import pytest
 from ertel.numerics import multigrid
 from ertel.numerics.grid import Grid
 from ertel.numerics.line_smoother import line_smoother
-from ertel.numerics.multigrid import Coefficients, Elasticity
+from ertel.numerics.multigrid import Coefficients, DeformationOperator
 from ertel.numerics.stencils import Pair
 from ertel.physics.geometry import CIRCLE
 
@@ -24,12 +24,12 @@ def rolling_like(nodes: int, depth: float = 1e-5) -> Coefficients:
 def contraction(nodes: int, c: Coefficients) -> float:
     """The asymptotic factor by which one V-cycle alone reduces the error."""
     e = np.random.default_rng(1).standard_normal(c.free.shape) * c.free
-    elastic = multigrid.elasticities(Grid(nodes, nodes, 6.0 / (nodes - 1), -1.5), CIRCLE.compliance, "float64")
+    elastic = multigrid.deformation_operators(Grid(nodes, nodes, 6.0 / (nodes - 1), -1.5), CIRCLE.compliance, "float64")
     return float(_contraction(elastic, c, e))
 
 
 @jax.jit
-def _contraction(elastic: tuple[Elasticity, ...], c: Coefficients, e: jax.Array) -> jax.Array:
+def _contraction(elastic: tuple[DeformationOperator, ...], c: Coefficients, e: jax.Array) -> jax.Array:
     levels = multigrid.hierarchy(elastic, c, lambda e, c: line_smoother(e, c, 0.0, 1.0))
 
     def cycle(_: int, e: jax.Array) -> jax.Array:
@@ -60,7 +60,7 @@ def test_a_v_cycle_contracts_where_diffusion_hardly_exceeds_the_deformation() ->
 
 def test_a_uniform_change_has_no_slope() -> None:
     """What the bands of a line leave out must not make a drift of a uniform mass."""
-    (elastic,) = multigrid.elasticities(Grid(5, 5, 0.1), CIRCLE.compliance, "float64")[:1]
+    (elastic,) = multigrid.deformation_operators(Grid(5, 5, 0.1), CIRCLE.compliance, "float64")[:1]
     one = jnp.ones((5, 5))
     smoother = line_smoother(elastic, Coefficients(Pair(0 * one), 0 * one, one, one), 0.0, 1.0)
     assert not smoother.factors.halvings  # the matrix as it is

@@ -10,7 +10,7 @@ from jax import Array
 
 from ertel.numerics import halfspace, multigrid
 from ertel.numerics.grid import NO_SYMMETRY, Grid
-from ertel.numerics.multigrid import Coefficients, Elasticity, GridLevel
+from ertel.numerics.multigrid import Coefficients, DeformationOperator, GridLevel
 from ertel.numerics.stencils import Pair
 from ertel.physics.geometry import CIRCLE
 
@@ -31,12 +31,12 @@ def impact_like(nodes: int, dt: float = 0.01, depth: float = 3e-6) -> Coefficien
 
 def levels_of(nodes: int, coefficients: Coefficients) -> tuple[GridLevel, ...]:
     return multigrid.hierarchy(
-        multigrid.elasticities(Grid.square(nodes, 2.0), CIRCLE.compliance, "float64"), coefficients
+        multigrid.deformation_operators(Grid.square(nodes, 2.0), CIRCLE.compliance, "float64"), coefficients
     )
 
 
 @jax.jit
-def contraction(elastic: tuple[Elasticity, ...], c: Coefficients, e: Array) -> Array:
+def contraction(elastic: tuple[DeformationOperator, ...], c: Coefficients, e: Array) -> Array:
     """Asymptotic factor by which one V-cycle reduces the error: the power method on a random error."""
     levels = multigrid.hierarchy(elastic, c)
 
@@ -49,7 +49,7 @@ def contraction(elastic: tuple[Elasticity, ...], c: Coefficients, e: Array) -> A
 
 def contraction_on(grid: Grid, c: Coefficients) -> float:
     e = np.random.default_rng(1).standard_normal(c.free.shape) * c.free
-    return float(contraction(multigrid.elasticities(grid, CIRCLE.compliance, "float64"), c, e))
+    return float(contraction(multigrid.deformation_operators(grid, CIRCLE.compliance, "float64"), c, e))
 
 
 def contraction_of(nodes: int, c: Coefficients) -> float:
@@ -111,7 +111,7 @@ def test_the_solution_with_two_mobilities_is_that_of_the_matrix() -> None:
     r = rng.standard_normal((nodes, nodes)) * free
     expected = np.zeros(nodes**2)
     expected[inner] = np.linalg.solve(matrix, r.ravel()[inner])
-    elastic = multigrid.elasticities(Grid.square(nodes, 2.0), CIRCLE.compliance, "float64")
+    elastic = multigrid.deformation_operators(Grid.square(nodes, 2.0), CIRCLE.compliance, "float64")
 
     @jax.jit
     def solution(c: Coefficients) -> Array:

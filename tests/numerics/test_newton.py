@@ -26,7 +26,7 @@ def obstacle(force: np.ndarray, P: np.ndarray, **options: float) -> newton.Solut
     def residual(P: Array, H: Array) -> Array:
         return diffuse(P) + 0.1 * (H - 2) ** 3 - jnp.pad(jnp.asarray(force)[1:-1, 1:-1], 1)
 
-    return newton.solve(
+    return newton.newton_krylov(
         residual,
         identity,
         lambda P, H, free: lambda r: r / 4,
@@ -63,7 +63,7 @@ def test_one_iteration_is_done_even_from_the_solution() -> None:
 
 def test_failure_is_a_value() -> None:
     """No preconditioner, one Krylov iteration, one Newton iteration: it cannot converge, and says so."""
-    s = newton.solve(
+    s = newton.newton_krylov(
         lambda P, H: jnp.exp(H) - 40.0,
         identity,
         lambda P, H, free: identity,
@@ -78,7 +78,7 @@ def test_failure_is_a_value() -> None:
 
 @pytest.mark.parametrize("change", [0.1, 0.3])
 def test_the_step_limit_holds(change: float) -> None:
-    s = newton.solve(
+    s = newton.newton_krylov(
         lambda P, H: P - 5.0,
         identity,
         lambda P, H, free: identity,
@@ -92,7 +92,7 @@ def test_the_step_limit_holds(change: float) -> None:
 
 def test_a_border_carries_a_number_with_its_own_equation() -> None:
     """P + H = 3 with H = 2 P - s everywhere and sum(P) = 50: P = 2, s = 3."""
-    s = newton.solve(
+    s = newton.newton_krylov(
         lambda P, H: P + H - 3.0,
         lambda d: 2 * d,
         lambda P, H, free: lambda r: r / 3,
@@ -125,7 +125,9 @@ def test_an_iteration_evaluates_the_residual_twice() -> None:
     """Once with its derivative, and once at the new iterate: that of an oil that thins is dear."""
 
     def solve(P: Array) -> Array:
-        return newton.solve(lambda P, H: jnp.sinh(P) + H, identity, lambda P, H, free: identity, P, P, 1e-9).left
+        return newton.newton_krylov(
+            lambda P, H: jnp.sinh(P) + H, identity, lambda P, H, free: identity, P, P, 1e-9
+        ).left
 
     assert str(jax.make_jaxpr(solve)(jnp.ones((3, 3)))).count("= sinh") == 2
 

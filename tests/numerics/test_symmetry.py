@@ -6,8 +6,9 @@ import pytest
 from cases import OIL, free_ball, rolled, steady_solver
 from numpy.testing import assert_allclose
 
+from ertel.case.derived import grid_of
 from ertel.case.sections import Solver, Time
-from ertel.equations import contact, discretise
+from ertel.equations import contact
 from ertel.equations.flow import Rate
 from ertel.equations.state import State
 from ertel.numerics import halfspace
@@ -65,9 +66,9 @@ def test_beyond_an_axis_is_the_mirror_image(even) -> None:
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 def test_the_deformation_is_that_of_the_whole_plane(even, dtype) -> None:
     whole = bump(even)
-    expected = halfspace.displacement(halfspace.spectrum(grid()), jnp.asarray(whole))
+    expected = halfspace.surface_displacement(halfspace.spectrum(grid()), jnp.asarray(whole))
     kept = jnp.asarray(folded(whole, even), dtype)
-    found = halfspace.displacement(halfspace.spectrum(grid(even), dtype=dtype), kept, even)
+    found = halfspace.surface_displacement(halfspace.spectrum(grid(even), dtype=dtype), kept, even)
     assert found.dtype == dtype
     assert_allclose(unfolded(found, even), expected, atol=1e-13 if dtype == "float64" else 1e-5)
 
@@ -78,7 +79,7 @@ def test_the_residual_is_that_of_the_whole_plane(even) -> None:
     whole, U = bump(even), 0.0 if even.x else 1.0
     results = []
     for g in (grid(), grid(even)):
-        c = contact.smooth_contact(CIRCLE, g, 0.1, LAWS)
+        c = contact.bare_contact(CIRCLE, g, 0.1, LAWS)
         P = jnp.asarray(folded(whole, g.even))
         H = contact.film_thickness(c, P, -0.2)
         r = contact.residual(c, P, H, Rate(3.0, 0.1 * P, U))
@@ -128,13 +129,13 @@ def test_a_symmetric_impact_on_a_quarter_of_the_plane(features) -> None:
 )
 def test_what_is_not_symmetric_is_not_folded(features, shape) -> None:
     solver = Solver("2d", **TIGHT)
-    assert discretise.grid_of(free_ball(PARAMETERS, OIL, solver, None, *features)).shape == shape
+    assert grid_of(free_ball(PARAMETERS, OIL, solver, None, *features)).shape == shape
 
 
 def test_steady_rolling_on_half_the_plane() -> None:
     results = []
     for fold in (False, True):
-        results.append(steady.steady(rolled(PARAMETERS, OIL, steady_solver(fold=fold, **TIGHT))).finest)
+        results.append(steady.steady_film(rolled(PARAMETERS, OIL, steady_solver(fold=fold, **TIGHT))).finest)
     whole, half = results
     assert half.P.shape == (17, 33)
     assert_allclose(unfolded(half.H, half.grid.even), whole.H, atol=1e-10)

@@ -14,7 +14,7 @@ Bands = tuple[jax.Array, jax.Array, jax.Array]  # lower, diagonal, upper
 
 @jax.jit
 def solved(bands: Bands, b: jax.Array) -> jax.Array:
-    return tridiagonal.solve(tridiagonal.factorise(*bands), b)
+    return tridiagonal.solve_lines(tridiagonal.factorise(*bands), b)
 
 
 def dominant(seed: int, lines: int, n: int) -> Bands:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from ertel.optics import BlackBody, Chart, Daylight, Monochromatic, Rig, White, colour
+from ertel.optics import BlackBody, Chart, Daylight, Monochromatic, Rig, White
+from ertel.optics import light as colour
 
 NM = 1e-9
 RIG = Rig(oil_index=1.5)

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.physics import film_formulas, hertz
-from ertel.physics.film_formulas import Flow
+from ertel.physics.film_formulas import FlowDirection
 from ertel.physics.geometry import CIRCLE, Geometry, geometry, hertz_ellipse
 from ertel.physics.materials import conforming_radius
 from ertel.physics.scales import (
@@ -277,7 +277,7 @@ def test_formulas_do_not_know_the_name_of_the_axes(angle: float) -> None:
 
 def test_flow_at_an_angle() -> None:
     """Euler: 1/R_e = cos^2/Rx + sin^2/Ry; at 45 degrees R_e = R_s = 2 Rx Ry/(Rx + Ry)."""
-    assert Flow.at(0.2, 45.0) == pytest.approx((0.6, 1.0))
+    assert FlowDirection.at(0.2, 45.0) == pytest.approx((0.6, 1.0))
     ugw, p = hamrock_dowson(WORKED, 0.04, 22e-9), WORKED_PARAMETERS
     rows = {film.name: film for film in film_formulas.films(p, ugw, 45.0)}
     at = film_formulas.HamrockDowson(ugw.U * 0.6, ugw.G, ugw.W * 0.36)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ertel.equations.pytrees import traceable_law
+from ertel.equations.contact import traceable_law
 from ertel.equations.shear import shear
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring, cut_off
 from ertel.physics.registry import FLUIDITY_LAWS

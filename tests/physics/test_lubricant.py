@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from ertel.equations.pytrees import traceable
+from ertel.equations.contact import traceable
 from ertel.physics.lubricant import (
     ALPHA,
     DENSITY_PRESSURE,

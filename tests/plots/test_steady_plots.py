@@ -10,8 +10,8 @@ from made_up import C1, H_C, H_MIN, in_time, solutions, steady
 from made_up import MOES_ROLLS as MOES
 
 from ertel import plots
+from ertel.case.derived import grid_of
 from ertel.case.sections import SOLVERS, Drive
-from ertel.equations.discretise import grid_of
 from ertel.inputs.python import rolling
 from ertel.physics import hertz
 from ertel.physics.geometry import Geometry

@@ -6,7 +6,7 @@ import xarray as xr
 
 import ertel
 from ertel.apps.tables import film_rows, value_rows
-from ertel.physics.film_formulas import Film
+from ertel.physics.film_formulas import FormulaFilm
 from ertel.results.numbers import as_now, key_numbers, number, scalars
 from ertel.results.variables import one_number, to_si, with_coefficients
 from ertel.runs.checked_zarr import has_old_coefficients
@@ -78,7 +78,7 @@ def test_the_films_of_an_impact_stand_where_those_of_rolling_do():
 
 
 def test_tables_show_the_value_and_the_extrapolated_one_with_the_error(run: ertel.Result):
-    case, film = run.case, Film("formula", 0.12, 0.06, "source", "valid", True)
+    case, film = run.case, FormulaFilm("formula", 0.12, 0.06, "source", "valid", True)
     values = {"H_c": (0.10, 0.01, 0.11), "H_min": (0.04, 0.02, 0.05)}
     computed = {name: number(case.kind, case.scales, name, *known) for name, known in values.items()}
     columns = list(zip(*film_rows(case, [film], computed), strict=True))

@@ -8,8 +8,8 @@ import pytest
 from cases import impact
 
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.case.sections import Time
-from ertel.equations import discretise
 from ertel.inputs.case_files import parse_case
 from ertel.physics.units import Quantity
 from ertel.results.errors import comparisons, in_smaller_steps, with_error
@@ -25,7 +25,7 @@ def compared(case: Case) -> dict[str, Any]:
 @pytest.mark.parametrize("nodes", [65, 97, 129, 257, 385])
 def test_the_wider_grid_has_the_spacing_and_the_nodes_of_the_half_grid(nodes: int) -> None:
     case = parse_case({"contact": {"kind": "rolling", "M": 100, "L": 5}, "solver": {"nodes": nodes}})
-    half, wide = (discretise.grid_of(comparisons(case)[name]) for name in ("grid", "domain"))
+    half, wide = (grid_of(comparisons(case)[name]) for name in ("grid", "domain"))
     assert wide.spacing == pytest.approx(half.spacing, rel=1e-12)
     assert -wide.x[0] == pytest.approx(1.5 * -half.x[0], rel=0.03)
     assert wide.x[-1] == pytest.approx(1.5 * half.x[-1], rel=0.03)

@@ -10,7 +10,7 @@ from jax.tree_util import register_dataclass
 
 from ertel.numerics import programs
 from ertel.numerics.grid import Symmetry
-from ertel.numerics.multigrid import Elasticity
+from ertel.numerics.multigrid import DeformationOperator
 from ertel.numerics.programs import Program
 from ertel.runs import exported
 from ertel.runs.exported import ExportedPrograms
@@ -85,7 +85,7 @@ def test_another_stamp_or_a_damaged_file_is_exported_again(process):
 
 
 def test_static_data_and_types_of_numbers_have_programs_of_their_own(process):
-    record = Elasticity(X, 3.0, X)
+    record = DeformationOperator(X, 3.0, X)
     for factor in (record, replace(record, even=Symmetry(y=True)), 3.0, np.float64(3.0)):
         assert_right(process(factor, X))
     assert len(process.files()) == len(traced) == 4

@@ -165,7 +165,7 @@ def refused(work, *arguments):
         return "single precision" in str(error)
 
 print([refused(*each) for each in (
-    (steady.steady, rolling), (Transient2D, impact), (RadialImpact, radial), (method.measure, start),
+    (steady.steady_film, rolling), (Transient2D, impact), (RadialImpact, radial), (method.measure, start),
     (method.advance, [start], 0.01), (other.advance, [first], 0.01), (method.friction, start),
 )])
 """

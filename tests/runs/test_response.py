@@ -106,7 +106,7 @@ def test_only_the_2d_method_has_waves() -> None:
         respond(impact(200, 10, 65, solver={"method": "radial", "nodes": 65}), [waviness(1e-3)])
 
 
-# -- rolling (the solver's own tests: solvers/test_harmonic) ----------------------------------------------------------
+# -- rolling (the solver's own tests: solvers/test_wave_response) -----------------------------------------------------
 
 ROELANDS = Oil()
 TURN = 1.5  # wavelength: 8 nodes

@@ -16,6 +16,7 @@ from cases import ertel_, impact, names, physics, stop_after
 
 import ertel
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.case.height_map import HeightMap, Measured
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
@@ -60,7 +61,7 @@ def rough(nodes: int, shape: Any = ROUGH) -> Case:
 def test_a_coarse_grid_has_no_waves_that_are_none(shape) -> None:
     """Taken at every fourth node the short waves would look like long ones: as high as they are themselves."""
     case = rough(129, shape)
-    fine = discretise.grid_of(case)
+    fine = grid_of(case)
     coarse = fine.coarser().coarser()
     X, Y = coarse.kept_x[None, :], coarse.kept_y[:, None]
     long_ones = shape.heights_above(2.0 * 2.0 * coarse.spacing, X, Y)
@@ -71,7 +72,7 @@ def test_a_coarse_grid_has_no_waves_that_are_none(shape) -> None:
 
 def test_a_grid_that_resolves_a_surface_has_all_of_it() -> None:
     case = rough(129)
-    grid = discretise.grid_of(case)
+    grid = grid_of(case)
     found = discretise.heights(case.features, case, grid, 0.0)
     np.testing.assert_allclose(found, ROUGH.heights(grid.kept_x[None, :], grid.kept_y[:, None]), atol=1e-14)
 
@@ -93,7 +94,7 @@ def test_the_rate_of_the_gap_is_that_of_the_surface_on_the_grid() -> None:
     """The wave fronts pass with the surface, seen by one who moves with the mean speed."""
     case = ertel.rolling(M=200, L=10, method="transient", nodes=65, motion={"slide_to_roll": 1.0}, roughness=[ROUGH])
     smooth = replace(case, roughness=())
-    grid = discretise.grid_of(case)
+    grid = grid_of(case)
     found = discretise.gap_change(case, grid, 0.3) - discretise.gap_change(smooth, grid, 0.3)
     step, now = 1e-3, discretise.CELLS_KEPT * grid.spacing
     X, Y = grid.kept_x[None, :] - 1.5 * 0.3, grid.kept_y[:, None]
@@ -163,7 +164,7 @@ def test_the_dataset_alone_shows_the_roughness(tmp_path, case) -> None:
     compute(RunStore.create(tmp_path / "run", case), [stop_after(1)])
     data = xr.open_zarr(tmp_path / "run" / "run.zarr")
     X, Y = np.linspace(-1, 1, 9)[None, :], np.linspace(-1, 1, 5)[:, None]
-    spacing = discretise.grid_of(case).spacing
+    spacing = grid_of(case).spacing
     (feature,) = case.features
     shown = View(data).roughness(X, Y)
     np.testing.assert_allclose(shown, feature.shape.heights_above(4 * spacing, X, Y), atol=1e-15)

@@ -11,6 +11,7 @@ import pytest
 from cases import OIL, impact, rolled
 from numpy.testing import assert_allclose
 
+from ertel.case.derived import grid_of
 from ertel.case.sections import SOLVERS, Drive, Time
 from ertel.equations import discretise
 from ertel.equations.account import friction
@@ -111,7 +112,7 @@ def test_the_power_loss_is_that_of_sliding_and_of_the_pressure() -> None:
 def test_the_maps_are_those_of_their_film() -> None:
     """Between the steps too: stress and loss follow from the stored pressure and film."""
     case, d = rolling(load=0.3).case, rolling(load=0.3).dataset
-    grid = discretise.grid_of(case)
+    grid = grid_of(case)
     assert d.sizes["frame"] > 5
     for frame in (0, 3, -1):
         now = d.isel(frame=frame)

@@ -84,7 +84,7 @@ def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str, key: str)
     base = physical(mean_speed="1 m/s", slide_to_roll=0.05)
     value = 2.0 * getattr(base.contact, key)
     at = replace(base, contact=replace(base.contact, **{key: value}))
-    film = steady.steady(at).finest
+    film = steady.steady_film(at).finest
     found = account.steady_friction(at, film)
     data = traction(base, **{axis: [value]}).dataset.isel({axis: 0})
     assert float(data[axis]) == value
@@ -159,7 +159,7 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
     assert data["newton_iterations"].values.tolist()[1] == 0
     at = replace(warm_case, contact=replace(warm_case.contact, slide_to_roll=0.1))
     assert at.scales is not None
-    film = steady.steady(warm_case).finest
+    film = steady.steady_film(warm_case).finest
     found = heated(at, film.P, film.H, grid=film.grid)
     assert float(data["mu_sliding"][1]) == pytest.approx(float(found.sliding[0]) * at.scales.a_over_R, rel=1e-9)
     assert float(data["T_film_max"][1]) == pytest.approx(float(np.max(found.T_film)), rel=1e-9)

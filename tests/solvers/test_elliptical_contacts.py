@@ -11,6 +11,7 @@ import pytest
 from cases import march, parse_case
 
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.case.sections import Drive
 from ertel.equations import discretise
 from ertel.equations.account import Friction, friction
@@ -54,7 +55,7 @@ def whole(s: GridSolution, name: str = "H") -> np.ndarray:
 @pytest.mark.parametrize(("angle", "other", "mirrored"), [(0.0, 90.0, False), (35.0, -55.0, False), (35.0, 55.0, True)])
 def test_the_film_does_not_know_which_axis_is_called_x(angle: float, other: float, mirrored: bool) -> None:
     """In units of the swapped ellipse lengths are kappa times, films kappa^2/D times as large."""
-    one, two = (steady.steady(case).finest for case in (rolled(33, angle), swapped(33, other)))
+    one, two = (steady.steady_film(case).finest for case in (rolled(33, angle), swapped(33, other)))
     assert one.status.ok and two.status.ok
     assert two.grid.x == pytest.approx(KAPPA * one.grid.x, abs=1e-12)
     assert two.grid.y == pytest.approx(KAPPA * one.grid.y, abs=1e-12)
@@ -102,14 +103,14 @@ def test_an_impact_does_not_know_which_axis_is_called_x() -> None:
 
 
 def test_the_film_carries_the_load() -> None:
-    s = steady.steady(rolled(33)).finest
+    s = steady.steady_film(rolled(33)).finest
     assert s.measure()["load"] == pytest.approx(2 * pi / (3 * KAPPA), rel=1e-8)
 
 
 def test_reversed_flow_turns_the_film_by_half_a_turn() -> None:
     ahead = rolled(33, 35.0)
     back = parse_case({**ahead.to_data(), "motion": {"entrainment": -1.0}})
-    one, two = (steady.steady(case).finest for case in (ahead, back))
+    one, two = (steady.steady_film(case).finest for case in (ahead, back))
     assert whole(two) == pytest.approx(whole(one)[::-1, ::-1], abs=1e-9)
     assert np.abs(whole(one) - whole(one)[::-1]).max() > 1e-3  # no symmetry about Y = 0 at an angle
 
@@ -120,7 +121,7 @@ def test_reversed_flow_turns_the_film_by_half_a_turn() -> None:
 @pytest.mark.parametrize("ratio", [0.1, pytest.param(10.0, marks=pytest.mark.slow)])
 def test_the_work_does_not_grow_with_the_ellipticity(ratio: float) -> None:
     def iterations(ratio: float) -> float:
-        s = steady.steady(rolled(33, ratio=ratio, M=200.0, L=10.0)).finest
+        s = steady.steady_film(rolled(33, ratio=ratio, M=200.0, L=10.0)).finest
         assert s.status.is_solved
         return s.krylov / s.newton
 
@@ -134,7 +135,7 @@ def test_rolling_resistance() -> None:
     With the length of the inlet it goes on rising, as its logarithm (`validation/contacts`).
     """
     case = rolled(65, ratio=0.25, M=240.5, L=10.0)
-    coarse, fine = (_resistance(s) for s in steady.steady(case).solutions)
+    coarse, fine = (_resistance(s) for s in steady.steady_film(case).solutions)
     p = case.parameters
     limit = 7.5 / (p.ellipse.kappa * p.M_BH)
     assert p.M_BH == pytest.approx(100, rel=1e-2)
@@ -149,8 +150,8 @@ def _resistance(s: GridSolution) -> float:
 @pytest.mark.parametrize("angle", [0.0, 35.0])
 def test_runs_for_the_error_keep_the_spacing_and_widen_the_domain(angle: float) -> None:
     case = rolled(65, angle)
-    found = {name: discretise.grid_of(other) for name, other in comparisons(case).items()}
-    own, half, wide = discretise.grid_of(case), found["grid"], found["domain"]
+    found = {name: grid_of(other) for name, other in comparisons(case).items()}
+    own, half, wide = grid_of(case), found["grid"], found["domain"]
     assert (half.spacing, wide.spacing) == pytest.approx((2 * own.spacing, 2 * own.spacing))
     assert (half.x[0], half.x[-1], half.y[-1]) == pytest.approx((own.x[0], own.x[-1], own.y[-1]))
     assert wide.x[0] < 1.3 * half.x[0] and wide.x[-1] > half.x[-1] and wide.y[-1] > 1.3 * half.y[-1]
@@ -176,7 +177,7 @@ def test_a_steady_film_stays_as_it_is() -> None:
 def test_the_response_to_waves_is_the_change_of_the_steady_film() -> None:
     """But for the oil outside: it follows Delta in the steady film, and is left as it is in the response."""
     A = 1e-4
-    high, low = (steady.steady(at_rest(Feature(replace(WAVES, amplitude=height)))).finest for height in (A, -A))
+    high, low = (steady.steady_film(at_rest(Feature(replace(WAVES, amplitude=height)))).finest for height in (A, -A))
     found = respond_in_rolling(at_rest(), [[Feature(WAVES)]])
     change = found["dH_amplitude"][0].values * np.cos(found["dH_phase"][0].values)
     assert np.abs(high.whole((high.H - low.H) / (2 * A)) - change).max() < 5e-4

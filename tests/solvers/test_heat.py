@@ -12,6 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.inputs.case_files import parse_case
@@ -41,7 +42,7 @@ def case_of(contact: dict[str, Any] | None = None, **thermal: Any) -> Case:
 
 def film_of(case: Case) -> tuple[np.ndarray, np.ndarray]:
     """A Hertzian contact with a film of 100 nm: no solution of Reynolds' equation, which matters nothing here."""
-    grid, s = discretise.grid_of(case), case.scales
+    grid, s = grid_of(case), case.scales
     assert s is not None
     r2 = grid.kept_x[None, :] ** 2 + grid.kept_y[:, None] ** 2
     P = np.sqrt(np.maximum(1.0 - r2, 0.0))
@@ -62,7 +63,7 @@ def usual() -> tuple[Case, Heated]:
 def test_the_balance_of_heat() -> None:
     """Both fluxes that the temperatures of the film imply heat the surfaces to just these temperatures."""
     case, found = usual()
-    thermal, s, grid = case.thermal, case.scales, discretise.grid_of(case)
+    thermal, s, grid = case.thermal, case.scales, grid_of(case)
     assert thermal and s and found.converged
     film = np.asarray(found.film) * s.film
     heat = np.asarray(found.stress[0]) * s.shear_stress * 0.4 * 2.0
@@ -90,7 +91,7 @@ def test_without_heat_the_friction_is_the_isothermal_one(rheology: Any) -> None:
     case = case_of(beta="1e-8 / K", viscosity="exponential", inlet_factor="none")
     case = parse_case({**case.to_data(), "lubricant": {**OIL, "rheology": rheology}})
     P, H = film_of(case)
-    found, grid = heated(case, P, H), discretise.grid_of(case)
+    found, grid = heated(case, P, H), grid_of(case)
     c, load = discretise.contact_of(case, grid), case.geometry.hertz_load
     cold = jax.jit(friction)(Plane.of(grid), c, jnp.asarray(P), jnp.asarray(H), 0.4, 1.0, load)
     assert case.thermal is not None
@@ -151,7 +152,7 @@ def test_temperature_of_a_body_at_rest_under_hertzian_heat() -> None:
     from ertel.solvers.heat import _rise
 
     case, _ = usual()
-    s, thermal, grid = case.scales, case.thermal, discretise.grid_of(case)
+    s, thermal, grid = case.scales, case.thermal, grid_of(case)
     assert s and thermal
     heat = 1e8 * film_of(case)[0]
     exact = pi * 1e8 * s.a / (4 * thermal.bodies[1].conductivity)

@@ -10,7 +10,7 @@ from ertel.solvers import steady
 def film(nodes: int, half_width: float | None = None, M: float = 10, L: float = 5) -> float:
     contact = {"kind": "rolling", "M": M, "L": L}
     solver = {"nodes": nodes} if half_width is None else {"nodes": nodes, "half_width": half_width}
-    s = steady.steady(parse_case({"contact": contact, "solver": solver})).finest
+    s = steady.steady_film(parse_case({"contact": contact, "solver": solver})).finest
     assert s.status.ok
     return s.measure()["H_c"]
 

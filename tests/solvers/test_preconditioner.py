@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from cases import OIL, rolled, steady_solver
 
+from ertel.case.derived import grid_of
 from ertel.equations import discretise
 from ertel.equations.approach import balanced
 from ertel.equations.flow import Rate
@@ -18,16 +19,16 @@ from ertel.solvers.nonlinear import Problem
 def test_the_diagonal_knows_how_the_viscosity_changes() -> None:
     """At the foot of a spike it is larger than with the viscosity held fixed; the film is held fixed here."""
     case = rolled(Parameters.from_moes(20, 10), OIL, steady_solver(33))
-    grid = discretise.grid_of(case)
-    film = steady.steady(case).finest
+    grid = grid_of(case)
+    film = steady.steady_film(case).finest
     problem = Problem(
         discretise.contact_of(case, grid),
-        multigrid.elasticities(grid, CIRCLE.compliance, "float64"),
+        multigrid.deformation_operators(grid, CIRCLE.compliance, "float64"),
         Rate(0.0, 0.0),
         balanced(),
         1.0,
         1.0,
-        nonlinear.bordered,
+        nonlinear.approach_as_unknown,
         preconditioner.point_preconditioner,
         newton.Options(),
     )

@@ -82,7 +82,7 @@ def rolling(
     precision: str = preconditioner.PRECISION,
 ) -> Rolling:
     drive = Drive(entrainment=constant(entrainment)) if entrainment != 1.0 else None
-    return steady.steady(case_of(key, nodes, drive, fold=fold), precision)
+    return steady.steady_film(case_of(key, nodes, drive, fold=fold), precision)
 
 
 @every_case
@@ -250,7 +250,7 @@ def test_no_load_or_no_flow_is_refused(part) -> None:
 
 @cache
 def solved_to(tolerance: float, M: float, nodes: int, L: float = 10, fluid: str = "roelands") -> Rolling:
-    found = steady.steady(case_of((fluid, M, L), nodes, tolerance=tolerance))
+    found = steady.steady_film(case_of((fluid, M, L), nodes, tolerance=tolerance))
     assert found.finest.status.ok
     return found
 

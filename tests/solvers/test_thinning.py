@@ -28,7 +28,7 @@ def rolled(law: Fluidity | str, slide_to_roll: float, nodes: int = 33, **changes
 
 @cache
 def film(law: Fluidity | str, slide_to_roll: float = 0.0) -> Rolling:
-    return steady.steady(rolled(law, slide_to_roll))
+    return steady.steady_film(rolled(law, slide_to_roll))
 
 
 def krylov(found: Rolling) -> int:
@@ -63,7 +63,7 @@ def test_thinning_takes_little_more_work():
 @pytest.mark.slow
 def test_a_limiting_stress_takes_little_more_work():
     """On 65 nodes; 1.57 times where the preconditioner has no tangent mobility."""
-    newtonian, found = (steady.steady(rolled(law, 0.5, 65)) for law in ("newtonian", LIMITED))
+    newtonian, found = (steady.steady_film(rolled(law, 0.5, 65)) for law in ("newtonian", LIMITED))
     assert krylov(found) <= 1.5 * krylov(newtonian)
 
 
@@ -77,7 +77,7 @@ def test_the_budgets_close_as_well_as_those_of_a_newtonian_oil():
 
 
 def test_the_direction_of_rolling_does_not_matter():
-    backwards = steady.steady(rolled(ReeEyring(2e6), 0.5, mean_speed=-1.0)).finest
+    backwards = steady.steady_film(rolled(ReeEyring(2e6), 0.5, mean_speed=-1.0)).finest
     assert_allclose(np.asarray(backwards.H)[:, ::-1], film(ReeEyring(2e6), 0.5).finest.H, rtol=0, atol=1e-9)
 
 
@@ -104,7 +104,7 @@ def test_an_impact_of_an_oil_that_thins():
 def test_film_and_traction_are_of_second_order(law: Fluidity):
     """On 65, 129 and 257 nodes; the traction of Carreau's oil is still at 2.3."""
     case = rolled(law, 0.5, 257)
-    levels = steady.steady(case).solutions[-3:]
+    levels = steady.steady_film(case).solutions[-3:]
     assert all(s.status.ok for s in levels)
     films = [s.measure()["H_c"] for s in levels]
     tractions = [float(account.steady_friction(case, s).sliding[0]) for s in levels]
@@ -119,7 +119,7 @@ def test_strong_sliding_at_high_load_takes_no_more_work():
     teeth = {"radius_x_1": 10.78e-3, "radius_x_2": 23.66e-3, "radius_y_1": 0.3, "load": 800.0, "mean_speed": 2.085}
     oil = Oil(eta0=0.0131, alpha=19.2e-9)
     newtonian, found = (
-        steady.steady(
+        steady.steady_film(
             rolling(**teeth, slide_to_roll=-0.38, E_prime=226e9, oil=oil, rheology=law, nodes=129, tolerance=0.03)
         ).finest
         for law in ("newtonian", ReeEyring(5e6))

@@ -12,7 +12,7 @@ from cases import OIL, free_ball, impact, march, rolled, steps_of
 
 from ertel.case.case import Case
 from ertel.case.sections import SOLVERS, Drive, Solver, Time
-from ertel.equations import contact, discretise
+from ertel.equations import contact
 from ertel.equations.flow import Rate
 from ertel.inputs.case_files import parse_case
 from ertel.numerics import bdf
@@ -331,7 +331,7 @@ def test_the_time_error_sees_the_contact_and_the_roughness(nodes: int, size: flo
     """16 cells in the contact's radius and 8 in the finest detail of the surfaces."""
     features = () if size is None else (Feature(RingWaviness(1e-3, size)),)
     case = free_ball(Parameters.from_moes(200, 5), OIL, Solver(nodes=nodes, half_width=2.0), None, *features)
-    assert discretise.coarsenings(case, 4 / (nodes - 1), 6) == coarsenings
+    assert coarsenings(case, 4 / (nodes - 1), 6) == coarsenings
 
 
 @pytest.mark.slow

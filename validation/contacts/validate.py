@@ -68,7 +68,7 @@ def formula(nodes: int) -> str:
 
 
 def _formula(c: Case, fluid: str, M: float, L: float, D: float) -> list[str]:
-    rolling = steady.steady(c)
+    rolling = steady.steady_film(c)
     s, x, unit = rolling.finest, rolling.extrapolate("H_c"), moes(c)
     joined = expected_film(c.parameters) * unit
     ambient = float(c.lubricant.density(s.measure()["P_c"])) * x.extrapolated * unit  # the oil of the film, expanded
@@ -94,7 +94,7 @@ def resistance(nodes: int) -> str:
     for D, M_BH, inlet in product([1.0, 0.25], [50.0, 100.0, 200.0], [4.5, 9.0, 18.0]):
         c = _long_inlet(D, M_BH, inlet, nodes)
         kappa = c.parameters.ellipse.kappa
-        coarse, fine = (_moment(s) * kappa * M_BH / 7.5 for s in steady.steady(c).solutions[-2:])
+        coarse, fine = (_moment(s) * kappa * M_BH / 7.5 for s in steady.steady_film(c).solutions[-2:])
         rows.append([f"{D:g}", f"{M_BH:g}", f"{inlet:g}", f"{fine:.3f}", f"{fine + (fine - coarse) / 3:.3f}"])
         print(rows[-1], flush=True)
     return table(["R_x/R_y", "M_BH", "inlet", "share of the limit", "extrapolated"], rows)
@@ -139,7 +139,7 @@ def angle(nodes: int) -> str:
 
 def _angle(c: Case, degrees: float) -> list[str]:
     assert c.scales is not None
-    rolling, nm = steady.steady(c), c.scales.film * 1e9
+    rolling, nm = steady.steady_film(c), c.scales.film * 1e9
     chittenden = next(film for film in films(c) if film.name.startswith("Chittenden"))
     cells = []
     for name, by in (("H_c", chittenden.central), ("H_min", chittenden.minimum)):

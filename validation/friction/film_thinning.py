@@ -38,7 +38,7 @@ def films(slide_to_roll: float, rheology: str) -> list[tuple[float, float, int]]
     chosen = case(slide_to_roll, rheology)
     assert chosen.scales is not None
     found = []
-    for s in steady.steady(chosen).solutions[-2:]:
+    for s in steady.steady_film(chosen).solutions[-2:]:
         assert s.status.ok
         H = s.measure()
         found.append((H["H_c"] * chosen.scales.film, H["H_min"] * chosen.scales.film, s.krylov))

@@ -17,6 +17,7 @@ from jax.tree_util import register_dataclass
 
 import ertel
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.numerics.integrals import Plane
@@ -99,7 +100,7 @@ def worked_example() -> None:
 
 def film(chosen: Case) -> GridSolution:
     """The isothermal film."""
-    found = steady.steady(chosen).finest
+    found = steady.steady_film(chosen).finest
     assert found.status.ok
     return found
 
@@ -162,7 +163,7 @@ def grids() -> None:
     for nodes in (33, 65, 129, 257):
         chosen = case("glass", nodes)
         assert chosen.scales and chosen.thermal
-        grid = discretise.grid_of(chosen)
+        grid = grid_of(chosen)
         r2 = grid.kept_x[None, :] ** 2 + grid.kept_y[:, None] ** 2
         P, H = np.sqrt(np.maximum(1.0 - r2, 0.0)), 1e-7 / chosen.scales.film + np.maximum(r2 - 1.0, 0.0)
         found = heat.heated(chosen, P, H, 0.2)

@@ -41,7 +41,7 @@ def levels(rheology: str | Fluidity, nodes: int) -> list[tuple[int, float, float
     )
     assert case.scales is not None
     found = []
-    for s in steady.steady(case).solutions[-3:]:
+    for s in steady.steady_film(case).solutions[-3:]:
         assert s.status.ok
         mu = float(account.steady_friction(case, s).sliding[0]) * case.scales.a / case.scales.R
         found.append((s.grid.nodes, s.measure()["H_c"], mu, s.krylov))

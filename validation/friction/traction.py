@@ -122,7 +122,7 @@ def main() -> None:
         for speed, colour in zip(SPEEDS, COLOURS, strict=True):
             case = case_of(oil, speed)
             assert case.scales is not None
-            film = steady.steady(case).finest
+            film = steady.steady_film(case).finest
             assert film.status.ok
             measured = film.measure()
             thickness = measured["H_c"] * case.scales.film

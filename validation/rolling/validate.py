@@ -77,7 +77,7 @@ def _compare(entry: dict[str, Any], nodes: int) -> list[str]:
     oil = dict(FLUIDS[entry["fluid"]])
     if entry["L"] == 0:
         oil = {"viscosity": "isoviscous", "density": "incompressible"}
-    rolling = steady.steady(case(entry["M"], entry["L"], nodes, oil))
+    rolling = steady.steady_film(case(entry["M"], entry["L"], nodes, oil))
     deviations = []
     for s in rolling.solutions:
         found, exact = s.measure(), entry["grids"].get(str(s.grid.nodes), {})
@@ -111,7 +111,7 @@ def limits(nodes: int) -> str:
 
 
 def _limit(M: float, L: float, nodes: int, oil: dict[str, Any]) -> list[str]:
-    e = steady.steady(case(M, L, nodes, oil)).extrapolate("H_c")
+    e = steady.steady_film(case(M, L, nodes, oil)).extrapolate("H_c")
     limit = film_formulas.piezoviscous_elastic(M, L) if L else film_formulas.isoviscous_elastic(M)
     curve = film_formulas.nijenbanning_venner_moes(M, L)
     film = [f"{e.value:.5f}", f"{e.error / e.value:.1%}", f"{e.extrapolated:.5f}"]

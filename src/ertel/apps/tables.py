@@ -13,7 +13,7 @@ from ertel.results.variables import FILMS, in_si, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
-    from ertel.physics.film_formulas import Film
+    from ertel.physics.film_formulas import FormulaFilm
 
 
 NOTHING: Mapping[str, Number] = {}
@@ -119,13 +119,13 @@ def _filled(row: list[str], columns: int) -> list[str]:
 # -- film formulas ----------------------------------------------------------------------------------------------------
 
 
-def print_films(case: "Case", found: "Sequence[Film]", computed: Mapping[str, Number] = NOTHING) -> None:
+def print_films(case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[str, Number] = NOTHING) -> None:
     """The films by the formulas, beside the computed ones if there are some."""
     print_rows(film_rows(case, found, computed))
     console().print("(in brackets: the contact is outside the range of the formula)")
 
 
-def film_rows(case: "Case", found: "Sequence[Film]", computed: Mapping[str, Number]) -> list[list[str]]:
+def film_rows(case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[str, Number]) -> list[list[str]]:
     """Film thicknesses by the formulas, with their deviation from a computed film thickness if there is one.
 
     computed: H_c and H_min.  With estimated errors the deviation is from the extrapolated film.  A formula that is not
@@ -161,7 +161,7 @@ def _deviation(film: float | None, computed: float) -> str:
     return f"{film / computed - 1:+.1%}" if film is not None and computed else ""
 
 
-def print_sources(found: "Sequence[Film]") -> None:
+def print_sources(found: "Sequence[FormulaFilm]") -> None:
     """Sources and ranges of the formulas."""
     sources: dict[str, list[str]] = {}
     for f in found:
@@ -170,7 +170,7 @@ def print_sources(found: "Sequence[Film]") -> None:
         console().print(f"\n{source}", *(f"  {line}" for line in formulas), sep="\n")
 
 
-def films_as_data(case: "Case", found: "Sequence[Film]") -> dict[str, Any]:
+def films_as_data(case: "Case", found: "Sequence[FormulaFilm]") -> dict[str, Any]:
     """The parameters of a case and its film thicknesses by the formulas, as data for JSON."""
     rows = [film._asdict() for film in found]
     if case.scales:

@@ -228,7 +228,7 @@ def check_grid(solver: Solver, geometry: Geometry) -> None:
     try:
         grid.check_nodes(solver.nodes)
         across = grid.nodes_across(solver.nodes, (solver.half_width_y or solver.half_width) / solver.half_width)
-        grid.check_grid(grid.Grid(solver.nodes, across, 1.0))
+        grid.check_coarsening(grid.Grid(solver.nodes, across, 1.0))
     except ValueError as error:
         raise ValueError(f"solver.{error}") from error
     along_x, along_y = geometry.extent

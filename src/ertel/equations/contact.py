@@ -12,8 +12,9 @@ U = 0 (eq. 1) and rolling has U = 1.  Otherwise they differ only in the scales a
 All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fields have shape (n, n), index [Y, X].
 """
 
-from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from dataclasses import dataclass, field, fields
+from functools import cache
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -21,11 +22,11 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.equations.flow import Rate
-from ertel.equations.pytrees import traceable
 from ertel.numerics import halfspace
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, diffusion, inside, total
+from ertel.physics.fluidity import Fluidity
 from ertel.physics.geometry import Geometry
 from ertel.physics.lubricant import Lubricant
 
@@ -119,7 +120,7 @@ class Contact:
     flow: PressureFlow = NEWTONIAN_FLOW
 
 
-def smooth_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
+def bare_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
     """Two smooth bodies of a geometry."""
     gap = jax.device_put(geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
     kernel = halfspace.spectrum(grid, geometry.compliance)
@@ -133,7 +134,7 @@ def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array
 
 def deformation(contact: Contact, P: Array) -> Array:
     """The geometry's compliance times the double integral of P/distance, eq. (3)."""
-    return halfspace.displacement(contact.kernel, P, contact.even)
+    return halfspace.surface_displacement(contact.kernel, P, contact.even)
 
 
 def load(contact: Contact, P: Array) -> Array:
@@ -162,8 +163,33 @@ def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     return inside(change - contact.flow.gain(contact, P, H), contact.even)
 
 
-def balance(
-    mass: Array, eps: Pair, P: Array, rate: Rate, spacing: Array | float, even: Symmetry = NO_SYMMETRY
-) -> Array:
-    """The residual for given mass rho H and mobility eps: the equation without the laws of the oil."""
-    return inside(rate.of(mass, spacing) - diffusion(eps, P, even) / spacing**2, even)
+# -- oil laws as JAX pytrees; the laws themselves do not depend on JAX ------------------------------------------------
+
+Law = TypeVar("Law", bound=Fluidity)
+
+
+def traceable(oil: Lubricant) -> Lubricant:
+    """The same oil, with its records registered as JAX pytrees; their fields are arrays or numbers."""
+    records: tuple[Any, ...] = (oil, oil.viscosity_law, oil.density_law)
+    for record in records:
+        _register(record.__class__)
+    return oil
+
+
+def traceable_law(law: Law) -> Law:
+    """The same law of shear thinning, registered as a JAX pytree together with a law inside it (`Limited`)."""
+    for number in fields(law):  # type: ignore[arg-type]
+        base = getattr(law, number.name)
+        if hasattr(base, "fluidity"):
+            traceable_law(base)
+    _register(law.__class__)
+    return law
+
+
+@cache
+def _register(record: Any) -> None:
+    try:
+        register_dataclass(record)
+    except ValueError as error:
+        if "already registered" not in str(error).lower() and "duplicate" not in str(error).lower():
+            raise

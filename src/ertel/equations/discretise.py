@@ -9,12 +9,9 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.derived import coarsenings as coarsenings
-from ertel.case.derived import grid_of as grid_of
 from ertel.equations import contact, outside
-from ertel.equations.contact import NEWTONIAN_FLOW, Contact, PressureFlow
+from ertel.equations.contact import NEWTONIAN_FLOW, Contact, PressureFlow, traceable_law
 from ertel.equations.outside import Outside
-from ertel.equations.pytrees import traceable_law
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
 from ertel.physics import surfaces
@@ -30,7 +27,7 @@ def outside_of(case: Case, grid: Grid) -> Outside:
 
 def smooth_contact(case: Case, grid: Grid) -> Contact:
     """The two surfaces without roughness, and the oil at T = 0."""
-    smooth = contact.smooth_contact(case.geometry, grid, case.parameters.lambda_bar, case.lubricant)
+    smooth = contact.bare_contact(case.geometry, grid, case.parameters.lambda_bar, case.lubricant)
     return replace(smooth, flow=flow_of(case, 0.0))
 
 
@@ -46,10 +43,10 @@ def flow_of(case: Case, T: float) -> PressureFlow:
 
 def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
     """The two surfaces and the oil at time T on a grid."""
-    return moved(smooth_contact(case, grid), case, grid, T)
+    return roughened(smooth_contact(case, grid), case, grid, T)
 
 
-def moved(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
+def roughened(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
     """The smooth contact with the case's roughness added at its position at time T, and the oil's flow at that time."""
     smooth = replace(smooth, flow=flow_of(case, T))
     if not case.features:

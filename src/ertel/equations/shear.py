@@ -76,7 +76,7 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, acros
 
     pressure: in Pa, shape (...).  sliding: s = eta (u1 - u2)/h in Pa, the mid-plane stress of a Newtonian oil, shape
     (2, ...).  gradient: g = h grad p in Pa, shape (2, ...).  All finite; differentiable (forward and reverse) in all of
-    them and in the numbers of the law, which must be a JAX pytree (`pytrees.traceable_law`).
+    them and in the numbers of the law, which must be a JAX pytree (`contact.traceable_law`).
     """
     law_, *fields = jax.lax.stop_gradient((law, pressure, sliding, gradient))
     found = in_blocks(
@@ -84,11 +84,6 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, acros
     )
     stress, flux = _attached((law, pressure), sliding, gradient, found)
     return Shear(stress, flux, found.by_gradient, jnp.max(found.iterations))
-
-
-def dissipation(found: Shear, sliding: Array, gradient: Array) -> Array:
-    """Heat per area over h/eta, in Pa^2, shape (...): the mean of phi tau^2 across the film."""
-    return dot(found.stress, sliding) + dot(found.flux, gradient)
 
 
 class Mobility(NamedTuple):

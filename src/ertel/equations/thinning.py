@@ -22,7 +22,7 @@ from jax.tree_util import register_dataclass
 from ertel.equations.contact import NEWTONIAN_FLOW, Contact, Details, Mobilities, opened
 from ertel.equations.shear import NODES, Mobility, Shear, secant_mobility, shear, tangent_mobility
 from ertel.numerics.integrals import Plane
-from ertel.numerics.stencils import Pair, central_slopes, extended, to_x_faces, to_y_faces
+from ertel.numerics.stencils import Pair, central_slopes, divergence, extended, to_x_faces, to_y_faces
 from ertel.physics.fluidity import Fluidity, limited_stress
 
 Number = Array | float
@@ -35,7 +35,7 @@ LARGEST_FACTOR = 1e9  # of a mobility by thinning, in the preconditioner, which 
 class ThinningFlow:
     """The Poiseuille flow of a law of shear thinning: a `contact.PressureFlow`.
 
-    law: registered as a pytree (`pytrees.traceable_law`).  p_h, unit: one unit of pressure and one of shear stress,
+    law: registered as a pytree (`contact.traceable_law`).  p_h, unit: one unit of pressure and one of shear stress,
     p_h a/R, in Pa.  sliding: U S, the difference of the surfaces' speeds along X in a/t0; its sign has no influence.
     """
 
@@ -48,7 +48,7 @@ class ThinningFlow:
         """- div(Poiseuille flux), shape (n, n)."""
         faces = _faces(contact, P, H)
         found, _ = self._shear(contact, faces.P, faces.film, faces.viscosity, faces.slope)
-        return _gain(*faces.fluxes(self._force(found, faces.film)), contact.spacing)
+        return divergence(*faces.fluxes(self._force(found, faces.film))) / contact.spacing
 
     def details(self, contact: Contact, P: Array, H: Array, sliding: Number, plane: Plane) -> Details:
         """The flow at every node when the surfaces slide by U S: all faces and nodes in one line, in one iteration."""
@@ -63,7 +63,7 @@ class ThinningFlow:
         return Details(
             limited_stress(self.law, stress, self.p_h * P) / self.unit,
             plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], contact.lubricant.enthalpy(P)),
-            _gain(in_X, in_Y, contact.spacing),
+            divergence(in_X, in_Y) / contact.spacing,
             self._secant(contact, P, H, stress, gradient),
         )
 
@@ -130,12 +130,6 @@ def _faces(contact: Contact, P: Array, H: Array) -> _Faces:
     flows = mean_eps > 0.0
     viscosity = jnp.where(flows, mean_conductance, 1.0) / jnp.where(flows, contact.lambda_bar * mean_eps, 1.0)
     return _Faces(mean_P, mean_film, viscosity, slope, (to_x_faces(eps), to_y_faces(eps)))
-
-
-def _gain(in_X: Array, in_Y: Array, spacing: Number) -> Array:
-    """- div of the flux, from minus the flux through the faces."""
-    total: Array = ((in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])) / spacing
-    return total
 
 
 def _thinned(eps: Array, factor: Mobility) -> Pair:

@@ -148,7 +148,7 @@ def nodes_across(nodes: int, ratio: float) -> int:
     return 1 + unit * ceil(wanted / unit - 1e-6)
 
 
-def check_grid(grid: Grid) -> None:
+def check_coarsening(grid: Grid) -> None:
     """Raise ValueError unless multigrid can coarsen the grid in both directions, and equally often."""
     check_nodes(grid.nodes_x)
     coarsest = grid.hierarchy()[-1]
@@ -185,7 +185,7 @@ def extrapolate(coarse: float, fine: float) -> Extrapolation:
     return Extrapolation(fine, abs(step), fine + step)
 
 
-def expected(values: Sequence[float]) -> float:
+def expected_next(values: Sequence[float]) -> float:
     """The expected value on the next finer grid, from the values so far (coarsest first): the change falls fourfold."""
     *earlier, last = values[-2:]
     return last + sum(last - e for e in earlier) / 4

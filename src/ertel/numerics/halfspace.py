@@ -44,7 +44,7 @@ def _distances(nodes: int) -> NDArray[np.int64]:
 
 
 def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Array:
-    """Kernel of `displacement` on a grid: real, shape (2 (n_y - 1), n_x), or (n_y, n_x) if fields are even in Y.
+    """Kernel of `surface_displacement` on a grid: real, (2 (n_y - 1), n_x), or (n_y, n_x) for fields even in Y.
 
     compliance: the displacement is this factor times the double integral of P/distance.
     """
@@ -55,14 +55,14 @@ def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Arr
 
 
 @partial(jax.jit, static_argnames="even")  # one tracing for each shape
-def displacement(kernel: Array, P: Array, even: Symmetry = NO_SYMMETRY) -> Array:
+def surface_displacement(kernel: Array, P: Array, even: Symmetry = NO_SYMMETRY) -> Array:
     """Normal displacement under the pressure P, both on the same nodes; P = 0 on the edge.
 
     Only rows with data are transformed along X, and only rows of the result are transformed back.  kernel: from
     `spectrum`.  A complex P takes two convolutions.
     """
     if jnp.iscomplexobj(P):
-        return lax.complex(displacement(kernel, P.real, even), displacement(kernel, P.imag, even))
+        return lax.complex(surface_displacement(kernel, P.real, even), surface_displacement(kernel, P.imag, even))
     period_x = 2 * (kernel.shape[1] - 1)
     period_y = 2 * (kernel.shape[0] - 1) if even.y else kernel.shape[0]
     rows, columns = P.shape

@@ -5,7 +5,6 @@ edge.  `Plane` is a rectangle of square cells, `Disc` a radial grid.  Both end a
 """
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import jax
 import jax.numpy as jnp
@@ -18,34 +17,6 @@ from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.stencils import Pair
 
 SLOPE = (11 / 6, -3.0, 3 / 2, -1 / 3)  # weights of the nodes from the edge inwards for the slope towards the edge
-
-
-class Space(Protocol):
-    """What can be integrated on a grid."""
-
-    def total(self, f: Array) -> Array:
-        """The double integral of a field."""
-        ...
-
-    def of_slopes(self, c: Pair, f: Array, g: Array) -> Array:
-        """c_x df/dX dg/dX + c_y df/dY dg/dY at the nodes; its `total` is the sum over the faces between the nodes."""
-        ...
-
-    def edge(self, f: Array) -> Array:
-        """The values on the edge, one line."""
-        ...
-
-    def flow_out(self, c: Pair, f: Array) -> Array:
-        """- c df/dn on the edge, n pointing outwards; of third order, lest it be the largest error on coarse grids."""
-        ...
-
-    def along_x(self, f: Array) -> Array:
-        """f n_x on the edge, n pointing outwards."""
-        ...
-
-    def around(self, line: Array) -> Array:
-        """The integral along the edge of a line from `edge`, `flow_out` or `along_x`."""
-        ...
 
 
 @register_dataclass
@@ -65,9 +36,11 @@ class Plane:
         return cls(jax.device_put(along_x), jax.device_put(along_y), grid.spacing, grid.even)
 
     def total(self, f: Array) -> Array:
+        """The double integral of a field."""
         return jnp.sum(self.wy[:, None] * f * self.wx)
 
     def of_slopes(self, c: Pair, f: Array, g: Array) -> Array:
+        """c_x df/dX dg/dX + c_y df/dY dg/dY at the nodes; its `total` is the sum over the faces between the nodes."""
         in_y, in_x = (0.5 * (k[1:] + k[:-1]) * (a[1:] - a[:-1]) for k, a in ((c.y, f), (c.x.T, f.T)))
         return self.across_faces(in_x.T, in_y, g) / self.spacing
 
@@ -87,18 +60,22 @@ class Plane:
         return jnp.stack([along_x, along_y])
 
     def edge(self, f: Array) -> Array:
+        """The values on the edge, one line."""
         return self._line(f, f, 0)
 
     def flow_out(self, c: Pair, f: Array) -> Array:
+        """- c df/dn on the edge, n pointing outwards; third order, so that it does not dominate the error."""
         slope = sum(weight * self._line(f, f, depth) for depth, weight in enumerate(SLOPE))
         return -self._line(c.x, c.y, 0) * slope / self.spacing
 
     def along_x(self, f: Array) -> Array:
+        """f n_x on the edge, n pointing outwards."""
         low = -f[:, 0] if not self.even.x else f[:0, 0]
         ends = jnp.zeros(self.wx.size * (1 if self.even.y else 2))
         return jnp.concatenate([f[:, -1], low, ends])
 
     def around(self, line: Array) -> Array:
+        """The integral along the edge of a line from `edge`, `flow_out` or `along_x`."""
         across, along = ((2.0,) if even else (1.0, 1.0) for even in (self.even.x, self.even.y))
         weights = [*(side * self.wy for side in across), *(side * self.wx for side in along)]
         return jnp.sum(jnp.concatenate(weights) * line)
@@ -126,7 +103,7 @@ def _weights(nodes: int, even: bool) -> np.ndarray:
 @register_dataclass
 @dataclass(frozen=True)
 class Disc:
-    """A disc with nodes at r, from 0 outwards; fields have shape (n,).
+    """A disc with nodes at r, from 0 outwards; fields have shape (n,).  The methods are those of `Plane`.
 
     weights: of the double integral.  faces: 2 pi r/(difference of r) halfway between the nodes.  slope: weights of the
     last four nodes, outermost first, for the derivative along r at the edge.
@@ -164,6 +141,9 @@ class Disc:
 
     def around(self, line: Array) -> Array:
         return self.length * line[0]
+
+
+Space = Plane | Disc
 
 
 def disc_weights(r: np.ndarray) -> np.ndarray:

@@ -23,7 +23,7 @@ from jax.tree_util import register_dataclass
 
 from ertel.numerics import multigrid, tridiagonal
 from ertel.numerics.grid import NO_SYMMETRY, Symmetry
-from ertel.numerics.multigrid import Coefficients, Elasticity
+from ertel.numerics.multigrid import Coefficients, DeformationOperator
 from ertel.numerics.stencils import extended, face_sum, largest_around
 from ertel.numerics.tridiagonal import Factors
 
@@ -57,13 +57,13 @@ class LineSmoother:
         return self.rate * mass + self.drift_over_spacing * rise
 
     def change(self, r: Array) -> Array:
-        d = tridiagonal.solve(self.factors, r)
+        d = tridiagonal.solve_lines(self.factors, r)
         together = multigrid.spread(DISTRIBUTIVE_DAMPING * self.by_spread * d, self.by_spread, self.even)
         return JACOBI_DAMPING * self.by_jacobi * d + together
 
 
 def line_smoother(
-    elastic: Elasticity, c: Coefficients, rate: Array | float, drift: Array | float, phase: Array | float = 1.0
+    elastic: DeformationOperator, c: Coefficients, rate: Array | float, drift: Array | float, phase: Array | float = 1.0
 ) -> LineSmoother:
     """The smoother for an operator with a derivative along X; rate, drift and phase as in the module's docstring."""
     rate, drift, phase = (jnp.asarray(f, multigrid.in_precision(c.free.dtype, f)) for f in (rate, drift, phase))
@@ -104,7 +104,7 @@ class _Pattern(NamedTuple):
         return on_line + self.beside * K[1, abs(k)]
 
 
-def _bands(elastic: Elasticity, c: Coefficients, by_spread: Array, flow: _Flow) -> tuple[Array, Array, Array]:
+def _bands(elastic: DeformationOperator, c: Coefficients, by_spread: Array, flow: _Flow) -> tuple[Array, Array, Array]:
     """The operator's three bands on each line; each node has its own kind of change."""
     p = extended(by_spread, elastic.even)
     pattern = _Pattern(*(-0.25 * by_spread * near for near in (p[1:-1, :-2], p[1:-1, 2:], p[:-2, 1:-1] + p[2:, 1:-1])))
@@ -126,13 +126,13 @@ def _bands(elastic: Elasticity, c: Coefficients, by_spread: Array, flow: _Flow) 
     return coupling(1) * c.free, diagonal, coupling(-1) * c.free
 
 
-def _diffusion(elastic: Elasticity, c: Coefficients) -> tuple[Array, Array]:
+def _diffusion(elastic: DeformationOperator, c: Coefficients) -> tuple[Array, Array]:
     """The diagonal coefficient of - div(eps grad e), and the coefficient of the upstream face."""
     own, upstream = face_sum(c.eps, elastic.even), 0.5 * (c.eps.x + _upstream(c.eps.x))
     return own / elastic.spacing**2, upstream / elastic.spacing**2
 
 
-def _carried(elastic: Elasticity, c: Coefficients, pattern: _Pattern, k: int, flow: _Flow) -> Array:
+def _carried(elastic: DeformationOperator, c: Coefficients, pattern: _Pattern, k: int, flow: _Flow) -> Array:
     """(rate + drift d/dX)(stretch K + local), k nodes downstream of a change."""
 
     def mass(k: int) -> Array:

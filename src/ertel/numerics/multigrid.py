@@ -40,7 +40,7 @@ SHORT_WAVES, LONG_WAVES = 0.3, 0.03
 
 @register_dataclass
 @dataclass(frozen=True)
-class Elasticity:
+class DeformationOperator:
     """The deformation operator on one grid: its spectrum, spacing, and coefficients of the nearest nodes, [Y, X].
 
     even: the axes about which fields are even and stored on one side (`stencils`).
@@ -52,7 +52,7 @@ class Elasticity:
     even: Symmetry = field(default=NO_SYMMETRY, metadata={"static": True})
 
     def displacement(self, e: Array) -> Array:
-        return halfspace.displacement(self.spectrum, e, self.even)
+        return halfspace.surface_displacement(self.spectrum, e, self.even)
 
 
 class Coefficients(NamedTuple):
@@ -117,25 +117,25 @@ class GridLevel:
     inverse: the dense inverse of the operator; on the coarsest grid only.
     """
 
-    elasticity: Elasticity
+    elasticity: DeformationOperator
     coefficients: Coefficients
     smoother: Smoother
     operator: Operator = field(metadata={"static": True})
     inverse: Array | None = None
 
 
-def elasticities(grid: Grid, compliance: float, dtype: str) -> tuple[Elasticity, ...]:
+def deformation_operators(grid: Grid, compliance: float, dtype: str) -> tuple[DeformationOperator, ...]:
     """The deformation operators of a grid and all its coarser ones; compliance: see `halfspace.spectrum`."""
     return tuple(_elasticity(g, compliance, dtype) for g in grid.hierarchy())
 
 
-def _elasticity(grid: Grid, compliance: float, dtype: str) -> Elasticity:
+def _elasticity(grid: Grid, compliance: float, dtype: str) -> DeformationOperator:
     near = compliance * halfspace.love_coefficients(4, 4, grid.spacing)
     spectrum, spacing = halfspace.spectrum(grid, compliance, dtype), jax.device_put(np.asarray(grid.spacing, dtype))
-    return Elasticity(spectrum, spacing, jax.device_put(near.astype(dtype)), grid.even)
+    return DeformationOperator(spectrum, spacing, jax.device_put(near.astype(dtype)), grid.even)
 
 
-def point_smoother(elastic: Elasticity, c: Coefficients) -> PointSmoother:
+def point_smoother(elastic: DeformationOperator, c: Coefficients) -> PointSmoother:
     """The smoother for an operator without a derivative along X."""
     K, faces = elastic.near, face_sum(c.eps, elastic.even) / elastic.spacing**2
     by_jacobi = faces > (SHORT_WAVES * K[0, 0] + LONG_WAVES) * c.stretch
@@ -147,9 +147,9 @@ def point_smoother(elastic: Elasticity, c: Coefficients) -> PointSmoother:
 
 
 def hierarchy(
-    elastic: Sequence[Elasticity],
+    elastic: Sequence[DeformationOperator],
     finest: Coefficients,
-    smoother: Callable[[Elasticity, Coefficients], Smoother] = point_smoother,
+    smoother: Callable[[DeformationOperator, Coefficients], Smoother] = point_smoother,
     operator: Operator | None = None,
 ) -> tuple[GridLevel, ...]:
     """The levels, finest first: eps is restricted by full weighting, everything else by injection.
@@ -167,7 +167,7 @@ def hierarchy(
     return *levels[:-1], replace(levels[-1], inverse=_inverse(levels[-1]))
 
 
-def _operate(elastic: Elasticity, c: Coefficients, smoother: Smoother, e: Array, Ke: Array) -> Array:
+def _operate(elastic: DeformationOperator, c: Coefficients, smoother: Smoother, e: Array, Ke: Array) -> Array:
     return smoother.balance(c.stretch * Ke + c.local * e) - diffusion(c.eps, e, elastic.even) / elastic.spacing**2
 
 

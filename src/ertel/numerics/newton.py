@@ -95,7 +95,7 @@ class _Iterate(NamedTuple):
     forcing: Array
 
 
-def solve(
+def newton_krylov(
     residual: Callable[[Array, Array], Array],
     partner_change: Map,
     preconditioner: Callable[[Array, Array, Array], Map],

@@ -24,11 +24,6 @@ class Pair(NamedTuple):
     x: Array
     other: Array | None = None
 
-    @classmethod
-    def of(cls, x: Array, y: Array) -> "Pair":
-        """The pair of two arrays."""
-        return cls(x, None if y is x else y)
-
     @property
     def y(self) -> Array:
         """The coefficient along Y."""
@@ -78,9 +73,19 @@ def diffusion(eps: Pair, f: Array, even: Symmetry = NO_SYMMETRY) -> Array:
 
     eps is averaged at the faces between nodes; f is zero beyond the edge.  The result has no meaning on the edge nodes.
     """
+    return divergence(*face_fluxes(eps, f, even))
+
+
+def face_fluxes(eps: Pair, f: Array, even: Symmetry = NO_SYMMETRY) -> tuple[Array, Array]:
+    """eps_x df/dX on the faces across X, shape (n, n + 1), and eps_y df/dY on those across Y, shape (n + 1, n)."""
     c, p = _beyond(eps, even), extended(f, even)
     in_X = 0.5 * (c.x[1:-1, 1:] + c.x[1:-1, :-1]) * (p[1:-1, 1:] - p[1:-1, :-1])
     in_Y = 0.5 * (c.y[1:, 1:-1] + c.y[:-1, 1:-1]) * (p[1:, 1:-1] - p[:-1, 1:-1])
+    return in_X, in_Y
+
+
+def divergence(in_X: Array, in_Y: Array) -> Array:
+    """The divergence at the nodes, on unit spacing, of what is on the faces around them (`face_fluxes`)."""
     # summed in pairs, here and elsewhere, so that swapping X and Y gives the same result to the last bit
     total: Array = (in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])
     return total

@@ -54,7 +54,7 @@ def factorise(lower: Array, diagonal: Array, upper: Array) -> Factors:
     return Factors(1.0 / diagonal, tuple(halvings), rows)
 
 
-def solve(factors: Factors, b: Array) -> Array:
+def solve_lines(factors: Factors, b: Array) -> Array:
     """The solutions for right-hand sides b of shape (lines, n)."""
     return _solve(factors.halvings, factors.rest, factors.scale * b)
 
@@ -97,7 +97,7 @@ def diagonals(change: Callable[[Array], Array], n: int) -> Array:
     return found
 
 
-def times(diagonals: Array, matrix: Array) -> Array:
+def banded_product(diagonals: Array, matrix: Array) -> Array:
     """The matrix of three diagonals times another one."""
     lower, middle, upper = diagonals[:, :, None]
     product: Array = lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)

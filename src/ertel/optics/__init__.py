@@ -6,38 +6,31 @@
     film = film_of_intensity(intensity, rig, 532e-9, start=0.4e-6)   # and back, along a profile
 
 All is in SI.  Light comes at normal incidence, and the oil fills the gap everywhere; cavities behind a rolling contact
-are seen as oil.  The layers, their indices and the oil's index are parameters, with sources in `media`.
+are seen as oil.  The layers, their indices and the oil's index are parameters, with sources in `rig`.
 """
 
 from ertel.optics.chart import Chart
-from ertel.optics.colour import BlackBody, Daylight, Lamp
 from ertel.optics.inverse import DoubtfulFilm, film_of_intensity
-from ertel.optics.light import Light, Monochromatic, White
-from ertel.optics.media import BK7, CHROMIUM, SILICA, STEEL, Constant, JohnsonChristy, Medium, Sellmeier
-from ertel.optics.rig import Fringes, Layer, Rig, TwoBeams, lorentz_lorenz, reflection
+from ertel.optics.light import BlackBody, Daylight, Lamp, Light, Monochromatic, White
+from ertel.optics.rig import (
+    BK7,
+    CHROMIUM,
+    SILICA,
+    STEEL,
+    Constant,
+    Fringes,
+    JohnsonChristy,
+    Layer,
+    Medium,
+    Rig,
+    Sellmeier,
+    TwoBeams,
+    lorentz_lorenz,
+    reflection,
+)
 
 __all__ = [
-    "BK7",
-    "CHROMIUM",
-    "SILICA",
-    "STEEL",
-    "BlackBody",
-    "Chart",
-    "Constant",
-    "Daylight",
-    "DoubtfulFilm",
-    "Fringes",
-    "JohnsonChristy",
-    "Lamp",
-    "Layer",
-    "Light",
-    "Medium",
-    "Monochromatic",
-    "Rig",
-    "Sellmeier",
-    "TwoBeams",
-    "White",
-    "film_of_intensity",
-    "lorentz_lorenz",
-    "reflection",
-]
+    "BK7", "CHROMIUM", "SILICA", "STEEL", "BlackBody", "Chart", "Constant", "Daylight", "DoubtfulFilm", "Fringes",
+    "JohnsonChristy", "Lamp", "Layer", "Light", "Medium", "Monochromatic", "Rig", "Sellmeier", "TwoBeams", "White",
+    "film_of_intensity", "lorentz_lorenz", "reflection",
+]  # fmt: skip

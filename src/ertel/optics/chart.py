@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import map_coordinates
 
-from ertel.optics.colour import encode, into_gamut, luminance
-from ertel.optics.light import Light
+from ertel.optics.light import Light, encode, into_gamut, luminance
 from ertel.optics.rig import Rig
 
 Array = NDArray[np.float64]
@@ -74,14 +73,10 @@ class Chart:
         places = [film * n / SPACING, (n - first) / (last - first) * (INDICES - 1)]
         channels = np.moveaxis(self._colours, -1, 0)
         seen = np.stack([map_coordinates(c, places, order=1, mode="nearest") for c in channels], axis=-1)
-        mean = self._mean(n)
+        means = self.light.mean(self.rig, self._indices)  # of films without fringes
+        mean: Array = np.stack([np.interp(n, self._indices, channel) for channel in means.T], axis=-1)
         wave = 4.0 * np.pi * BLUR * np.asarray(change)[..., None] / self.light.typical
         return mean + (seen - mean) * np.exp(-0.5 * wave**2)
-
-    def _mean(self, n: Array) -> Array:
-        """The light of films without fringes, of an index."""
-        means = self.light.mean(self.rig, self._indices)
-        return np.stack([np.interp(n, self._indices, channel) for channel in means.T], axis=-1)
 
     def shown(self, film: ArrayLike, density: ArrayLike, change: ArrayLike = 0.0) -> Array:
         """What a screen is sent, 0 to 1, in grey or sRGB: the arguments and the shape of `linear`."""

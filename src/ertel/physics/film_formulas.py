@@ -8,7 +8,7 @@ symbol     meaning, in every formula here
 =========  ========================================================================================================
 E'         2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
 R          reduced radius along the flow, Rx (Chittenden: R_e); the one across the flow is Ry (R_s); at an angle theta
-           to the axes 1/R_e = cos^2/Rx + sin^2/Ry, 1/R_s = sin^2/Rx + cos^2/Ry (`Flow`)
+           to the axes 1/R_e = cos^2/Rx + sin^2/Ry, 1/R_s = sin^2/Rx + cos^2/Ry (`FlowDirection`)
 U          eta0 u_m/(E' R) with the *mean* speed u_m = (u1 + u2)/2; Moes uses the sum of the speeds: twice this U
 G, W, W'   alpha E'; F/(E' R^2); load per unit length/(E' R) of a line contact
 M, L       W (2U)^{-3/4}, G (2U)^{1/4}
@@ -126,8 +126,8 @@ def chittenden_central(parameters: HamrockDowson, radius_ratio: float = 1.0) -> 
     Chittenden RJ, Dowson D, Dunn JF, Taylor CM. A theoretical analysis of the isothermal elastohydrodynamic lubrication
     of concentrated contacts, I and II. Proc R Soc Lond A 1985;397:245-269, 271-294.  radius_ratio: R_e/R_s, the
     radius along the flow over that across it; below one the flow is along the minor axis of the ellipse, above one
-    along the major axis.  For flow at an angle to the axes R is R_e (`Flow`).  Other sources print 4.30 and 1.30 for
-    the first and the last constant.
+    along the major axis.  For flow at an angle to the axes R is R_e (`FlowDirection`).  Other sources print 4.30
+    and 1.30 for the first and the last constant.
     """
     U, G, W = _checked(parameters)
     require_positive("radius_ratio", radius_ratio)
@@ -175,14 +175,14 @@ def line_contact(parameters: HamrockDowson, radius_ratio: float = 1.0) -> Hamroc
     return HamrockDowson(U, G, 2.0 / pi * (cbrt(1.5 * e.kappa * e.beta * W) / e.beta) ** 2)
 
 
-class Flow(NamedTuple):
+class FlowDirection(NamedTuple):
     """The contact as the flow sees it: R_x/R_e, and R_e/R_s, both of the radii along and across the flow."""
 
     curvature: float
     radius_ratio: float
 
     @classmethod
-    def at(cls, radius_ratio: float, angle: float) -> "Flow":
+    def at(cls, radius_ratio: float, angle: float) -> "FlowDirection":
         """For R_x/R_y and the angle (degrees) from x to the flow: Euler's theorem for the curvature."""
         if radius_ratio == 1.0 or angle % 180.0 == 0.0:
             return cls(1.0, radius_ratio)
@@ -208,7 +208,7 @@ def expected_film(parameters: Parameters, angle: float = 0.0) -> float:
     It is the formula of Nijenbanning, Venner and Moes.  Where the flow is along the longer axis, for which it was not
     made, it is that of a ball with the radius along the flow, less what Chittenden's formula says of the side leakage.
     """
-    flow = Flow.at(parameters.radius_ratio, angle)
+    flow = FlowDirection.at(parameters.radius_ratio, angle)
     M, L = flow.moes(parameters)
     wide = min(flow.radius_ratio, 1.0)
     left = _kept(flow.radius_ratio) / _kept(wide)
@@ -220,13 +220,13 @@ def _kept(radius_ratio: float) -> float:
     return 1.0 - exp(-1.23 * radius_ratio ** (-2 / 3))
 
 
-def _own_unit(parameters: Parameters, flow: Flow) -> float:
+def _own_unit(parameters: Parameters, flow: FlowDirection) -> float:
     """Moes' unit with the radius along the flow, (2 U_e)^{1/2} R_e, in the contact's own a^2/R."""
     e = parameters.ellipse
     return 1.0 / (sqrt(flow.curvature) * cbrt(1.5 * e.kappa * e.beta * parameters.M) ** 2)
 
 
-class Film(NamedTuple):
+class FormulaFilm(NamedTuple):
     """Result of one formula for one contact.
 
     central, minimum: film thickness in a^2/R, None if the formula does not give it.  valid: the formula's range, in
@@ -241,14 +241,14 @@ class Film(NamedTuple):
     inside: bool | None
 
 
-def films(parameters: Parameters, ugw: HamrockDowson | None = None, angle: float = 0.0) -> list[Film]:
+def films(parameters: Parameters, ugw: HamrockDowson | None = None, angle: float = 0.0) -> list[FormulaFilm]:
     """All formulas for a contact, in its own a^2/R.
 
     ugw: U, G, W with the radius R_x; the formulas in U, G, W need it, with G > 0.  angle: from the axis x of the
     ellipse to the flow, in degrees.  A formula that was not made for flow along the longer axis, or for flow at an
     angle to the axes, is left out or marked as outside its range.
     """
-    flow = Flow.at(parameters.radius_ratio, angle)
+    flow = FlowDirection.at(parameters.radius_ratio, angle)
     along_an_axis = parameters.radius_ratio == 1.0 or angle % 90.0 == 0.0
     found = [] if flow.radius_ratio > 1.0 else [_joined(parameters, flow, along_an_axis)]
     if ugw is not None and ugw.G > 0:
@@ -261,14 +261,14 @@ def films(parameters: Parameters, ugw: HamrockDowson | None = None, angle: float
 NVM = "Nijenbanning-Venner-Moes"
 
 
-def _joined(parameters: Parameters, flow: Flow, along_an_axis: bool) -> Film:
+def _joined(parameters: Parameters, flow: FlowDirection, along_an_axis: bool) -> FormulaFilm:
     M, L = flow.moes(parameters)
     film = nijenbanning_venner_moes(M, L, flow.radius_ratio) / moes_unit(M) * _own_unit(parameters, flow)
     valid = "all M and L; Barus' law; flow along the shorter axis"
-    return Film(NVM, film, None, SOURCES[NVM], valid, along_an_axis)
+    return FormulaFilm(NVM, film, None, SOURCES[NVM], valid, along_an_axis)
 
 
-def _asymptotes(parameters: Parameters, flow: Flow, along_an_axis: bool) -> list[Film]:
+def _asymptotes(parameters: Parameters, flow: FlowDirection, along_an_axis: bool) -> list[FormulaFilm]:
     """The four regimes of Nijenbanning, Venner and Moes."""
     (M, L), D = flow.moes(parameters), flow.radius_ratio
     unit, joined = _own_unit(parameters, flow) / moes_unit(M), nijenbanning_venner_moes(M, L, D)
@@ -282,20 +282,24 @@ def _asymptotes(parameters: Parameters, flow: Flow, along_an_axis: bool) -> list
             "piezoviscous, elastic": (piezoviscous_elastic(M, L, D), "M and L large"),
         }
     return [
-        Film(regime, film * unit, None, SOURCES[NVM], valid, along_an_axis and abs(film / joined - 1.0) < CLOSE)
+        FormulaFilm(regime, film * unit, None, SOURCES[NVM], valid, along_an_axis and abs(film / joined - 1.0) < CLOSE)
         for regime, (film, valid) in asymptotes.items()
     ]
 
 
-def _films_of_ugw(ugw: HamrockDowson, radius_ratio: float, flow: Flow, along_an_axis: bool) -> list[Film]:
+def _films_of_ugw(
+    ugw: HamrockDowson, radius_ratio: float, flow: FlowDirection, along_an_axis: bool
+) -> list[FormulaFilm]:
     """The formulas of Hamrock and Dowson, of Chittenden, and of the line contact with the same Hertz pressure."""
     e, at = hertz_ellipse(radius_ratio), flow.ugw(ugw)
     unit = flow.curvature * cbrt(1.5 * e.kappa * e.beta * ugw.W) ** 2  # the contact's own a^2/R over R_e
     k = BALL * flow.radius_ratio**-0.64
 
-    def film(name: str, central: float | None, minimum: float | None, valid: str, inside: bool | None = None) -> Film:
+    def film(
+        name: str, central: float | None, minimum: float | None, valid: str, inside: bool | None = None
+    ) -> FormulaFilm:
         c, m = (value if value is None else value / unit for value in (central, minimum))
-        return Film(name, c, m, SOURCES[name], valid, inside)
+        return FormulaFilm(name, c, m, SOURCES[name], valid, inside)
 
     hard = 8e-13 <= at.U <= 5.1e-11 and 2300 <= at.G <= 6800 and 1 <= k <= 8.1 and along_an_axis
     hamrock_dowson = hamrock_dowson_central(at, k), hamrock_dowson_minimum(at, k)

@@ -171,8 +171,8 @@ class Geometry:
         V/(2 (1 + D)) - U cos(angle) x/(3 + 2 D) - U sin(angle) D y/(2 + 3 D); V/4 - U X/5 for a circle.
         """
         (x, y), (c, s), D = self._axes(X, Y), self._direction, self.radius_ratio
-        along = c * x / (3 + 2 * D) + s * D * y / (2 + 3 * D)
-        return velocity / (2 * (1 + D)) - entrainment * along
+        wedge = entrainment * c * x / (3 + 2 * D) + entrainment * s * D * y / (2 + 3 * D)
+        return velocity / (2 * (1 + D)) - wedge
 
     def _axes(self, X: Array, Y: Array) -> tuple[Array, Array]:
         """Coordinates along the principal axes."""

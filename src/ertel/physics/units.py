@@ -7,6 +7,7 @@ Reading and writing of case files, checks of values and conversion to the units 
 Every text that explains a key to a user is made from its meaning.
 """
 
+import operator
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from functools import cache
@@ -94,6 +95,14 @@ HEIGHT = Unit("m", "20 nm", signed=True, scale="film", own="a^2/R", most=1e6)
 RMS = Unit("m", "50 nm", scale="film", own="a^2/R", least=1e-12, most=1e6)
 
 
+_COMPARISONS: dict[str, tuple[str, Callable[[float, float], bool]]] = {
+    "gt": ("greater than", operator.gt),
+    "ge": ("greater than or equal to", operator.ge),
+    "lt": ("less than", operator.lt),
+    "le": ("less than or equal to", operator.le),
+}
+
+
 @dataclass(frozen=True)
 class Bounds:
     """Bounds of a plain number; messages are derived from them.
@@ -115,21 +124,9 @@ class Bounds:
             return "must be a finite number"
         if self.whole and not isinstance(value, int):
             return "must be an integer"
-        limits = {
-            "gt": "greater than",
-            "ge": "greater than or equal to",
-            "lt": "less than",
-            "le": "less than or equal to",
-        }
-        inside = {
-            "gt": lambda limit: value > limit,
-            "ge": lambda limit: value >= limit,
-            "lt": lambda limit: value < limit,
-            "le": lambda limit: value <= limit,
-        }
-        for name, words in limits.items():
+        for name, (words, holds) in _COMPARISONS.items():
             limit = getattr(self, name)
-            if limit is not None and not inside[name](limit):
+            if limit is not None and not holds(value, limit):
                 return f"must be {words} {limit:g}"
         lowest = -self.most if self.ge is None else self.ge
         return _size_complaint(value, self.least if self.gt == 0 else lowest, self.most)

@@ -20,93 +20,60 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ertel.plots import fields, histories, lines
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, compose
-from ertel.plots.fields import draw_film_map, draw_loss_map, draw_pressure_map, draw_stress_map
-from ertel.plots.histories import (
-    draw_coefficients,
-    draw_convergence,
-    draw_film_history,
-    draw_front_speed,
-    draw_grids,
-    draw_motion,
-    draw_place,
-    draw_power,
-    draw_pressure_history,
-)
 from ertel.plots.interferograms import animation, interferogram
-from ertel.plots.lines import (
-    comparison,
-    draw_across_the_flow,
-    draw_along_the_flow,
-    draw_film_profiles,
-    draw_pressure_profiles,
-)
+from ertel.plots.lines import comparison
 from ertel.plots.view import At, View
 from ertel.results.variables import is_steady
 
 __all__ = [
-    "BLUE",
-    "GREEN",
-    "GREY",
-    "NAMES",
-    "ORANGE",
-    "ORDERED_COLOURS",
-    "NoFigure",
-    "animation",
-    "comparison",
-    "convergence",
-    "draw",
-    "film",
-    "friction",
-    "front",
-    "history",
-    "interferogram",
-    "maps",
-    "midlines",
-    "names_of",
-    "overview",
-    "pressure",
-    "profiles",
-]
+    "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "animation", "comparison",
+    "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "midlines", "names_of",
+    "overview", "pressure", "profiles",
+]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
 
 
 def _friction_rows(view: View) -> Rows:
     """Shear stress where the surfaces slide, and power loss; coefficients of a run in time where something moves."""
-    over_the_surface = [draw_stress_map, draw_loss_map] if view.slides else [draw_loss_map]
+    over_the_surface = [fields.draw_stress_map, fields.draw_loss_map] if view.slides else [fields.draw_loss_map]
     if view.frame is None:
         return [over_the_surface]
     moves = view.slides or np.any(view.dataset["U"])
-    through_time = [draw_coefficients, draw_power] if moves else [draw_power]
+    through_time = [histories.draw_coefficients, histories.draw_power] if moves else [histories.draw_power]
     return [over_the_surface, through_time] if view.slides else [[*over_the_surface, *through_time]]
 
 
 # The panels of each figure.  A figure that is a part of another is drawn when it is asked for by its name.
 IN_TIME: Mapping[str, Rows | Callable[[View], Rows]] = {
     "overview": [
-        [draw_film_map, draw_film_profiles, draw_film_history],
-        [draw_pressure_map, draw_pressure_profiles, draw_motion],
+        [fields.draw_film_map, lines.draw_film_profiles, histories.draw_film_history],
+        [fields.draw_pressure_map, lines.draw_pressure_profiles, histories.draw_motion],
     ],
-    "maps": [[draw_film_map, draw_pressure_map]],
-    "profiles": [[draw_film_profiles, draw_pressure_profiles]],
-    "history": [[draw_motion, draw_film_history], [draw_place, draw_pressure_history]],
+    "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
+    "profiles": [[lines.draw_film_profiles, lines.draw_pressure_profiles]],
+    "history": [
+        [histories.draw_motion, histories.draw_film_history],
+        [histories.draw_place, histories.draw_pressure_history],
+    ],
     "friction": _friction_rows,
-    "film": [[draw_film_map]],
-    "pressure": [[draw_pressure_map]],
-    "front": [[draw_place, draw_front_speed]],
+    "film": [[fields.draw_film_map]],
+    "pressure": [[fields.draw_pressure_map]],
+    "front": [[histories.draw_place, histories.draw_front_speed]],
 }
 STEADY: Mapping[str, Rows | Callable[[View], Rows]] = {
     "overview": [
-        [draw_film_map, draw_along_the_flow, draw_grids],
-        [draw_pressure_map, draw_across_the_flow, draw_convergence],
+        [fields.draw_film_map, lines.draw_along_the_flow, histories.draw_grids],
+        [fields.draw_pressure_map, lines.draw_across_the_flow, histories.draw_convergence],
     ],
-    "film": [[draw_film_map]],
-    "pressure": [[draw_pressure_map]],
-    "midlines": [[draw_along_the_flow, draw_across_the_flow]],
-    "convergence": [[draw_convergence, draw_grids]],
+    "film": [[fields.draw_film_map]],
+    "pressure": [[fields.draw_pressure_map]],
+    "midlines": [[lines.draw_along_the_flow, lines.draw_across_the_flow]],
+    "convergence": [[histories.draw_convergence, histories.draw_grids]],
     "friction": _friction_rows,
-    "maps": [[draw_film_map, draw_pressure_map]],
+    "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
 }
 PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "front"), ("maps",)
 NAMES = tuple(dict.fromkeys((*IN_TIME, *STEADY)))

@@ -9,7 +9,7 @@ from typing import Any
 from ertel.case.case import Case
 from ertel.case.records import law_data, show
 from ertel.physics import film_formulas, hertz
-from ertel.physics.film_formulas import Film
+from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.oils import RHEOLOGY
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import HamrockDowson, Parameters, Scales, hamrock_dowson
@@ -91,7 +91,7 @@ def domain(case: Case) -> str:
     return f"{s.nodes} nodes, {inlet:.4g} a upstream to {2 * s.half_width - inlet:.4g} a downstream{across}"
 
 
-def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]:
+def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[FormulaFilm]:
     """Film thickness of a rolling contact by every formula of `physics.film_formulas`, in the case's own a^2/R.
 
     Parameters
@@ -103,7 +103,7 @@ def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Film]
 
     Returns
     -------
-    list of Film
+    list of FormulaFilm
         Empty for an impact, and without load or without speed, where the formulas have no meaning.
     """
     speed = abs(entrainment)

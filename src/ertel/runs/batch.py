@@ -23,9 +23,9 @@ import numpy as np
 from jax import Array, tree
 
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.case.status import Status
-from ertel.equations import discretise
-from ertel.equations.pytrees import traceable, traceable_law
+from ertel.equations.contact import traceable, traceable_law
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, written
 from ertel.numerics.arrays import double_precision, require_double
 from ertel.results.result import Result
@@ -141,7 +141,7 @@ def check_alike(cases: Sequence[Case]) -> None:
 
 def shape_of(case: Case) -> dict[str, object]:
     """Everything on which the compiled step depends, by field."""
-    grid, oil = discretise.grid_of(case), traceable(case.lubricant)
+    grid, oil = grid_of(case), traceable(case.lubricant)
     return {
         "solver.method": case.solver.method,
         "solver.nodes": grid.nodes,

@@ -76,12 +76,10 @@ def jax_devices() -> list[Any]:
     try:
         return jax.devices()
     except Exception as error:  # of several kinds, an AssertionError among them
-        chosen = os.environ.get("JAX_PLATFORMS")
-        if not chosen:
-            raise NoDevice(f"JAX finds no device to compute on: {error}") from error
-        raise NoDevice(
-            f"JAX_PLATFORMS={chosen}: JAX finds no such device here; unset it, or set JAX_PLATFORMS=cpu"
-        ) from error
+        message = f"JAX finds no device to compute on: {error}"
+        if chosen := os.environ.get("JAX_PLATFORMS"):
+            message = f"JAX_PLATFORMS={chosen}: JAX finds no such device here; unset it, or set JAX_PLATFORMS=cpu"
+        raise NoDevice(message) from error
 
 
 # -- counting ---------------------------------------------------------------------------------------------------------
@@ -236,11 +234,16 @@ def _processor() -> str:
 
 
 def _is_safe(directory: Path) -> bool:
-    """Whether nobody but this user can put a program into a directory, which is made if need be; warns where not."""
+    """Whether nobody but this user can put a program into a directory, which is made if need be; warns where not.
+
+    Neither the directory nor the one that it is in may be another user's, and no file in it.
+    """
     try:
         for folder in (*reversed(directory.parents[:2]), directory):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        wrong = list(_open_to_others(directory))
+        closed = not directory.stat().st_mode & 0o077  # nobody else may enter
+        wrong = [folder for folder in (directory, directory.parent) if not _is_own(folder)]
+        wrong += [path for path in directory.iterdir() if not _is_own(path, closed)]
     except OSError:  # it cannot be made, read, ...
         return False
     if wrong:
@@ -253,16 +256,6 @@ def _is_safe(directory: Path) -> bool:
     return not wrong
 
 
-def _open_to_others(directory: Path) -> Iterator[Path]:
-    """The directory, the one that it is in, and its files, as far as another user owns them or may write to them."""
-    yield from (folder for folder in (directory, directory.parent) if not _is_own(folder))
-    closed = not directory.stat().st_mode & 0o077
-    for path in directory.iterdir():
-        with suppress(FileNotFoundError):  # the draft of another process
-            if not _is_own(path, closed):
-                yield path
-
-
 def _is_own(path: Path, closed: bool = False) -> bool:
     """Whether a file or directory belongs to this user and nobody else may write to it.
 
@@ -270,7 +263,10 @@ def _is_own(path: Path, closed: bool = False) -> bool:
     """
     if os.name == "nt":
         return True
-    info = path.stat()
+    try:
+        info = path.stat()
+    except FileNotFoundError:  # the draft of another process
+        return True
     return info.st_uid == os.getuid() and (closed or not info.st_mode & 0o022)
 
 

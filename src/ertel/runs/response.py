@@ -37,8 +37,8 @@ from ertel.runs import workers
 from ertel.runs.courses import METHODS, TransientRun
 from ertel.runs.drive import Observer, Recorder, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
-from ertel.solvers import harmonic, steady, tangent
-from ertel.solvers.harmonic import Wave
+from ertel.solvers import steady
+from ertel.solvers.response import RoughnessWave, WaveResponse, tangent_start, tangent_step, wave_response
 from ertel.solvers.steady import Rolling
 from ertel.solvers.transient import Transient2D
 
@@ -90,8 +90,8 @@ def tangent_run(method: Transient2D, features: Sequence[Feature]) -> Companion:
     """The derivative of the smooth impact with respect to the height of the roughness, times the roughness."""
     height = partial(discretise.heights, features, method.case, method.grid)
     return Companion(
-        [tangent.start(height(0.0))],
-        lambda smooth, levels: tangent.advance(method, smooth, levels, height(smooth[0].T)),
+        [tangent_start(height(0.0))],
+        lambda smooth, levels: tangent_step(method, smooth, levels, height(smooth[0].T)),
         lambda change, smooth: change.H,
     )
 
@@ -250,10 +250,10 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)
     case = replace(case, solver=replace(case.solver, fold=fold))
-    rolling = steady.steady(case)
+    rolling = steady.steady_film(case)
     film = rolling.finest
     waves = [_wave(case, some, film.grid) for some in features]
-    found = [harmonic.respond(case, film, wave) for wave in waves]
+    found = [wave_response(case, film, wave) for wave in waves]
     status = film.status if all(response.converged for response in found) else Status.NEWTON_STALLED
     per_wave = {
         "frequency": [wave.frequency for wave in waves],
@@ -271,7 +271,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
 
 
 def _errors(
-    case: Case, rolling: Rolling, features: Sequence[Sequence[Feature]], found: Sequence[harmonic.Response]
+    case: Case, rolling: Rolling, features: Sequence[Sequence[Feature]], found: Sequence[WaveResponse]
 ) -> np.ndarray:
     """The change of the amplitude of each response at the centre from the coarser grid.
 
@@ -287,7 +287,7 @@ def _errors(
     *coarser, film = rolling.solutions
     if coarser and coarser[-1].status.ok:
         for number, (some, fine) in enumerate(zip(features, found, strict=True)):
-            coarse = harmonic.respond(case, coarser[-1], _wave(case, some, coarser[-1].grid))
+            coarse = wave_response(case, coarser[-1], _wave(case, some, coarser[-1].grid))
             if coarse.converged:
                 errors[number] = abs(at_centre(film.grid, fine.H) - at_centre(coarser[-1].grid, coarse.H))
     return errors
@@ -331,13 +331,13 @@ def _frequency(motion: Motion, feature: Feature) -> float:
     return 2 * pi / plain(feature.shape.wavelength_x) * abs(motion.travel(feature.surface, 1.0))
 
 
-def _wave(case: Case, features: Sequence[Feature], grid: Grid) -> Wave:
+def _wave(case: Case, features: Sequence[Feature], grid: Grid) -> RoughnessWave:
     """The features as one wave: its imaginary part is the height a quarter of a period later, with a minus sign."""
     frequency = max((_frequency(case.motion, feature) for feature in features), default=0.0)
     now = discretise.heights(features, case, grid, 0.0)
     if frequency == 0:
-        return Wave(0.0, now + 0j)
-    return Wave(frequency, now - 1j * discretise.heights(features, case, grid, pi / (2 * frequency)))
+        return RoughnessWave(0.0, now + 0j)
+    return RoughnessWave(frequency, now - 1j * discretise.heights(features, case, grid, pi / (2 * frequency)))
 
 
 def _oscillation(name: str, attributes: Mapping[str, str], fields: Sequence[Array]) -> dict[str, Field]:

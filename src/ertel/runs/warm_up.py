@@ -10,8 +10,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.case.status import Status
-from ertel.equations import discretise
 from ertel.inputs.case_files import parse_case
 from ertel.runs.batch import shape_of
 from ertel.runs.compile import compilations
@@ -34,7 +34,7 @@ EXTENT = ("solver.half_width", "solver.half_width_y", "solver.inlet")  # numbers
 def program_of(case: Case) -> str:
     """A text that is the same for runs that need the same compiled programs."""
     shape = {name: value for name, value in shape_of(case).items() if name not in EXTENT}
-    across = discretise.grid_of(case).nodes_y
+    across = grid_of(case).nodes_y
     return repr((case.kind, across, sorted(shape.items()), case.thermal is not None))
 
 

@@ -45,10 +45,9 @@ from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.case.thermal import Inlet
-from ertel.equations import discretise
-from ertel.equations.contact import opened
-from ertel.equations.pytrees import traceable, traceable_law
+from ertel.equations.contact import opened, traceable, traceable_law
 from ertel.equations.shear import shear
 from ertel.numerics import halfspace
 from ertel.numerics.grid import Grid, Symmetry
@@ -158,7 +157,7 @@ def heated(
     if thermal is None or s is None or eta0 is None:
         raise ValueError("thermal: the case has no such section, and so no data for temperatures")
     S = case.motion.slide_to_roll if slide_to_roll is None else slide_to_roll
-    mean, grid = case.motion.entrainment(0.0) * s.front_speed, grid or discretise.grid_of(case)
+    mean, grid = case.motion.entrainment(0.0) * s.front_speed, grid or grid_of(case)
     grown = cbrt(case.motion.load(0.0))  # the contact, by a load that [motion] changes
     half_width = s.a * case.geometry.extent[0] * grown
     inlet = thermal.inlet(eta0, s.p_h * grown / s.E_prime, mean, S)
@@ -229,7 +228,7 @@ class Resting:
 
     def __call__(self, heat: Any) -> Any:
         """The temperature rise (K) from the heat flux into the surface (W/m^2)."""
-        return halfspace.displacement(self.kernel, inside(jnp.asarray(heat), self.even), self.even)
+        return halfspace.surface_displacement(self.kernel, inside(jnp.asarray(heat), self.even), self.even)
 
 
 Rise = Moving | Resting

@@ -2,7 +2,7 @@
 
 The equation is always `contact.residual`, and the closure is always one linear equation (`approach.ClosureLine`).  The
 system is closed in one of two ways.  With inertia, Delta has a weight in the closure and is eliminated.  With a
-balanced load it has none, and Newton's iteration solves for Delta as one more unknown (bordered).
+balanced load it has none, and Newton's iteration solves for Delta as one more unknown.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ from ertel.equations.contact import Contact
 from ertel.equations.flow import Rate
 from ertel.numerics import multigrid, newton
 from ertel.numerics.grid import Grid
-from ertel.numerics.multigrid import Elasticity
+from ertel.numerics.multigrid import DeformationOperator
 
 Number = Array | float
 INFLOW = 3.0  # weight of what flows into a cavity: a mean around a node counts the cavity on both sides of the node
@@ -39,21 +39,21 @@ class Problem:
     """
 
     contact: Contact
-    elastic: tuple[Elasticity, ...]
+    elastic: tuple[DeformationOperator, ...]
     rate: Rate
     line: ClosureLine
     tolerance: Number
     load_tolerance: Number
-    close: "Close" = field(metadata={"static": True})
+    close: "CloseSystem" = field(metadata={"static": True})
     preconditioner: "Preconditioner" = field(metadata={"static": True})
     options: newton.Options = field(metadata={"static": True})
 
 
 Preconditioner = Callable[[Problem, Array, Array, Array], newton.Map]  # from P, H and the free nodes
-Close = Callable[[Problem, Array, Number], "Closed"]  # from the first guess of P and Delta
+CloseSystem = Callable[[Problem, Array, Number], "ClosedSystem"]  # from the first guess of P and Delta
 
 
-class Closed(NamedTuple):
+class ClosedSystem(NamedTuple):
     """The system in the form for Newton's iteration: the first H, the change of H with P, and the border, if any.
 
     approach: Delta from the solution.
@@ -68,8 +68,8 @@ class Closed(NamedTuple):
 @jax.jit
 def solve(problem: Problem, P: Array, approach: Number) -> tuple[newton.Solution, Array]:
     """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P)."""
-    turned = partial(along_the_flow, problem.rate)
-    problem, P = _along_its_flow(problem), turned(P)
+    turned = partial(flow_aligned, problem.rate)
+    problem, P = _flow_aligned(problem), turned(P)
     closed = problem.close(problem, P, approach)
 
     def residual(P: Array, H: Array) -> Array:
@@ -77,7 +77,7 @@ def solve(problem: Problem, P: Array, approach: Number) -> tuple[newton.Solution
 
     inverse = partial(problem.preconditioner, problem)
     fill = partial(filled, problem)
-    solution = newton.solve(
+    solution = newton.newton_krylov(
         residual, closed.film_change, inverse, P, closed.H, problem.tolerance, problem.options, closed.border, fill
     )
     fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
@@ -95,11 +95,11 @@ def filled(problem: Problem, r: Array) -> Array:
     return multigrid.lowest_mean(balance, problem.contact.even, len(problem.elastic) - 1)
 
 
-def _along_its_flow(problem: Problem) -> Problem:
+def _flow_aligned(problem: Problem) -> Problem:
     """The problem with X in the direction of entrainment, where the rate has one."""
     if problem.rate.wedge is None:
         return problem
-    turned = partial(along_the_flow, problem.rate)
+    turned = partial(flow_aligned, problem.rate)
     return replace(
         problem,
         contact=replace(problem.contact, gap=turned(problem.contact.gap)),
@@ -108,7 +108,7 @@ def _along_its_flow(problem: Problem) -> Problem:
     )
 
 
-def along_the_flow(rate: Rate, field: Any) -> Any:
+def flow_aligned(rate: Rate, field: Any) -> Any:
     """A field with X in the direction of entrainment; the same reversal undoes it.  A number is not changed."""
     if rate.wedge is None or jnp.ndim(field) < 2:
         return field
@@ -126,8 +126,8 @@ def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int) -> 
 # -- Delta ------------------------------------------------------------------------------------------------------------
 
 
-def eliminated(problem: Problem, P: Array, approach: Number) -> Closed:
-    """Delta eliminated, for a closure in which Delta has a weight."""
+def eliminate_approach(problem: Problem, P: Array, approach: Number) -> ClosedSystem:
+    """Eliminate Delta, for a closure in which Delta has a weight."""
     c, line = problem.contact, problem.line
 
     def of(P: Array) -> Array:
@@ -137,10 +137,10 @@ def eliminated(problem: Problem, P: Array, approach: Number) -> Closed:
         rise = line.load_weight * contact.load(c, dP) / line.approach_weight
         return contact.deformation(c, dP) + rise
 
-    return Closed(contact.film_thickness(c, P, of(P)), film_change, newton.NO_BORDER, lambda s: of(s.P))
+    return ClosedSystem(contact.film_thickness(c, P, of(P)), film_change, newton.NO_BORDER, lambda s: of(s.P))
 
 
-def bordered(problem: Problem, P: Array, approach: Number) -> Closed:
+def approach_as_unknown(problem: Problem, P: Array, approach: Number) -> ClosedSystem:
     """Delta as one more unknown, with the closure as its equation."""
     c, line = problem.contact, problem.line
 
@@ -152,4 +152,4 @@ def bordered(problem: Problem, P: Array, approach: Number) -> Closed:
 
     weight = LOAD_WEIGHT * (1.0 + problem.rate.new) / c.spacing
     border = newton.Border(approach, -1.0, misfit, problem.load_tolerance, weight)
-    return Closed(contact.film_thickness(c, P, approach), film_change, border, lambda s: s.s)
+    return ClosedSystem(contact.film_thickness(c, P, approach), film_change, border, lambda s: s.s)

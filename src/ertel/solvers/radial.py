@@ -25,15 +25,15 @@ from ertel.case.status import Status
 from ertel.equations import account, outside
 from ertel.equations.account import Account, Around, Film, Friction
 from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
+from ertel.equations.contact import traceable
 from ertel.equations.outside import Surroundings
-from ertel.equations.pytrees import traceable
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf
 from ertel.numerics.arrays import require_double
 from ertel.numerics.integrals import Disc, disc_weights
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair
-from ertel.numerics.tridiagonal import diagonals, times
+from ertel.numerics.tridiagonal import banded_product, diagonals
 from ertel.physics.far_field import ContactMotion
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
@@ -76,7 +76,7 @@ class Equations(NamedTuple):
     stiffness: Array
 
 
-class Problem(NamedTuple):
+class RadialProblem(NamedTuple):
     """One BDF step, ready to be solved; see `transient.StepProblem`.
 
     predict_P, predict_H: weights of the predicted pressure and film.  tolerance: of the film left over in a step.
@@ -96,7 +96,7 @@ class Problem(NamedTuple):
 
 
 @exportable
-class StepSolution(NamedTuple):
+class RadialStep(NamedTuple):
     """The new fields, and all numbers of the step in one array, in the order of `NUMBERS`."""
 
     fields: Mapping[str, Array]
@@ -106,7 +106,7 @@ class StepSolution(NamedTuple):
 NUMBERS = ("approach", "converged", "newton", "load on nodes", "error", *account.INTEGRALS, *account.FRICTION)
 
 
-class Solution(NamedTuple):
+class RadialSolution(NamedTuple):
     """P, H (n,), the largest residual that counts (film thickness per time), the number of Newton iterations."""
 
     P: Array
@@ -164,7 +164,7 @@ def outflow(eq: Equations, P: Array, H: Array) -> Array:
     return -eq.mesh.face * (eps[1:] + eps[:-1]) / 2 * jnp.diff(P) / jnp.diff(eq.mesh.r)
 
 
-def residual(eq: Equations, P: Array, H: Array) -> Array:
+def ring_residual(eq: Equations, P: Array, H: Array) -> Array:
     """Reynolds' equation (1), squeeze + div(flux), averaged over each ring; zero on the outer node."""
     squeeze = eq.rate * eq.oil.density(P) * H + eq.past
     divergence = jnp.diff(outflow(eq, P, H), prepend=0.0) / eq.mesh.volume[:-1]
@@ -185,30 +185,30 @@ def newton_change(eq: Equations, P: Array, H: Array) -> Array:
     The residual is local in P and H: its Jacobian is the sum of d/dP (three diagonals) and d/dH (three diagonals) times
     stiffness.
     """
-    r, change_of_r = jax.linearize(lambda P, H: residual(eq, P, H), P, H)
+    r, change_of_r = jax.linearize(lambda P, H: ring_residual(eq, P, H), P, H)
     zero, identity = jnp.zeros_like(P), jnp.eye(len(P))
     by_P, by_H = (diagonals(part, len(P)) for part in (lambda d: change_of_r(d, zero), lambda d: change_of_r(zero, d)))
-    jacobian = times(by_P, identity) + times(by_H, eq.stiffness)
+    jacobian = banded_product(by_P, identity) + banded_product(by_H, eq.stiffness)
     holds = free(P, r)
     return jnp.linalg.solve(jnp.where(holds[:, None], jacobian, identity), -jnp.where(holds, r, P.at[-1].set(0.0)))
 
 
 @jax.jit
-def solve(eq: Equations, P: Array, tolerance: float) -> Solution:
+def solve_rings(eq: Equations, P: Array, tolerance: float) -> RadialSolution:
     """P >= 0 and H at the new level from the guess P: Newton with an active set, until |residual| <= tolerance.
 
     The outer node keeps its P.
     """
 
-    def solution(P: Array, newton: Array) -> Solution:
+    def solution(P: Array, newton: Array) -> RadialSolution:
         H = eq.apart + eq.stiffness @ P
-        r = residual(eq, P, H)
-        return Solution(P, H, jnp.max(jnp.abs(jnp.where(free(P, r), r, 0.0))), newton)
+        r = ring_residual(eq, P, H)
+        return RadialSolution(P, H, jnp.max(jnp.abs(jnp.where(free(P, r), r, 0.0))), newton)
 
-    def go_on(s: Solution) -> Array:
+    def go_on(s: RadialSolution) -> Array:
         return ((s.size > tolerance) | (s.newton == 0)) & (s.newton < NEWTON_LIMIT)
 
-    def improve(s: Solution) -> Solution:
+    def improve(s: RadialSolution) -> RadialSolution:
         change = newton_change(eq, s.P, s.H)
         share = jnp.minimum(1.0, LARGEST_CHANGE / jnp.max(jnp.abs(change)))
         return solution(jnp.maximum(s.P + share * change, 0.0), s.newton + 1)
@@ -233,27 +233,27 @@ def equations(
 
 
 @jax.jit
-def solve_step(p: Problem) -> StepSolution:
+def solve_ring_step(p: RadialProblem) -> RadialStep:
     """The fields and the numbers after one step."""
     past = [(level["P"], level["H"]) for level in p.past]
     line, tolerance = p.line.less(p.around.load), p.tolerance * p.rates[0]
     eq = equations(p.mesh, p.oil, p.lambda_bar, past[:2], p.rates, line, p.around.uplift)
     pressures, films = (jnp.stack(fields) for fields in zip(*past, strict=True))
     P = jnp.maximum(jnp.tensordot(p.predict_P, pressures, axes=1), 0.0).at[-1].set(p.around.edge[-1])
-    s = solve(eq, P, tolerance)
+    s = solve_rings(eq, P, tolerance)
     load = p.mesh.load @ s.P
     approach = (line.value - line.load_weight * load) / line.approach_weight
     found = account_of(p.disc, eq, s.P, s.H, approach)
-    error = film_error(p.mesh.volume, s.H, jnp.tensordot(p.predict_H, films, axes=1), s.P)
+    error = ring_film_error(p.mesh.volume, s.H, jnp.tensordot(p.predict_H, films, axes=1), s.P)
     terms = (found.terms[name] for name in account.INTEGRALS)
     values = approach, s.size <= tolerance, s.newton, load, error, *terms, *account.friction_numbers(found.friction)
-    return StepSolution({"P": s.P, "H": s.H}, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
+    return RadialStep({"P": s.P, "H": s.H}, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
 
 
-_step_program = Program(solve_step)
+_step_program = Program(solve_ring_step)
 
 
-def film_error(volume: Array, H: Array, predicted: Array, P: Array) -> Array:
+def ring_film_error(volume: Array, H: Array, predicted: Array, P: Array) -> Array:
     """Relative difference of two films as in `transient.film_error`, by means over at most `RINGS` rings."""
     width = -(-len(H) // RINGS)
     rings = jnp.pad(jnp.stack([P, H, predicted]) * volume, ((0, 0), (0, -len(H) % width)))
@@ -290,7 +290,7 @@ class RadialImpact(Method):
         return State(0.0, self.start_approach, 1.0, fields, outside=around.load, load=float(weights @ P))
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        """One BDF step (BDF1 from one level, BDF2 from more), newest level first: yields one `Problem`."""
+        """One BDF step (BDF1 from one level, BDF2 from more), newest level first: yields one `RadialProblem`."""
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])
@@ -298,7 +298,7 @@ class RadialImpact(Method):
         # in the rebound the pressure collapses behind the receding edge, and a parabola overshoots
         known = times if levels[0].velocity > 0 else times[:2]
         around = self.outside.at(outside.predicted(levels, T, [self.carried_load(level) for level in levels], 0.0))
-        solution: StepSolution = yield Problem(
+        solution: RadialStep = yield RadialProblem(
             self.mesh,
             self.disc,
             self.oil,
@@ -321,7 +321,7 @@ class RadialImpact(Method):
         new = State(T, approach, velocity, solution.fields, status, work, around.load, load, error)
         return replace(new, record={**self.measure(new), **terms, **{name: found[name] for name in account.FRICTION}})
 
-    def solve(self, problem: Problem) -> StepSolution:
+    def solve(self, problem: RadialProblem) -> RadialStep:
         """The step's solution, on this device."""
         return _step_program(problem)
 
@@ -346,11 +346,6 @@ class RadialImpact(Method):
         found: Friction = _program(self.mesh, self.disc, self.oil, self.lambda_bar, P, H, level.approach)
         return found
 
-    def equations(self, levels: Sequence[State], rates: bdf.Weights, line: ClosureLine) -> Equations:
-        """The equations of the level after `levels`."""
-        past = [(jnp.asarray(level.P), jnp.asarray(level.H)) for level in levels]
-        return equations(self.mesh, self.oil, self.lambda_bar, past, rates, line)
-
     def whole(self, field: Array, odd: bool = False) -> Array:
         """The field itself."""
         return field
@@ -361,7 +356,7 @@ def account_of(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -
     eps = eq.oil.mobility(P, H, eq.lambda_bar)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     heat = disc.of_slopes(Pair(eps), P, eq.oil.enthalpy(P))
-    film = Film(P, H, Pair(eps), heat, deformation, residual(eq, P, H), 0.0, 0.0)
+    film = Film(P, H, Pair(eps), heat, deformation, ring_residual(eq, P, H), 0.0, 0.0)
     stress, force = jnp.zeros((2, *P.shape)), jnp.zeros(2)
     found = Friction(stress, heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
     return Account(account.integrals(disc, eq.oil, film), found)

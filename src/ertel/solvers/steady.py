@@ -19,6 +19,7 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
+from ertel.case.derived import grid_of
 from ertel.case.status import Status
 from ertel.equations import discretise
 from ertel.equations.account import Friction, coefficients, steady_account, whole_maps
@@ -28,7 +29,7 @@ from ertel.equations.flow import steady_rate
 from ertel.equations.measure import measure
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.arrays import double_precision
-from ertel.numerics.grid import Extrapolation, Grid, check_grid, expected, extrapolate
+from ertel.numerics.grid import Extrapolation, Grid, check_coarsening, expected_next, extrapolate
 from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.stencils import folded, unfolded
 from ertel.physics.far_field import ContactMotion
@@ -138,7 +139,7 @@ class Rolling:
         return extrapolate(*(s.measure()[name] for s in self.solutions[-2:]))
 
 
-def steady(case: Case, precision: str = preconditioner.PRECISION) -> Rolling:
+def steady_film(case: Case, precision: str = preconditioner.PRECISION) -> Rolling:
     """The steady contact with the load and the entrainment of T = 0, on all grids; precision: see `nested`."""
     return Rolling(tuple(nested(case, precision=precision)))
 
@@ -154,26 +155,26 @@ def nested(
     where there is no load or no entrainment at T = 0, and so no steady film.
     """
     grids, tolerance = grids_of(case), tolerance_of(case)
-    check_motion(case)
+    check_steady_motion(case)
     solutions = list(done)
     if not done:
         compile_ahead(case, precision)
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = discretise.contact_of(case, grid)
         if solutions:
-            guess = first_guess(c, solutions[-1], expected([s.approach for s in solutions]))
+            guess = first_guess(c, solutions[-1], expected_next([s.approach for s in solutions]))
         else:
-            first = solve(case, grid, c, *_rough_guess(case, grid), tolerance, precision)
+            first = solve_on_grid(case, grid, c, *_rough_guess(case, grid), tolerance, precision)
             guess = first.P, first.approach  # with the oil outside of the lubricated contact
-        solution = solve(case, grid, c, *guess, tolerance, precision)
+        solution = solve_on_grid(case, grid, c, *guess, tolerance, precision)
         solutions.append(_judged(solution) if grid is grids[0] else solution)
         yield solutions[-1]
 
 
 def grids_of(case: Case) -> list[Grid]:
     """The case's own grid and its coarser ones.  Raises ValueError for a grid that cannot be coarsened."""
-    grids = [discretise.grid_of(case)]
-    check_grid(grids[0])
+    grids = [grid_of(case)]
+    check_coarsening(grids[0])
     while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
         grids.append(coarser)
     return grids
@@ -194,18 +195,18 @@ def settled(case: Case) -> Rolling:
 
     Time steps know Delta, so a run in time needs this film to stay steady.
     """
-    *coarser, s = steady(case).solutions
+    *coarser, s = steady_film(case).solutions
     c, before = discretise.contact_of(case, s.grid), inf
     for _ in range(SETTLING):
         if not s.status.ok or abs(s.approach - before) < TOLERANCE:
             break
-        again = solve(case, s.grid, c, s.P, s.approach, TOLERANCE, preconditioner.PRECISION)
+        again = solve_on_grid(case, s.grid, c, s.P, s.approach, TOLERANCE, preconditioner.PRECISION)
         work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
         before, s = s.approach, _judged(replace(again, newton=work[0], krylov=work[1], convolutions=work[2]))
     return Rolling((*coarser, s))
 
 
-def check_motion(case: Case) -> None:
+def check_steady_motion(case: Case) -> None:
     """Raise ValueError unless there is a steady film at T = 0."""
     load, entrainment = case.motion.load(0.0), case.motion.entrainment(0.0)
     if not load > 0:
@@ -251,7 +252,7 @@ def _from_coarse(c: Contact, coarse: Array) -> Array:
 _refined = Program(jax.jit(_from_coarse), ANY_SIZE)
 
 
-def solve(
+def solve_on_grid(
     case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float, tolerance: float, precision: str
 ) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside."""
@@ -272,12 +273,12 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: fl
     geometry = case.geometry
     return Problem(
         c,
-        multigrid.elasticities(grid, geometry.compliance, precision),
+        multigrid.deformation_operators(grid, geometry.compliance, precision),
         steady_rate(case.motion.entrainment(0.0)),
         balanced(case.motion.load(0.0), geometry.hertz_load).less(outside),
         tolerance,
         tolerance / geometry.hertz_load,
-        nonlinear.bordered,
+        nonlinear.approach_as_unknown,
         preconditioner.line_preconditioner,
         OPTIONS,
     )

@@ -14,6 +14,7 @@ from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
+from ertel.case.derived import coarsenings, grid_of
 from ertel.case.status import Status
 from ertel.equations import account, contact, discretise, measure, outside
 from ertel.equations.account import Around, Friction, Moment
@@ -24,24 +25,24 @@ from ertel.equations.measure import Axes
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
-from ertel.numerics.grid import Symmetry, check_grid
+from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
-from ertel.numerics.multigrid import Elasticity
+from ertel.numerics.multigrid import DeformationOperator
 from ertel.numerics.programs import Program, exportable
 from ertel.numerics.stencils import total, unfolded
 from ertel.physics.far_field import ContactMotion
 from ertel.solvers import nonlinear, steady
-from ertel.solvers.nonlinear import Close, Problem
+from ertel.solvers.nonlinear import CloseSystem, Problem
 from ertel.solvers.preconditioner import PRECISION, point_preconditioner
 
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
-STEEPEST_FALL = 0.6  # share of the last pressure that the prediction keeps at least
-LOAD_SHARE = 0.01  # of the tolerance, is left over in a balanced load (relative)
+MAX_PRESSURE_DROP = 0.4  # share of the last pressure by which the prediction may fall
+LOAD_TOLERANCE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 # REST: what may be left over in the film of a step, in tolerances of time; more would rule the size of the steps.
 # A step needs 2 or 3 Krylov iterations, and each has its two fields
-FALLING_REST, FALLING = 20.0, newton.Options(newton_limit=100, krylov_limit=6, first_reduction=0.1)
+FALLING_RESIDUAL, FALLING = 20.0, newton.Options(newton_limit=100, krylov_limit=6, first_reduction=0.1)
 # With little inertia or none V is a mere difference of the films of two steps, and what a step leaves over swings up
-ROLLING_REST, ROLLING = 10.0, replace(FALLING, krylov_limit=10, first_reduction=0.01)
+ROLLING_RESIDUAL, ROLLING = 10.0, replace(FALLING, krylov_limit=10, first_reduction=0.01)
 
 
 @register_dataclass
@@ -54,7 +55,7 @@ class Setting:
     relative.  film_scale: of the case.  hertz_load: F* in a^2 p_h.  coarsenings: see `film_error`.
     """
 
-    elastic: tuple[Elasticity, ...]
+    elastic: tuple[DeformationOperator, ...]
     space: Plane
     axes: Axes
     gap_slope: Array
@@ -105,7 +106,7 @@ class StepProblem:
     edge: Array | NDArray[np.float64]
     flow: Flow | None
     roughness_change: Array | float
-    close: Close = field(metadata={"static": True})
+    close: CloseSystem = field(metadata={"static": True})
     options: newton.Options = field(metadata={"static": True})
 
 
@@ -135,17 +136,17 @@ class Transient2D(Method):
 
     def __init__(self, case: Case, closure: Closure | None = None):
         self.case = case
-        self.grid = discretise.grid_of(case)
-        check_grid(self.grid)
+        self.grid = grid_of(case)
+        check_coarsening(self.grid)
         self.geometry = case.geometry
         self.contact = jax.device_put(discretise.smooth_contact(case, self.grid))
         self.outside = discretise.outside_of(case, self.grid)
         self.closure = closure or NewtonsLaw.of(case.motion, self.geometry.hertz_load)
-        elastic = multigrid.elasticities(self.grid, self.geometry.compliance, PRECISION)
+        elastic = multigrid.deformation_operators(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
         tolerance = case.solver.tolerance
         if not case.schedule.step:
-            rest = FALLING_REST if case.starts_apart else ROLLING_REST
+            rest = FALLING_RESIDUAL if case.starts_apart else ROLLING_RESIDUAL
             tolerance = min(tolerance, rest * case.schedule.tolerance)
         setting = Setting(
             elastic,
@@ -155,7 +156,7 @@ class Transient2D(Method):
             tolerance,
             case.film_scale,
             self.geometry.hertz_load,
-            discretise.coarsenings(case, self.grid.spacing, len(elastic) - 1),
+            coarsenings(case, self.grid.spacing, len(elastic) - 1),
         )
         self.setting: Setting = jax.device_put(setting)
 
@@ -180,7 +181,7 @@ class Transient2D(Method):
 
     def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
-        return discretise.moved(self.contact, self.case, self.grid, T)
+        return discretise.roughened(self.contact, self.case, self.grid, T)
 
     def flow(self, T: float, times: Sequence[float]) -> Flow | None:
         """How the oil moves up to a new time T from earlier times, newest first; None where it stays."""
@@ -216,7 +217,7 @@ class Transient2D(Method):
             around.edge,
             self.flow(T, [*times, times[-1]][:2]),
             discretise.roughness_change(self.case, self.grid, T),
-            *((nonlinear.eliminated, FALLING) if falls else (nonlinear.bordered, ROLLING)),
+            *((nonlinear.eliminate_approach, FALLING) if falls else (nonlinear.approach_as_unknown, ROLLING)),
         )
         numbers = np.asarray(solution.numbers).tolist()
         found = dict(zip(NUMBERS, numbers, strict=False))
@@ -313,7 +314,7 @@ def solve_step(p: StepProblem) -> StepSolution:
     P, P_old, H_old = _weighted(known.predict, [level["P"] for level in p.past]), p.past[0]["P"], p.past[0]["H"]
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # So the prediction limits the fall.
-    P = stencils.edged(jnp.maximum(P, STEEPEST_FALL * P_old), jnp.asarray(p.edge), p.contact.even)
+    P = stencils.edged(jnp.maximum(P, (1.0 - MAX_PRESSURE_DROP) * P_old), jnp.asarray(p.edge), p.contact.even)
     # a residual r leaves the mass r/rate.new over in this step
     allowed = s.tolerance * rate.new * (s.film_scale + jnp.abs(H_old))
     problem = Problem(
@@ -322,7 +323,7 @@ def solve_step(p: StepProblem) -> StepSolution:
         rate,
         known.line.less(known.load_around),
         allowed,
-        LOAD_SHARE * s.tolerance,
+        LOAD_TOLERANCE * s.tolerance,
         p.close,
         point_preconditioner,
         p.options,

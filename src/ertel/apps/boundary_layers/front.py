@@ -8,10 +8,11 @@ from matplotlib.axes import Axes
 from pandas import DataFrame
 
 from ertel import Parameters, fronts, hertz, plots
+from ertel.apps.boundary_layers import runs
 from ertel.apps.boundary_layers.page import Drawn, new_figure, side_by_side
 from ertel.apps.boundary_layers.plans import FORMED, FRONTS, LOADS, SHOWN_LOAD, Definition, L, Plan
 from ertel.apps.boundary_layers.ratios import Values
-from ertel.apps.boundary_layers.runs import Results, plane_task, radial_runs, radial_task
+from ertel.apps.boundary_layers.runs import Results
 
 Curve = tuple[Values, str, str]  # values, colour and style of a line
 
@@ -48,7 +49,7 @@ def dry_impact(results: Results, plan: Plan) -> Drawn:
     largest = "largest error of a/a* where a > a*/2"
     bases = [
         {"M": str(M), **{f"front by {name}": f"{2 * _half_base(run, by):.3f}" for by, name in FRONTS.items()}}
-        for M, run in radial_runs(results, plan).items()
+        for M, run in runs.radial_runs(results, plan).items()
     ]
     tables = {
         "Errors of the laws": DataFrame({"law": name, largest: f"{error:.4f}"} for name, error in errors.items()),
@@ -86,9 +87,11 @@ Found = Mapping[int, Mapping[Definition, fronts.Front]]  # M, definition -> fron
 
 def front_speed(results: Results, plan: Plan) -> Drawn:
     """Fig. 2: speed of the front in the lubricated impact for six M, by three definitions of the front."""
-    found: Found = {M: {by: fronts.front(run, by) for by in FRONTS} for M, run in radial_runs(results, plan).items()}
+    found: Found = {
+        M: {by: fronts.front(run, by) for by in FRONTS} for M, run in runs.radial_runs(results, plan).items()
+    }
     figure, (left, right) = new_figure(1, 2)
-    _draw_speed(left, found, fronts.front(results[plane_task(plan).name]))
+    _draw_speed(left, found, fronts.front(results[runs.plane_task(plan).name]))
     _draw_share(right, found)
     caption = (
         f"Speed of the front for M = {LOADS[0]} to {LOADS[-1]}, L = {L:g}, up to maximum approach.  Left: front "
@@ -161,8 +164,8 @@ def _shades() -> Values:
 
 def film_and_speed(results: Results, plan: Plan) -> Drawn:
     """Fig. 3: film at maximum impact for one M, by both methods, and C v^0.67."""
-    radial = results[radial_task(SHOWN_LOAD, L, plan).name]
-    plane = fronts.at_max_approach(results[plane_task(plan).name])["H"].sel(Y=0.0, method="nearest")
+    radial = results[runs.radial_task(SHOWN_LOAD, L, plan).name]
+    plane = fronts.at_max_approach(results[runs.plane_task(plan).name])["H"].sel(Y=0.0, method="nearest")
     X, H = _profile(radial)
     dry = hertz.parabola_front_speed_at(np.where((X > 0) & (X < 1), X, np.nan))
     fitted: dict[str, Curve] = {
@@ -213,10 +216,10 @@ def _fitted(X: Values, H: Values, speed: Values) -> Values:
 
 def film_predicted(results: Results, plan: Plan) -> Drawn:
     """Fig. 4: film behind the front for six M, C v^0.67, and the film that a steady formula predicts."""
-    runs = radial_runs(results, plan)
+    impacts = runs.radial_runs(results, plan)
     figure, panels = new_figure(2, 3)
     columns: dict[str, Values] = {}
-    for (M, run), axes in zip(runs.items(), panels, strict=True):
+    for (M, run), axes in zip(impacts.items(), panels, strict=True):
         columns |= {f"{name}, M = {M}": values for name, values in _draw_film(axes, M, run).items()}
     panels[0].legend(loc="lower left", frameon=False, fontsize="small")
     for axes in panels[3:]:
@@ -231,7 +234,7 @@ def film_predicted(results: Results, plan: Plan) -> Drawn:
         "came, by the definition of the front.  The formula holds for Barus' law and an incompressible oil, the runs "
         "have Roelands' law and a compressible oil."
     )
-    rows = DataFrame([row for M, run in runs.items() for row in _deviations(M, run)])
+    rows = DataFrame([row for M, run in impacts.items() for row in _deviations(M, run)])
     tables = {"Deviation from the computed film: root mean square (mean)": rows}
     return Drawn(figure, caption, {"film": side_by_side(columns)}, tables)
 

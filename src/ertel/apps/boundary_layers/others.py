@@ -9,23 +9,11 @@ from numpy.typing import ArrayLike
 from pandas import DataFrame
 
 from ertel import amplitude_reduction, plots
+from ertel.apps.boundary_layers import ratios, runs
 from ertel.apps.boundary_layers.page import Drawn, new_figure
 from ertel.apps.boundary_layers.plans import Moes, Plan, Wavelengths
-from ertel.apps.boundary_layers.ratios import (
-    RANGE,
-    Extrapolated,
-    Grids,
-    Mark,
-    Values,
-    draw_curves,
-    draw_fit,
-    draw_marks,
-    marks_data,
-    marks_table,
-    rolling_mark,
-    scatter,
-)
-from ertel.apps.boundary_layers.runs import OILS, SOFT, USUAL, Results, oil_task, shapes_task, straight_task
+from ertel.apps.boundary_layers.ratios import Extrapolated, Grids, Mark, Values
+from ertel.apps.boundary_layers.runs import OILS, SOFT, USUAL, Results
 from ertel.runs.tasks import Task
 
 CURVES: Mapping[str, Callable[[ArrayLike], Values]] = {
@@ -42,9 +30,9 @@ OF_OILS = dict(zip(OILS, (("o", "black"), ("s", plots.BLUE), ("D", plots.GREEN),
 
 def shape_tasks(plan: Plan) -> list[Task]:
     """The runs of Fig. 7."""
-    impacts = [shapes_task(plan, case, nodes) for case in plan.beyond.shaped for nodes in plan.beyond.grids]
+    impacts = [runs.shapes_task(plan, case, nodes) for case in plan.beyond.shaped for nodes in plan.beyond.grids]
     return impacts + [
-        straight_task(kind, rolling, nodes)
+        runs.straight_task(kind, rolling, nodes)
         for rolling in plan.beyond.rolling
         for nodes in plan.beyond.rolling_grids
         for kind in ("transverse", "longitudinal")
@@ -54,7 +42,7 @@ def shape_tasks(plan: Plan) -> list[Task]:
 def impacts_on_shapes(results: Results, plan: Plan) -> Iterator[Mark]:
     """The ratios in impacts."""
     for case, wavelengths in plan.beyond.shaped.items():
-        grids = Grids(*(results[shapes_task(plan, case, nodes).name] for nodes in plan.beyond.grids))
+        grids = Grids(*(results[runs.shapes_task(plan, case, nodes).name] for nodes in plan.beyond.grids))
         for wavelength in wavelengths:
             across = grids.last_wave("transverse", case, "transverse", wavelength)
             yield across
@@ -67,9 +55,9 @@ def rolling_over_shapes(results: Results, plan: Plan) -> Iterator[Mark]:
     for rolling in plan.beyond.rolling:
         M, L, wavelength = rolling
         for kind in ("transverse", "longitudinal"):
-            values = [results[straight_task(kind, rolling, nodes).name] for nodes in plan.beyond.rolling_grids]
+            values = [results[runs.straight_task(kind, rolling, nodes).name] for nodes in plan.beyond.rolling_grids]
             ratio = Extrapolated(*(float(np.ravel(value)[0]) for value in values))
-            yield rolling_mark(kind, (M, L), wavelength, ratio)
+            yield ratios.rolling_mark(kind, (M, L), wavelength, ratio)
 
 
 def other_waves(results: Results, plan: Plan) -> Drawn:
@@ -78,9 +66,9 @@ def other_waves(results: Results, plan: Plan) -> Drawn:
     grids, rolling = plan.beyond.grids, plan.beyond.rolling_grids
     figure, panels = new_figure(1, 2)
     for axes, marks, title in zip(panels, (impacts, rolled), ("impact", "rolling"), strict=True):
-        draw_curves(axes)
-        draw_fit(axes, CURVES["(15), longitudinal"](RANGE), ":", "(15) of $e\\nabla_2$, longitudinal")
-        draw_marks(axes, marks, OF_SHAPES)
+        ratios.draw_curves(axes)
+        ratios.draw_fit(axes, CURVES["(15), longitudinal"](ratios.RANGE), ":", "(15) of $e\\nabla_2$, longitudinal")
+        ratios.draw_marks(axes, marks, OF_SHAPES)
         axes.set(xlabel="local $\\nabla_2$" if title == "impact" else "$\\nabla_2$", title=title)
     panels[0].legend(loc="lower left", frameon=False, fontsize="x-small")
     caption = (
@@ -95,11 +83,11 @@ def other_waves(results: Results, plan: Plan) -> Drawn:
         "bars as in Fig. 6."
     )
     tables = {
-        "Impact": marks_table("waves", impacts),
-        "Rolling": marks_table("waves", rolled),
+        "Impact": ratios.marks_table("waves", impacts),
+        "Rolling": ratios.marks_table("waves", rolled),
         "A_d/A_i minus the curve: mean, root mean square": _scatter_table(impacts, rolled),
     }
-    return Drawn(figure, caption, {"impact": marks_data(impacts), "rolling": marks_data(rolled)}, tables)
+    return Drawn(figure, caption, {"impact": ratios.marks_data(impacts), "rolling": ratios.marks_data(rolled)}, tables)
 
 
 def _scatter_table(impacts: Sequence[Mark], rolled: Sequence[Mark]) -> DataFrame:
@@ -115,7 +103,7 @@ def _scatter_table(impacts: Sequence[Mark], rolled: Sequence[Mark]) -> DataFrame
 
 
 def _about(marks: Sequence[Mark], nabla2: Sequence[float]) -> dict[str, str]:
-    return {name: scatter(marks, curve(nabla2)).text() for name, curve in CURVES.items()}
+    return {name: ratios.scatter(marks, curve(nabla2)).text() for name, curve in CURVES.items()}
 
 
 # -- Fig. 8 -----------------------------------------------------------------------------------------------------------
@@ -135,15 +123,15 @@ def _oiled(plan: Plan) -> Iterator[tuple[Moes, str, Wavelengths]]:
 
 def oil_tasks(plan: Plan) -> list[Task]:
     """The runs of Fig. 8."""
-    return [oil_task(*impact, nodes) for impact in _oiled(plan) for nodes in plan.beyond.grids]
+    return [runs.oil_task(*impact, nodes) for impact in _oiled(plan) for nodes in plan.beyond.grids]
 
 
 def other_oils(results: Results, plan: Plan) -> Drawn:
     """Fig. 8: A_d/A_i of isotropic waviness in impacts with other oils; right: compared with the usual oil."""
     marks = []
     for case, oil, wavelengths in _oiled(plan):
-        runs = Grids(*(results[oil_task(case, oil, wavelengths, nodes).name] for nodes in plan.beyond.grids))
-        marks += [runs.last_wave(oil, case, "isotropic", wavelength) for wavelength in wavelengths]
+        both = Grids(*(results[runs.oil_task(case, oil, wavelengths, nodes).name] for nodes in plan.beyond.grids))
+        marks += [both.last_wave(oil, case, "isotropic", wavelength) for wavelength in wavelengths]
     usual = [mark for mark in marks if mark.kind == USUAL]
     pairs = [(one, mark) for one in usual for mark in marks if mark.kind != USUAL and mark.case == one.case]
     grids = plan.beyond.grids
@@ -155,14 +143,14 @@ def other_oils(results: Results, plan: Plan) -> Drawn:
         f"sqrt(lambda_bar); curve (15) does not hold there.  Grids of {grids[0]} and {grids[1]} nodes per side; "
         "extrapolation and error bars as in Fig. 6."
     )
-    tables = {"Other oils": marks_table("oil", marks), f"Compared with {USUAL}": _pairs_table(pairs)}
-    return Drawn(_draw_oils(marks, pairs), caption, {"oils": marks_data(marks)}, tables)
+    tables = {"Other oils": ratios.marks_table("oil", marks), f"Compared with {USUAL}": _pairs_table(pairs)}
+    return Drawn(_draw_oils(marks, pairs), caption, {"oils": ratios.marks_data(marks)}, tables)
 
 
 def _draw_oils(marks: Sequence[Mark], pairs: Sequence[Pair]) -> Figure:
     figure, (left, right) = new_figure(1, 2)
-    draw_curves(left)
-    draw_marks(left, marks, OF_OILS)
+    ratios.draw_curves(left)
+    ratios.draw_marks(left, marks, OF_OILS)
     left.set_xlabel("local $\\nabla_2$; isoviscous: $\\Lambda$ over the local trapped film")
     left.legend(loc="lower left", frameon=False, fontsize="x-small")
     for oil, (marker, colour) in OF_OILS.items():

@@ -5,6 +5,7 @@ import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
+from importlib.resources import files
 from pathlib import Path
 from string import Template
 
@@ -14,37 +15,13 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 from pandas import DataFrame, Series, option_context
 
-PAGE = Template("""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width">
-<title>$title</title>
-<style>
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
-section { margin: 2.5rem 0; }
-figure { margin: 1rem 0; }
-img { width: 100%; height: auto; }
-h3 { font-size: 0.9rem; margin: 1rem 0 0; }
-table { border-collapse: collapse; font-size: 0.85rem; margin: 0.5rem 0; }
-th, td { padding: 0.15rem 0.7rem; text-align: right; border-bottom: 1px solid #ddd; }
-th:first-child, td:first-child { text-align: left; }
-.failed { color: #a00; }
-</style>
-</head>
-<body>
-<h1>$title</h1>
-$remarks
-$sections
-</body>
-</html>
-""")
+PAGE = files("ertel.apps.boundary_layers") / "page.html"
 SECTION = Template("""<section>
 <h2>$heading</h2>
 $content
 </section>""")
 FIGURE = Template("""<figure>
-<img alt="$heading" src="$picture">
+<img alt="$heading" src="$picture"/>
 <figcaption>$caption</figcaption>
 </figure>
 $tables
@@ -126,7 +103,8 @@ def to_html(table: DataFrame) -> str:
 def page(title: str, remarks: Sequence[str], sections: Sequence[str]) -> str:
     """The HTML page.  sections: HTML."""
     paragraphs = "\n".join(f"<p>{escape(remark)}</p>" for remark in remarks)
-    return PAGE.substitute(title=escape(title), remarks=paragraphs, sections="\n".join(sections))
+    template = Template(PAGE.read_text(encoding="utf-8"))
+    return template.substitute(title=escape(title), remarks=paragraphs, sections="\n".join(sections))
 
 
 def _embedded(kind: str, content: bytes) -> str:

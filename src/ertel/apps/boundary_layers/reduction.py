@@ -15,36 +15,11 @@ from matplotlib.figure import Figure
 from pandas import DataFrame
 
 from ertel import Parameters, amplitude_reduction, fronts, hertz, plots, waves
+from ertel.apps.boundary_layers import ratios, runs
 from ertel.apps.boundary_layers.page import Drawn, new_figure
 from ertel.apps.boundary_layers.plans import FORMED, FRONTS, Moes, Plan
-from ertel.apps.boundary_layers.ratios import (
-    LINE_CONTACT,
-    RANGE,
-    Extrapolated,
-    Grids,
-    Mark,
-    draw_curves,
-    draw_fit,
-    impact_mark,
-    rolling_mark,
-    scatter,
-)
-from ertel.apps.boundary_layers.runs import (
-    CHECKED,
-    HALF_WIDTH,
-    HEIGHT,
-    SHORTER,
-    Results,
-    check_tasks,
-    radial_task,
-    rolled_wavelengths,
-    rolling_task,
-    rolling_tasks,
-    twin_task,
-    wave_name,
-    waves_task,
-    waves_tasks,
-)
+from ertel.apps.boundary_layers.ratios import Extrapolated, Grids, Mark
+from ertel.apps.boundary_layers.runs import HEIGHT, Results
 from ertel.runs.tasks import Task
 
 FILM, HALF_HERTZ, DRY = FRONTS["film"], FRONTS["half-hertz"], "dry law"  # the speeds of the front
@@ -54,8 +29,8 @@ EDGE = 1.0  # a*: of the contact, in the checks
 
 def tasks(plan: Plan) -> list[Task]:
     """The runs of Fig. 6."""
-    twins = [twin_task(twin, nodes) for twin in plan.waves.twins for nodes in plan.waves.twin_grids]
-    return [*waves_tasks(plan), *check_tasks(plan).values(), *rolling_tasks(plan), *twins]
+    twins = [runs.twin_task(twin, nodes) for twin in plan.waves.twins for nodes in plan.waves.twin_grids]
+    return [*runs.waves_tasks(plan), *runs.check_tasks(plan).values(), *runs.rolling_tasks(plan), *twins]
 
 
 # -- Fig. 5 -----------------------------------------------------------------------------------------------------------
@@ -65,13 +40,13 @@ def deformed_waves(results: Results, plan: Plan) -> Drawn:
     """Fig. 5: dH(X, 0)/A_i at maximum impact, inside and outside the contact."""
     (M, L), nodes = plan.waves.shown, plan.waves.grids[1]
     wavelengths = plan.waves.impacts[M, L]
-    fine = results[waves_task(plan, (M, L), nodes).name]
-    edge = float(fronts.front(results[radial_task(M, L, plan).name]).A[-1])
+    fine = results[runs.waves_task(plan, (M, L), nodes).name]
+    edge = float(fronts.front(results[runs.radial_task(M, L, plan).name]).A[-1])
     figure, panels = new_figure(len(wavelengths), 1)
     figure.set_size_inches(8.0, 2.4 * len(wavelengths))
     columns, rows = {"X": fine["X"].values, "H": fine["H"].values}, []
     for wavelength, axes in zip(wavelengths, panels, strict=True):
-        response = fine.sel(wave=wave_name("isotropic", HEIGHT, wavelength))
+        response = fine.sel(wave=runs.wave_name("isotropic", HEIGHT, wavelength))
         wave = waves.last_wave(response["X"].values, response["dH"].values, edge)
         _draw_waves(axes, response, wave, edge)
         axes.set_ylabel(f"$\\Lambda$ = {wavelength:g}")
@@ -96,7 +71,7 @@ def _draw_waves(axes: Axes, response: xr.Dataset, wave: waves.Wave, edge: float)
     axes.axvspan(wave.start, wave.end, color=plots.ORANGE, alpha=0.2, label="last complete wave")
     for side in (-edge, edge):
         axes.axvline(side, color="black", linewidth=0.7)
-    axes.set(xlim=(-HALF_WIDTH, HALF_WIDTH), ylim=(-1.15, 1.15))
+    axes.set(xlim=(-runs.HALF_WIDTH, runs.HALF_WIDTH), ylim=(-1.15, 1.15))
 
 
 # -- Fig. 6 -----------------------------------------------------------------------------------------------------------
@@ -149,15 +124,16 @@ def find(results: Results, plan: Plan) -> Found:
 
 def _dots(results: Results, plan: Plan, case: Moes) -> Iterator[Dot]:
     """Each complete wave inside the contact, from the centre outwards."""
-    smooth = results[radial_task(*case, plan).name]
+    smooth = results[runs.radial_task(*case, plan).name]
     front, by_pressure = fronts.front(smooth), fronts.front(smooth, "half-hertz")
-    grids, p = Grids(*(results[waves_task(plan, case, n).name] for n in plan.waves.grids)), Parameters.from_moes(*case)
+    grids = Grids(*(results[runs.waves_task(plan, case, nodes).name] for nodes in plan.waves.grids))
+    p = Parameters.from_moes(*case)
     for wavelength in plan.waves.impacts[case]:
         inside = [waves.waves(X, dH, float(front.A[-1])) for X, dH in grids.responses("isotropic", wavelength)]
         pairs = list(zip(*(found[::-1] for found in inside), strict=False))  # from the edge inwards
         for number, (coarse, fine) in reversed(list(enumerate(pairs))):
             ratio = Extrapolated(coarse.amplitude, fine.amplitude)
-            mark = impact_mark("impact", case, wavelength, fine.X, ratio, front)
+            mark = ratios.impact_mark("impact", case, wavelength, fine.X, ratio, front)
             speeds = {HALF_HERTZ: by_pressure.speed_at(fine.X), DRY: hertz.front_speed(fine.X)}
             others = {name: float(waves.local_nabla2(p, wavelength, speed)) for name, speed in speeds.items()}
             yield Dot(mark, {FILM: mark.local, **others}, last=number == 0)
@@ -166,9 +142,9 @@ def _dots(results: Results, plan: Plan, case: Moes) -> Iterator[Dot]:
 def _rolled(results: Results, plan: Plan) -> Iterator[Mark]:
     """The rolling contacts."""
     for case, wavelengths in plan.waves.rolling.items():
-        grids = [results[rolling_task(plan, case, nodes).name] for nodes in plan.waves.rolling_grids]
+        grids = [results[runs.rolling_task(plan, case, nodes).name] for nodes in plan.waves.rolling_grids]
         for wavelength, coarse, fine in zip(wavelengths, *grids, strict=True):
-            yield rolling_mark("rolling", case, wavelength, Extrapolated(coarse, fine))
+            yield ratios.rolling_mark("rolling", case, wavelength, Extrapolated(coarse, fine))
 
 
 def _twins(impacts: Sequence[Mark], results: Results, plan: Plan) -> Iterator[Twin]:
@@ -176,7 +152,7 @@ def _twins(impacts: Sequence[Mark], results: Results, plan: Plan) -> Iterator[Tw
     for twin in plan.waves.twins:
         *case, X = twin
         nearest = min((mark for mark in impacts if mark.case == tuple(case)), key=lambda mark: abs(mark.X - X))
-        (_, coarse), (nabla2, fine) = (results[twin_task(twin, nodes).name] for nodes in plan.waves.twin_grids)
+        (_, coarse), (nabla2, fine) = (results[runs.twin_task(twin, nodes).name] for nodes in plan.waves.twin_grids)
         yield Twin(nearest, nabla2, Extrapolated(coarse, fine))
 
 
@@ -217,8 +193,8 @@ def _draw(found: Found) -> Figure:
     rolled = [mark.local for mark in found.rolled], [mark.ratio.limit for mark in found.rolled]
     bars = [mark.ratio.error for mark in found.rolled]
     for axes in (left, middle, right):
-        draw_curves(axes)
-        draw_fit(axes, found.own.ratio(RANGE), "-.", "fitted to the squares")
+        ratios.draw_curves(axes)
+        ratios.draw_fit(axes, found.own.ratio(ratios.RANGE), "-.", "fitted to the squares")
         axes.errorbar(*rolled, bars, fmt="s", color="black", markerfacecolor="white", capsize=2, label="rolling")
     _draw_dots(left, found.last, lambda dot: dot.mark.local, ranges=True)
     _draw_dots(middle, found.last, lambda dot: dot.mark.everywhere)
@@ -241,10 +217,10 @@ def _draw_dots(axes: Axes, dots: Sequence[Dot], nabla2: Callable[[Dot], float], 
     shades = plots.ORDERED_COLOURS(np.linspace(0.95, 0.0, len(cases)))
     for case, colour, marker in zip(cases, shades, "ovD^P*<>", strict=False):
         own = [dot for dot in dots if dot.mark.case[:2] == case]
-        place, ratios = [nabla2(dot) for dot in own], [dot.mark.ratio for dot in own]
+        place, found = [nabla2(dot) for dot in own], [dot.mark.ratio for dot in own]
         ends = [(x - min(dot.local.values()), max(dot.local.values()) - x) for x, dot in zip(place, own, strict=True)]
         across = np.array(ends).T if ranges else None
-        limit, bar, label = [r.limit for r in ratios], [r.error for r in ratios], "impact, M = {:g}, L = {:g}"
+        limit, bar, label = [r.limit for r in found], [r.error for r in found], "impact, M = {:g}, L = {:g}"
         axes.errorbar(
             place, limit, bar, across, fmt=marker, color=colour, label=label.format(*case), capsize=2, elinewidth=0.8
         )
@@ -298,10 +274,10 @@ def _scatter_table(found: Found) -> DataFrame:
 def _about(marks: Sequence[Mark], nabla2: Sequence[float], own: waves.Reduction) -> dict[str, str]:
     curves = {
         "isotropic (15)": amplitude_reduction.ratio_left(nabla2),
-        **{name: amplitude_reduction.in_line_contact(nabla2, c) for name, c in LINE_CONTACT.items()},
+        **{name: amplitude_reduction.in_line_contact(nabla2, c) for name, c in ratios.LINE_CONTACT.items()},
         "fitted to rolling": own.ratio(nabla2),
     }
-    return {name: scatter(marks, curve).text() for name, curve in curves.items()}
+    return {name: ratios.scatter(marks, curve).text() for name, curve in curves.items()}
 
 
 def _twins_table(twins: Sequence[Twin]) -> DataFrame:
@@ -316,7 +292,7 @@ def _twins_table(twins: Sequence[Twin]) -> DataFrame:
         }
         for twin in twins
     ]
-    off = scatter([twin.impact for twin in twins], [twin.rolling.limit for twin in twins])
+    off = ratios.scatter([twin.impact for twin in twins], [twin.rolling.limit for twin in twins])
     total = {"M": "mean, root mean square", "impact minus rolling": off.text()}
     return DataFrame([*rows, total]).fillna("")
 
@@ -326,38 +302,38 @@ def _twins_table(twins: Sequence[Twin]) -> DataFrame:
 
 def _checks(results: Results, plan: Plan) -> dict[str, DataFrame]:
     """Title -> table of each check."""
-    runs = {name: results[task.name] for name, task in check_tasks(plan).items()}
+    done = {name: results[task.name] for name, task in runs.check_tasks(plan).items()}
     (M, L), nodes = plan.waves.shown, plan.waves.grids[0]
     shortest = plan.waves.impacts[M, L][0]
-    ratios = {"0: tangent-linear": _last_ratio(runs["linear"], HEIGHT, shortest)}
-    ratios |= {f"{height:g}": _last_ratio(runs["heights"], height, shortest) for height in CHECKED}
-    usual = results[waves_task(plan, (M, L), nodes).name]
+    by_height = {"0: tangent-linear": _last_ratio(done["linear"], HEIGHT, shortest)}
+    by_height |= {f"{height:g}": _last_ratio(done["heights"], height, shortest) for height in runs.CHECKED}
+    usual = results[runs.waves_task(plan, (M, L), nodes).name]
     steps = [
         {
             "run": f"impact, M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {nodes} nodes",
             "A_d/A_i, usual steps": f"{_last_ratio(usual, HEIGHT, wavelength):.4f}",
-            f"{SHORTER} times as many": f"{_last_ratio(runs['steps'], HEIGHT, wavelength):.4f}",
+            f"{runs.SHORTER} times as many": f"{_last_ratio(done['steps'], HEIGHT, wavelength):.4f}",
         }
         for wavelength in plan.waves.impacts[M, L]
     ]
     return {
         f"Height of the waves: M = {M:g}, L = {L:g}, wavelength {shortest:g}, {nodes} nodes": DataFrame(
-            {"A_i / sqrt(L/M)": height, "A_d/A_i": f"{ratio:.4f}"} for height, ratio in ratios.items()
+            {"A_i / sqrt(L/M)": height, "A_d/A_i": f"{ratio:.4f}"} for height, ratio in by_height.items()
         ),
         "Time steps": DataFrame(steps),
-        "Rolling with and without time steps": _by_marching(results, runs["marched"], plan),
+        "Rolling with and without time steps": _by_marching(results, done["marched"], plan),
     }
 
 
 def _last_ratio(run: xr.Dataset, height: float, wavelength: float) -> float:
-    response = run.sel(wave=wave_name("isotropic", height, wavelength))
+    response = run.sel(wave=runs.wave_name("isotropic", height, wavelength))
     return waves.last_wave(response["X"].values, response["dH"].values, EDGE).amplitude
 
 
 def _by_marching(results: Results, marched: float, plan: Plan) -> DataFrame:
     M, L, wavelength, nodes = plan.waves.marched
-    own = rolled_wavelengths(plan, (M, L), nodes)
-    linear = results[rolling_task(plan, (M, L), nodes).name][own.index(wavelength)]
+    own = runs.rolled_wavelengths(plan, (M, L), nodes)
+    linear = results[runs.rolling_task(plan, (M, L), nodes).name][own.index(wavelength)]
     run = f"M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {nodes} nodes"
     steps = f"time steps of one cell, A_i = {HEIGHT:g} of the film scale"
     found = {"without time steps, to first order": linear, steps: marched}

@@ -5,18 +5,20 @@ The values go to ertel as they are written, so that its own messages answer them
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Any
 
-from ertel.case.conditions import Kind
 from ertel.inputs.case_files import apply_overrides
 from ertel.inputs.library import material_names, oil_names
 from ertel.inputs.templates import GIVEN
 
-OWN = "own"  # in place of the name of an oil or a material
+OWN, NAMED = "own", "named"  # oils: by values, "own" also in place of its name; from the library
+NEWTONIAN = "newtonian"
 OILS = {OWN: "by its viscosity", **{name: name for name in oil_names()}}
 MATERIALS = {name: name for name in material_names()}
-METHODS: Mapping[Kind, dict[str, str]] = {
+RHEOLOGIES = {NEWTONIAN: "Newtonian", "ree-eyring": "Ree-Eyring"}
+ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
+METHODS: Mapping[str, dict[str, str]] = {
     "impact": {"radial": "radial: seconds", "2d": "plane: minutes"},
     "rolling": {"steady": "steady", "transient": "in time"},
 }
@@ -26,125 +28,96 @@ GRIDS: Mapping[str, tuple[int, ...]] = {
     "steady": (65, 129, 257, 513),
     "transient": (65, 129, 193, 257),
 }
-USUAL = {"radial": 257, "2d": 129, "steady": 129, "transient": 129}  # nodes: an answer within a minute
-NEWTONIAN = "newtonian"
-RHEOLOGIES = {NEWTONIAN: "Newtonian", "ree-eyring": "Ree-Eyring"}
+USUAL = {"radial": "257", "2d": "129", "steady": "129", "transient": "129"}  # nodes: an answer within a minute
 DECIDE = ("kind", "given", "oil", "rheology", "method")  # fields on which others depend
-TITLES = ("Contact", "Materials", "Oil", "Computation")
-ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
-LABELS = {
-    "M": "Load parameter M",
-    "L": "Lubricant parameter L",
-    "radius": "Ball radius",
-    "ball_density": "Ball density",
-    "speed": "Impact speed",
-    "load": "Load",
-    "mean_speed": "Mean speed",
-    "slide_to_roll": "Slide-to-roll ratio",
-    "material_1": "Ball",
-    "material_2": "Plane",
-    "oil": "Oil",
-    "temperature": "Temperature",
-    "eta0": "Viscosity",
-    "alpha": "Pressure-viscosity coefficient",
-    "rheology": "Rheology",
-    "tau0": "Eyring stress",
-    "nodes": "Nodes",
-    "method": "Method",
-    "until": "End",
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field, which has the name of its key in case files.
+
+    section: of the key.  group: of fields on the page.  value: the first one.  when: the choices that show the field,
+    all of them, see `Form.shown`.  options: the values with their labels; empty for a text.
+    """
+
+    section: str
+    group: str
+    label: str
+    value: str
+    when: str = ""
+    options: Mapping[str, str] | None = None
+
+
+BALL, ROLLED, OIL = GIVEN["impact"]["[contact]"], GIVEN["rolling"]["[contact]"], GIVEN["impact"]["[lubricant]"]
+FIELDS = {
+    "kind": Field("contact", "", "Kind", "impact", options={"impact": "Impact", "rolling": "Rolling"}),
+    "given": Field("", "", "Given", "si", options={"si": "Quantities", "moes": "M and L"}),
+    "M": Field("contact", "Contact", "Load parameter M", "1000", "moes"),
+    "L": Field("contact", "Contact", "Lubricant parameter L", "10", "moes"),
+    "radius": Field("contact", "Contact", "Ball radius", BALL["radius"], "si"),
+    "ball_density": Field("contact", "Contact", "Ball density", BALL["ball_density"], "si impact"),
+    "speed": Field("contact", "Contact", "Impact speed", BALL["speed"], "si impact"),
+    "load": Field("contact", "Contact", "Load", ROLLED["load"], "si rolling"),
+    "mean_speed": Field("contact", "Contact", "Mean speed", ROLLED["mean_speed"], "si rolling"),
+    "slide_to_roll": Field("contact", "Contact", "Slide-to-roll ratio", "", "si rolling"),
+    "material_1": Field("contact", "Materials", "Ball", "steel", "si", MATERIALS),
+    "material_2": Field("contact", "Materials", "Plane", "steel", "si", MATERIALS),
+    "oil": Field("lubricant", "Oil", "Oil", OWN, "si", OILS),
+    "temperature": Field("lubricant", "Oil", "Temperature", "40 degC", f"si {NAMED}"),
+    "eta0": Field("lubricant", "Oil", "Viscosity", OIL["eta0"], f"si {OWN}"),
+    "alpha": Field("lubricant", "Oil", "Pressure-viscosity coefficient", OIL["alpha"], f"si {OWN}"),
+    "rheology": Field("lubricant", "Oil", "Rheology", NEWTONIAN, "si rolling", RHEOLOGIES),
+    "tau0": Field("lubricant", "Oil", "Eyring stress", "5 MPa", "si rolling ree-eyring"),
+    "method": Field("solver", "Computation", "Method", "radial"),
+    "nodes": Field("solver", "Computation", "Nodes", USUAL["radial"]),
+    "until": Field("time", "Computation", "End", "max-approach", "impact", ENDS),
 }
 
 
-@dataclass
 class Form:
-    """The fields of the form, all as text.  Each is named as its key in case files, with its section in `SECTION`."""
+    """The fields of the form, all as text.  values: by the names of the fields."""
 
-    kind: Kind = "impact"
-    given: Literal["si", "moes"] = "si"
-    M: str = "1000"
-    L: str = "10"
-    radius: str = str(GIVEN["impact"]["[contact]"]["radius"])
-    ball_density: str = str(GIVEN["impact"]["[contact]"]["ball_density"])
-    speed: str = str(GIVEN["impact"]["[contact]"]["speed"])
-    load: str = str(GIVEN["rolling"]["[contact]"]["load"])
-    mean_speed: str = str(GIVEN["rolling"]["[contact]"]["mean_speed"])
-    slide_to_roll: str = ""
-    material_1: str = "steel"
-    material_2: str = "steel"
-    oil: str = OWN
-    temperature: str = "40 degC"
-    eta0: str = str(GIVEN["impact"]["[lubricant]"]["eta0"])
-    alpha: str = str(GIVEN["impact"]["[lubricant]"]["alpha"])
-    rheology: str = NEWTONIAN
-    tau0: str = "5 MPa"
-    method: str = "radial"
-    nodes: str = str(USUAL["radial"])
-    until: str = "max-approach"
+    def __init__(self, **values: str):
+        self.values = {name: str(field.value) for name, field in FIELDS.items()} | values
 
-    def choose(self, name: str, value: Any) -> None:
+    def choose(self, name: str, value: str) -> None:
         """Change a field.  With the kind of contact the method changes, with the method the grid."""
-        setattr(self, name, value)
+        self.values[name] = value
         if name == "kind":
-            self.choose("method", next(iter(METHODS[self.kind])))
+            self.choose("method", next(iter(METHODS[value])))
         elif name == "method":
-            self.nodes = str(USUAL[self.method])
+            self.choose("nodes", USUAL[value])
 
-    def groups(self) -> dict[str, tuple[str, ...]]:
-        """The fields that the choices so far leave to be filled in, by the title of their group."""
-        ends = ("until",) if self.kind == "impact" else ()
-        groups: dict[str, tuple[str, ...]] = {"Contact": self._contact(), "Computation": ("method", "nodes", *ends)}
-        if self.given == "si":
-            groups |= {"Materials": ("material_1", "material_2"), "Oil": self._oil()}
-        return {title: groups[title] for title in TITLES if title in groups}
+    def options(self, name: str) -> Mapping[str, str] | None:
+        """The values from which a field is chosen, with their labels; None for a text."""
+        if name == "method":
+            return METHODS[self.values["kind"]]
+        if name == "nodes":
+            return {str(nodes): str(nodes) for nodes in GRIDS[self.values["method"]]}
+        return FIELDS[name].options
 
-    def options(self) -> dict[str, dict[str, str]]:
-        """The values from which fields are chosen, with their labels."""
-        return {
-            "material_1": MATERIALS,
-            "material_2": MATERIALS,
-            "oil": OILS,
-            "rheology": RHEOLOGIES,
-            "method": METHODS[self.kind],
-            "nodes": {str(n): str(n) for n in GRIDS[self.method]},
-            "until": ENDS,
-        }
-
-    def _contact(self) -> tuple[str, ...]:
-        if self.given == "moes":
-            return ("M", "L")
-        driven = ("ball_density", "speed") if self.kind == "impact" else ("load", "mean_speed", "slide_to_roll")
-        return ("radius", *driven)
-
-    def _oil(self) -> tuple[str, ...]:
-        data = ("oil", "eta0", "alpha") if self.oil == OWN else ("oil", "temperature")
-        if self.kind == "impact":  # the surfaces do not slide
-            return data
-        return (*data, "rheology") if self.rheology == NEWTONIAN else (*data, "rheology", "tau0")
+    def shown(self) -> list[str]:
+        """The fields that the choices so far leave to be filled in."""
+        oil = OWN if self.values["oil"] == OWN else NAMED
+        choices = {oil, *(self.values[name] for name in ("kind", "given", "rheology"))}
+        return [name for name, field in FIELDS.items() if field.group and choices.issuperset(field.when.split())]
 
     def data(self) -> dict[str, Any]:
         """The case as plain data, as a case file has it; what is left empty is left out."""
-        names = ["kind", *(name for group in self.groups().values() for name in group)]
-        given = {name: str(getattr(self, name)).strip() for name in names if name not in ("rheology", "tau0")}
-        given = {name: text for name, text in given.items() if text not in ("", OWN)}
-        data = apply_overrides({}, [f"{SECTION[name]}.{name}={text}" for name, text in given.items()])
-        if "tau0" in names:
-            data.setdefault("lubricant", {})["rheology"] = {"law": self.rheology, "tau0": self.tau0.strip()}
+        given = {name: self.values[name].strip() for name in ("kind", *self.shown())}
+        law, tau0 = given.pop("rheology", NEWTONIAN), given.pop("tau0", None)
+        texts = {name: text for name, text in given.items() if text not in ("", OWN)}
+        data = apply_overrides({}, [f"{FIELDS[name].section}.{name}={text}" for name, text in texts.items()])
+        if tau0 is not None:
+            data.setdefault("lubricant", {})["rheology"] = {"law": law, "tau0": tau0}
         return data
-
-
-SECTION = {
-    **dict.fromkeys((item.name for item in fields(Form)), "contact"),
-    **dict.fromkeys(("oil", "temperature", "eta0", "alpha", "rheology", "tau0"), "lubricant"),
-    **dict.fromkeys(("method", "nodes"), "solver"),
-    "until": "time",
-}
 
 
 def field_of(message: str) -> str | None:
     """The field of the form that a message of ertel names first, contact.radius = ...; None where there is none."""
     section, _, rest = message.partition(".")
     name = rest.split(" ")[0].rstrip(":").rpartition(".")[2]
-    return name if SECTION.get(name) == section else None
+    return name if name in FIELDS and FIELDS[name].section == section else None
 
 
 def read_text(text: str) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """The page of a new case: a form, or the text of a case file; beside it the answer of ertel, while it is written."""
 
 import asyncio
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ import tomli_w
 from nicegui import run, ui
 
 from ertel.apps.browser import answer
-from ertel.apps.browser.form import DECIDE, LABELS, Form, field_of, read_text
+from ertel.apps.browser.form import DECIDE, FIELDS, Form, field_of, read_text
 from ertel.apps.browser.site import Site, address_of
 from ertel.apps.terminal import reason_of
 from ertel.case.rules import plain_name
@@ -81,9 +82,9 @@ class NewCase:
         self._fields.clear()
         with self._fields:
             with ui.element("div").classes("card choices"):
-                self._choice("kind", {"impact": "Impact", "rolling": "Rolling"})
-                self._choice("given", {"si": "Quantities", "moes": "M and L"})
-            for title, names in self.form.groups().items():
+                self._choice("kind")
+                self._choice("given")
+            for title, names in groupby(self.form.shown(), key=lambda name: FIELDS[name].group):
                 with ui.element("div").classes("card group"):
                     ui.label(title).classes("eyebrow")
                     with ui.element("div").classes("grid"):
@@ -91,17 +92,18 @@ class NewCase:
                             self._field(name)
 
     def _field(self, name: str) -> None:
-        label, value, options = LABELS[name], getattr(self.form, name), self.form.options().get(name)
+        label, value, options = FIELDS[name].label, self.form.values[name], self.form.options(name)
         if options:
-            field: Any = ui.select(options, label=label, value=value).props("options-dense")
+            field: Any = ui.select(dict(options), label=label, value=value).props("options-dense")
         else:
             field = ui.input(label, value=value, placeholder=HINTS.get(name, ""))
         field.props("outlined dense hide-bottom-space").mark(name)
         field.on_value_change(lambda event: self._set(name, event.value))
         self._inputs[name] = field
 
-    def _choice(self, name: str, options: dict[str, str]) -> None:
-        toggle = ui.toggle(options, value=getattr(self.form, name)).props("no-caps unelevated spread").mark(name)
+    def _choice(self, name: str) -> None:
+        options = dict(FIELDS[name].options or {})
+        toggle = ui.toggle(options, value=self.form.values[name]).props("no-caps unelevated spread").mark(name)
         toggle.on_value_change(lambda event: self._set(name, event.value))
 
     def _set(self, name: str, value: Any) -> None:

@@ -1,4 +1,4 @@
-"""The command line as a process: its streams, closed, full or in ASCII, and the signals that end it."""
+"""The command line as a process: its memory, its streams, closed, full or in ASCII, and the signals that end it."""
 
 import os
 import signal
@@ -107,6 +107,35 @@ def test_a_cache_that_cannot_be_written(here):
     environment = {**ENVIRONMENT, **smallest, "JAX_COMPILATION_CACHE_DIR": "/proc/self"}
     ended = done([sys.executable, "-c", code], env=environment)
     assert (ended.stdout, ended.stderr) == ("2\n", "")
+
+
+# -- memory -----------------------------------------------------------------------------------------------------------
+
+
+PAGES = """
+import resource
+import numpy as np
+faults = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+for _ in range(3):
+    np.ones(5_000_000)
+before = faults()
+for _ in range(10):
+    np.ones(5_000_000)
+print(faults() - before)
+"""  # how often the kernel hands out a page while arrays of 40 MB come and go
+KEEP = "from ertel.apps import process\nprocess.keep_freed_memory()\n"
+
+
+def pages(code, **chosen):
+    plain = {name: value for name, value in ENVIRONMENT.items() if not name.startswith("MALLOC_")}
+    return int(done([sys.executable, "-c", code], env=plain | {"NUMPY_MADVISE_HUGEPAGE": "0"} | chosen).stdout)
+
+
+@pytest.mark.skipif(os.confstr("CS_GNU_LIBC_VERSION") is None, reason="another C library than glibc")
+def test_arrays_that_come_and_go_keep_their_pages_unless_the_user_chooses_otherwise():
+    usual = pages(PAGES)
+    assert pages(KEEP + PAGES) < 0.01 * usual
+    assert pages(KEEP + PAGES, MALLOC_MMAP_THRESHOLD_="1000000") > 0.9 * usual
 
 
 # -- signals ----------------------------------------------------------------------------------------------------------

@@ -23,8 +23,8 @@ from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Waviness
 from ertel.runs.response import respond_in_rolling
-from ertel.solvers import harmonic, steady
-from ertel.solvers.harmonic import Wave
+from ertel.solvers import steady
+from ertel.solvers.response import RoughnessWave, wave_response
 from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import Transient2D
 
@@ -43,13 +43,13 @@ def smooth(drive: Drive | None = None, *features: Feature) -> Case:
 
 @cache
 def film() -> GridSolution:
-    return steady.steady(smooth()).finest
+    return steady.steady_film(smooth()).finest
 
 
-def wave_on(grid, frequency: float = 2 * np.pi / WAVE) -> Wave:
+def wave_on(grid, frequency: float = 2 * np.pi / WAVE) -> RoughnessWave:
     """A wave of unit height that rides with the oil at this frequency, isotropic if it is that of WAVE."""
     X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
-    return Wave(frequency, jnp.asarray(np.exp(-1j * frequency * X) * np.cos(2 * np.pi / WAVE * Y)))
+    return RoughnessWave(frequency, jnp.asarray(np.exp(-1j * frequency * X) * np.cos(2 * np.pi / WAVE * Y)))
 
 
 def largest(a, b) -> float:
@@ -59,7 +59,7 @@ def largest(a, b) -> float:
 # -- other ways to the same film --------------------------------------------------------------------------------------
 
 
-def dense(case: Case, s: GridSolution, wave: Wave) -> tuple[np.ndarray, complex]:
+def dense(case: Case, s: GridSolution, wave: RoughnessWave) -> tuple[np.ndarray, complex]:
     """P' and Delta' from the matrix of the equations with the three masses along the flow written out."""
     c, h, shape = discretise.smooth_contact(case, s.grid), s.grid.spacing, s.P.shape
     q = np.exp(-1j * wave.frequency * h)
@@ -90,7 +90,7 @@ def dense(case: Case, s: GridSolution, wave: Wave) -> tuple[np.ndarray, complex]
 def test_the_dense_matrix_has_the_same_solution() -> None:
     wave = wave_on(film().grid)
     P, approach = dense(smooth(), film(), wave)
-    found = harmonic.respond(smooth(), film(), wave)
+    found = wave_response(smooth(), film(), wave)
     assert found.converged
     assert largest(found.P, P) < 1e-5 * np.abs(P).max()
     assert found.approach == pytest.approx(approach, abs=1e-5)
@@ -119,7 +119,7 @@ def test_time_steps_of_one_cell_come_to_the_same_film(slide: float) -> None:
 def test_at_rest_it_is_the_change_of_the_steady_film() -> None:
     """Surface 1 at rest, of which the waves are: the wedge alone."""
     A, rest = 1e-4, Drive(slide_to_roll=-2.0)
-    high, low = (steady.steady(smooth(rest, Feature(Waviness(a, WAVE, WAVE)))).finest for a in (A, -A))
+    high, low = (steady.steady_film(smooth(rest, Feature(Waviness(a, WAVE, WAVE)))).finest for a in (A, -A))
     found = respond_in_rolling(smooth(rest), [[Feature(Waviness(1.0, WAVE, WAVE))]])
     assert float(found["frequency"][0]) == 0.0
     change = found["dH_amplitude"][0].values * np.cos(found["dH_phase"][0].values)
@@ -131,7 +131,9 @@ def test_of_an_oil_that_thins_it_is_the_change_of_its_steady_film() -> None:
     """Surface 1 at rest under a sliding oil of Eyring's law; the derivative of its flux is exact."""
     A, wave = 1e-4, Waviness(1.0, WAVE, WAVE)
     case = rolling(**BALL, rheology=ReeEyring(2e6), nodes=33)
-    high, low = (steady.steady(replace(case, roughness=(Feature(replace(wave, amplitude=a)),))).finest for a in (A, -A))
+    high, low = (
+        steady.steady_film(replace(case, roughness=(Feature(replace(wave, amplitude=a)),))).finest for a in (A, -A)
+    )
     found = respond_in_rolling(case, [[Feature(wave)]])
     change = found["dH_amplitude"][0].values * np.cos(found["dH_phase"][0].values)
     assert largest(high.whole((high.H - low.H) / (2 * A)), change) < 1e-5 * np.abs(change).max()
@@ -151,7 +153,7 @@ def test_waves_at_rest_under_a_thick_oil_are_flattened_to_its_compression() -> N
 
 
 def test_a_uniform_height_lifts_the_ball_and_changes_nothing_else() -> None:
-    found = harmonic.respond(smooth(), film(), Wave(0.0, jnp.ones(film().P.shape, complex)))
+    found = wave_response(smooth(), film(), RoughnessWave(0.0, jnp.ones(film().P.shape, complex)))
     assert found.approach == pytest.approx(-1.0, abs=1e-6)
     assert largest(found.H, 0.0) < 1e-5
     assert largest(found.P, 0.0) < 1e-5
@@ -169,7 +171,7 @@ def test_a_ball_with_inertia_obeys_newtons_law() -> None:
     """Inertia times Delta'' = - omega^2 Delta' is the force that is missing; a heavy ball does not move."""
     wave = wave_on(film().grid)
     balanced, light, heavy = (
-        harmonic.respond(smooth(Drive(inertia=inertia)), film(), wave) for inertia in (0.0, 0.1, 1e4)
+        wave_response(smooth(Drive(inertia=inertia)), film(), wave) for inertia in (0.0, 0.1, 1e4)
     )
     force = sum(np.asarray(film().whole(light.P)).ravel()) * film().grid.spacing ** 2 / HERTZ_LOAD
     assert force == pytest.approx(0.1 * wave.frequency**2 * light.approach, rel=1e-4)
