@@ -292,7 +292,7 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
 
 
 def _warm_values(case: Case, cold: Mapping[str, float], warm: Heated) -> dict[str, float]:
-    """The numbers that heat changes: film (by its inlet factor), traction, and the part of sliding in the power loss."""
+    """The numbers that heat changes: film (by its inlet factor), traction, the part of sliding in the power loss."""
     unit = case.scales.a_over_R if case.scales else 1.0
     sliding, factor = float(warm.sliding[0]) * unit, warm.inlet.factor
     less = (cold["mu_sliding"] - sliding) / unit * case.motion.load(0.0) * case.motion.sliding(0.0)
