@@ -206,7 +206,7 @@ def test_progress_goes_from_nothing_to_all() -> None:
     for until in ("max-approach", "rebound", 2.0):
         course = course_of(impact(200, 10, 65, solver={"method": "radial"}, time={"until": until}))
         shares: list[float] = []
-        drive(course, [lambda step, course=course, shares=shares: shares.append(course.fraction(step))])
+        drive(course, [lambda step, course=course, shares=shares: shares.append(course.progress(step).done)])
         assert 0 <= shares[0] < 0.05
         assert shares[-1] > 0.75
         assert all(a <= b for a, b in itertools.pairwise(shares))

@@ -156,22 +156,22 @@ def test_a_table_a_figure_and_a_page(four):
 
 
 class Bars:
-    """Progress bars that remember their news."""
+    """Progress bars that remember their messages."""
 
     disable = False
 
     def __init__(self):
-        self.news: dict[str, list[tuple[float, str]]] = {}
+        self.messages: dict[str, list[tuple[float, str]]] = {}
 
-    def add_task(self, name, total, news):
-        self.news[name] = []
+    def add_task(self, name, total, message):
+        self.messages[name] = []
         return name
 
-    def update(self, name, completed=0.0, advance=0, news=""):
-        self.news[name].append((completed, news))
+    def update(self, name, completed=0.0, advance=0, message=""):
+        self.messages[name].append((completed, message))
 
     def remove_task(self, name):
-        assert name in self.news
+        assert name in self.messages
 
 
 def test_the_bars_say_what_the_runs_write_of_their_progress(tmp_path, monkeypatch):
@@ -191,9 +191,9 @@ def test_the_bars_say_what_the_runs_write_of_their_progress(tmp_path, monkeypatc
     monkeypatch.setattr(RunStore, "__call__", take)
     with study_bars(tmp_path, left_of(study.cases, tmp_path), True) as shown:
         run_study(study.cases, tmp_path, LocalWorker(), on_done=shown.done)
-    runs = [said.news[case.digest[:8]] for case in study.cases]
-    assert all(0 <= done <= 1 and text.startswith("T 0.") for news in runs for done, text in news) and all(runs)
-    assert [text.split()[1] for _, text in said.news["runs"]] == ["converged", "converged"]
+    runs = [said.messages[case.digest[:8]] for case in study.cases]
+    assert all(0 <= done <= 1 and text.startswith("T 0.") for messages in runs for done, text in messages) and all(runs)
+    assert [text.split()[1] for _, text in said.messages["runs"]] == ["converged", "converged"]
     assert compiled[: STEPS + 1] == [False] * (STEPS + 1) and compiled[STEPS + 2]
 
 

@@ -75,7 +75,7 @@ def test_a_change_without_a_case_is_refused():
 
 def test_the_progress_bar_says_what_takes_the_time(monkeypatch):
     said = []
-    bars = SimpleNamespace(add_task=lambda name, total, news: said.append((name, news)))
+    bars = SimpleNamespace(add_task=lambda name, total, message: said.append((name, message)))
     watch(bars, SimpleNamespace(case=SimpleNamespace(name="ball", kind="impact")))
     assert said == [("ball", "compiling (once per machine and grid size)")]
 

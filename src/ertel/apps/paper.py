@@ -63,9 +63,9 @@ def _make_page(names: list[str], quick: bool, out: Path, engine: "Engine", quiet
     with bars(not quiet) as progress, ExitStack() as stack:
         with process.deferred():
             workers = stack.enter_context(engine.workers(runs - done))
-        bar = progress.add_task("runs", total=runs, news="")
+        bar = progress.add_task("runs", total=runs, message="")
 
         def on_done(task: Any, _: object) -> None:
-            progress.update(bar, advance=1, news=task.name)
+            progress.update(bar, advance=1, message=task.name)
 
         return figures.make(names, quick, out, workers, on_done)

@@ -6,7 +6,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import jax
 import numpy as np
@@ -49,6 +49,19 @@ class StepResult(Protocol):
     def status(self) -> Status: ...
 
 
+class Progress(NamedTuple):
+    """How far a run is.
+
+    T: time in t0, None of a steady contact.  step: the number of time steps, or of grids.  done: the approximate
+    fraction of the run, 0 to 1.  message: the last result as one line of text.
+    """
+
+    T: float | None
+    step: int
+    done: float
+    message: str
+
+
 class Run(ABC):
     """A run of a case: one `StepResult` after the other."""
 
@@ -63,16 +76,8 @@ class Run(ABC):
         """The next result."""
 
     @abstractmethod
-    def fraction(self, result: Any) -> float:
-        """The approximate fraction of the run that is done, 0 to 1."""
-
-    @abstractmethod
-    def message(self, result: Any) -> str:
-        """A result as one line of text."""
-
-    @abstractmethod
-    def position(self, result: Any) -> dict[str, float | int | None]:
-        """T, None of a steady contact, and step, the number of time steps or grids so far."""
+    def progress(self, result: Any) -> Progress:
+        """How far the run is after a result."""
 
     @abstractmethod
     def to_arrays(self, result: Any) -> dict[str, NDArray[Any]]:
@@ -132,20 +137,16 @@ class TransientRun(Run):
         """The next result: yields the problem of each attempt and is sent its solution, see `simulate_batch`."""
         return next_step(self.case, self.method, result.state, self.limits)
 
-    def fraction(self, result: Step) -> float:
-        if not result.record:
-            return 0.0
-        if self.case.schedule.until == "max-approach" and result.record["V"] <= 0:
-            return 1.0
-        return min(result.record["T"] / self.case.schedule.duration, 1.0)
-
-    def message(self, result: Step) -> str:
-        record, counts = result.record, result.state.counts
+    def progress(self, result: Step) -> Progress:
+        record, counts, schedule = result.record, result.state.counts, self.case.schedule
+        T = result.state.levels[0].T
+        if not record:
+            return Progress(T, counts.steps, 0.0, "")
+        turned = schedule.until == "max-approach" and record["V"] <= 0
+        done = 1.0 if turned else min(T / schedule.duration, 1.0)
         work = f"{counts.steps} steps, {counts.newton_iterations} Newton, {counts.krylov_iterations} Krylov"
-        return f"T {record['T']:.3f}  Δ {record['Delta']:+.4f}  H_c {record['H_c']:.5f}  {work}"
-
-    def position(self, result: Step) -> dict[str, float | int | None]:
-        return {"T": result.state.levels[0].T, "step": result.state.counts.steps}
+        message = f"T {T:.3f}  Δ {record['Delta']:+.4f}  H_c {record['H_c']:.5f}  {work}"
+        return Progress(T, counts.steps, done, message)
 
     def to_arrays(self, result: Step) -> dict[str, NDArray[Any]]:
         state, levels = result.state, result.state.levels
@@ -219,16 +220,13 @@ class SteadyRun(Run):
         finest = solution.grid.nodes == self.case.solver.nodes
         return GridStep((*result.solutions, solution), solution.status if finest else Status.RUNNING)
 
-    def fraction(self, result: GridStep) -> float:
-        return (result.record["nodes"] / self.case.solver.nodes) ** 2 if result.solutions else 0.0
-
-    def message(self, result: GridStep) -> str:
+    def progress(self, result: GridStep) -> Progress:
+        if not result.solutions:
+            return Progress(None, 0, 0.0, "")
         r = result.record
         work = f"{r['newton_iterations']} Newton, {r['krylov_iterations']} Krylov"
-        return f"{r['nodes']} x {r['nodes_y']}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
-
-    def position(self, result: GridStep) -> dict[str, float | int | None]:
-        return {"T": None, "step": len(result.solutions)}
+        message = f"{r['nodes']} x {r['nodes_y']}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
+        return Progress(None, len(result.solutions), (r["nodes"] / self.case.solver.nodes) ** 2, message)
 
     def to_arrays(self, result: GridStep) -> dict[str, NDArray[Any]]:
         solutions = result.solutions

@@ -200,17 +200,19 @@ class ProgressFile:
         """Write the progress, unless it was written a moment ago."""
         now = time.monotonic()
         if self._first is None and result.record:
-            self._first = now, self._run.fraction(result)
+            self._first = now, self._run.progress(result).done
         if result.status is not Status.RUNNING or now - self._written >= INTERVAL:
             self._written = now
             self.write(result)
 
     def write(self, result: "StepResult") -> None:
         """Write the progress; a disk that refuses it stops no run."""
-        done = 1.0 if result.status.ok else self._run.fraction(result)
+        progress = self._run.progress(result)
+        done = 1.0 if result.status.ok else progress.done
         content = {
             "status": result.status.value,
-            **self._run.position(result),
+            "T": progress.T,
+            "step": progress.step,
             "done": round(done, 4),
             "seconds": round(time.monotonic() - self._started, 1),
             "seconds_left": self._left(result.status, done),

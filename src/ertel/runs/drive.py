@@ -120,18 +120,19 @@ def bars(shown: bool) -> Any:
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     console = Console(stderr=True)
-    label, news = (TextColumn(text, markup=False) for text in ("{task.description}", "{task.fields[news]}"))
+    label, message = (TextColumn(text, markup=False) for text in ("{task.description}", "{task.fields[message]}"))
     hidden = not shown or not (console.is_terminal or console.is_jupyter)
-    return Progress(label, BarColumn(24), news, TimeElapsedColumn(), console=console, disable=hidden)
+    return Progress(label, BarColumn(24), message, TimeElapsedColumn(), console=console, disable=hidden)
 
 
 def watch(progress: Any, run: Run, label: str = "") -> Observer:
     """An observer that shows a run in a new bar."""
     label = label or run.case.name or run.case.kind
-    bar = progress.add_task(label, total=1.0, news="compiling (once per machine and grid size)")
+    bar = progress.add_task(label, total=1.0, message="compiling (once per machine and grid size)")
 
     def show(result: StepResult) -> None:
         if result.record:
-            progress.update(bar, completed=run.fraction(result), news=run.message(result))
+            now = run.progress(result)
+            progress.update(bar, completed=now.done, message=now.message)
 
     return show

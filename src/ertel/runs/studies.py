@@ -209,7 +209,7 @@ class StudyBars:
 
     def __init__(self, progress: Any, directory: Path, left: Mapping[str, Case]):
         self._progress = progress
-        self._all = progress.add_task("runs", total=len(left), news="")
+        self._all = progress.add_task("runs", total=len(left), message="")
         self._directories = {digest: run_directory(directory, case) for digest, case in left.items()}
         self._bars: dict[str, Any] = {}
         self._lock = threading.Lock()
@@ -225,15 +225,15 @@ class StudyBars:
         if not said or said["status"] != Status.RUNNING.value:
             return
         if digest not in self._bars:
-            self._bars[digest] = self._progress.add_task(digest[:8], total=1.0, news="")
+            self._bars[digest] = self._progress.add_task(digest[:8], total=1.0, message="")
         time = "" if said["T"] is None else f"T {said['T']:.3f}  "
-        self._progress.update(self._bars[digest], completed=said["done"], news=f"{time}step {said['step']}")
+        self._progress.update(self._bars[digest], completed=said["done"], message=f"{time}step {said['step']}")
 
     def done(self, digest: str, status: str) -> None:
         """Count a run that is done."""
         with self._lock:
             self._directories.pop(digest, None)
-            self._progress.update(self._all, advance=1, news=f"{digest[:8]} {status}"[:60])
+            self._progress.update(self._all, advance=1, message=f"{digest[:8]} {status}"[:60])
             if digest in self._bars:
                 self._progress.remove_task(self._bars.pop(digest))
 

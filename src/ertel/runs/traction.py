@@ -211,11 +211,11 @@ def compute_curve(curve: Curve, progress: bool = False) -> TractionCurve:
     numbers = count()
     with bars(progress) as shown:
         total = 1 if curve.film == "once" else len(curve.cases)
-        bar = shown.add_task(curve.case.name or curve.case.kind, total=total, news="")
+        bar = shown.add_task(curve.case.name or curve.case.kind, total=total, message="")
 
         def film_of(case: Case) -> FilmRun:
             number, course = next(numbers), course_of(case)
-            film = drive(course, [lambda item: shown.update(bar, completed=number + course.fraction(item))])
+            film = drive(course, [lambda item: shown.update(bar, completed=number + course.progress(item).done)])
             warnings = diagnostics.steady_warnings(case, film.solutions)
             return StudyRun({}, warnings, film.status.value, ""), film
 
