@@ -7,7 +7,8 @@ from math import isclose, pi
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from case_file_strategies import case_files, outcome
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ertel.case.case import Case
@@ -243,39 +244,23 @@ def test_malformed_override(item):
         ({"contact": MOES | {"kind": "bounce"}}, ['contact.kind = "bounce"', "allowed: 'impact' or 'rolling'"]),
         ({"lubricant": {"viscosity": "baras"}}, ['lubricant.viscosity = "baras"', "'barus'"]),
         ({"contact": {"M": -5, "L": 10}}, ["contact.M = -5", "greater than 0"]),
-        ({"contact": {"M": 0, "L": 10}}, ["contact.M = 0", "greater than 0"]),
         ({"contact": {"M": float("nan"), "L": 10}}, ["contact.M = NaN", "finite"]),
-        ({"contact": {"M": float("inf"), "L": 10}}, ["contact.M = Infinity", "finite"]),
         ({"contact": {"M": "1000", "L": 10}}, ['contact.M = "1000"', "must be a number"]),
         ({"contact": {"M": True, "L": 10}}, ["contact.M = true", "must be a number"]),
-        ({"contact": {"M": 1000, "L": 0}}, ["contact.L = 0", "above zero", "roelands"]),
         ({"contact": {}}, ["contact.M: missing", "lambda_bar and alpha_bar", "radius"]),
         ({"contact": {"M": 1000}}, ["contact.L: missing", "contact.M = 1000", "M and L"]),
         ({"contact": MOES | {"lambda_bar": 1}}, ["contact.M = 1000", "contact.lambda_bar = 1", "together", "allowed"]),
         ({"contact": MOES | BALL}, ["contact.M = 1000", 'contact.radius = "10 mm"', "together", "allowed"]),
         ({"solver": {"nodes": 100}}, ["solver.nodes = 100", "97", "105"]),
-        ({"solver": {"nodes": 5}}, ["solver.nodes = 5", "17"]),
         ({"solver": {"method": "radial", "nodes": 3}}, ["solver.nodes = 3: must be at least"]),
         ({"solver": {"nodes": 129.0}}, ["solver.nodes = 129.0", "integer"]),
-        ({"solver": {"half_width": 0.5}}, ["solver.half_width = 0.5", "greater than 1"]),
         ({"time": {"until": "never"}}, ['time.until = "never"', '"max-approach"', '"rebound"', "above zero"]),
         ({"time": {"until": -1}}, ["time.until = -1", "above zero"]),
-        ({"time": {"start_approach": 0.5}}, ["time.start_approach = 0.5", "less than 0"]),
         ({"time": {"step": 0}}, ["time.step = 0", "above zero"]),
-        ({"output": {"interval": -0.1}}, ["output.interval = -0.1", "above zero"]),
         ({"lubricant": {"alpha": "3 m"}}, ['lubricant.alpha = "3 m"', "[length]", "22 / GPa"]),
         ({"lubricant": {"alpha": "3 quux"}}, ['lubricant.alpha = "3 quux"', "unknown unit", "22 / GPa"]),
         ({"lubricant": {"alpha": "-3 1/Pa"}}, ['lubricant.alpha = "-3 1/Pa"', "above zero"]),
         ({"lubricant": {"alpha": 2.2e-8}}, ["lubricant.alpha = 2.2e-08", "unit", "22 / GPa"]),
-        ({"lubricant": {"eta0": "1e-6 Pa*s"}}, ["lubricant.eta0 = 1e-06", "Roelands"]),
-        (
-            {"lubricant": {"viscosity": "isoviscous"}},
-            ["contact.L = 10", "0 or left out", "isoviscous"],
-        ),
-        (
-            {"contact": {"M": 1000}, "lubricant": {"viscosity": "isoviscous"}},
-            ['lubricant.density = "dowson-higginson"', "incompressible"],
-        ),
     ],
     ids=str,
 )
@@ -474,3 +459,14 @@ def test_an_override_is_one_value():
     """What followed in further lines was silently left out."""
     assert apply_overrides({}, ["solver.nodes=65\n[time]\nuntil=1"])["solver"]["nodes"] == "65\n[time]\nuntil=1"
     assert apply_overrides({}, ["solver.nodes=" + "[" * 900 + "]" * 900])["solver"]["nodes"].startswith("[[[")
+
+
+# -- whole files, valid and spoiled -----------------------------------------------------------------------------------
+
+
+@settings(max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(content=case_files())
+def test_any_file_is_a_case_or_refused_in_one_line(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "case.toml"
+    path.write_bytes(content)
+    outcome(path)

@@ -7,13 +7,12 @@ input in SI.  Each physical quantity must be given in exactly one of the allowed
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from math import isclose
+from math import inf, isclose
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from ertel.case import radii
 from ertel.case.records import checked, show
 from ertel.physics import materials, scales
-from ertel.physics.geometry import Geometry, geometry
+from ertel.physics.geometry import LARGEST_RATIO, LEAST_RATIO, Geometry, geometry
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.units import (
@@ -50,6 +49,11 @@ HALF_TURN = 180.0  # degrees
 ROUND_OFF = 1e-12  # by which the radii of a circular contact may differ
 
 Keys = tuple[str, ...]
+ALONG_X, ALONG_Y = ("radius_x_1", "radius_x_2"), ("radius_y_1", "radius_y_2")
+PAIRS: Keys = (*ALONG_X, *ALONG_Y)  # a radius that is left out is that of a plane
+RADII: tuple[Keys, ...] = (("radius",), ("radius_1", "radius_2"), ("radius_x", "radius_y"), PAIRS)
+RADII_TEXT = "radius (or radius_1 and radius_2; radius_x and radius_y; radius_x_1, radius_y_1, radius_x_2, radius_y_2)"
+RATIO = Bounds(ge=LEAST_RATIO, le=LARGEST_RATIO)
 MOES: Keys = ("M", "L")
 BARS: Keys = ("lambda_bar", "alpha_bar")
 BALL = (("mass",), ("ball_density",))
@@ -57,8 +61,8 @@ DROP = (("speed",), ("drop_height",))
 TRACK = (("mean_speed",), ("speed_1", "speed_2"))
 ELASTICITY = (("E_prime",), ("E1", "nu1", "E2", "nu2"))
 NEEDED: Mapping[Kind, tuple[tuple[Keys, ...], ...]] = {
-    "impact": (radii.WAYS, BALL, DROP, ELASTICITY),
-    "rolling": (radii.WAYS, (("load",),), TRACK, ELASTICITY),
+    "impact": (RADII, BALL, DROP, ELASTICITY),
+    "rolling": (RADII, (("load",),), TRACK, ELASTICITY),
 }
 OPTIONAL: Mapping[Kind, Keys] = {
     "impact": ("mean_speed", "slide_to_roll"),
@@ -69,8 +73,8 @@ PHYSICAL: Mapping[Kind, Keys] = {
     for kind, groups in NEEDED.items()
 }
 PHYSICAL_TEXT: Mapping[Kind, str] = {
-    "impact": f"{radii.TEXT}, mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
-    "rolling": f"{radii.TEXT}, load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
+    "impact": f"{RADII_TEXT}, mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
+    "rolling": f"{RADII_TEXT}, load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
 }
 FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and what to use instead
     "impact": {
@@ -111,7 +115,7 @@ class Conditions:
     ] = None
     radius_ratio: Annotated[
         float | None,
-        radii.RATIO,
+        RATIO,
         Meaning("R_x/R_y of an elliptical contact without dimensions; left out: a circle", 0.2),
     ] = None
     radius: Annotated[float | None, REDUCED, Meaning("radius of a ball on a plane, or reduced radius")] = None
@@ -182,9 +186,9 @@ class Conditions:
             return
         for alternatives in NEEDED[self.kind]:
             keys = self._only_one(alternatives)
-            if keys != radii.PAIRS:
+            if keys != PAIRS:
                 self._complete(keys)
-        radii.check(self)
+        _check_radii(self)
         self._check_speeds()
 
     def __repr__(self) -> str:
@@ -263,7 +267,7 @@ class Conditions:
         """The SI value of one unit of each dimensionless quantity; None for a dimensionless contact."""
         if not self.is_physical:
             return None
-        R, _ = radii.reduced(self)
+        R, _ = _reduced_radii(self)
         E_prime = self.E_prime or _following(materials.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
         if self.kind == "rolling":
             return _following(scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime, self.ratio)
@@ -280,7 +284,7 @@ class Conditions:
         """R_x/R_y."""
         if not self.is_physical:
             return self.radius_ratio or 1.0
-        R_x, R_y = radii.reduced(self)
+        R_x, R_y = _reduced_radii(self)
         return 1.0 if isclose(R_x, R_y, rel_tol=ROUND_OFF) else R_x / R_y
 
     @property
@@ -333,3 +337,50 @@ def _following(law: Callable[..., T], *values: Any) -> T:
         raise ValueError("contact: its values together are too large or too small; check their units") from error
     except ValueError as error:
         raise ValueError(f"contact: its values together give {error}; check their units") from error
+
+
+# -- the radii of curvature of the two bodies --------------------------------------------------------------------------
+
+
+def _reduced_radii(contact: Conditions) -> tuple[float, float]:
+    """The reduced radii (m) of a physical contact along x and along y."""
+    if contact.is_ball:
+        R = materials.reduced_radius(contact.radius or contact.radius_1 or 0.0, contact.radius_2 or inf)
+        return R, R
+    if contact.radius_x is not None:
+        return contact.radius_x, contact.radius_y or 0.0
+    return _of_pair(contact, ALONG_X), _of_pair(contact, ALONG_Y)
+
+
+def _of_pair(contact: Conditions, keys: Keys) -> float:
+    """The reduced radius of both bodies in one direction; a radius that is left out is that of a plane."""
+    first, second = (getattr(contact, key) or inf for key in keys)
+    return materials.conforming_radius(first, second)
+
+
+def _check_radii(contact: Conditions) -> None:
+    """Raise ValueError unless the bodies touch at a point, in an ellipse that is not too long."""
+    for keys in (ALONG_X, ALONG_Y) if any(key in contact.given for key in PAIRS) else ():
+        _check_pair(contact, keys)
+    R_x, R_y = _reduced_radii(contact)
+    if not LEAST_RATIO <= R_x / R_y <= LARGEST_RATIO:
+        raise ValueError(
+            f"contact: the reduced radii {R_x:g} m along x and {R_y:g} m along y have the ratio {R_x / R_y:g}; "
+            "allowed: from 1/100 to 100"
+        )
+    if not contact.is_ball and "ball_density" in contact.given:
+        raise ValueError(f"{contact.entry('ball_density')}: the moving body is not a ball; give contact.mass")
+
+
+def _check_pair(contact: Conditions, keys: Keys) -> None:
+    """The curvatures of both bodies must add up to more than zero."""
+    zero = next((key for key in keys if getattr(contact, key) == 0), None)
+    if zero:
+        raise ValueError(f"{contact.entry(zero)}: must not be zero; leave it out for a plane")
+    if 0 < _of_pair(contact, keys) < inf:
+        return
+    given = " and ".join(contact.entry(key) for key in keys if key in contact.given)
+    raise ValueError(
+        f"{given or f'contact.{keys[0]}: missing'}: the curvatures 1/{keys[0]} + 1/{keys[1]} must add up to more than "
+        "zero, otherwise the bodies do not form a point contact"
+    )

@@ -142,19 +142,14 @@ def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> Com
     missing = [key for key in _needed(record) if key not in table]
     if not missing:
         return Completed(table, sources)
-    part = getattr(oil, field)
-    if complaint := _complaint(part, oil.name, T, " and ".join(missing)):
+    part: Sourced[Any] | None = getattr(oil, field)
+    wanted = " and ".join(missing)
+    complaint = part.missing_at(T, wanted, oil.name) if part else f"the library has no {wanted} of {oil.name}"
+    if part is None or complaint:
         advice = f'give {{ law = "{name}", {", ".join(f"{key} = ..." for key in missing)} }}'
         raise ConfigError(f"{place} = {show(law)}: {complaint}; {advice}")
     data = data_of(part.data)
     return Completed({**table, **{key: data[key] for key in missing}}, (*sources, part.source.rstrip(".")))
-
-
-def _complaint(part: Sourced[Any] | None, oil: str, T: float, wanted: str) -> str:
-    """Why the data of an oil cannot be used, or "" if they can."""
-    if part is None:
-        return f"the library has no {wanted} of {oil}"
-    return part.missing_at(T, wanted, oil)
 
 
 def _needed(record: Any) -> list[str]:
