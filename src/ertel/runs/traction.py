@@ -30,8 +30,8 @@ from ertel.inputs.ranges import Given, parse_values
 from ertel.numerics.arrays import double_precision
 from ertel.results import diagnostics
 from ertel.results.dataset import provenance
+from ertel.results.steady import thermal_warnings
 from ertel.results.study_result import DONE, StudyRun, assemble
-from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import AXES, WORK, TractionCurve, point_scalars
 from ertel.results.variables import with_coefficients
 from ertel.runs import studies, workers
