@@ -214,8 +214,13 @@ def compute_curve(curve: Curve, progress: bool = False) -> TractionCurve:
         bar = shown.add_task(curve.case.name or curve.case.kind, total=total, message="")
 
         def film_of(case: Case) -> FilmRun:
-            number, course = next(numbers), course_of(case)
-            film = drive(course, [lambda item: shown.update(bar, completed=number + course.progress(item).done)])
+            number, run = next(numbers), course_of(case)
+
+            def show(item: GridStep) -> None:
+                now = run.progress(item)
+                shown.update(bar, completed=number + now.done, message=f"{number + 1}/{total}  {now.message}")
+
+            film = drive(run, [show])
             warnings = diagnostics.steady_warnings(case, film.solutions)
             return StudyRun({}, warnings, film.status.value, ""), film
 
