@@ -100,6 +100,7 @@ def served(folder: Path, *flags: str, **variables: str) -> Iterator[tuple[subpro
         yield process, message[1]
         process.terminate()
         process.communicate(timeout=30)
+        assert process.returncode == 0
 
 
 def write_progress(run: Path, **content: object) -> None:

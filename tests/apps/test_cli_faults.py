@@ -5,6 +5,7 @@ import shutil
 import signal
 import time
 import warnings
+from contextlib import suppress
 from pathlib import Path
 
 import jax
@@ -12,7 +13,7 @@ import pytest
 from cases import ertel_, names
 
 from ertel.apps import running
-from ertel.apps.process import SIGNALS
+from ertel.apps.process import SIGNALS, raised
 from ertel.inputs import case_files
 from ertel.runs import outlook, store
 from ertel.runs.store import RunStore
@@ -184,6 +185,12 @@ def test_a_signal_in_a_destructor_is_not_lost(here, monkeypatch):
 
     monkeypatch.setattr(running, "warm_up", compile_long)
     assert "interrupted" in ertel_("warm-up", "case.toml", code=143).stderr
+
+
+def test_signals_end_what_may_be_left_out():
+    """Work that waits for Ctrl-C in the library ends at every signal."""
+    with raised(), suppress(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGTERM)
 
 
 def test_handlers_are_put_back(done):

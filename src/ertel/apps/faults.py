@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperGroup
 
 from ertel.apps.process import Interrupted, raised
-from ertel.apps.terminal import BAD_INPUT, FAILED, reason_of, say
+from ertel.apps.terminal import BAD_INPUT, FAILED, leave, reason_of, say
 
 WrongUsage: Any = typer.BadParameter.__base__  # of all errors in flags and arguments
 
@@ -20,12 +20,19 @@ WrongUsage: Any = typer.BadParameter.__base__  # of all errors in flags and argu
 class Commands(TyperGroup):
     """The commands; no error leaves them as a traceback."""
 
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; typer would end it with 130 and no message after any signal."""
+        try:
+            return super().invoke(ctx)
+        except Interrupted as interrupt:
+            leave(interrupt.code, "interrupted")
+
     def main(self, *arguments: Any, standalone_mode: bool = True, **keywords: Any) -> Any:
         """Read the arguments, run the command, and exit; where it does not stand alone, return the exit code."""
         try:
             with raised(), warnings_said():
                 code = super().main(*arguments, **{**keywords, "standalone_mode": False})
-        except (Exception, Interrupted) as error:
+        except Exception as error:
             code, sentence = _judged(error)
             say(f"ertel: {sentence}")
         if standalone_mode:
@@ -48,11 +55,10 @@ def _say_warning(message: str) -> None:
         say(f"ertel: warning: {message}")
 
 
-def _judged(error: BaseException) -> tuple[int, str]:
+def _judged(error: Exception) -> tuple[int, str]:
     """The exit code and the sentence of an error that ended a command."""
-    interrupt = error if isinstance(error, Interrupted) else error.__cause__  # met while a compiled module was imported
-    if isinstance(interrupt, Interrupted):
-        return interrupt.code, "interrupted"
+    if isinstance(error.__cause__, Interrupted):  # that a compiled module met while it was imported
+        return error.__cause__.code, "interrupted"
     if isinstance(error, WrongUsage):
         return BAD_INPUT, _usage(error)
     from ertel.case.records import ConfigError
@@ -79,7 +85,7 @@ def _usage(error: Any) -> str:
     return f"{message}; see {error.ctx.command_path} --help" if error.ctx else message
 
 
-def _where(error: BaseException) -> str:
+def _where(error: Exception) -> str:
     """The place of the traceback: a file, or the next lines where no file can be written."""
     text = "".join(traceback.format_exception(error))
     try:

@@ -108,7 +108,7 @@ def _spelled(error: UnicodeError) -> tuple[str, int]:
 # -- signals ----------------------------------------------------------------------------------------------------------
 
 
-class Interrupted(BaseException):
+class Interrupted(KeyboardInterrupt):
     """A signal asked the program to end.  number: of the signal.  code: the exit code."""
 
     def __init__(self, number: int):
