@@ -105,7 +105,7 @@ class RunStore:
 
     @property
     def course(self) -> Run:
-        """How the case is run."""
+        """The run that this store observes."""
         if self._course is None:
             self._course = course_of(self.case)
         return self._course

@@ -277,7 +277,7 @@ def _about(marks: Sequence[Mark], nabla2: Sequence[float], own: waves.Reduction)
         **{name: amplitude_reduction.in_line_contact(nabla2, c) for name, c in ratios.LINE_CONTACT.items()},
         "fitted to rolling": own.ratio(nabla2),
     }
-    return {name: ratios.scatter(marks, curve).text() for name, curve in curves.items()}
+    return {name: ratios.scatter(marks, curve) for name, curve in curves.items()}
 
 
 def _twins_table(twins: Sequence[Twin]) -> DataFrame:
@@ -293,7 +293,7 @@ def _twins_table(twins: Sequence[Twin]) -> DataFrame:
         for twin in twins
     ]
     off = ratios.scatter([twin.impact for twin in twins], [twin.rolling.limit for twin in twins])
-    total = {"M": "mean, root mean square", "impact minus rolling": off.text()}
+    total = {"M": "mean, root mean square", "impact minus rolling": off}
     return DataFrame([*rows, total]).fillna("")
 
 
