@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def installed_version() -> str:
-    """As the package's metadata have it; "0+unknown" for a source tree that was not installed."""
+    """The version in the package's metadata; "0+unknown" for a source tree that was not installed."""
     try:
         return version("ertel")
     except PackageNotFoundError:

@@ -66,7 +66,6 @@ def test_mp4_needs_its_extra(runs, monkeypatch):
         ("ball", "--wavelength 5mm --interferogram mono", "wavelength = 0.005 m: must be from 2e-7 to 1e-5 m"),
         ("moes", "--interferogram mono", "the run is dimensionless, and light needs a film in nm; run a case in SI"),
         ("rolls", "--interferogram mono --format webp", "a steady contact does not move"),
-        ("rolls", "--interferogram mono --at 1", "a steady contact has no moments"),
     ],
 )  # fmt: skip
 def test_refused(runs, directory, flags, said):

@@ -176,7 +176,7 @@ def films(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[Case, tuple[G
     """A contact on grids of 33 and 65 nodes."""
     drive = Drive(entrainment=constant(speed), slide_to_roll=slide_to_roll)
     case = rolled(Parameters.from_moes(20, 5), OIL, steady_solver(65, inlet=None, half_width=4.0), drive)
-    return case, solver.steady(case).solutions
+    return case, solver.steady_film(case).solutions
 
 
 def finest(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[Case, GridSolution]:

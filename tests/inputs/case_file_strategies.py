@@ -1,7 +1,7 @@
 """Case files of every kind for hypothesis: valid ones, and valid ones with something wrong; and what must hold for all.
 
 The keys and their kinds of values are read off the records of the model, so that a new key is tested too.  The short
-form is `test_whole_case_files`, the long one `validation/faults/case_files.py`.
+form is `test_case_files`, the long one `validation/faults/case_files.py`.
 """
 
 import math

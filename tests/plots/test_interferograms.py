@@ -133,22 +133,28 @@ def test_profile_is_the_film_of_the_mid_line(ball, few_pixels):
 
 
 def test_dimensionless_film(few_pixels):
-    moes = dry_impact(MOES_FALLS)
-    with pytest.raises(plots.NoFigure, match=r"the run is dimensionless.*run a case in SI.*film_scale"):
-        plots.interferogram(moes)
-    with pytest.raises(plots.NoFigure, match="film_scale = 300"):
-        plots.interferogram(moes, film_scale=300.0)
-    figure = plots.interferogram(moes, film_scale=3e-6)
+    figure = plots.interferogram(dry_impact(MOES_FALLS), film_scale=3e-6)
     assert figure.axes[0].get_xlabel() == "$X$ ($a^*$)"
     assert figure.axes[1].get_ylabel() == "film thickness $h$ (nm)"
 
 
-def test_moments(ball, rolls, few_pixels):
+@pytest.mark.parametrize(
+    ("run", "options", "said"),
+    [
+        ("moes", {}, r"the run is dimensionless.*run a case in SI.*film_scale"),
+        ("moes", {"film_scale": 300.0}, "film_scale = 300"),
+        ("rolls", {"at": 1.0}, "a steady contact has no moments"),
+        ("no maps", {}, "has no maps yet"),
+    ],
+)
+def test_refused(ball, rolls, few_pixels, run, options, said):
+    runs = {"moes": dry_impact(MOES_FALLS), "rolls": rolls, "no maps": ball.isel(frame=slice(0))}
+    with pytest.raises(plots.NoFigure, match=said):
+        plots.interferogram(runs[run], **options)
+
+
+def test_moment(ball, few_pixels):
     assert "chosen map at $t$ = 37.41 µs" in plots.interferogram(ball, at=1.0).get_suptitle()
-    with pytest.raises(plots.NoFigure, match="a steady contact has no moments"):
-        plots.interferogram(rolls, at=1.0)
-    with pytest.raises(plots.NoFigure, match="has no maps yet"):
-        plots.interferogram(ball.isel(frame=slice(0)))
 
 
 def test_result_has_it(ball, rolls, few_pixels):

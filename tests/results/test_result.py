@@ -8,13 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, dry_impact, in_time, solutions, steady
 from matplotlib.figure import Figure
 
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
+from ertel.results.dataset import provenance
 from ertel.results.result import Result
 from ertel.results.summary import impact_summary, rolling_summary, steady_summary
+from ertel.results.variables import to_si
 
 WORK = {"steps": 78, "newton_iterations": 80, "krylov_iterations": 200, "wall_s": 1.0}
 MAXIMUM = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.2, "P_max": 1.3, "H_c": 0.07, "H_min": 0.02}
@@ -133,3 +136,40 @@ def test_a_figure_shows_itself_in_a_notebook():
 def test_matplotlib_comes_only_with_a_picture():
     code = "import sys, ertel.results.result; print('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "False"
+
+
+# -- `dataset.ertel` of a run that xarray alone has opened -------------------------------------------------------------
+
+
+@pytest.fixture
+def opened(tmp_path) -> xr.Dataset:
+    """A run in SI, written and opened by xarray alone."""
+    data = dry_impact(BALL_FALLS).assign_attrs(provenance(parse_case(BALL_FALLS)))
+    data.to_zarr(tmp_path / "run.zarr")
+    return xr.open_zarr(tmp_path / "run.zarr")
+
+
+def test_pictures_of_a_stored_run(opened):
+    assert isinstance(opened.ertel.plot.film(), Figure)
+    assert "film()" in repr(opened.ertel) and "interferogram()" in repr(opened.ertel)
+
+
+def test_si_of_a_stored_run(opened):
+    si = opened.ertel.si()
+    xr.testing.assert_identical(si, to_si(opened))
+    assert si["h_c"].attrs["units"] == "m"
+
+
+def test_what_a_dataset_has_not():
+    with pytest.raises(ValueError, match="dimensionless"):
+        dry_impact(MOES_FALLS).ertel.si()
+
+
+def test_it_is_registered_with_the_runs_and_not_before():
+    """Not by `import ertel`, which does not import xarray; by whatever makes or opens a run."""
+    code = (
+        "import xarray as xr, ertel, json; before = hasattr(xr.Dataset, 'ertel'); ertel.simulate;"
+        "print(json.dumps([before, hasattr(xr.Dataset, 'ertel')]))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout) == [False, True]

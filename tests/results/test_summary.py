@@ -1,12 +1,15 @@
-"""The outcome of a run as plain data."""
+"""The outcome of a run as plain data: values in SI, film formulas, the extremes of a run in time."""
 
+import numpy as np
 import pytest
-from made_up import MOES_FALLS, dry_impact
+import xarray as xr
+from made_up import BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impact, in_time
 
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.results import parameters, variables
-from ertel.results.summary import impact_summary
+from ertel.results.report import extreme_lines, lines
+from ertel.results.summary import extremes, impact_summary, rolling_summary
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
 ROLLING = {  # of reference/rolling.json, M = 20, L = 10
@@ -45,3 +48,48 @@ def test_films_of_another_load_and_speed():
         for p, q in ((one.central, two.central), (one.minimum, two.minimum)):
             assert (p is None and q is None) or p * a.scales.film == pytest.approx(q * b.scales.film)
     assert parameters.films(a, 1.0, 0.0) == []
+
+
+# -- extremes ----------------------------------------------------------------------------------------------------------
+
+WORK = {"steps": 1, "newton_iterations": 1, "krylov_iterations": 1, "wall_s": 1.0}
+
+
+def with_a_peak(data: xr.Dataset, fall: float) -> xr.Dataset:
+    """The highest pressure, 3.2, at the eighth step."""
+    at = np.arange(data.sizes["time"]) == 7
+    places = {"P_max": 3.2, "X_P_max": 0.9, "Y_P_max": -0.1, "P_fall": fall}
+    return data.assign({name: ("time", np.where(at, value, data[name].values)) for name, value in places.items()})
+
+
+def test_the_extremes_of_the_whole_run() -> None:
+    data = with_a_peak(in_time(MOES_ROLLS), 0.02)
+    found = extremes(data)
+    thin = int(np.argmin(data["H_min"].values))
+    assert found["H_min"]["value"] == float(data["H_min"].values.min()) < float(data["H_min"].values[0])
+    assert found["H_min"]["T"] == float(data["time"].values[thin])
+    assert (found["H_min"]["X"], found["H_min"]["Y"], found["H_min"]["note"]) == (0.2, 0.8, "")
+    assert found["P_max"] == {"value": 3.2, "T": pytest.approx(0.7), "X": 0.9, "Y": -0.1, "note": ""}
+    assert extremes(data.isel(time=slice(0, 0))) == {}
+
+
+def test_a_peak_as_narrow_as_the_grid_is_said_to_be_the_grids() -> None:
+    data = with_a_peak(in_time(MOES_ROLLS), 0.85)
+    summary = rolling_summary(as_in_time(MOES_ROLLS), data, WORK, Status.CONVERGED)
+    (line,) = [line for line in lines(summary) if "highest pressure" in line]
+    assert "P_max: 3.2 p_h at T = 0.7 t0, X = 0.9, Y = -0.1 a; it depends on the grid" in line
+    assert "85% lower" in line
+
+
+def test_the_extremes_in_si() -> None:
+    data = with_a_peak(in_time(BALL_ROLLS), 0.02)
+    summary = rolling_summary(as_in_time(BALL_ROLLS), data, WORK, Status.CONVERGED)
+    peak = summary["si"]["extremes"]["P_max"]
+    assert peak == {
+        "p_max_Pa": pytest.approx(3.2 * C1.p_h),
+        "t_s": pytest.approx(0.7 * C1.t0),
+        "x_m": pytest.approx(0.9 * C1.a),
+        "y_m": pytest.approx(-0.1 * C1.a),
+    }
+    thinnest, highest = extreme_lines(summary)
+    assert "nm (" in thinnest and "GPa (3.2 p_h) at t = " in highest and "µm" in highest

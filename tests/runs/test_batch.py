@@ -22,6 +22,7 @@ from ertel.runs.drive import simulate
 from ertel.runs.stepping import Step
 from ertel.runs.tasks import Failure
 
+ROLLED = rolled(Parameters.from_moes(20, 5), Oil(), replace(SOLVERS["transient"], nodes=33))
 TIGHT = {"tolerance": 1e-8, "half_width": 2.0}  # the default width depends on M
 
 
@@ -94,18 +95,12 @@ def with_density(case: Case, values: int) -> Case:
         ("lubricant.viscosity", impact(20, 5, 33), impact(20, 5, 33, lubricant={"viscosity": "barus"})),
         ("lubricant.density", with_density(impact(20, 5, 33), 3), with_density(impact(20, 5, 33), 4)),
         ("solver.method", impact(20, 5, 33), impact(20, 5, 33, solver={"method": "radial"})),
+        (r"motion\.inertia", ROLLED, replace(ROLLED, drive=Drive(inertia=0.5))),
     ],
 )
 def test_cases_that_cannot_share_a_step_are_refused(name: str, first: Case, other: Case) -> None:
     with pytest.raises(ValueError, match=name):
         simulate_batch([first, other])
-
-
-def test_with_and_without_inertia_are_two_steps() -> None:
-    case = rolled(Parameters.from_moes(20, 5), Oil(), replace(SOLVERS["transient"], nodes=33))
-    other = replace(case, drive=Drive(inertia=0.5))
-    with pytest.raises(ValueError, match=r"motion\.inertia"):
-        simulate_batch([case, other])
 
 
 def test_no_cases_are_no_batch() -> None:

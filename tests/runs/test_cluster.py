@@ -249,12 +249,6 @@ def test_workers_that_never_come_are_missed(scheduler, monkeypatch):
     assert said == ["the scheduler has no workers: the runs wait until some come"]
 
 
-def test_two_clusters_at_the_same_time_say_nothing(two, recwarn):
-    """Each would take the same port for its pages."""
-    with cluster.local(1):
-        assert [str(warning.message) for warning in recwarn] == []
-
-
 # -- who may ask -------------------------------------------------------------------------------------------------------
 
 INTRUDER = """
@@ -332,12 +326,16 @@ def test_modules_come_from_no_directory_of_other_users(two):
         assert (stat.S_IMODE(private.st_mode), private.st_uid) == (0o700, os.getuid())
 
 
-def test_no_directory_of_dask_is_imported_from_afterwards(monkeypatch):
-    """Another user could take its name.  dask removes it only where it comes first."""
+def test_no_directory_of_dask_is_imported_from_afterwards(two, monkeypatch, recwarn):
+    """Another user could take its name.  dask removes it only where it comes first.
+
+    This second cluster says nothing: each would take the same port for its pages.
+    """
     before = set(sys.path)
     with cluster.local(1):
         monkeypatch.syspath_prepend("/somewhere")
     assert set(sys.path) == {*before, "/somewhere"}
+    assert [str(warning.message) for warning in recwarn] == []
 
 
 # -- how workers end: in a process of its own, so that a worker that stays can be seen ---------------------------------

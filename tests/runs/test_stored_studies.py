@@ -81,15 +81,16 @@ def test_what_is_written_opens_without_ertel(four, recwarn):
     table = (four / "sweep.csv").read_text().splitlines()
     assert table[0].startswith("speed_m_per_s,eta0_Pa_s,M,L,") and len(table) == 5
     assert table[2].startswith("0.1,0.02,")
+    result = gathered(study, four)
+    head, *rows = result.table_lines()
+    assert head.split()[:4] == ["speed", "(m/s)", "eta0", "(Pa*s)"] and len(rows) == 4
+    assert "4 runs: 4 converged" in repr(result) and "<table>" in result._repr_html_()
 
 
-def test_what_is_done_is_not_done_again(four):
+def test_only_what_is_new_is_done(four):
     study = parse_study(study_of())
     assert left_of(study.cases, four) == {}
     assert run_study(study.cases, four, workers := Remembering()) == {} and workers.tasks == []
-
-
-def test_an_edited_study_runs_only_what_is_new(four):
     study = parse_study(study_of(eta0=["20 mPa*s", "30 mPa*s"]))
     left = left_of(study.cases, four)
     assert sorted((case.contact.speed, case.oil.eta0) for case in left.values()) == [(0.1, 0.03), (0.2, 0.03)]
@@ -146,13 +147,6 @@ def test_a_run_that_cannot_be_done_is_a_value(tmp_path):
     statuses = result.dataset["status"].values.ravel().tolist()
     assert statuses[1].startswith("failed: StoreError: ") and statuses.count("converged") == 3
     assert result.remarks == ["4 runs: 3 converged, 1 failed; 3 with warnings"]
-
-
-def test_a_table_a_figure_and_a_page(four):
-    result = gathered(parse_study(study_of()), four)
-    head, *rows = result.table_lines()
-    assert head.split()[:4] == ["speed", "(m/s)", "eta0", "(Pa*s)"] and len(rows) == 4
-    assert "4 runs: 4 converged" in repr(result) and "<table>" in result._repr_html_()
 
 
 class Bars:

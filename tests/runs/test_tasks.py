@@ -41,9 +41,11 @@ def test_results_come_in_the_order_of_the_tasks():
     assert run_tasks([Task(str(x), double, (x,)) for x in (3, 1, 2)], Backwards()) == [6, 2, 4]
 
 
-def test_a_failure_is_a_value():
-    results = run_tasks([Task("good", one_over, (2,)), Task("bad", one_over, (0,))], LocalWorker())
-    assert results == [0.5, Failure("ZeroDivisionError: division by zero")]
+def test_a_failure_is_a_value_that_is_not_kept(tmp_path: Path):
+    tasks = [Task("good", one_over, (2,)), Task("bad", one_over, (0,))]
+    failure = Failure("ZeroDivisionError: division by zero")
+    assert run_tasks(tasks, LocalWorker(), tmp_path) == [0.5, failure]
+    assert kept(tasks, tmp_path) == {"good": 0.5}
 
 
 def test_what_is_kept_is_not_run_again(tmp_path: Path):
@@ -56,9 +58,14 @@ def test_what_is_kept_is_not_run_again(tmp_path: Path):
     assert seen == [("1", 2), ("2", 4)]
 
 
-def test_other_arguments_are_run_again(tmp_path: Path):
-    run_tasks([Task("a", double, (1,))], LocalWorker(), tmp_path)
+def test_results_of_other_arguments_or_sources_are_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    task = Task("a", double, (1,))
+    run_tasks([task], LocalWorker(), tmp_path)
+    assert kept([task], tmp_path) == {"a": 2}
     assert run_tasks([Task("a", double, (5,))], LocalWorker(), tmp_path) == [10]
+    run_tasks([task], LocalWorker(), tmp_path)
+    monkeypatch.setattr(tasks_module, "own_sources", lambda: "other sources")
+    assert kept([task], tmp_path) == {}
 
 
 def flipped(content: bytes, bit: int) -> bytes:
@@ -175,12 +182,6 @@ def test_an_interrupt_keeps_what_is_done(tmp_path: Path):
     assert kept(tasks, tmp_path) == {"1": 2}
 
 
-def test_failures_are_not_kept(tmp_path: Path):
-    task = Task("bad", one_over, (0,))
-    run_tasks([task], LocalWorker(), tmp_path)
-    assert kept([task], tmp_path) == {}
-
-
 def test_names_must_differ():
     with pytest.raises(ValueError, match="must differ"):
         run_tasks([Task("a", double, (1,)), Task("a", double, (2,))], LocalWorker())
@@ -189,17 +190,13 @@ def test_names_must_differ():
 # -- what belongs to the stamp of a kept result ------------------------------------------------------------------------
 
 
-@pytest.fixture
-def sources(tmp_path: Path) -> Path:
-    directory = tmp_path / "package"
-    (directory / "room").mkdir(parents=True)
-    (directory / "a.py").write_bytes(b"x = 1")
-    (directory / "room" / "b.py").write_bytes(b"y = 2")
-    return directory
-
-
-def test_the_digest_of_sources_sees_every_byte_and_name(sources: Path):
+def test_the_digest_of_sources_sees_every_byte_and_name_of_sources_only(tmp_path: Path):
+    sources = tmp_path / "package"
+    (sources / "room").mkdir(parents=True)
+    (sources / "a.py").write_bytes(b"x = 1")
+    (sources / "room" / "b.py").write_bytes(b"y = 2")
     before = source_digest(sources)
+    (sources / "notes.txt").write_text("no code")
     assert source_digest(sources) == before
     (sources / "a.py").write_bytes(b"x = 2")
     changed = source_digest(sources)
@@ -207,17 +204,3 @@ def test_the_digest_of_sources_sees_every_byte_and_name(sources: Path):
     assert changed != before == source_digest(sources)
     (sources / "room" / "b.py").rename(sources / "room" / "c.py")
     assert source_digest(sources) != before
-
-
-def test_the_digest_of_sources_sees_only_sources(sources: Path):
-    before = source_digest(sources)
-    (sources / "notes.txt").write_text("no code")
-    assert source_digest(sources) == before
-
-
-def test_a_result_of_other_sources_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    task = Task("a", double, (1,))
-    run_tasks([task], LocalWorker(), tmp_path)
-    assert kept([task], tmp_path) == {"a": 2}
-    monkeypatch.setattr(tasks_module, "own_sources", lambda: "other sources")
-    assert kept([task], tmp_path) == {}

@@ -79,11 +79,11 @@ def test_each_point_of_an_oil_that_thins_has_its_own_film(eyring: Any) -> None:
     assert float(once["mu_sliding"][1]) != float(data["mu_sliding"][2])
 
 
-@pytest.mark.parametrize(("axis", "key"), [("mean_speed", "mean_speed"), ("load", "load")])
-def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str, key: str) -> None:
+@pytest.mark.parametrize("axis", ["mean_speed", "load"])
+def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str) -> None:
     base = physical(mean_speed="1 m/s", slide_to_roll=0.05)
-    value = 2.0 * getattr(base.contact, key)
-    at = replace(base, contact=replace(base.contact, **{key: value}))
+    value = 2.0 * getattr(base.contact, axis)
+    at = replace(base, contact=replace(base.contact, **{axis: value}))
     film = steady.steady_film(at).finest
     found = account.steady_friction(at, film)
     data = traction(base, **{axis: [value]}).dataset.isel({axis: 0})

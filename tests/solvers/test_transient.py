@@ -11,6 +11,7 @@ import pytest
 from cases import OIL, free_ball, impact, march, rolled, steps_of
 
 from ertel.case.case import Case
+from ertel.case.derived import coarsenings
 from ertel.case.sections import SOLVERS, Drive, Solver, Time
 from ertel.equations import contact
 from ertel.equations.flow import Rate
@@ -315,23 +316,23 @@ def test_the_time_error_is_that_of_the_film_and_not_of_single_nodes() -> None:
     H, P = jnp.asarray(0.1 + x**2 + x[:, None] ** 2), jnp.asarray(np.maximum(1 - x**2 - x[:, None] ** 2, 0))
     sign = jnp.asarray((-1.0) ** (np.arange(n) + np.arange(n)[:, None]))
 
-    def error(share: Any, coarsenings: int) -> float:
-        return float(transient.film_error(H, H * (1 - share), P, 0.0, NO_SYMMETRY, coarsenings))
+    def error(share: Any, times: int) -> float:
+        return float(transient.film_error(H, H * (1 - share), P, 0.0, NO_SYMMETRY, times))
 
-    for coarsenings in (0, 1, 2):
-        assert error(0.01, coarsenings) == pytest.approx(0.01, rel=1e-9)
+    for times in (0, 1, 2):
+        assert error(0.01, times) == pytest.approx(0.01, rel=1e-9)
     assert error(0.01 * sign, 0) == pytest.approx(0.01, rel=1e-9)
     assert error(0.01 * sign, 1) < 2e-4
 
 
 @pytest.mark.parametrize(
-    ("nodes", "size", "coarsenings"), [(65, None, 0), (129, None, 1), (513, None, 3), (513, 0.25, 2), (513, 0.03, 0)]
+    ("nodes", "size", "times"), [(65, None, 0), (129, None, 1), (513, None, 3), (513, 0.25, 2), (513, 0.03, 0)]
 )
-def test_the_time_error_sees_the_contact_and_the_roughness(nodes: int, size: float | None, coarsenings: int) -> None:
+def test_the_time_error_sees_the_contact_and_the_roughness(nodes: int, size: float | None, times: int) -> None:
     """16 cells in the contact's radius and 8 in the finest detail of the surfaces."""
     features = () if size is None else (Feature(RingWaviness(1e-3, size)),)
     case = free_ball(Parameters.from_moes(200, 5), OIL, Solver(nodes=nodes, half_width=2.0), None, *features)
-    assert coarsenings(case, 4 / (nodes - 1), 6) == coarsenings
+    assert coarsenings(case, 4 / (nodes - 1), 6) == times
 
 
 @pytest.mark.slow

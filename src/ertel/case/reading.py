@@ -12,7 +12,7 @@ from math import inf
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from ertel.case.height_map import NO_MAPS, HeightMap
-from ertel.case.records import OIL_LAWS, check_value, checked, is_number, law_fields, named, show, show_key
+from ertel.case.records import OIL_LAWS, check_value, checked, inner_laws, is_number, named, show, show_key
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.motion import Oscillation, Polyline, Signal, constant
@@ -165,12 +165,7 @@ class Reader:
             if not isinstance(value, list | tuple):
                 raise ValueError("must be an array")
             return tuple(self._plain_value(item, options[:1], None, ()) for item in value)
-        bounds = (
-            mark
-            if isinstance(mark, Bounds)
-            else next((UNBOUNDED[kind] for kind in options if kind in UNBOUNDED), UNBOUNDED[float])
-        )
-        return parse_number(value, bounds)
+        return parse_number(value, mark or UNBOUNDED[int if int in options else float])
 
     def amount(self, value: object, unit: Unit) -> Amount:
         """A number in the units of the case, or a quantity in SI."""
@@ -209,9 +204,7 @@ class Reader:
         """
         if by_name and isinstance(data, str):
             return data  # the oil knows which names will do
-        laws: Mapping[str, Any] = LAWS[kind]
-        if not by_name:
-            laws = {name: law for name, law in laws.items() if not law_fields(law)}
+        laws: Mapping[str, Any] = LAWS[kind] if by_name else inner_laws(LAWS[kind])
         if not isinstance(data, Mapping):
             name = "a name, or " if by_name else ""
             raise ValueError(f"{place} = {show(data)}: must be {name}a table with a law and its data")

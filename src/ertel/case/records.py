@@ -78,6 +78,11 @@ def law_data(law: object, laws: Registry) -> Any:
     return law if isinstance(law, str) else {"law": laws.name_of(law), **data_of(law)}
 
 
+def inner_laws(laws: Registry) -> dict[str, Any]:
+    """The laws that may stand inside of another one, by their names."""
+    return {name: law for name, law in laws.items() if not law_fields(law)}
+
+
 def oil_data(oil: Oil) -> dict[str, Any]:
     """An oil as plain data."""
     written = {name: law_data(getattr(oil, name), laws) for name, laws in OIL_LAWS.items()}

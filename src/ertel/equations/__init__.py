@@ -1,1 +1,1 @@
-"""What must hold: the residual, the fluxes, the law for the approach, and the accounts of mass and energy."""
+"""The equations: the residual, the fluxes, the law for the approach, and the accounts of mass and energy."""

@@ -4,15 +4,16 @@ The balances
 ------------
 They say what is stored, what flows and what is lost.
 
-Mass: Reynolds' equation integrated over the grid, with the Poiseuille flux rho q (Newtonian: -eps grad P):
+Mass: the Reynolds equation integrated over the grid, with the Poiseuille flux rho q (Newtonian: -eps grad P):
 
     d/dT [integral of rho H] + outflow - inflow = cavity source
 
 * outflow, inflow: the integrals of rho q.n + U rho H n_x along the edge, where it points outwards and where inwards.
 * cavity source: where P = 0 the film grows faster than oil flows in.  The model fills it; a real film cavitates.
 
-Energy: Reynolds' equation times the enthalpy h(P) = integral of dP/rho, integrated over the grid.  The film thickness
-H = -Delta + G + D has the gap G (with the roughness) and the deformation D.  The elastic kernel is symmetric, so
+Energy: the Reynolds equation times the enthalpy h(P) = integral of dP/rho, integrated over the grid.  The film
+thickness H = -Delta + G + D has the gap G (with the roughness) and the deformation D.  The elastic kernel is
+symmetric, so
 
     F V = d/dT [E_solids + E_oil] + dissipation - surface power + outside power
 
@@ -206,7 +207,7 @@ class Film(NamedTuple):
     """The film at one time.
 
     P, H, eps: pressure, film thickness, mobility.  heat: - rho q.grad h at the nodes.  deformation: of the solids.
-     growth: D(rho H)/DT + div(Poiseuille flux), the residual of Reynolds' equation, which is not zero where
+     growth: D(rho H)/DT + div(Poiseuille flux), the residual of the Reynolds equation, which is not zero where
     P = 0.  U: entrainment.  gap_change: DG/DT.
     """
 
@@ -222,14 +223,14 @@ class Film(NamedTuple):
 
 @exportable
 class Account(NamedTuple):
-    """The terms of the budgets, and the friction."""
+    """The terms of the balances, and the friction."""
 
     terms: Mapping[str, Array]
     friction: Friction
 
 
 class Moment(NamedTuple):
-    """What an account needs besides the fields.
+    """The numbers that an account needs besides the fields.
 
     approach: Delta.  U, sliding: of the flow along X, and u1 - u2, in a/t0.  gap_change: DG/DT.  load: what the film
     carries, in F*.  hertz_load: F* in a^2 p_h.
@@ -253,7 +254,7 @@ def account(space: Plane, c: Contact, P: Array, H: Array, m: Moment, change: Arr
 
 
 def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
-    """All terms of both budgets on the grid by name, and "load", the double integral of P."""
+    """All terms of both balances on the grid by name, and "load", the double integral of P."""
     P, H, eps, U = film.P, film.H, film.eps, film.U
     mass, enthalpy, compressed = oil.density(P) * H, oil.enthalpy(P), oil.compression(P) * H
     squeezed_out = space.flow_out(eps, P)

@@ -27,8 +27,8 @@ Nodes = tuple[Array, Array]  # zeta > 0 and weight of each pair, shape (NODES/2,
 def gauss_nodes(law: Fluidity, across: int, pressure: Array, stress: Array, gradient: Array) -> Nodes:
     """Gauss nodes for the middle stress and gradient, near the walls where the fluidity grows steeply there.
 
-    zeta = asinh(z sinh c)/(2 c) with Gauss nodes z in (-1, 1): Gauss's own for c = 0.  c grows with the rate of growth
-    of ln(phi) at the wall with the larger stress.
+    zeta = asinh(z sinh c)/(2 c) with Gauss nodes z in (-1, 1), which are those for c = 0.  c grows with the rate of
+    growth of ln(phi) at the wall with the larger stress.
     """
     wall = stress + jnp.where(dot(stress, gradient) >= 0.0, 0.5, -0.5) * gradient
     phi, slope = with_slope(law, pressure, length(wall))
@@ -42,7 +42,7 @@ def gauss_nodes(law: Fluidity, across: int, pressure: Array, stress: Array, grad
 
 
 def gauss(across: int, ndim: int) -> tuple[Any, Any]:
-    """Gauss's nodes in (0, 1) and weights, for fields of so many dimensions."""
+    """Gauss nodes in (0, 1) and weights, for fields of so many dimensions."""
     z, weight = (both[across // 2 :].reshape(-1, *[1] * ndim) for both in np.polynomial.legendre.leggauss(across))
     return z, weight
 
@@ -87,7 +87,7 @@ def _assembled(s: Sequence[Array], r: Sequence[Array], t: Array, g: Array) -> Mo
 
 
 def sliding_moments(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> tuple[Array, Array, Tensor]:
-    """Of the moments, those that the sliding needs: s0, s1 and A."""
+    """The moments that the sliding needs: s0, s1 and A."""
     zeta, weight = nodes
     phi, slope = both_sides(law, pressure, t, g, zeta)
     weights = [weight, weight * zeta, weight * zeta**2]

@@ -32,7 +32,7 @@ def smooth_contact(case: Case, grid: Grid) -> Contact:
 
 
 def flow_of(case: Case, T: float) -> PressureFlow:
-    """How the pressure gradient drives the oil at time T: a thinning oil is thinned by the sliding at that time."""
+    """The flow by the pressure gradient at time T: a shear-thinning oil is thinned by the sliding at that time."""
     if case.oil.is_newtonian:
         return NEWTONIAN_FLOW
     scales = case.scales

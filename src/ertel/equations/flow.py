@@ -52,7 +52,7 @@ def steady_rate(entrainment: Number) -> Rate:
 
 
 class Flow(NamedTuple):
-    """How the oil moves in one time step.
+    """The movement of the oil in one time step.
 
     entrainment: U at the new time.  distances: by which the oil has moved in this step and in the one before, newest
     first, in nodes.  start: the mass of the film from which the run started, shape (n, n).

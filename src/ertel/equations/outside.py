@@ -35,7 +35,7 @@ class Surroundings(NamedTuple):
 
 @dataclass(frozen=True)
 class Outside:
-    """Where the oil outside is looked at.
+    """The oil outside a grid: the places at which its pressure is taken.
 
     X, Y: the nodes of the grid.  is_edge: which of them are on the edge.  far: X, Y and area of the quadrature points
     outside, shape (3, n).

@@ -130,7 +130,7 @@ class Method(Protocol):
         return solved(self.attempt(levels, step), self.solve)
 
     def measure(self, level: State) -> dict[str, float]:
-        """F (in units of Hertz' load F*) and the key values of `measure.measure`.
+        """F (in units of the Hertz load F*) and the key values of `measure.measure`.
 
         If the contact is axisymmetric, the extremes lie on rings: X_min, X_P_max are their radii, Y_min, Y_P_max are 0.
         """

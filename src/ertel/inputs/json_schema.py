@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
+from ertel.case.records import inner_laws
 from ertel.inputs.layout import (
     NEEDED,
     SECTIONS,
@@ -18,7 +19,6 @@ from ertel.inputs.layout import (
     Key,
     able_names,
     first_paragraph,
-    inner_laws,
     keys_of,
     places,
     shape_keys,

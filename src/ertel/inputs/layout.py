@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, ge
 from ertel.case.conditions import Conditions
 from ertel.case.height_map import HeightMap, Measured
 from ertel.case.reading import LAWS, Reader
-from ertel.case.records import OIL_LAWS, law_fields, show
+from ertel.case.records import OIL_LAWS, show
 from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Drive, Output, Solver, Time
 from ertel.case.thermal import Thermal
 from ertel.inputs.quantities import parse_quantity
@@ -252,11 +252,6 @@ def keys_of(record: Any) -> tuple[Key, ...]:
 def able_names(laws: Registry) -> tuple[str, ...]:
     """The names of the laws whose data are those of the oil."""
     return tuple(name for name, law in laws.items() if hasattr(law, "of"))
-
-
-def inner_laws(laws: Registry) -> Mapping[str, Any]:
-    """The laws that may stand inside of another one."""
-    return {name: law for name, law in laws.items() if not law_fields(law)}
 
 
 def _default(record: Any, item: Any, meaning: Meaning) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from ertel.case.reading import parse_number
 from ertel.case.records import ConfigError, show
 from ertel.inputs.quantities import parse_quantity
-from ertel.physics.units import Bounds, Mark, Unit
+from ertel.physics.units import Bounds, Mark
 
 LOG = "log"
 MOST_VALUES = 1000
@@ -72,8 +72,8 @@ def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
     left, *rest = (part.strip() for part in text.split(":"))
     if len(rest) not in (2, 3) or rest[2:] not in ([], [LOG]):
         raise ValueError(f"must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:{LOG} for equal ratios")
-    unit = _unit(rest[0], mark) or _unit(left, mark)
-    start, end = (_value(text if _unit(text, mark) else f"{text} {unit}", mark) for text in (left, rest[0]))
+    unit = unit_in(rest[0]) or unit_in(left)
+    start, end = (_value(text, mark, unit) for text in (left, rest[0]))
     return spaced(start, end, _number(rest[1]), logarithmic=bool(rest[2:]))
 
 
@@ -94,25 +94,20 @@ def _number(text: str) -> int:
         raise ValueError(f"the number of values must be a whole number from 2 to {MOST_VALUES}") from error
 
 
-def _unit(text: str, mark: Mark) -> str:
-    """What stands after the number of a quantity; a plain number has no unit."""
-    return unit_in(text) if isinstance(mark, Unit) else ""
-
-
 def unit_in(text: str) -> str:
-    """What stands after the number of a quantity."""
+    """The text after the number of a quantity."""
     return text.lstrip("+-0123456789.eE ")
 
 
-def _value(given: Any, mark: Mark) -> float:
-    """A plain number, or a quantity with or without its unit."""
+def _value(given: Any, mark: Mark, unit: str = "") -> float:
+    """A plain number, or a quantity in SI; one without its unit is in `unit`, or in SI."""
     given = given.item() if isinstance(given, np.generic) else given
-    text = given.strip() if isinstance(given, str) else None
     if isinstance(mark, Bounds):
-        return parse_number(_plain(text) if text is not None else given, mark)
+        return parse_number(_plain(given) if isinstance(given, str) else given, mark)
     if isinstance(given, bool) or not isinstance(given, int | float | str):
         raise ValueError(f'must be numbers in {mark.unit}, or quantities such as "{mark.example}"')
-    return parse_quantity(text if text and _unit(text, mark) else f"{given} {mark.unit}", mark)
+    has_unit = isinstance(given, str) and unit_in(given)
+    return parse_quantity(str(given).strip() if has_unit else f"{given} {unit or mark.unit}", mark)
 
 
 def _plain(text: str) -> float:

@@ -154,7 +154,7 @@ def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
 
 
 def _is_signal(place: Place, value: Sequence[Any]) -> bool:
-    """Whether a list is one signal: points [T, value]."""
+    """Tell whether a list is one signal: points [T, value]."""
     return place in SIGNALS and all(
         isinstance(point, list) and not any(isinstance(part, list) for part in point) for point in value
     )
@@ -166,7 +166,7 @@ def _check_differing(what: str, values: Sequence[Any]) -> None:
 
 
 def _hashable(value: Any) -> Any:
-    """What equals its like among other values where the value does; a set finds it at once."""
+    """A key that is equal for equal values, so that a set finds it at once."""
     if isinstance(value, Mapping):
         return dict, frozenset((key, _hashable(item)) for key, item in value.items())
     if isinstance(value, list):

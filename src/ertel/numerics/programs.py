@@ -1,7 +1,7 @@
 """Programs: jitted functions, compiled once for each kind of arguments, also from several threads at once.
 
-Who builds a program from a function decides where it comes from: compiled here and now, or loaded from the disk
-(`ertel.runs.compile`).
+A program is compiled here and now, unless `build_with` names another builder, such as one that keeps programs on disk
+(`ertel.runs.exported`).
 """
 
 import os

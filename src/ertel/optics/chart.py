@@ -48,7 +48,7 @@ class Chart:
 
     @cached_property
     def exposure(self) -> float:
-        """What linear light is multiplied by so that the brightest film between 0 and 1 um is as bright as white."""
+        """The factor of linear light with which the brightest film between 0 and 1 um is as bright as white."""
         film = np.arange(0.0, 1e-6, SPACING)
         return 1.0 / float(np.max(luminance(self.light.colours(self.rig, film, np.full(film.shape, self._indices[0])))))
 
@@ -79,7 +79,7 @@ class Chart:
         return mean + (seen - mean) * np.exp(-0.5 * wave**2)
 
     def shown(self, film: ArrayLike, density: ArrayLike, change: ArrayLike = 0.0) -> Array:
-        """What a screen is sent, 0 to 1, in grey or sRGB: the arguments and the shape of `linear`."""
+        """The values for a screen, 0 to 1, in grey or sRGB: the arguments and the shape of `linear`."""
         light = self.exposure * self.linear(film, density, change)
         return encode(into_gamut(light) if light.shape[-1] == 3 else np.clip(light, 0.0, 1.0))
 

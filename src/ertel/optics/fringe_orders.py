@@ -1,4 +1,4 @@
-"""Which of the films that an intensity allows is the likeliest along a profile: passed fringes, turns and orders.
+"""The likeliest of the films that an intensity allows along a profile: passed fringes, turns and orders.
 
 The phase of a smooth film is a random walk whose third derivative is white noise, by a share of a fringe over the
 distance to the next fringe; how large a share, the profile says.  Films that differ by the fringes they passed are
@@ -45,9 +45,9 @@ def likeliest(nodes: "Nodes", cosine: Array, first: int) -> tuple[Integers, Arra
     found = sorted((_followed(nodes, first, share) for share in SHARES), key=lambda path: path.cost[0])
     best = found[0]
     for other in found[1:]:
-        _doubt(best.odds[0], best.branch[0] != other.branch[0], other.cost[0] - best.cost[0], nodes.clear)
+        _limit_odds(best.odds[0], best.branch[0] != other.branch[0], other.cost[0] - best.cost[0], nodes.clear)
     repeats = np.diff(np.append(nodes.begin, len(cosine)))
-    return _exact(best.branch[0], nodes, cosine), np.repeat(best.odds[0], repeats)
+    return _at_all_points(best.branch[0], nodes, cosine), np.repeat(best.odds[0], repeats)
 
 
 # -- the profile, averaged --------------------------------------------------------------------------------------------
@@ -72,7 +72,7 @@ class Nodes:
 
     @classmethod
     def of(cls, cosine: Array, weight: Array) -> Self:
-        """Of a profile.  cosine: of the phase, with noise.  weight: with it all errors have the same size."""
+        """The means of a profile.  cosine: of the phase, with noise.  weight: with it all errors have the same size."""
         points = len(cosine)
         half, ends = _half_fringes(cosine)
         begin = _begins(np.maximum(half // HALF_FRINGE, 1).astype(int))
@@ -156,8 +156,8 @@ class Paths:
         order = np.argsort(self.cost)[:PATHS]
         return self[order[self.cost[order] < self.cost[order[0]] + HOPELESS]]
 
-    def moved(self, step: float, noise: float) -> Self:
-        """A number of points on."""
+    def predicted(self, step: float, noise: float) -> Self:
+        """The prediction a number of points further on."""
         t = step
         move = np.array([[1.0, t, t * t / 2.0], [0.0, 1.0, t], [0.0, 0.0, 1.0]])
         spread = [
@@ -168,8 +168,8 @@ class Paths:
         covariance = move @ self.covariance @ move.T + noise * np.array(spread)
         return replace(self, state=self.state @ move.T, covariance=covariance)
 
-    def told(self, node: int, branch: Integers, mean: Array, variance: Array, cost: Array) -> Self:
-        """With the phase at a node known to have this mean and variance."""
+    def updated(self, node: int, branch: Integers, mean: Array, variance: Array, cost: Array) -> Self:
+        """The films with the phase at a node measured, by mean and variance."""
         before = self.covariance[:, 0, 0]
         gain = self.covariance[:, :, 0] / before[:, None]
         state = self.state + gain * (mean - self.state[:, 0])[:, None]
@@ -185,14 +185,14 @@ def _followed(nodes: Nodes, first: int, share: float) -> Paths:
     paths = _begun(nodes, first)
     for node in range(1, len(nodes.begin)):
         length = min(nodes.length[node - 1 : node + 1])
-        paths = paths.moved(nodes.place[node] - nodes.place[node - 1], share**2 / length**5)
+        paths = paths.predicted(nodes.place[node] - nodes.place[node - 1], share**2 / length**5)
         paths = (_beside if nodes.clear[node] else _on_fringe)(paths, nodes, node).likely()
         if nodes.distance[node] > WELL_OFF:
             paths = _merged(paths, nodes, node)
     best = paths[np.array([0])]
     for other in range(1, len(paths.cost)):
         differing = paths.branch[other] != best.branch[0]
-        _doubt(best.odds[0], differing, paths.cost[other] - best.cost[0], nodes.clear)
+        _limit_odds(best.odds[0], differing, paths.cost[other] - best.cost[0], nodes.clear)
     return best
 
 
@@ -217,7 +217,7 @@ def _beside(paths: Paths, nodes: Nodes, node: int) -> Paths:
     total = before + error
     off = phase_on(branch, nodes.spread[node]) - paths.state[:, 0]
     mean = paths.state[:, 0] + before / total * off
-    return paths.told(node, branch, mean, before * error / total, 0.5 * (off**2 / total + np.log(total)))
+    return paths.updated(node, branch, mean, before * error / total, 0.5 * (off**2 / total + np.log(total)))
 
 
 def _on_fringe(paths: Paths, nodes: Nodes, node: int) -> Paths:
@@ -240,20 +240,20 @@ def _on_fringe(paths: Paths, nodes: Nodes, node: int) -> Paths:
     mean = (likelihood * phase).sum(axis=1) / total
     spread = (likelihood * (phase - mean[:, None]) ** 2).sum(axis=1) / total
     least = 1e-3 * paths.covariance[:, 0, 0]  # that of phases between two of the quadrature
-    return paths.told(node, branch, mean, spread + least, -most - np.log(total))
+    return paths.updated(node, branch, mean, spread + least, -most - np.log(total))
 
 
 def _merged(paths: Paths, nodes: Nodes, node: int) -> Paths:
-    """Of the films that rise, or fall, on the same branch the likeliest; it remembers by how much it was."""
+    """Keep the likeliest of the films that rise, or fall, on the same branch, with the odds against the others."""
     kept: dict[tuple[int, bool], int] = {}
     for path, (branch, slope) in enumerate(zip(paths.branch[:, node], paths.state[:, 1], strict=True)):
         better = kept.setdefault((int(branch), bool(slope > 0.0)), path)
         differing = paths.branch[path, :node] != paths.branch[better, :node]
-        _doubt(paths.odds[better, :node], differing, paths.cost[path] - paths.cost[better], nodes.clear[:node])
+        _limit_odds(paths.odds[better, :node], differing, paths.cost[path] - paths.cost[better], nodes.clear[:node])
     return paths[np.array(list(kept.values()))]
 
 
-def _doubt(odds: Array, differing: Flags, cost: float, clear: Flags) -> None:
+def _limit_odds(odds: Array, differing: Flags, cost: float, clear: Flags) -> None:
     """Note the odds against another film where it differs; beside fringes, as on them it hardly does."""
     where = differing & clear
     odds[where] = np.minimum(odds[where], cost)
@@ -262,7 +262,7 @@ def _doubt(odds: Array, differing: Flags, cost: float, clear: Flags) -> None:
 # -- back to all points -----------------------------------------------------------------------------------------------
 
 
-def _exact(branch: Integers, nodes: Nodes, cosine: Array) -> Integers:
+def _at_all_points(branch: Integers, nodes: Nodes, cosine: Array) -> Integers:
     """The branches of all points: where the film passes a fringe, it does so at the point that agrees best."""
     spread = np.arccos(np.clip(cosine, -1.0, 1.0))
     passed = np.flatnonzero(np.diff(branch)) + 1

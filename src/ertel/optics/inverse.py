@@ -52,7 +52,7 @@ class Phases:
 
     @classmethod
     def of(cls, reflectance: Array, rig: Rig, wavelength: float, index: Array) -> "Phases":
-        """Of any shape.  A reflectance that the rig does not reach is taken as the nearest that it does."""
+        """The phases of reflectances of any shape; one out of reach of the rig counts as the nearest that is not."""
         top, second, ratio = rig.beams(wavelength, index)
         far = second - top * ratio  # r = (top + far z)/(1 - ratio z)
         coefficient = 2.0 * (np.conj(top) * far + reflectance * ratio)
@@ -101,10 +101,18 @@ def film_of_intensity(
     array of shape (points,)
         Film thickness (m).
 
-    Raises ValueError if the profile is no row of finite numbers or begins on a bright or dark fringe.
+    Raises
+    ------
+    ValueError
+        The profile is not a row of finite numbers, or begins on a bright or dark fringe.
 
-    Warns with `DoubtfulFilm`, which says where, if another film is nearly as likely.
+    Warns
+    -----
+    DoubtfulFilm
+        Another film is nearly as likely; the warning says where.
 
+    Notes
+    -----
     Limits: there must be eight points at least from a fringe to the next like it.  A film that lies flat on a fringe,
     or has a kink there, does not tell its way; most of them are reported as doubtful.  An error e of the intensity, as
     a share of the contrast, moves the film by about wavelength e/(2 pi n), and by wavelength sqrt(e)/(2 pi n) on a

@@ -67,7 +67,7 @@ def observer() -> tuple[Array, Array]:
 
 
 def weights(lamp: Lamp) -> tuple[Array, Array]:
-    """How much each wavelength of a lamp adds to linear sRGB, for an eye that has adapted to the lamp.
+    """The share of each wavelength of a lamp in linear sRGB, for an eye that has adapted to the lamp.
 
     X, Y and Z are divided by those of the lamp itself, so that a surface that reflects everything is white (1, 1, 1)
     under any lamp.
@@ -117,7 +117,7 @@ def luminance(linear: ArrayLike) -> Any:
 
 
 class Light(Protocol):
-    """What an interferometer is lit with.
+    """The light of an interferometer.
 
     typical: the wavelength of its fringes (m).  reach: the optical path n h (m) beyond which nothing interferes.
     """
@@ -176,7 +176,7 @@ class Monochromatic:
         return rig.fringes(self.wavelength, index).reflectance(path, self.visibility)[..., None]
 
     def mean(self, rig: Rig, index: ArrayLike) -> Array:
-        """What is seen where fringes have faded, of the shape of the index with a last axis of 1."""
+        """The mean where fringes have faded, of the shape of the index with a last axis of 1."""
         return rig.fringes(self.wavelength, index).mean[..., None]
 
 
@@ -213,7 +213,7 @@ class White:
         return found
 
     def mean(self, rig: Rig, index: ArrayLike) -> Array:
-        """What is seen where fringes have faded, of the shape of the index with a last axis of 3."""
+        """The mean where fringes have faded, of the shape of the index with a last axis of 3."""
         wavelengths, weight = weights(self.lamp)
         return rig.fringes(wavelengths, np.asarray(index)[..., None]).mean @ weight
 

@@ -132,7 +132,7 @@ class Moebius(NamedTuple):
 
 
 def seen_through(indices: Sequence[Complex], thicknesses: Sequence[Complex], wavelength: ArrayLike) -> Moebius:
-    """What is seen from the first medium of a reflection just below the last interface.
+    """The view from the first medium of a reflection just below the last interface.
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ class Fringes:
 
     @property
     def harmonics(self) -> int:
-        """How many harmonics are not negligible."""
+        """The number of harmonics that are not negligible."""
         largest = float(np.max(np.abs(self.ratio)))
         return 1 + (ceil(log(NEGLIGIBLE) / log(largest)) if largest > NEGLIGIBLE else 0)
 

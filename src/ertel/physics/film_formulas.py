@@ -78,8 +78,8 @@ def nijenbanning_venner_moes(M: float, L: float, radius_ratio: float = 1.0) -> f
 
     Nijenbanning G, Venner CH, Moes H. Film thickness in elastohydrodynamically lubricated elliptic contacts.
     Wear 1994;176:217-229.  radius_ratio = Rx/Ry <= 1: a ball (1), or a contact that is wide across the flow.  For a
-    ball the formula is between 7 % above and 14 % below converged solutions with Barus' law, M = 20 to 1000, L = 0 to
-    10 (the tests check this).
+    ball the formula is between 7 % above and 14 % below converged solutions with the Barus law, M = 20 to 1000, L = 0
+    to 10 (the tests check this).
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Oils that thin under shear: the fluidity as a function of the shear stress.
+"""Shear-thinning oils: the fluidity as a function of the shear stress.
 
     du/dz = (phi(|tau|)/eta) tau,        phi = 1 for a Newtonian oil
 

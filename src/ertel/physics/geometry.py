@@ -134,7 +134,7 @@ class Geometry:
 
     @property
     def extent(self) -> tuple[float, float]:
-        """How far the dry contact under F* reaches along X and along Y: half the sides of the rectangle around it."""
+        """The reach of the dry contact under F* along X and along Y: half the sides of the rectangle around it."""
         c, s = self._direction
         wide = 1.0 / self.hertz.kappa
         return hypot(c, s * wide), hypot(s, c * wide)

@@ -245,7 +245,7 @@ class Lubricant:
         return self.density(P) * arrays_of(H).maximum(H, 0.0) ** 3 / (self.viscosity(P) * lambda_bar)
 
     def enthalpy(self, P: Array) -> Array:
-        """The integral of dP/(rho/rho0) from 0 to P, by Gauss' rule: the work that brings a unit of oil to P."""
+        """The integral of dP/(rho/rho0) from 0 to P, by the Gauss rule: the work that brings a unit of oil to P."""
         return P * sum(weight / self.density(share * P) for share, weight in _GAUSS)
 
     def compression(self, P: Array) -> Array:

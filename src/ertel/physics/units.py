@@ -32,7 +32,7 @@ class Unit:
     """SI unit of a field, with an example of how to write it.
 
     signed: whether the value may be zero or negative.  least, most: the sizes that it may have, in the SI unit; beyond
-    any real contact, so that what is refused is a slip of the pen.  An amount also has `scale`, the attribute of
+    any real contact, so that only typing errors are refused.  An amount also has `scale`, the attribute of
     `Scales` that is one unit of the case, and `own`, the name of that unit; least and most are then in this unit.
     """
 
@@ -63,7 +63,7 @@ class Unit:
         return complaint and f"{complaint}{f', in units {self.own}' if self.scale else f' {self.unit}'}"
 
     def complaint(self, value: float) -> str:
-        """What the value must be, or "" if it is allowed."""
+        """The complaint, what the value must be, or "" if it is allowed."""
         if not self.allows(value):
             return "must be finite" if self.signed else "must be finite and above zero"
         return self.size_complaint(value)
@@ -119,7 +119,7 @@ class Bounds:
     most: float = LARGEST
 
     def complaint(self, value: float) -> str:
-        """What the value must be, or "" if it is allowed."""
+        """The complaint, what the value must be, or "" if it is allowed."""
         if not _is_finite(value):
             return "must be a finite number"
         if self.whole and not isinstance(value, int):
@@ -142,7 +142,7 @@ Mark = Unit | Bounds
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a field means to a user.
+    """The meaning of a field to a user.
 
     text: a phrase, without a capital letter and a full stop.  example: a value as it is written in a case file, where
     neither the unit nor the default shows one.
@@ -185,7 +185,7 @@ def meanings(record: Any) -> Mapping[str, Meaning]:
 
 @cache
 def _parts(record: Any, kind: Any) -> Mapping[str, Any]:
-    """What the annotations of the fields have of a kind."""
+    """The marks or meanings in the annotations of the fields, by name of the field."""
     hints = get_type_hints(record, include_extras=True)
     found = {name: _part(hint, kind) for name, hint in hints.items()}
     return {name: part for name, part in found.items() if part is not None}

@@ -1,4 +1,4 @@
-"""What all pictures share: colours, units and their prefixes, and figures that are made of panels.
+"""The common parts of all pictures: colours, units and their prefixes, and figures that are made of panels.
 
 A run of a physical case is drawn in SI with fitting prefixes, a dimensionless one in units a*, a*^2/R, p_h*, t0 (of a
 rolling contact, whose scales are those of its load, without the star).
@@ -45,7 +45,7 @@ class NoFigure(ValueError):
 
 @dataclass(frozen=True)
 class Scale:
-    """How a variable is shown: its stored values times a factor, under a label.  unit: "" of a plain number."""
+    """The factor and the label under which a variable is shown.  unit: "" of a plain number."""
 
     factor: float
     symbol: str

@@ -85,7 +85,7 @@ def _draw_map(
 
 
 def _side(view: View, name: str) -> float:
-    """How far from the centre a map is shown along x."""
+    """The distance from the centre up to which a map is shown along x."""
     field = view.map(name)
     profile = field.values.max(axis=0)
     if name == "loss":

@@ -56,7 +56,7 @@ class Window:
 
 
 def _side(view: View) -> float:
-    """How far from the centre one moment is shown along x."""
+    """The distance from the centre up to which one moment is shown along x."""
     profile = view.midline("P") if view.is_radial else view.values("P").max(axis=0)
     return view.extent(view.x, profile, ROUND)
 
@@ -78,7 +78,7 @@ class Seen:
 
 @dataclass(frozen=True)
 class Scene:
-    """What the panels draw: a moment of a run, the pixels, what is seen there, and the colours of films."""
+    """A moment of a run, the pixels, film and oil on them, and the colours of films."""
 
     view: View
     window: Window

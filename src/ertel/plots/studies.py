@@ -94,7 +94,7 @@ def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
 
 
 def _abscissa(dataset: xr.Dataset) -> xr.DataArray:
-    """What varies most among the numbers that vary; a text only where there are no numbers."""
+    """The quantity that varies most among the numbers that vary; a text only where there are no numbers."""
     return max((dataset[name] for name in dataset.coords), key=lambda values: (values.dtype.kind == "f", values.size))
 
 
@@ -203,7 +203,7 @@ def _x(axes: Axes, along: xr.DataArray) -> tuple[np.ndarray, str]:
 
 
 def _has_equal_ratios(x: np.ndarray) -> bool:
-    """Whether the values were spaced by equal ratios."""
+    """Tell whether the values were spaced by equal ratios."""
     if len(x) < 3 or not (x > 0).all():
         return False
     steps = np.diff(np.log(x))

@@ -116,12 +116,12 @@ class View:
 
     @property
     def in_si(self) -> bool:
-        """Whether the run has SI scales."""
+        """True if the run has SI scales."""
         return "si_factor" in self.dataset["H"].attrs
 
     @property
     def is_radial(self) -> bool:
-        """Whether the run is axisymmetric, with a radius in place of X and Y."""
+        """True if the run is axisymmetric, with a radius in place of X and Y."""
         return "r" in self.dataset
 
     @property
@@ -132,13 +132,13 @@ class View:
 
     @property
     def stretch(self) -> float:
-        """How many times as far the dry contact reaches along y as along x."""
+        """The ratio of the lengths of the dry contact along y and along x."""
         along, across = self.geometry.extent
         return across / along
 
     @property
     def slides(self) -> bool:
-        """Whether the surfaces slide."""
+        """True if the surfaces slide."""
         return self.case.motion.slide_to_roll != 0.0
 
     # -- scales and words ---------------------------------------------------------------------------------------------
@@ -268,7 +268,7 @@ class View:
         return Field(x, x, np.interp(np.hypot(x[:, None], x[None, :]), r, values))
 
     def extent(self, x: Values, P: Values, margin: float = MARGIN) -> float:
-        """How far from the centre a profile along x is shown."""
+        """The distance from the centre up to which a profile along x is shown."""
         return min(margin * reach(x, P), WIDEST * self.geometry.extent[0])
 
     def film_inside(self) -> float:
@@ -324,7 +324,7 @@ def _mirrored(values: Values, odd: bool = False) -> Values:
 
 
 def reach(x: Values, P: Values) -> float:
-    """How far from the centre a profile carries pressure."""
+    """The distance from the centre up to which a profile carries pressure."""
     loaded = x[LOADED * P.max() < P]
     farthest = float(np.abs(loaded).max()) if len(loaded) else float(x.max())
     return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch

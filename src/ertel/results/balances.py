@@ -88,15 +88,15 @@ def steady(case: Case, rates: Mapping[str, float], film_load: float) -> dict[str
     }
 
 
-def terms_in_si(case: Case, found: Balances) -> dict[str, dict[str, float]]:
+def terms_in_si(case: Case, balances: Balances) -> dict[str, dict[str, float]]:
     """The terms of the balances of a physical case in SI; their names end with the unit."""
     assert case.scales is not None
     content: dict[str, dict[str, float]] = {}
-    for name, terms in found.items():
+    for name, terms in balances.items():
         scale, unit = (RATES if case.is_steady else AMOUNTS)[name]
         factor = float(getattr(case.scales, scale))
-        known = {term: value for term, value in terms.items() if value is not None and term != "imbalance"}
-        content[name] = {f"{term}_{unit}": value * factor for term, value in known.items()}
+        terms_of_balance = {term: value for term, value in terms.items() if value is not None and term != "imbalance"}
+        content[name] = {f"{term}_{unit}": value * factor for term, value in terms_of_balance.items()}
     return content
 
 

@@ -19,6 +19,7 @@ from ertel.case.height_map import HeightMap
 from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
 from ertel.results.parameters import parameters_of, scales_of
+from ertel.results.steady import SteadyGrid
 from ertel.results.variables import (
     AXES,
     BUDGET,
@@ -47,29 +48,11 @@ class Frame(Protocol):
     def event(self) -> str: ...
 
 
-class SteadyGrid(Protocol):
-    """The steady contact on one grid.
-
-    record: its numbers by name, those of `MEASURED`, `BUDGET` and `FRICTION`, and its work.  maps: `FIELDS` on the
-    whole plane by name, with a section [thermal] also `TEMPERATURES`.  history: the maximum residual before the first
-    and after each Newton iteration.
-    """
-
-    @property
-    def grid(self) -> Grid: ...
-    @property
-    def record(self) -> Mapping[str, float]: ...
-    @property
-    def maps(self) -> Mapping[str, Any]: ...
-    @property
-    def history(self) -> Sequence[float]: ...
-
-
 def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:
     """Step records as arrays by variable name, T as `time`; coefficients as `with_coefficients` says."""
     names = {"time": "T", **{name: name for name in SCALARS}}
-    found = {name: np.array([record[key] for record in records], dtype=float) for name, key in names.items()}
-    return with_coefficients(found, scales)
+    arrays = {name: np.array([record[key] for record in records], dtype=float) for name, key in names.items()}
+    return with_coefficients(arrays, scales)
 
 
 def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
@@ -214,16 +197,16 @@ def variables_of(case: Case) -> dict[str, tuple[tuple[str, str], Any, dict[str, 
     """The heights of each measured surface of a case, as they were read: rows along y, columns along x."""
     attributes = {"long_name": "heights of a measured surface, without a unit: their rms and lengths are in the case"}
     return {
-        f"heights_{found.digest}": (
-            (f"row_{found.digest}", f"column_{found.digest}"),
-            found.heights,
+        f"heights_{heights.digest}": (
+            (f"row_{heights.digest}", f"column_{heights.digest}"),
+            heights.heights,
             {**attributes, FILE: name},
         )
-        for name, found in case.maps.items()
+        for name, heights in case.maps.items()
     }
 
 
 def maps_of(dataset: xr.Dataset) -> dict[str, HeightMap]:
     """The measured heights in a Dataset, as `Case.maps`."""
-    found = {name: variable for name, variable in dataset.variables.items() if FILE in variable.attrs}
-    return {variable.attrs[FILE]: HeightMap(variable.values) for variable in found.values()}
+    heights = {name: variable for name, variable in dataset.variables.items() if FILE in variable.attrs}
+    return {variable.attrs[FILE]: HeightMap(variable.values) for variable in heights.values()}

@@ -1,21 +1,21 @@
 """Warnings if grid, domain, inlet or initial gap are not sufficient, each with a remedy."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import cbrt, ceil, inf
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ertel.case.case import Case
 from ertel.case.height_map import Measured
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
-from ertel.case.status import Status
-from ertel.numerics.grid import Grid, allowed_nodes, extrapolate
+from ertel.numerics.grid import allowed_nodes, extrapolate
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_KEPT, has_waves
 from ertel.results import domain, variables
 from ertel.results.balances import Balances
+from ertel.results.steady import SteadyGrid
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,20 +39,6 @@ BARUS_PRESSURE = 0.7e9  # Pa, above which the Barus law says nothing about tract
 CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 
-class Solved(Protocol):
-    """The steady contact on one grid; outside: the load that the oil outside the grid carries."""
-
-    @property
-    def grid(self) -> Grid: ...
-    @property
-    def status(self) -> Status: ...
-    @property
-    def residual(self) -> float: ...
-    @property
-    def outside(self) -> float: ...
-    def measure(self) -> Mapping[str, float]: ...
-
-
 def impact_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid, domain or initial gap of an impact; an empty list if there are none."""
     said = [_film_warning(case, data), front_warning(case, _spacing_at_front(data)), _domain_warning(case, data)]
@@ -73,7 +59,7 @@ def case_warnings(case: Case) -> list[str]:
     return _given([said, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
 
 
-def budget_warnings(case: Case, balances: Balances) -> list[str]:
+def balance_warnings(case: Case, balances: Balances) -> list[str]:
     """A warning for every balance that does not close; an empty list if all do."""
     imbalances = {name: terms["imbalance"] or 0.0 for name, terms in balances.items()}
     return [
@@ -124,7 +110,7 @@ def _given(sentences: Sequence[str]) -> list[str]:
     return [sentence for sentence in sentences if sentence]
 
 
-def steady_warnings(case: Case, solutions: Sequence[Solved]) -> list[str]:
+def steady_warnings(case: Case, solutions: Sequence[SteadyGrid]) -> list[str]:
     """Warnings about grid and domain of a steady contact; an empty list if there are none."""
     finest = solutions[-1]
     outside = _outside_warning(case, finest.outside / case.geometry.hertz_load / case.motion.load(0.0))
@@ -133,7 +119,7 @@ def steady_warnings(case: Case, solutions: Sequence[Solved]) -> list[str]:
     return _given([*said, outside, *case_warnings(case)])
 
 
-def steady_failure(case: Case, solution: Solved) -> str:
+def steady_failure(case: Case, solution: SteadyGrid) -> str:
     """The reason why there is no steady solution, with a remedy; "" where there is one."""
     if not solution.status.is_solved:
         return (
@@ -216,26 +202,26 @@ def _cells_in_sweep(case: Case, speed: float) -> float:
 
 
 def _resolve(case: Case, cells: float) -> str:
-    """What to use so that `CELLS_IN_FRONT` cells lie across the sweep in place of these."""
+    """The advice for `CELLS_IN_FRONT` cells across the sweep in place of these."""
     return _use((case.solver.nodes - 1) * CELLS_IN_FRONT / cells + 1)
 
 
-def _error_warning(case: Case, solutions: Sequence[Solved]) -> str:
+def _error_warning(case: Case, solutions: Sequence[SteadyGrid]) -> str:
     if len(solutions) < 2:
         return "there is no error estimate, because there is no coarser grid; use solver.nodes >= 65"
     if not solutions[-2].status.ok:
         nodes = solutions[-2].grid.nodes
         return f"there is no error estimate, because the grid of {nodes} x {nodes} nodes did not converge"
     coarse, fine = (s.measure() for s in solutions[-2:])
-    found = {name: extrapolate(coarse[name], fine[name]) for name in variables.FILMS}
-    shares = {name: e.error / abs(e.value) for name, e in found.items() if e.value}
+    estimates = {name: extrapolate(coarse[name], fine[name]) for name in variables.FILMS}
+    shares = {name: e.error / abs(e.value) for name, e in estimates.items() if e.value}
     worst = max(shares, key=lambda name: shares[name])
     if shares[worst] <= LARGE_ERROR:
         return ""
     return f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; {_use(_doubled(case))}"
 
 
-def _spike_warning(solutions: Sequence[Solved]) -> str:
+def _spike_warning(solutions: Sequence[SteadyGrid]) -> str:
     if len(solutions) < 2:
         return ""
     coarse, fine = (s.measure()["P_max"] for s in solutions[-2:])

@@ -1,4 +1,4 @@
-"""What the oil outside the domain means for an impact: its load and momentum, from the flow of oil through the edge."""
+"""The oil outside the domain of an impact: its load and momentum, from the flow of oil through the edge."""
 
 from math import ceil
 from typing import TYPE_CHECKING

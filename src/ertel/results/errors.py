@@ -108,17 +108,18 @@ def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping
     others : mapping
         The summaries of the other runs, see `estimate`.
     """
-    own, told, names = fine, others, {name: name for name in FILMS}
+    own, compared, names = fine, others, {name: name for name in FILMS}
     if case.starts_apart:
-        own, told = fine["max_approach"], {part: summary["max_approach"] for part, summary in others.items()}
+        own, compared = fine["max_approach"], {part: summary["max_approach"] for part, summary in others.items()}
         names["Delta_max"] = "Delta"
-        if own is None or None in told.values():
+        if own is None or None in compared.values():
             return {**fine, "error_estimate": None}
-    found = {
-        name: estimate(own[key], {part: values[key] for part, values in told.items()}) for name, key in names.items()
+    estimates = {
+        name: estimate(own[key], {part: values[key] for part, values in compared.items()})
+        for name, key in names.items()
     }
     content = dict(fine)
     for name in FILMS:
-        content |= {f"{name}_error": found[name].error, f"{name}_extrapolated": found[name].extrapolated}
-    content["error_estimate"] = {name: each.data() for name, each in found.items()}
+        content |= {f"{name}_error": estimates[name].error, f"{name}_extrapolated": estimates[name].extrapolated}
+    content["error_estimate"] = {name: each.data() for name, each in estimates.items()}
     return content if case.starts_apart else with_si(case, content)

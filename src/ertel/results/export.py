@@ -59,14 +59,14 @@ def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
     x, y = (dataset[axis].values.tolist() for axis in (X, Y))  # of NumPy they would be written as np.float64(...)
     origin, spacing = (x[0], y[0], 0.0), (x[1] - x[0], y[1] - y[0], 1.0)
     moments = dataset.sizes.get("frame", 1)
-    collection, found = VtkGroup(str(directory / MAPS)), []
+    collection, paths = VtkGroup(str(directory / MAPS)), []
     for number in range(moments):
         one = dataset[names].isel(frame=number) if "frame" in dataset.dims else dataset[names]
         fields = {name: np.ascontiguousarray(one[name].values.T[:, :, None], dtype=float) for name in names}
-        found.append(Path(imageToVTK(str(directory / f"{MAPS}_{number:04}"), origin, spacing, pointData=fields)))
-        collection.addFile(str(found[-1]), float(one["frame"]) if "frame" in one.coords else 0.0)
+        paths.append(Path(imageToVTK(str(directory / f"{MAPS}_{number:04}"), origin, spacing, pointData=fields)))
+        collection.addFile(str(paths[-1]), float(one["frame"]) if "frame" in one.coords else 0.0)
     collection.save()
-    return [directory / f"{MAPS}.pvd", *found]
+    return [directory / f"{MAPS}.pvd", *paths]
 
 
 def _plane(dataset: xr.Dataset) -> tuple[str, str]:

@@ -62,8 +62,8 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
     by : {"film", "slope", "half-hertz"}
         Definition of the front.  "film": the place of the minimum film thickness, at every step.  "slope": where the
         pressure falls most steeply outwards, on every map.  "half-hertz": from the place where the pressure is half of
-        Hertz' maximum at the same approach, sqrt(Delta), as Hertz' is at sqrt(3)/2 of its radius; on every map.  The
-        definitions on maps need an interval (`Output`) of 0.05 t0 or less.
+        the Hertz maximum at the same approach, sqrt(Delta), as the Hertz pressure is at sqrt(3)/2 of its radius; on
+        every map.  The definitions on maps need an interval (`Output`) of 0.05 t0 or less.
 
     Raises
     ------
@@ -195,8 +195,8 @@ def film_from_speed(
     """Film thickness (a*^2/R) of a steady formula for rolling where the front passed at `speed`; nothing is fitted.
 
     The front entrains oil as rolling at u_m = da/dt: lambda_bar -> lambda_bar v.  With A, the radius of the
-    contact at that time, Hertz' radius and pressure are those of that time too: lambda_bar v/A^4, alpha_bar A, and the
-    film scales back with A^2.
+    contact at that time, the Hertz radius and pressure are those of that time too: lambda_bar v/A^4, alpha_bar A, and
+    the film scales back with A^2.
 
     Parameters
     ----------

@@ -73,16 +73,16 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     The values of an impact hold at maximum approach, those of rolling at the last time, or steadily; before, there are
     none.
     """
-    found = {"M": summary["M"], "L": summary["L"], **values_of(summary)}
-    found |= {f"{name}_extreme": one["value"] for name, one in summary.get("extremes", {}).items()}
-    found["restitution"] = summary.get("restitution")
+    values = {"M": summary["M"], "L": summary["L"], **values_of(summary)}
+    values |= {f"{name}_extreme": one["value"] for name, one in summary.get("extremes", {}).items()}
+    values["restitution"] = summary.get("restitution")
     thermal = summary.get("thermal") or {}
-    found |= {name: thermal.get(key) for key, name in WARM.items()}
-    found |= {name: summary.get(key) for key, name in WORK.items()}
+    values |= {name: thermal.get(key) for key, name in WARM.items()}
+    values |= {name: summary.get(key) for key, name in WORK.items()}
     scales, errors = scales_in(summary), errors_of(summary)
     return {
         name: number(summary["kind"], scales, name, value, *errors.get(name, ()))
-        for name, value in found.items()
+        for name, value in values.items()
         if value is not None
     }
 
@@ -122,11 +122,11 @@ def values_of(summary: Outcome) -> dict[str, float]:
 
 def errors_of(summary: Outcome) -> dict[str, tuple[float, float]]:
     """Discretisation error and extrapolated value by name, where they were estimated."""
-    known = [name for name in FILMS if summary.get(f"{name}_error") is not None]
-    found = {name: (summary[f"{name}_error"], summary[f"{name}_extrapolated"]) for name in known}
+    names = [name for name in FILMS if summary.get(f"{name}_error") is not None]
+    errors = {name: (summary[f"{name}_error"], summary[f"{name}_extrapolated"]) for name in names}
     for name, estimate in (summary.get("error_estimate") or {}).items():
-        found["Delta" if name == "Delta_max" else name] = estimate["error"], estimate["extrapolated"]
-    return found
+        errors["Delta" if name == "Delta_max" else name] = estimate["error"], estimate["extrapolated"]
+    return errors
 
 
 def scales_in(summary: Outcome) -> Scales | None:
@@ -139,7 +139,7 @@ def scales_in(summary: Outcome) -> Scales | None:
 
 
 def moment(summary: Outcome) -> str:
-    """When the values hold, or why there are none."""
+    """The time at which the values hold, or the reason why there are none."""
     gone = summary["status"] == Status.FILM_VANISHED.value
     if "max_approach" in summary:
         if summary["max_approach"]:
@@ -159,9 +159,9 @@ def key_numbers(summary: Outcome) -> list[Number]:
     """
     if not values_of(summary):
         return []
-    found = numbers(summary)
-    names = [name for name in SHOWN if name in KEY or name in found]
-    return [found[name] for name in names if name not in FRICTION or found[name].value]
+    table = numbers(summary)
+    names = [name for name in SHOWN if name in KEY or name in table]
+    return [table[name] for name in names if name not in FRICTION or table[name].value]
 
 
 def as_now(summary: Outcome) -> dict[str, Any]:
@@ -191,7 +191,7 @@ def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
 
     The estimated error of H_c is H_c_error, in SI h_c_error.
     """
-    found = {}
+    table = {}
     for each in numbers(summary).values():
         name, factor, about = each.name, 1.0, {"units": "1"}
         if in_si and each.factor is not None:
@@ -200,11 +200,11 @@ def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
             about = {"units": each.unit}
         elif each.unit != "1":
             about = {"units": "1", "in_units_of": each.unit}
-        found[name] = Scalar(float(each.value * factor), {"long_name": each.long_name, **about})
+        table[name] = Scalar(float(each.value * factor), {"long_name": each.long_name, **about})
         if each.error is not None:
             long_name = f"estimated error of the {each.long_name}"
-            found[f"{name}_error"] = Scalar(each.error * factor, {"long_name": long_name, **about})
-    return found
+            table[f"{name}_error"] = Scalar(each.error * factor, {"long_name": long_name, **about})
+    return table
 
 
 class Difference(NamedTuple):

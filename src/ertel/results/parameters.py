@@ -18,11 +18,11 @@ from ertel.physics.scales import HamrockDowson, Parameters, Scales, hamrock_dows
 def parameters_of(case: Case) -> dict[str, float]:
     """The dimensionless parameters by name; of an ellipse also its shape and the angle of entrainment in degrees."""
     p = case.parameters
-    found = {"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar, "M": p.M, "L": p.L}
+    parameters = {"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar, "M": p.M, "L": p.L}
     if p.radius_ratio == 1.0:
-        return found
+        return parameters
     shape = {"radius_ratio": p.radius_ratio, "kappa": p.ellipse.kappa, "entrainment_angle": case.contact.angle}
-    return {**found, **shape, "M_BH": p.M_BH, "L_BH": p.L_BH}
+    return {**parameters, **shape, "M_BH": p.M_BH, "L_BH": p.L_BH}
 
 
 def parameter_summary(case: Case) -> dict[str, Any]:
@@ -42,7 +42,7 @@ def parameter_summary(case: Case) -> dict[str, Any]:
 
 
 def _fall_in_si(p: Parameters, s: Scales) -> dict[str, float]:
-    """What is expected of an impact."""
+    """The expected contact time, mass and films of an impact."""
     least, most = p.impact_films
     return {
         "contact_time_s": hertz.CONTACT_TIME * p.ellipse.approach * s.t0,
@@ -112,10 +112,10 @@ def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[Formu
     p = case.parameters
     at = Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25, p.radius_ratio)
     ugw = ugw_of(case) if case.scales else None
-    found = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load), case.contact.angle)
+    formulas = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load), case.contact.angle)
     unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
 
     def own(film: float | None) -> float | None:
         return None if film is None else film * unit
 
-    return [film._replace(central=own(film.central), minimum=own(film.minimum)) for film in found]
+    return [film._replace(central=own(film.central), minimum=own(film.minimum)) for film in formulas]

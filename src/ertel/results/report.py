@@ -43,7 +43,7 @@ def more_lines(summary: Outcome) -> Iterator[str]:
     """The rest of a summary, besides its key numbers, a line each: extremes, temperatures, balances."""
     yield from extreme_lines(summary)
     yield from thermal_lines(summary)
-    yield from budget_lines(summary)
+    yield from balance_lines(summary)
 
 
 def extreme_lines(summary: Outcome) -> Iterator[str]:
@@ -73,12 +73,12 @@ def thermal_lines(summary: Outcome) -> Iterator[str]:
     yield f"highest temperatures: surface 1 {surface_1}, surface 2 {surface_2}, film {film}; mean of the film {mean}"
 
 
-def budget_lines(summary: Outcome) -> Iterator[str]:
+def balance_lines(summary: Outcome) -> Iterator[str]:
     """The imbalance of every balance, in one line; none where there are none yet."""
     imbalances = {name: terms["imbalance"] for name, terms in summary.get("budgets", {}).items()}
     shown = ", ".join(f"{name} {share:.2%}" for name, share in imbalances.items() if share is not None)
     if shown:
-        yield f"imbalance of the budgets: {shown}"
+        yield f"imbalance: {shown}"
 
 
 def html_table(summary: Outcome, heading: str = "") -> str:

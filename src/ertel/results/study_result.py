@@ -119,7 +119,7 @@ class StudyResult:
 
     @property
     def complete(self) -> bool:
-        """Whether every run was done, or failed."""
+        """True if every run was done, or failed."""
         return not any(run["status"] in TO_DO for run in self.rows())
 
     def rows(self) -> list[dict[str, Any]]:

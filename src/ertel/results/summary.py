@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from math import inf
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,9 +11,8 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.numerics.grid import extrapolate
 from ertel.results import balances, diagnostics
-from ertel.results.diagnostics import Solved
 from ertel.results.parameters import parameters_of, scales_of
-from ertel.results.temperatures import Warm, thermal_summary, thermal_warnings
+from ertel.results.steady import SteadyGrid, thermal_summary, thermal_warnings
 from ertel.results.variables import AT_MAXIMUM, FILMS, FRICTION, MEASURED, in_si, with_coefficients
 
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
@@ -31,19 +30,6 @@ def restitution(data: xr.Dataset) -> float | None:
         return None
     V, F = float(data["V"][-1]), float(data["F"][-1])
     return -V if V < 0 and F < 1e-8 else None
-
-
-class SolvedGrid(Solved, Warm, Protocol):
-    """The steady contact on one grid, see also `dataset.SteadyGrid`; convolutions: in units of one on this grid."""
-
-    @property
-    def record(self) -> Mapping[str, float]: ...
-    @property
-    def newton(self) -> int: ...
-    @property
-    def krylov(self) -> int: ...
-    @property
-    def convolutions(self) -> float: ...
 
 
 def impact_summary(
@@ -119,7 +105,7 @@ def rolling_summary(case: Case, data: xr.Dataset, work: Mapping[str, float], sta
 
 
 def steady_summary(
-    case: Case, solutions: Sequence[SolvedGrid], work: Mapping[str, float], status: Status
+    case: Case, solutions: Sequence[SteadyGrid], work: Mapping[str, float], status: Status
 ) -> dict[str, Any]:
     """The outcome of a steady run as plain data: parameters, values on the finest grid, errors, work, status, warnings.
 
@@ -128,7 +114,7 @@ def steady_summary(
     mu_sliding, mu_rolling and power_loss are those of `equations.account`; mu_sliding_y is there where it is not zero.
     In a physical case the coefficients are plain numbers; in a dimensionless one, where a/R is not known, they are
     multiples of it.
-    `thermal` is there with a section [thermal], see `temperatures.thermal_summary`.
+    `thermal` is there with a section [thermal], see `steady.thermal_summary`.
     Counts are those of all grids, convolutions in units of one on the finest.  A run without a result has no values, no
     friction and no balances.
 
@@ -136,7 +122,7 @@ def steady_summary(
     ----------
     case : Case
         The case of the run.
-    solutions : sequence of SolvedGrid
+    solutions : sequence of SteadyGrid
         The solutions on all grids, coarsest first.
     work : mapping
         compilations, wall_s.
@@ -159,7 +145,7 @@ def steady_summary(
         return _rolling_summary(case, values, {}, {"budgets": {}, **counts}, status, said)
     record = with_coefficients(finest.record, case.scales)
     terms = balances.steady(case, record, record["load"] / case.geometry.hertz_load)
-    said += [*diagnostics.budget_warnings(case, terms), *diagnostics.friction_warnings(case, record["mu_sliding"])]
+    said += [*diagnostics.balance_warnings(case, terms), *diagnostics.friction_warnings(case, record["mu_sliding"])]
     parts: dict[str, Any] = {"budgets": terms}
     if finest.heat is not None:
         parts["thermal"] = thermal_summary(case, finest)
@@ -168,15 +154,15 @@ def steady_summary(
     return _rolling_summary(case, values, _estimates(solutions), {**parts, **counts}, status, said)
 
 
-def _estimates(solutions: Sequence[SolvedGrid]) -> dict[str, float]:
+def _estimates(solutions: Sequence[SteadyGrid]) -> dict[str, float]:
     """Errors and extrapolated values of the films; empty without two grids that converged."""
     if len(solutions) < 2 or not all(s.status.ok for s in solutions[-2:]):
         return {}
-    found: dict[str, float] = {}
+    estimates: dict[str, float] = {}
     for name in FILMS:
         film = extrapolate(*(s.measure()[name] for s in solutions[-2:]))
-        found |= {f"{name}_error": film.error, f"{name}_extrapolated": film.extrapolated}
-    return found
+        estimates |= {f"{name}_error": film.error, f"{name}_extrapolated": film.extrapolated}
+    return estimates
 
 
 def _judged(status: Status, data: xr.Dataset) -> tuple[Status, float]:
@@ -196,7 +182,7 @@ def _over_time(case: Case, data: xr.Dataset, status: Status) -> dict[str, Any]:
 def _account_warnings(case: Case, data: xr.Dataset, terms: balances.Balances) -> list[str]:
     """The warnings about the balances and the friction of a run in time."""
     largest = float(np.abs(data["mu_sliding"]).max()) if data.sizes["time"] else 0.0
-    return [*diagnostics.budget_warnings(case, terms), *diagnostics.friction_warnings(case, largest)]
+    return [*diagnostics.balance_warnings(case, terms), *diagnostics.friction_warnings(case, largest)]
 
 
 def _without_zero(values: Mapping[str, float | None]) -> dict[str, float | None]:
@@ -236,8 +222,8 @@ def with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
 def _values_in_si(case: Case, values: Mapping[str, float | None]) -> dict[str, Any]:
     """The scales and the values; approach_m is Delta, delta_m that of the dry contact."""
     assert case.scales is not None
-    found = in_si(values, case.scales)
-    return {**scales_of(case), **{"approach_m" if name == "delta_m" else name: found[name] for name in found}}
+    converted = in_si(values, case.scales)
+    return {**scales_of(case), **{"approach_m" if name == "delta_m" else name: converted[name] for name in converted}}
 
 
 def _parts_in_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
@@ -254,8 +240,8 @@ def _parts_in_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
 
 def attributes(summary: Mapping[str, Any]) -> dict[str, str | int | float]:
     """The attributes of a Dataset that tell the outcome: the plain values, and the imbalance of every balance."""
-    found = {f"{name}_imbalance": terms["imbalance"] for name, terms in summary["budgets"].items()}
-    return {key: value for key, value in {**summary, **found}.items() if isinstance(value, str | int | float)}
+    imbalances = {f"{name}_imbalance": terms["imbalance"] for name, terms in summary["budgets"].items()}
+    return {key: value for key, value in {**summary, **imbalances}.items() if isinstance(value, str | int | float)}
 
 
 # -- extremes ---------------------------------------------------------------------------------------------------------
@@ -268,13 +254,13 @@ def extremes(data: xr.Dataset) -> dict[str, dict[str, Any]]:
     """
     if data.sizes["time"] == 0:
         return {}
-    found = {}
+    content = {}
     for name, extreme in EXTREMES.items():
         step = data.isel(time=int(extreme(data[name].values)))
         X, Y = (float(step[place]) for place in PLACES[name])
         note = _note_on_peak(float(step["P_fall"])) if name == "P_max" else ""
-        found[name] = {"value": float(step[name]), "T": float(step["time"]), "X": X, "Y": Y, "note": note}
-    return found
+        content[name] = {"value": float(step[name]), "T": float(step["time"]), "X": X, "Y": Y, "note": note}
+    return content
 
 
 def _note_on_peak(fall: float) -> str:

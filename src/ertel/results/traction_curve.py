@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
 
 
 class CurveAxis(NamedTuple):
-    """What varies along a curve: its name in words, its symbol and unit, and what its values must be."""
+    """The quantity that varies along a curve: its name in words, its symbol and unit, and what its values must be."""
 
     long_name: str
     symbol: str
@@ -30,7 +30,7 @@ class CurveAxis(NamedTuple):
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Of the coordinate of a Dataset."""
+        """The attributes of the coordinate of a Dataset."""
         return {"long_name": self.long_name, "symbol": self.symbol, "units": self.unit}
 
 
@@ -121,12 +121,12 @@ class TractionCurve(StudyResult):
 
     @property
     def axis(self) -> str:
-        """What varies: slide_to_roll, mean_speed or load."""
+        """The quantity that varies: slide_to_roll, mean_speed or load."""
         return str(self.dataset.attrs["varies"])
 
     @property
     def failed(self) -> list[float]:
-        """Where along the axis the film did not converge."""
+        """The values at which the film did not converge."""
         ended = ~self.dataset["status"].isin([DONE, *TO_DO])
         found: list[float] = self.dataset[self.axis].values[ended].tolist()
         return found

@@ -26,7 +26,7 @@ EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because
 
 @dataclass(frozen=True)
 class Variable:
-    """What a name stands for.
+    """The meaning of a name.
 
     unit: what 1 is, in words.  scale, share: in SI 1 is `share` times the attribute `scale` of `Scales`.  comment: what
     a user must know besides.
@@ -42,7 +42,7 @@ class Variable:
     comment: str = ""
 
     def factor(self, scales: Scales) -> float:
-        """What 1 is in SI."""
+        """The value of 1 in SI."""
         return 1.0 if self.scale == COEFFICIENT else float(getattr(scales, self.scale)) * self.share
 
 
@@ -97,7 +97,7 @@ AXES: Mapping[str, Variable] = {
     "iteration": Variable("Newton iteration", "k"),
 }
 AMBIENT = "in SI a volume: that of the oil at ambient pressure"
-BUDGET: Mapping[str, Variable] = {  # the terms of the budgets, see `equations.account`
+BUDGET: Mapping[str, Variable] = {  # the terms of the balances, see `equations.account`
     "mass": Variable("oil on the grid", "m", "rho0 a*^4/R", "oil", "oil_volume", "m3", comment=AMBIENT),
     "inflow": _oil_flow("oil that flows in through the edge of the grid", "m_in", "inflow", AMBIENT),
     "outflow": _oil_flow("oil that flows out through the edge of the grid", "m_out", "outflow", AMBIENT),
@@ -113,7 +113,7 @@ PUSHED = "the force of surface 1 on surface 2 over the load of the film, positiv
 RESISTANCE = (
     "of each surface: (1/2) double integral of H dP/dX over the load of the film, positive against motion along X"
 )
-FRICTION: Mapping[str, Variable] = {  # see `equations.friction`
+FRICTION: Mapping[str, Variable] = {  # see `equations.account`
     "mu_sliding": _coefficient("traction coefficient", "mu_sliding", PUSHED),
     "mu_sliding_y": _coefficient("traction coefficient along y", "mu_sliding_y", PUSHED.replace("X", "Y")),
     "mu_rolling": _coefficient("rolling resistance coefficient", "mu_rolling", RESISTANCE),
@@ -150,7 +150,7 @@ FIELDS: Mapping[str, Variable] = {
     "tau_y": _shear("shear stress in the middle of the film along y", "tau_y"),
     "loss": Variable("power loss per area", "q", "p_h* a*^2/(R t0)", "power_per_area", "loss", "W/m2"),
 }
-TEMPERATURES: Mapping[str, Variable] = {  # maps of a steady contact with [thermal], see `equations.heat`
+TEMPERATURES: Mapping[str, Variable] = {  # maps of a steady contact with [thermal], see `solvers.heat`
     "T_1": _temperature("surface 1", "T_1"),
     "T_2": _temperature("surface 2", "T_2"),
     "T_film": _temperature("the film", "T_film", "mean across the film"),
@@ -196,26 +196,26 @@ def name_in_si(name: str) -> str:
 
 
 def is_steady(dataset: "xr.Dataset") -> bool:
-    """Whether a Dataset holds a steady contact, on its grids, and not a run in time."""
+    """Return whether a Dataset holds a steady contact, on its grids, and not a run in time."""
     return "grid" in dataset.dims
 
 
 def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:
     """The values with coefficients of friction as plain numbers in place of units a/R, where the case is physical."""
     unit = scales.a_over_R if scales else 1.0
-    known = {name: value for name, value in values.items() if VARIABLES.get(name, EVENT).scale == COEFFICIENT}
-    return {**values, **{name: value if value is None else value * unit for name, value in known.items()}}
+    coefficients = {name: value for name, value in values.items() if VARIABLES.get(name, EVENT).scale == COEFFICIENT}
+    return {**values, **{name: value if value is None else value * unit for name, value in coefficients.items()}}
 
 
 def one_number(dataset: "xr.Dataset") -> "xr.Dataset":
     """The Dataset of a stored run, its coefficients of friction as plain numbers: earlier versions stored units a/R."""
-    found = {}
+    converted = {}
     for name, variable in dataset.variables.items():
         factor = variable.attrs.get("si_factor", 1.0)
         if VARIABLES.get(str(name), EVENT).scale == COEFFICIENT and factor != 1.0:
             attributes = {key: value for key, value in variable.attrs.items() if key != "in_units_of"}
-            found[name] = (variable.dims, variable.values * factor, {**attributes, "si_factor": 1.0})
-    return dataset.assign(found) if found else dataset
+            converted[name] = (variable.dims, variable.values * factor, {**attributes, "si_factor": 1.0})
+    return dataset.assign(converted) if converted else dataset
 
 
 def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
@@ -287,12 +287,14 @@ def in_si(values: Mapping[str, float | None], scales: Scales) -> dict[str, float
 
     The names in SI end with the unit: H_c becomes h_c_m, P_max p_max_Pa.  H_c_error and H_c_extrapolated scale as H_c.
     """
-    found = {}
+    converted = {}
     for name, value in values.items():
         base = name.removesuffix("_error").removesuffix("_extrapolated")
         variable = VARIABLES["time" if base == "T" else base]
-        found[key_in_si(variable, name.removeprefix(base))] = None if value is None else value * variable.factor(scales)
-    return found
+        converted[key_in_si(variable, name.removeprefix(base))] = (
+            None if value is None else value * variable.factor(scales)
+        )
+    return converted
 
 
 def key_in_si(variable: Variable, what: str = "") -> str:

@@ -106,5 +106,5 @@ class ReplacedData:
 
 
 def data_class(case: Case) -> type[AppendedData] | type[ReplacedData]:
-    """How the arrays of a case are written."""
+    """The class that writes the arrays of a case."""
     return ReplacedData if case.is_steady else AppendedData

@@ -66,10 +66,10 @@ def simulate_batch(
     """
     if isinstance(cases, Case | str | PathLike | Mapping) or not isinstance(cases, Iterable):
         raise ConfigError(f"cases = {written(cases)}: must be a sequence of cases")
-    found = [as_case(case, f"cases[{number}]") for number, case in enumerate(cases)]
-    check_alike(found)
+    checked = [as_case(case, f"cases[{number}]") for number, case in enumerate(cases)]
+    check_alike(checked)
     check_fork()
-    runs = [_asking(case, partial(on_step, number)) for number, case in enumerate(found)]
+    runs = [_asking(case, partial(on_step, number)) for number, case in enumerate(checked)]
     return run_together(runs, solve_together)
 
 

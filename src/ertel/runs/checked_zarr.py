@@ -130,7 +130,7 @@ def _metadata(root: Root) -> dict[str, dict[str, Any]]:
 
 
 def rows_of(root: Root) -> dict[str, int]:
-    """How many rows readers see, by dimension."""
+    """The number of rows that readers see, by dimension."""
     return {dimension: _metadata(root)[dimension]["shape"][0] for dimension in GROWING}
 
 
@@ -188,7 +188,7 @@ def old_of(path: Path) -> Path:
 
 
 def present(path: Path) -> Path:
-    """Where the data are now."""
+    """The present path of the data."""
     return path if path.exists() else old_of(path)
 
 

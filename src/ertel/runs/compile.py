@@ -65,7 +65,7 @@ class NoDevice(RuntimeError):
 
 
 def may_use_accelerator() -> bool:
-    """Whether JAX may find another device than the CPU: a plugin for one is installed.  It does not import JAX."""
+    """Return whether JAX may find another device than the CPU: a plugin is installed.  JAX is not imported."""
     return os.environ.get("JAX_PLATFORMS") != "cpu" and bool(entry_points(group="jax_plugins") or find_spec("libtpu"))
 
 
@@ -108,7 +108,7 @@ _chosen: Callable[[], object] | None = None
 
 
 def chosen_cache() -> Callable[[], object] | None:
-    """How this process keeps programs, so that its workers do the same: `cache`, `start_at_once`, or None."""
+    """The function by which this process keeps programs, for its workers: `cache`, `start_at_once`, or None."""
     return _chosen
 
 
@@ -200,7 +200,7 @@ def jax_prepared(case: "Case", tell: Callable[[], object] = lambda: None) -> Ite
 
 
 def cache_directory() -> Path | None:
-    """Where compiled programs are kept: JAX_COMPILATION_CACHE_DIR, or a folder per processor type and jaxlib version.
+    """The directory of compiled programs: JAX_COMPILATION_CACHE_DIR, or one per processor type and jaxlib version.
 
     XLA compiles for the instructions of one processor type, and a home directory may be shared between machines.
     None for a user without a home directory.
@@ -234,7 +234,7 @@ def _processor() -> str:
 
 
 def _is_safe(directory: Path) -> bool:
-    """Whether nobody but this user can put a program into a directory, which is made if need be; warns where not.
+    """Return whether nobody but this user can put a program into a directory, made if need be; warn where not.
 
     Neither the directory nor the one that it is in may be another user's, and no file in it.
     """
@@ -249,7 +249,7 @@ def _is_safe(directory: Path) -> bool:
     if wrong:
         warnings.warn(
             f"compiled programs are not kept: {wrong[0]} belongs to another user, or others may write to it; "
-            "see to it that only you can, or set JAX_COMPILATION_CACHE_DIR to another directory",
+            "make sure that only you can, or set JAX_COMPILATION_CACHE_DIR to another directory",
             RuntimeWarning,
             stacklevel=3,
         )
@@ -257,7 +257,7 @@ def _is_safe(directory: Path) -> bool:
 
 
 def _is_own(path: Path, closed: bool = False) -> bool:
-    """Whether a file or directory belongs to this user and nobody else may write to it.
+    """Return whether a file or directory belongs to this user and nobody else may write to it.
 
     closed: it lies in a directory that nobody else may enter.
     """
@@ -274,7 +274,7 @@ def _is_own(path: Path, closed: bool = False) -> bool:
 
 
 def is_of_cache(message: str) -> bool:
-    """Whether a warning is JAX's about an entry of its cache.  Entries of this name are deleted if one is damaged.
+    """Return whether a warning is JAX's about an entry of its cache; delete the entries of that name if one is damaged.
 
     For commands, which do not pass it on: there may be hundreds.  JAX compiles the program again, and writes it only
     where there is no entry.

@@ -50,7 +50,7 @@ class StepResult(Protocol):
 
 
 class Progress(NamedTuple):
-    """How far a run is.
+    """The progress of a run.
 
     T: time in t0, None of a steady contact.  step: the number of time steps, or of grids.  done: the approximate
     fraction of the run, 0 to 1.  message: the last result as one line of text.
@@ -77,7 +77,7 @@ class Run(ABC):
 
     @abstractmethod
     def progress(self, result: Any) -> Progress:
-        """How far the run is after a result."""
+        """The progress of the run after a result."""
 
     @abstractmethod
     def to_arrays(self, result: Any) -> dict[str, NDArray[Any]]:

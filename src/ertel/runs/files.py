@@ -139,10 +139,10 @@ def unsealed(text: bytes, section: str = "") -> dict[str, Any]:
         raise ValueError("its lists are nested hundreds of times") from error
     if not isinstance(content, dict) or not isinstance(content.get(section, {}), dict):
         raise ValueError("it is not a table of values")
-    found = (content[section] if section else content).pop(CHECKSUM, None)
-    if found is None:
+    stored = (content[section] if section else content).pop(CHECKSUM, None)
+    if stored is None:
         raise ValueError("it has no checksum; older versions wrote none")
-    if found != _checksum(content):
+    if stored != _checksum(content):
         raise ValueError("its checksum does not agree")
     return content
 

@@ -48,7 +48,7 @@ EXHAUSTED = "RESOURCE_EXHAUSTED"  # how JAX begins such messages
 
 
 def outlook(case: Case) -> dict[str, Any]:
-    """What follows from a case before it is run, as plain data.
+    """The outlook of a case as plain data.
 
     Returns
     -------

@@ -103,7 +103,7 @@ class Lockstep:
         self.companions, self.status = companions, Status.CONVERGED
 
     def __call__(self, step: Step) -> bool:
-        """Whether a companion has failed, so that the run must stop."""
+        """Repeat the step; return True if a companion has failed, so that the run stops."""
         if step.record:
             ends = [companion.follow(step.state.levels) for companion in self.companions]
             self.status = next((status for status in ends if not status.ok), self.status)
@@ -294,7 +294,7 @@ def _errors(
 
 
 def _error_warnings(data: xr.Dataset, nodes: int) -> list[str]:
-    """What is to be said of the errors of the responses."""
+    """Sentences about responses that are uncertain on this grid, or whose error is not known."""
     centre = data["dH_amplitude"].sel(X=0.0, Y=0.0, method="nearest").values
     shares = data["dH_error"].values / np.maximum(centre, np.finfo(float).tiny)
     said = [
@@ -326,7 +326,7 @@ def _passing(case: Case, features: Sequence[Feature], place: str) -> tuple[Featu
 
 
 def _frequency(motion: Motion, feature: Feature) -> float:
-    """At which a wave passes a point of the contact, in 1/t0."""
+    """The frequency at which a wave passes a point of the contact, in 1/t0."""
     assert isinstance(feature.shape, Waviness)
     return 2 * pi / plain(feature.shape.wavelength_x) * abs(motion.travel(feature.surface, 1.0))
 

@@ -133,10 +133,10 @@ def _landing(case: Case, T: float, step: float, limits: StepLimits) -> float:
     nearer than the smallest step counts as reached.
     """
     end = inf if isinstance(case.schedule.until, str) else case.schedule.until
-    left = min(case.motion.next_knot(T + limits.smallest), end) - T
-    if left < step * (1 + 1e-9):
-        return left
-    return left / 2 if left < 2 * step and not case.schedule.step else step
+    remaining = min(case.motion.next_knot(T + limits.smallest), end) - T
+    if remaining < step * (1 + 1e-9):
+        return remaining
+    return remaining / 2 if remaining < 2 * step and not case.schedule.step else step
 
 
 def _longest(case: Case, limits: StepLimits) -> float:

@@ -105,7 +105,7 @@ class RunStore:
 
     @property
     def course(self) -> Run:
-        """How the case is run."""
+        """The run that this store observes."""
         if self._course is None:
             self._course = course_of(self.case)
         return self._course
@@ -244,16 +244,16 @@ class RunStore:
             return None
         return summary if summary and whole and Status(summary["status"]).ok else None
 
-    def summarise(self, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
-        """The summary of what is written, of which there must be something; work: compilations, wall_s."""
-        return with_case_warnings(self.case, self.course.summary(self.dataset(), self.item(), status, work))
+    def summarise(self, result: Any, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
+        """The summary of what is written, up to this result; work: compilations, wall_s."""
+        return with_case_warnings(self.case, self.course.summary(self.dataset(), result, status, work))
 
     def summary_so_far(self) -> dict[str, Any]:
         """The summary of a run that has not ended.  Raises StoreError where there is nothing yet."""
         checkpoint, result = self._read_checkpoint()
         if result is None:
             raise StoreError(f"{self.directory}: nothing is computed yet")
-        return self.summarise(Status.RUNNING, {"compilations": 0, "wall_s": float(checkpoint["store_seconds"])})
+        return self.summarise(result, Status.RUNNING, {"compilations": 0, "wall_s": float(checkpoint["store_seconds"])})
 
     def result(self) -> Result:
         """The run as far as it is written.  Raises StoreError where there is nothing yet."""
@@ -283,7 +283,7 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
         progress.write(last)
         store.flush()
         work = {"compilations": compilations() - compiled, "wall_s": store.seconds}
-        summary = store.summarise(last.status, work)
+        summary = store.summarise(last, last.status, work)
         store.finish(summary)
     return summary
 

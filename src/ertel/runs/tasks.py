@@ -39,12 +39,12 @@ def run_tasks(
     tasks : sequence of Task
         Their names must differ.
     workers : Workers
-        Who runs the tasks: `workers.LocalWorker()` is this process, `Engine` gives others.
+        They run the tasks: `workers.LocalWorker()` is this process, `Engine` gives others.
     directory : Path, optional
-        Where results are kept.  A kept result is used again, so that what was interrupted goes on where it was.  It
-        must come from the same function, arguments, version and source code of ertel.  The source code of functions
-        outside ertel is not compared.  Arguments and results must be plain data, see `ertel.runs.plain`; a tuple comes
-        back as a list.
+        The directory in which results are kept.  A kept result is used again, so that what was interrupted goes on
+        where it was.  It must come from the same function, arguments, version and source code of ertel.  The source
+        code of functions outside ertel is not compared.  Arguments and results must be plain data, see
+        `ertel.runs.plain`; a tuple comes back as a list.
     on_done : callable
         Is called with each task and its result as soon as it is there.
 
@@ -126,7 +126,7 @@ def _stamp(task: Task) -> str:
 
 @dataclass(frozen=True)
 class Engine:
-    """Who does the runs.
+    """The processes that do the runs.
 
     jobs: processes of this machine, None for one for each core; 1 is this process.  scheduler, scheduler_file: the
     address of a scheduler that runs, or the file that it wrote; its workers do them.  tls: for a scheduler at tls://,
@@ -153,7 +153,7 @@ class Engine:
 
     @contextmanager
     def workers(self, runs: int) -> Iterator[Workers]:
-        """Those who do so many runs: no more processes than these.  Raises NoScheduler."""
+        """The workers for so many runs, and no more processes than these.  Raises NoScheduler."""
         elsewhere = self.scheduler or self.scheduler_file
         jobs = min(self.processes, runs)
         if runs == 0 or (jobs == 1 and not elsewhere):

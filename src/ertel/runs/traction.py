@@ -30,8 +30,8 @@ from ertel.inputs.ranges import Given, parse_values
 from ertel.numerics.arrays import double_precision
 from ertel.results import diagnostics
 from ertel.results.dataset import provenance
+from ertel.results.steady import thermal_warnings
 from ertel.results.study_result import DONE, StudyRun, assemble
-from ertel.results.temperatures import thermal_warnings
 from ertel.results.traction_curve import AXES, WORK, TractionCurve, point_scalars
 from ertel.results.variables import with_coefficients
 from ertel.runs import studies, workers
@@ -77,8 +77,8 @@ def traction(
         ratio.  For a Newtonian oil once is exact and the default.  An oil that thins has a thinner film where it
         slides, so each is the default; once takes the work of one point and leaves that out.
     directory : str or Path
-        Where the curve is stored, as a study is (see `ertel.sweep`): made if it is not there.  What is missing or
-        unfinished is done.
+        The directory in which the curve is stored, as a study is (see `ertel.sweep`): made if it is not there.  What
+        is missing or unfinished is done.
     progress : bool
         Whether to show a progress bar.
 
@@ -118,7 +118,7 @@ def traction(
 
 @dataclass(frozen=True)
 class Curve:
-    """What a traction curve is of: the case, what varies and its values in SI, the case of each point, and the film.
+    """The definition of a traction curve: case, axis and its values in SI, the case of each point, and the film.
 
     film: "each", solved for each point, or "once", that of the smallest slide-to-roll ratio for all points.
     """
@@ -138,7 +138,7 @@ class Curve:
 
     @property
     def film_in_words(self) -> str:
-        """How the film was computed."""
+        """The way in which the film was computed."""
         if self.film == "each":
             return "solved for each point"
         one = f"solved once, at S = {min(self.values, key=abs):g}"
@@ -214,8 +214,13 @@ def compute_curve(curve: Curve, progress: bool = False) -> TractionCurve:
         bar = shown.add_task(curve.case.name or curve.case.kind, total=total, message="")
 
         def film_of(case: Case) -> FilmRun:
-            number, course = next(numbers), course_of(case)
-            film = drive(course, [lambda item: shown.update(bar, completed=number + course.progress(item).done)])
+            number, run = next(numbers), course_of(case)
+
+            def show(item: GridStep) -> None:
+                now = run.progress(item)
+                shown.update(bar, completed=number + now.done, message=f"{number + 1}/{total}  {now.message}")
+
+            film = drive(run, [show])
             warnings = diagnostics.steady_warnings(case, film.solutions)
             return StudyRun({}, warnings, film.status.value, ""), film
 
@@ -292,7 +297,7 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
 
 
 def _warm_values(case: Case, cold: Mapping[str, float], warm: Heated) -> dict[str, float]:
-    """What heat changes: the film by its inlet factor, the traction, and of the power loss the part of sliding."""
+    """The numbers that heat changes: film (by its inlet factor), traction, the part of sliding in the power loss."""
     unit = case.scales.a_over_R if case.scales else 1.0
     sliding, factor = float(warm.sliding[0]) * unit, warm.inlet.factor
     less = (cold["mu_sliding"] - sliding) / unit * case.motion.load(0.0) * case.motion.sliding(0.0)

@@ -39,7 +39,7 @@ def program_of(case: Case) -> str:
 
 
 def has_compiled(case: Case, directory: Path) -> bool:
-    """Whether the run in a directory, which goes on, has all its programs; each grid of a steady run has its own."""
+    """Say whether the run in a directory has all its programs while it goes on; each steady grid has its own."""
     said = None if case.is_steady else read_progress(directory)
     return said is not None and said["status"] == Status.RUNNING.value and said["step"] > STEPS
 

@@ -71,7 +71,7 @@ class StopSignal:
 
 
 class Workers(Protocol):
-    """Those who do tasks."""
+    """The interface of all that do tasks."""
 
     def outcomes(self, tasks: Sequence[Task], should_stop: Condition = never) -> Iterator[tuple[str, Any]]:
         """Do all tasks: name and outcome of each as soon as it is there, in any order.

@@ -120,8 +120,8 @@ class _Film:
         gradient = self.p_h * self.H * jnp.stack([slope[1:-1, 1:-1] for slope in slopes])
         sliding = viscosity * self.speed / self.H
         pressure = self.p_h * self.P
-        found = shear(self.law, pressure, jnp.stack([sliding, jnp.zeros_like(sliding)]), gradient)
-        return jnp.where(self.P > 0.0, limited_stress(self.law, found.stress, pressure), 0.0)
+        sheared = shear(self.law, pressure, jnp.stack([sliding, jnp.zeros_like(sliding)]), gradient)
+        return jnp.where(self.P > 0.0, limited_stress(self.law, sheared.stress, pressure), 0.0)
 
     def __call__(self, warmer: Array) -> tuple[Array, Array]:
         """The heat tau_m.(u1 - u2) in W/m^2, and its derivative by the temperature at the node."""
@@ -166,21 +166,21 @@ def heated(
     moving = list(zip(thermal.bodies, (mean * (1.0 + 0.5 * S), mean * (1.0 - 0.5 * S)), strict=True))
     peclet = tuple(flash.peclet_number(body, speed, half_width) for body, speed in moving)
     rises = [_rise(body, speed, number, s.a, grid) for (body, speed), number in zip(moving, peclet, strict=True)]
-    found = warmed(sheared, rises, np.asarray(sheared.H) / thermal.conductivity, thermal.warmer, heat)
-    stress = _stress_program(sheared, found.film) / s.shear_stress
+    warm = warmed(sheared, rises, np.asarray(sheared.H) / thermal.conductivity, thermal.warmer, heat)
+    stress = _stress_program(sheared, warm.film) / s.shear_stress
     return Heated(
         inlet=inlet,
         film=film,
-        T_1=thermal.temperature + found.surface_1,
-        T_2=thermal.temperature + found.surface_2,
-        T_film=thermal.temperature + found.film,
-        heat=found.x[0],
+        T_1=thermal.temperature + warm.surface_1,
+        T_2=thermal.temperature + warm.surface_2,
+        T_film=thermal.temperature + warm.film,
+        heat=warm.x[0],
         stress=stress,
         sliding=_force(grid, stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
         peclet=peclet,
-        iterations=int(found.iterations),
-        applications=int(found.applications),
-        converged=bool(found.converged),
+        iterations=int(warm.iterations),
+        applications=int(warm.applications),
+        converged=bool(warm.converged),
     )
 
 
@@ -289,7 +289,7 @@ class _Balance:
     bodies: Sequence[Any]
 
     def rise(self, x: Array) -> tuple[Array, Array, Array]:
-        """What the heat adds to the temperatures of both surfaces and of the film."""
+        """The rise of the temperatures of both surfaces and of the film by the heat."""
         rise_1, rise_2 = self.rises[0](0.5 * x[0] + x[1]), self.rises[1](0.5 * x[0] - x[1])
         return rise_1, rise_2, 0.5 * (rise_1 + rise_2) + self.resistance * x[0] / 12.0
 
@@ -303,7 +303,7 @@ class _Balance:
 
         Each equation is divided by about the diagonal of its own derivative.
         """
-        # no film gets colder than both bodies, but an iterate may, and the viscosity of very cold oil is no number
+        # no film gets colder than both bodies, but an iterate may, and the viscosity of very cold oil is not a number
         release, slope = self.release(jnp.maximum(w.film, coldest))
         ones = jnp.ones_like(self.resistance)
         surfaces = self.rises[0](ones) + self.rises[1](
@@ -338,8 +338,8 @@ def _solved(balance: _Balance, q: Array) -> Warmed:
     x = jnp.stack([q, jnp.zeros_like(q)])
     zero = jnp.zeros((), jnp.int32)
     start = Warmed(x, *balance.temperatures(x), zero, zero + 2, zero > 0)
-    found: Warmed = jax.lax.while_loop(is_unsolved, improve, start)
-    return found
+    solved: Warmed = jax.lax.while_loop(is_unsolved, improve, start)
+    return solved
 
 
 _program = Program(jax.jit(_solved), ANY_SIZE)

@@ -1,4 +1,11 @@
-"""Approximate inverses of the Jacobian: a V-cycle in single precision, with one of two smoothers."""
+"""Approximate inverses of the Jacobian: a V-cycle in single precision, with one of two smoothers.
+
+* Steps in time have no derivative along X: a change at a node stays near it, and nodes are relaxed one by one.
+* A steady film has the wedge U dm/dX: a change travels downstream, and all nodes of a line along X are solved together.
+
+On the finest grid the V-cycle has the Jacobian itself, from `equations.linearised`.  Single precision is enough,
+because the Krylov iteration keeps its residual in double precision (`newton.gcr`).
+"""
 
 from collections.abc import Callable
 from functools import partial
@@ -24,12 +31,9 @@ def point_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> n
 
 def line_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
     """V-cycle with the line smoother along the direction of entrainment, for a film with a wedge."""
-    smoother = partial(line_smoother, rate=problem.rate.new, drift=_drift(problem))
+    drift = 0.0 if problem.rate.wedge is None else problem.rate.wedge
+    smoother = partial(line_smoother, rate=problem.rate.new, drift=drift)
     return partial(multigrid.precondition, levels(problem, P, H, free, 1.0, smoother))
-
-
-def _drift(problem: Problem) -> Array | float:
-    return 0.0 if problem.rate.wedge is None else problem.rate.wedge
 
 
 def levels(

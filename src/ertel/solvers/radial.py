@@ -61,7 +61,7 @@ class Mesh(NamedTuple):
 
 
 class Equations(NamedTuple):
-    """What holds at a new time level.
+    """The equations at a new time level.
 
     d(rho H)/dT = rate * rho H + past.  H = apart + stiffness @ P with Delta eliminated by the closure.  The matrix
     stiffness contains the elastic kernel and the change of Delta with the load.

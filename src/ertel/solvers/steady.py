@@ -232,7 +232,7 @@ def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
 
 
 def motion_of(case: Case, approach: float) -> ContactMotion:
-    """What the oil outside knows of the steady contact."""
+    """The motion of the steady contact, for the oil outside."""
     return ContactMotion(approach, 0.0, case.motion.load(0.0), case.motion.entrainment(0.0))
 
 

@@ -38,17 +38,17 @@ from ertel.solvers.preconditioner import PRECISION, point_preconditioner
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 MAX_PRESSURE_DROP = 0.4  # share of the last pressure by which the prediction may fall
 LOAD_TOLERANCE = 0.01  # of the tolerance, is left over in a balanced load (relative)
-# REST: what may be left over in the film of a step, in tolerances of time; more would rule the size of the steps.
+# RESIDUAL: largest residual film of a step, in tolerances of time; a larger one would dominate the step size.
 # A step needs 2 or 3 Krylov iterations, and each has its two fields
 FALLING_RESIDUAL, FALLING = 20.0, newton.Options(newton_limit=100, krylov_limit=6, first_reduction=0.1)
-# With little inertia or none V is a mere difference of the films of two steps, and what a step leaves over swings up
+# With little inertia or none V is the difference of the films of two steps, and a large residual of a step is amplified
 ROLLING_RESIDUAL, ROLLING = 10.0, replace(FALLING, krylov_limit=10, first_reduction=0.01)
 
 
 @register_dataclass
 @dataclass(frozen=True)
 class Setting:
-    """What does not change in a run.
+    """The constants of a run.
 
     elastic: the deformation operators of the preconditioner's grids.  space, axes: the grid, for integrals and
     extremes.  gap_slope: dG/dX of the smooth gap, shape (n, n).  tolerance: of the film that is left over in a step,
@@ -66,7 +66,7 @@ class Setting:
 
 
 class Known(NamedTuple):
-    """What is known of a new level as numbers.
+    """The numbers of a new level that are known before it is solved.
 
     predict, rates: weights of the prediction and of the time derivative (for the new level, and the last two), both of
     shape (3,).  approach: the predicted Delta.  sliding: u1 - u2 in a/t0.  around: load and uplift of the oil outside.
@@ -184,7 +184,7 @@ class Transient2D(Method):
         return discretise.roughened(self.contact, self.case, self.grid, T)
 
     def flow(self, T: float, times: Sequence[float]) -> Flow | None:
-        """How the oil moves up to a new time T from earlier times, newest first; None where it stays."""
+        """The movement of the oil up to a new time T from earlier times, newest first; None where it stays."""
         if not self.case.motion.flows:
             return None
         distance = self.case.motion.entrainment.integral
@@ -235,10 +235,10 @@ class Transient2D(Method):
         return State(T, approach, velocity, fields, status, work, around.load, load, found["error"], record)
 
     def motion(self, levels: Sequence[State], T: float) -> ContactMotion:
-        """What the oil outside knows of the new level.
+        """The predicted motion of the new level, for the oil outside.
 
         The squeeze of a rolling contact is left out there: with little or no inertia V follows from the film of the
-        same step, and taken from the steps before it would swing up.
+        same step, and extrapolating it from earlier steps is unstable.
         """
         loads = [(level.load + level.outside) / self.geometry.hertz_load for level in levels[: outside.NEWEST]]
         found = outside.predicted(levels, T, loads, self.case.motion.entrainment(T))

@@ -82,12 +82,12 @@ def _half_base(run: xr.Dataset, by: Definition) -> float:
 
 # -- Fig. 2 -----------------------------------------------------------------------------------------------------------
 
-Found = Mapping[int, Mapping[Definition, fronts.Front]]  # M, definition -> front
+Fronts = Mapping[int, Mapping[Definition, fronts.Front]]  # M, definition -> front
 
 
 def front_speed(results: Results, plan: Plan) -> Drawn:
     """Fig. 2: speed of the front in the lubricated impact for six M, by three definitions of the front."""
-    found: Found = {
+    found: Fronts = {
         M: {by: fronts.front(run, by) for by in FRONTS} for M, run in runs.radial_runs(results, plan).items()
     }
     figure, (left, right) = new_figure(1, 2)
@@ -118,7 +118,7 @@ def front_speed(results: Results, plan: Plan) -> Drawn:
     return Drawn(figure, caption, {"fronts": side_by_side(columns)}, tables)
 
 
-def _draw_speed(axes: Axes, found: Found, plane: fronts.Front) -> None:
+def _draw_speed(axes: Axes, found: Fronts, plane: fronts.Front) -> None:
     T = np.linspace(0.01, hertz.HALF_CONTACT_TIME, 600)
     axes.plot(T, hertz.front_speed(hertz.contact_radius(T)), color="black", label="dry, exact")
     linear = hertz.linear_front_speed(T - hertz.HALF_CONTACT_TIME)
@@ -136,7 +136,7 @@ def _draw_speed(axes: Axes, found: Found, plane: fronts.Front) -> None:
     axes.legend(loc="upper right", frameon=False, fontsize="small")
 
 
-def _draw_share(axes: Axes, found: Found) -> None:
+def _draw_share(axes: Axes, found: Fronts) -> None:
     for by_definition, colour in zip(found.values(), _shades(), strict=True):
         for by, front in by_definition.items():
             late = front.A > FORMED

@@ -103,7 +103,7 @@ def _scatter_table(impacts: Sequence[Mark], rolled: Sequence[Mark]) -> DataFrame
 
 
 def _about(marks: Sequence[Mark], nabla2: Sequence[float]) -> dict[str, str]:
-    return {name: ratios.scatter(marks, curve(nabla2)).text() for name, curve in CURVES.items()}
+    return {name: ratios.scatter(marks, curve(nabla2)) for name, curve in CURVES.items()}
 
 
 # -- Fig. 8 -----------------------------------------------------------------------------------------------------------

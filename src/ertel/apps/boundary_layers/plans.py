@@ -1,4 +1,4 @@
-"""What is run for the figures: loads, wavelengths and grids, coarse (`QUICK`) or at full resolution (`FULL`)."""
+"""The runs of the figures: loads, wavelengths and grids, coarse (`QUICK`) or at full resolution (`FULL`)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -69,7 +69,7 @@ class BeyondPlan:
 
 @dataclass(frozen=True)
 class Plan:
-    """What is run for all figures."""
+    """The runs of all figures."""
 
     resolution: str
     smooth: SmoothPlan

@@ -177,18 +177,7 @@ def marks_table(heading: str, marks: Iterable[Mark]) -> DataFrame:
     return DataFrame({heading: mark.kind, **mark.cells_of_place()} for mark in marks)
 
 
-class Scatter(NamedTuple):
-    """Deviation of A_d/A_i from a curve: mean and root mean square."""
-
-    mean: float
-    rms: float
-
-    def text(self) -> str:
-        """A cell of a table."""
-        return f"{self.mean:+.3f}, {self.rms:.3f}"
-
-
-def scatter(marks: Sequence[Mark], curve: ArrayLike) -> Scatter:
-    """Deviation of marks from the values of a curve, (n,)."""
+def scatter(marks: Sequence[Mark], curve: ArrayLike) -> str:
+    """Deviation of marks from the values of a curve, (n,): mean and root mean square, as a cell of a table."""
     off = np.array([mark.ratio.limit for mark in marks]) - np.asarray(curve)
-    return Scatter(float(off.mean()), float(np.sqrt(np.mean(off**2))))
+    return f"{off.mean():+.3f}, {np.sqrt(np.mean(off**2)):.3f}"

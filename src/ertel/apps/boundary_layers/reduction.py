@@ -94,7 +94,7 @@ class Twin(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Found:
+class Ratios:
     """The content of Fig. 6.  own: the curve of the form of (15) through the rolling contacts."""
 
     impacts: list[Dot]
@@ -113,13 +113,13 @@ class Found:
         return [dot for dot in self.impacts if not dot.last and dot.mark.X > FORMED]
 
 
-def find(results: Results, plan: Plan) -> Found:
+def find_ratios(results: Results, plan: Plan) -> Ratios:
     """The ratios of impacts, of rolling contacts and of the rolling twins."""
     impacts = [dot for case in plan.waves.impacts for dot in _dots(results, plan, case)]
     rolled = list(_rolled(results, plan))
     errors = [max(mark.ratio.error, SMALLEST_ERROR) for mark in rolled]
     own = waves.fit_reduction([mark.local for mark in rolled], [mark.ratio.limit for mark in rolled], errors)
-    return Found(impacts, rolled, list(_twins([dot.mark for dot in impacts], results, plan)), own)
+    return Ratios(impacts, rolled, list(_twins([dot.mark for dot in impacts], results, plan)), own)
 
 
 def _dots(results: Results, plan: Plan, case: Moes) -> Iterator[Dot]:
@@ -158,7 +158,7 @@ def _twins(impacts: Sequence[Mark], results: Results, plan: Plan) -> Iterator[Tw
 
 def reduction(results: Results, plan: Plan) -> Drawn:
     """Fig. 6: A_d/A_i of impact and of rolling against the local and the global nabla2, and the curve (15)."""
-    found = find(results, plan)
+    found = find_ratios(results, plan)
     own = f"1/(1 + {found.own.linear:.3f} nabla2 + {found.own.quadratic:.4f} nabla2^2)"
     caption = (
         "Amplitude reduction.  Dots: last complete wave inside the contact at maximum impact, extrapolated from grids "
@@ -188,7 +188,7 @@ def reduction(results: Results, plan: Plan) -> Drawn:
     return Drawn(_draw(found), caption, {"impact": _impact_data(found), "rolling": _rolling_data(found)}, tables)
 
 
-def _draw(found: Found) -> Figure:
+def _draw(found: Ratios) -> Figure:
     figure, (left, middle, right) = new_figure(1, 3)
     rolled = [mark.local for mark in found.rolled], [mark.ratio.limit for mark in found.rolled]
     bars = [mark.ratio.error for mark in found.rolled]
@@ -230,7 +230,7 @@ def _by_15(nabla2: float) -> str:
     return f"{float(amplitude_reduction.ratio_left(nabla2)):.3f}"
 
 
-def _impact_data(found: Found) -> DataFrame:
+def _impact_data(found: Ratios) -> DataFrame:
     return DataFrame(
         {
             **{name: getattr(dot.mark, name) for name in ("M", "L", "wavelength", "X")},
@@ -244,7 +244,7 @@ def _impact_data(found: Found) -> DataFrame:
     )
 
 
-def _rolling_data(found: Found) -> DataFrame:
+def _rolling_data(found: Ratios) -> DataFrame:
     return DataFrame(
         {"M": m.M, "L": m.L, "wavelength": m.wavelength, "nabla2": m.local, **m.ratio.columns()} for m in found.rolled
     )
@@ -259,7 +259,7 @@ PARAMETERS: Mapping[str, Callable[[Dot], float]] = {
 }
 
 
-def _scatter_table(found: Found) -> DataFrame:
+def _scatter_table(found: Ratios) -> DataFrame:
     """Deviation of impact and rolling from the curves, for each parameter."""
     rows = []
     for name, chosen in {"last waves": found.last, f"waves further in, X > {FORMED:g}": found.inner}.items():
@@ -277,7 +277,7 @@ def _about(marks: Sequence[Mark], nabla2: Sequence[float], own: waves.Reduction)
         **{name: amplitude_reduction.in_line_contact(nabla2, c) for name, c in ratios.LINE_CONTACT.items()},
         "fitted to rolling": own.ratio(nabla2),
     }
-    return {name: ratios.scatter(marks, curve).text() for name, curve in curves.items()}
+    return {name: ratios.scatter(marks, curve) for name, curve in curves.items()}
 
 
 def _twins_table(twins: Sequence[Twin]) -> DataFrame:
@@ -293,7 +293,7 @@ def _twins_table(twins: Sequence[Twin]) -> DataFrame:
         for twin in twins
     ]
     off = ratios.scatter([twin.impact for twin in twins], [twin.rolling.limit for twin in twins])
-    total = {"M": "mean, root mean square", "impact minus rolling": off.text()}
+    total = {"M": "mean, root mean square", "impact minus rolling": off}
     return DataFrame([*rows, total]).fillna("")
 
 

@@ -1,5 +1,7 @@
 """What a run with the section [thermal] says: maps in K, a part of the summary, lines to read, warnings."""
 
+from collections import Counter
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,8 +14,10 @@ from ertel.inputs.case_files import parse_case
 from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
 from ertel.results.dataset import assemble_steady
 from ertel.results.report import html_table, lines
-from ertel.results.temperatures import thermal_warnings
+from ertel.results.steady import thermal_warnings
 from ertel.results.variables import TEMPERATURES, to_si
+from ertel.runs.arrays import ReplacedData
+from ertel.solvers import steady
 from ertel.solvers.heat import heated
 
 pytestmark = pytest.mark.filterwarnings("ignore:H_min is uncertain", "ignore:the pressure spike", "ignore:surface")
@@ -102,3 +106,24 @@ def test_how_much_too_hot_a_slow_surface_is() -> None:
         ours = 1.0 if peclet < AT_REST else 2.0 / np.sqrt(np.pi * peclet)
         assert slow_excess(peclet) == pytest.approx(ours / rise - 1.0)
     assert slow_excess(0.0) == 0.0
+
+
+@pytest.mark.parametrize("flush_interval", [0.0, 100.0])
+def test_account_and_heat_are_computed_once_for_a_grid(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, flush_interval: float
+) -> None:
+    """Checkpoints, data and summary share them; the heat is that of the finest grid so far."""
+    calls: Counter[str] = Counter()
+
+    def counted(name: str, function: Any) -> Any:
+        def call(*arguments: Any, **options: Any) -> Any:
+            calls[name] += 1
+            return function(*arguments, **options)
+
+        return call
+
+    for name in ("steady_account", "heated"):
+        monkeypatch.setattr(steady, name, counted(name, getattr(steady, name)))
+    monkeypatch.setattr(ReplacedData, "flush_interval", flush_interval)
+    ertel.run(case_of(DATA), tmp_path / "run")
+    assert calls == {"steady_account": 2, "heated": 1 if flush_interval else 2}  # grids of 33 and 65 nodes

@@ -1,4 +1,4 @@
-"""The temperatures of a steady run with the section [thermal]: a part of the summary, and warnings."""
+"""The steady contact as results see it, and its temperatures with the section [thermal]: summary and warnings."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
@@ -6,7 +6,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from ertel.case.case import Case
+from ertel.case.status import Status
 from ertel.case.thermal import Inlet
+from ertel.numerics.grid import Grid
 from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
 from ertel.physics.thermal import INLET_FACTORS
 from ertel.results.variables import TEMPERATURES
@@ -31,18 +33,41 @@ class Heat(Protocol):
     def converged(self) -> bool: ...
 
 
-class Warm(Protocol):
-    """A steady contact with its maps on the whole plane; heat is None without the section [thermal]."""
+class SteadyGrid(Protocol):
+    """The steady contact on one grid: what results take from it.
 
+    residual, history: its maximum, at the end, and before the first and after each Newton iteration.  newton, krylov:
+    iterations.  convolutions: in units of one on this grid.  outside: the load that the oil outside the grid carries.
+    record: its numbers by name, those of `MEASURED`, `BUDGET` and `FRICTION`, and its work.  maps: `FIELDS` on the
+    whole plane by name, with the section [thermal] also `TEMPERATURES`.  heat: None without it.
+    """
+
+    @property
+    def grid(self) -> Grid: ...
+    @property
+    def status(self) -> Status: ...
+    @property
+    def residual(self) -> float: ...
+    @property
+    def history(self) -> Sequence[float]: ...
+    @property
+    def newton(self) -> int: ...
+    @property
+    def krylov(self) -> int: ...
+    @property
+    def convolutions(self) -> float: ...
+    @property
+    def outside(self) -> float: ...
     @property
     def record(self) -> Mapping[str, float]: ...
     @property
     def maps(self) -> Mapping[str, Any]: ...
     @property
     def heat(self) -> Heat | None: ...
+    def measure(self) -> Mapping[str, float]: ...
 
 
-def thermal_summary(case: Case, solution: Warm) -> dict[str, Any]:
+def thermal_summary(case: Case, solution: SteadyGrid) -> dict[str, Any]:
     """The part `thermal` of a summary, in SI.
 
     L_t, phi_T: thermal loading, and the factor of the inlet formula.  h_c_m, h_min_m: the films with this factor.

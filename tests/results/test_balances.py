@@ -11,7 +11,7 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.results import balances, diagnostics, variables
 from ertel.results.dataset import assemble
-from ertel.results.report import budget_lines
+from ertel.results.report import balance_lines
 from ertel.results.summary import attributes, impact_summary, steady_summary
 
 T = np.linspace(0.1, 2.0, 20)
@@ -46,13 +46,13 @@ def test_an_imbalance_is_a_share_of_what_is_turned_over_and_above_one_per_cent_i
     assert found["mass"]["imbalance"] == pytest.approx(0.02 / 1.52)
     kinetic = 0.4 * (1 - 0.03 / 0.8) ** 2
     assert found["energy"]["imbalance"] == pytest.approx(0.019 / kinetic)
-    of_mass, of_energy = diagnostics.budget_warnings(case, found)
+    of_mass, of_energy = diagnostics.balance_warnings(case, found)
     assert of_mass.startswith("mass is not conserved: imbalance of 1.3% (limit 1%)")
     assert "use solver.nodes >= 65 and time.tolerance <= 1.25e-05" in of_mass
     assert of_energy.startswith("energy is not conserved: imbalance of 5.1%")
-    assert diagnostics.budget_warnings(case, balances.in_time(case, falling(case))) == []
+    assert diagnostics.balance_warnings(case, balances.in_time(case, falling(case))) == []
     wrong = balances.in_time(case, falling(case, F=0.31 + 0 * T))
-    assert diagnostics.budget_warnings(case, {"momentum": wrong["momentum"]})[0].endswith(
+    assert diagnostics.balance_warnings(case, {"momentum": wrong["momentum"]})[0].endswith(
         "use time.tolerance <= 1.25e-05"
     )
 
@@ -60,7 +60,7 @@ def test_an_imbalance_is_a_share_of_what_is_turned_over_and_above_one_per_cent_i
 def test_there_are_no_budgets_before_the_second_step() -> None:
     case = impact(1000, 10, 33)
     assert balances.in_time(case, falling(case).isel(time=slice(1))) == {}
-    assert list(budget_lines({"budgets": {}})) == []
+    assert list(balance_lines({"budgets": {}})) == []
 
 
 def test_a_summary_has_them_in_si_and_one_line_of_them() -> None:
@@ -75,7 +75,7 @@ def test_a_summary_has_them_in_si_and_one_line_of_them() -> None:
     assert 2 / 5 * case.scales.energy == pytest.approx(0.0326726 * 0.1**2 / 2, rel=1e-4)
     assert 4 / 5 * case.scales.momentum == pytest.approx(0.0326726 * 0.1, rel=1e-4)
     assert set(in_si["mass"]) == {"stored_m3", "inflow_m3", "outflow_m3", "cavity_source_m3"}
-    assert next(budget_lines(summary)).startswith("imbalance of the budgets: mass ")
+    assert next(balance_lines(summary)).startswith("imbalance: mass ")
     assert attributes(summary)["energy_imbalance"] == summary["budgets"]["energy"]["imbalance"]
 
 
