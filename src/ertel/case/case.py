@@ -337,7 +337,7 @@ class Case:
         contact, oil = section("contact", Conditions) or Conditions(), section("lubricant", Oil) or USUAL_OIL
         solver = section("solver", Solver) or USUAL_SOLVER
         drive, time = section("motion", Drive), section("time", Time)
-        roughness = data.get("roughness") or []
+        roughness = data.get("roughness", [])
         if not isinstance(roughness, list):
             raise ValueError(f"roughness = {show(roughness)}: must be an array of tables, [[roughness]]")
         return cls(
@@ -383,8 +383,9 @@ def _completed(
     found = replace(found, half_width=half_width, inlet=inlet)
     if method != "radial":
         found = suited(found, contact.geometry)
-    if "half_width" in written and "inlet" not in written:
-        written["inlet"] = found.inlet and found.inlet * given.half_width / found.half_width
+    if "inlet" not in written:  # also at the default's half width, where the last bit decides about the digest
+        width = written.get("half_width", found.half_width)
+        written["inlet"] = found.inlet and found.inlet * width / found.half_width
     return replace(found, **written)
 
 

@@ -153,7 +153,9 @@ class Reader:
         if names:
             raise ValueError(f"allowed: {alternatives(map(repr, names))}")
         if HeightMap in options:
-            if not isinstance(value, str) or value not in self.maps:
+            if not isinstance(value, str):
+                raise ValueError("must be a string")
+            if value not in self.maps:
                 raise ValueError("its heights are not given with the case")
             return self.maps[value]
         for kind, said in ((bool, "true or false"), (str, "a string")):

@@ -16,7 +16,6 @@ from ertel.case.records import ConfigError, show
 from ertel.case.thermal import Thermal
 from ertel.inputs import library, names
 from ertel.inputs.layout import READER
-from ertel.inputs.quantities import parse_temperature
 from ertel.physics.units import Unit, marks
 
 PLACES = ("lubricant", "contact")  # sections that name an oil and materials
@@ -47,7 +46,8 @@ def with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
 def _temperature(given: Mapping[str, Any], lubricant: Mapping[str, Any]) -> float | None:
     """The temperature of the inlet (K), which must be that of the named oil; None if it is missing."""
     T: float | None = READER.values(Thermal, {"temperature": given.get("temperature")}, "thermal").get("temperature")
-    if "temperature" in lubricant and T != parse_temperature(lubricant["temperature"]):
+    inlet = READER.values(Thermal, {"temperature": lubricant.get("temperature")}, "lubricant").get("temperature")
+    if "temperature" in lubricant and T != inlet:
         raise ValueError(
             f"thermal.temperature = {show(given['temperature'])}: differs from lubricant.temperature = "
             f"{show(lubricant['temperature'])}, for which eta0 and alpha hold; leave thermal.temperature out"
@@ -71,13 +71,13 @@ def require_rheology(case: Case, lubricant: object) -> None:
 
 
 def _of_oil(lubricant: Mapping[str, Any], T: float | None) -> dict[str, float]:
-    """Data of the oil that is named or has a data sheet, at T (K); errors in it are reported elsewhere."""
+    """Data of the oil that is named or has a data sheet, at T (K)."""
+    if T is None or "oil" not in lubricant:
+        return {}
     try:
-        oil = names.oil_of(lubricant.get("oil"))
-    except ValueError:
-        return {}
-    if T is None:
-        return {}
+        oil = names.oil_of(lubricant["oil"])
+    except ValueError as error:
+        raise ValueError(f"lubricant.{error}") from error
     thermal = {} if oil.thermal is None else {"conductivity": oil.thermal.data.conductivity}
     return {"beta": oil.thinning_at(T), **thermal}
 
