@@ -198,15 +198,6 @@ def test_refused_oil(given, said):
     assert "allowed" in str(caught.value) or "must be" in str(caught.value) or "write for example" in str(caught.value)
 
 
-@pytest.mark.parametrize("key", ["radius_x", "radius_y"])
-def test_radii_of_an_ellipse_beside_that_of_a_ball_are_refused(key):
-    """It suggested radius_2, which makes two spheres: half the film."""
-    with pytest.raises(ConfigError) as caught:
-        parse_case({"contact": {"kind": "rolling", "radius": "10 mm", key: "20 mm"}})
-    assert f'contact.radius = "10 mm" and contact.{key} = "20 mm" are given together' in str(caught.value)
-    assert "did you mean" not in str(caught.value)
-
-
 @pytest.mark.parametrize("key", NOT_THERE)
 def test_what_ertel_does_not_do_is_said(key):
     for section in ("contact", "lubricant"):
