@@ -76,10 +76,7 @@ CONTACTS = {
     "impact": merged(RADII, MASS, FALL, ELASTICITY, st.one_of(NONE, one_of_ways(MEAN))),
     "rolling": merged(RADII, st.fixed_dictionaries({"load": sizes(1, 100)}), SPEEDS, ELASTICITY, st.one_of(NONE, MASS)),
 }
-DIMENSIONLESS = one_of_ways(
-    {"M": sizes(1, 1e4), "L": sizes()},
-    {"lambda_bar": sizes(1e-4, 1.0), "alpha_bar": sizes()},
-)
+DIMENSIONLESS = one_of_ways({"M": sizes(1, 1e4), "L": sizes()}, {"lambda_bar": sizes(1e-4, 1.0), "alpha_bar": sizes()})
 ISOVISCOUS = one_of_ways({"M": sizes(1, 1e4)}, {"lambda_bar": sizes(1e-4, 1.0), "alpha_bar": st.just(0.0)})
 DENSITIES = st.sampled_from(["dowson-higginson", "incompressible", DowsonHigginson(6e8), Incompressible()])
 OILS = st.builds(

@@ -126,8 +126,7 @@ def test_examples_are_cases(path):
 def test_overrides_are_toml_or_text():
     given = {"contact": dict(MOES)}
     data = apply_overrides(
-        given,
-        ["solver.nodes=129", "time.until=rebound", "contact.M = 2e3", "lubricant.alpha=20 / GPa", 'name="a b"'],
+        given, ["solver.nodes=129", "time.until=rebound", "contact.M = 2e3", "lubricant.alpha=20 / GPa", 'name="a b"']
     )
     assert data == {
         "contact": {"M": 2000.0, "L": 10},
