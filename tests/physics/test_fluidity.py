@@ -60,11 +60,12 @@ def test_formulas() -> None:
     assert Carreau(6e6, 0.5).fluidity(12e6, 0.0) == pytest.approx(5.0**0.5, rel=1e-14)
     assert CarreauYasuda(6e6, 0.5, 2.0).fluidity(TAU, 0.0) == pytest.approx(Carreau(6e6, 0.5).fluidity(TAU, 0.0))
     assert_allclose(Carreau(6e6, 1.0).fluidity(TAU, 0.0), 1.0)
-
-
-def test_sharper_yasuda_bends_later() -> None:
+    slope = jax.grad(lambda tau: ReeEyring(1.0).fluidity(tau, 0.0) * tau)(2.0)
+    assert slope == pytest.approx(cosh(2.0), rel=1e-13)
     soft, sharp = (CarreauYasuda(6e6, 0.42, a).fluidity(TAU[:3], 0.0) for a in (1.0, 4.0))
-    assert np.all(sharp < soft)
+    assert np.all(sharp < soft)  # it bends later
+    far = Limited(ReeEyring(5e6), 0.05, 1e13)  # changes nothing
+    assert_allclose(far.fluidity(TAU, 0.0), ReeEyring(5e6).fluidity(TAU, 0.0), rtol=1e-9)
 
 
 def test_a_limited_newtonian_oil_has_the_law_of_gecim_and_winer_below_its_limit() -> None:
@@ -97,12 +98,6 @@ def test_the_limit_holds_within_what_the_sharpness_says(rate: float) -> None:
     stress = shear(traceable_law(law), jnp.full(1, 1e9), s, 0.0 * s).stress[0, 0]
     excess = float(stress) / law.limit(1e9) - 1.0
     assert -0.02 < excess < 0.02 * np.log(rate / law.limit(1e9))
-
-
-def test_a_limit_far_away_changes_nothing() -> None:
-    assert_allclose(
-        Limited(ReeEyring(5e6), 0.05, 1e13).fluidity(TAU, 0.0), ReeEyring(5e6).fluidity(TAU, 0.0), rtol=1e-9
-    )
 
 
 def test_marks_say_what_is_allowed() -> None:
@@ -140,15 +135,8 @@ def test_laws_by_name() -> None:
     assert names <= set(FLUIDITY_LAWS)
     assert all(len(FLUIDITY_LAWS[name].reference) > 10 for name in names)
     assert FLUIDITY_LAWS.name_of(Carreau(1.0, 0.5)) == "carreau"
-    with pytest.raises(
-        ValueError, match=r"^Rabinowitsch: is no registered fluidity law.*ertel\.fluidity_laws\.register"
-    ):
+    with pytest.raises(ValueError, match=r"^Rabinowitsch: .*registered fluidity.*ertel\.fluidity_laws\.register"):
         FLUIDITY_LAWS.name_of(Rabinowitsch(1.0))
-
-
-def test_eyring_at_moderate_stress_is_cosh_along() -> None:
-    slope = jax.grad(lambda tau: ReeEyring(1.0).fluidity(tau, 0.0) * tau)(2.0)
-    assert slope == pytest.approx(cosh(2.0), rel=1e-13)
 
 
 def test_stress_that_is_cut_off_keeps_its_direction() -> None:

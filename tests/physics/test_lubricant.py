@@ -39,15 +39,10 @@ P_RATIO = st.floats(0.1, 20.0)
 Z = st.floats(0.2, 1.2)
 
 
-def roelands_of(p_h: float, alpha: float = ALPHA, eta0: float = ETA0, p0: float = P0_ROELANDS) -> Roelands:
-    """The law of a real oil in a contact of Hertz pressure p_h (Pa)."""
-    return Roelands(alpha * p_h, roelands_exponent(alpha, eta0, p0), p0 / p_h)
-
-
 VISCOSITIES = [
     Isoviscous(),
     Barus(12.0),
-    roelands_of(1e9),
+    Roelands(ALPHA * 1e9, roelands_exponent(ALPHA, ETA0), P0_ROELANDS / 1e9),
     Modulus(1 / 20, 0.03),
     Doolittle(5.258, 0.6633, 1.312, 11.74),
 ]
@@ -60,19 +55,6 @@ def test_pressure_viscosity_index_at_ambient_pressure(alpha_bar, z, p_ratio):
     for law in (Barus(alpha_bar), Roelands(alpha_bar, z, 1 / p_ratio)):
         slope = jax.grad(lambda p, law=law: jnp.log(law.viscosity(p)))(0.0)
         assert slope == pytest.approx(alpha_bar, rel=1e-12)
-
-
-@given(st.floats(1e-8, 3e-8), st.floats(0.005, 1.0), st.floats(1e8, 2e9), st.floats(0.0, 1.5))
-def test_roelands_is_the_physical_formula(alpha, eta0, p_h, p):
-    """eta = eta0 exp{(ln eta0 + 9.67)[(1 + p/p0)^z - 1]}, p in Pa, eta0 in Pa s."""
-    z = alpha * 1.96e8 / (log(eta0) + 9.67)
-    physical = exp((log(eta0) + 9.67) * ((1 + p * p_h / 1.96e8) ** z - 1))
-    assert roelands_of(p_h, alpha, eta0).viscosity(p) == pytest.approx(physical, rel=1e-10)
-
-
-def test_default_exponent():
-    """The z of equations.md and of reference/impact.json for alpha = 22/GPa, eta0 = 0.04 Pa s, p0 = 0.196 GPa."""
-    assert roelands_exponent(ALPHA, ETA0) == pytest.approx(0.668, abs=5e-4)
 
 
 @given(ALPHA_BAR, P_RATIO)
@@ -104,13 +86,6 @@ def test_roelands_has_no_meaning_for_gases(eta0):
         roelands_exponent(ALPHA, eta0)
 
 
-@given(P_RATIO, st.floats(0.0, 1.5))
-def test_density_is_the_physical_formula(p_ratio, p):
-    pascal = p * p_ratio * 5.9e8
-    physical = (5.9e8 + 1.34 * pascal) / (5.9e8 + pascal)
-    assert DowsonHigginson(1 / p_ratio).density(p) == pytest.approx(physical, rel=1e-13)
-
-
 @given(P_RATIO)
 def test_density_limits(p_ratio):
     law = DowsonHigginson(1 / p_ratio)
@@ -119,9 +94,6 @@ def test_density_limits(p_ratio):
     assert np.all(np.diff(law.density(P)) > 0)
     assert np.all(law.density(P) < 1.34)
     assert jax.grad(law.density)(0.0) == pytest.approx(0.34 * p_ratio, rel=1e-13)
-
-
-def test_an_incompressible_oil_is_the_limit_of_low_pressure():
     assert_allclose(DowsonHigginson(1e9).density(P), Incompressible().density(P), rtol=1e-9)
 
 
@@ -131,15 +103,11 @@ class TestEveryLaw:
     def value(law: Viscosity | Density, pressure):
         return law.viscosity(pressure) if hasattr(law, "viscosity") else law.density(pressure)
 
-    def test_keeps_the_shape(self, law):
+    def test_takes_any_number_and_keeps_shape_and_precision(self, law):
         assert self.value(law, P.reshape(4, 4)).shape == (4, 4)
         assert np.shape(self.value(law, 0.5)) == ()
-
-    @pytest.mark.parametrize("number", [0.5, np.float64(0.5), np.array(0.5), jnp.array(0.5)])
-    def test_takes_any_number(self, law, number):
-        assert float(self.value(law, number)) == float(self.value(law, 0.5))
-
-    def test_is_double_precision(self, law):
+        for number in (np.float64(0.5), np.array(0.5), jnp.array(0.5)):
+            assert float(self.value(law, number)) == float(self.value(law, 0.5))
         assert jnp.asarray(self.value(law, P)).dtype == jnp.float64
 
     def test_compiles_with_the_law_as_an_argument(self, law):
@@ -152,10 +120,8 @@ class TestEveryLaw:
         derivative = jax.vmap(jax.grad(lambda p: self.value(law, p)))(P[1:])
         assert_allclose(derivative, difference, rtol=1e-7, atol=1e-8)
 
-    def test_names_its_source(self, law):
+    def test_names_its_source_and_is_immutable_and_comparable(self, law):
         assert len(law.reference) > 10
-
-    def test_is_immutable_and_comparable(self, law):
         assert law == type(law)(**law.__dict__)
         with pytest.raises(AttributeError):
             law.alpha_bar = 2.0
@@ -199,20 +165,17 @@ def test_a_users_own_law_takes_its_place():
 PASCAL = st.floats(0.0, 2e9)
 
 
-@given(PASCAL, st.floats(1e8, 2e9))
-def test_a_contact_sees_the_laws_in_its_own_unit_of_pressure(p, p_h):
-    oil = Oil(eta0=ETA0, alpha=ALPHA)
+@given(st.floats(1e-8, 3e-8), st.floats(0.005, 1.0), st.floats(1e8, 2e9), PASCAL)
+def test_the_laws_are_the_formulas_of_the_books_in_any_unit_of_pressure(alpha, eta0, p_h, p):
+    """eta = eta0 exp{(ln eta0 + 9.67)[(1 + p/p0)^z - 1]}, rho = rho0 (p1 + 1.34 p)/(p1 + p), p in Pa, eta0 in Pa s."""
+    oil = Oil(eta0=eta0, alpha=alpha)
     seen = oil.under(p_h)
+    z = alpha * 1.96e8 / (log(eta0) + 9.67)
+    viscosity = exp((log(eta0) + 9.67) * ((1 + p / 1.96e8) ** z - 1))
+    assert oil.viscosity_law.viscosity(p) == pytest.approx(viscosity, rel=1e-10)
     assert seen.viscosity(p / p_h) == pytest.approx(oil.viscosity_law.viscosity(p), rel=1e-12)
+    assert oil.density_law.density(p) == pytest.approx((5.9e8 + 1.34 * p) / (5.9e8 + p), rel=1e-13)
     assert seen.density(p / p_h) == pytest.approx(oil.density_law.density(p), rel=1e-12)
-
-
-@given(st.floats(1e-8, 3e-8), st.floats(0.005, 1.0), PASCAL)
-def test_roelands_in_si_is_the_formula_of_the_book(alpha, eta0, p):
-    """eta = eta0 exp{(ln eta0 + 9.67)[(1 + p/p0)^z - 1]}."""
-    law = Roelands.of(Oil(eta0=eta0, alpha=alpha))
-    book = exp((log(eta0) + 9.67) * ((1 + p / 1.96e8) ** law.z - 1))
-    assert law.viscosity(p) == pytest.approx(book, rel=1e-10)
 
 
 @given(PASCAL)
@@ -222,32 +185,31 @@ def test_the_density_of_a_mineral_oil(p):
 
 
 def test_constants_of_a_typical_mineral_oil():
+    """Its z is the one of equations.md and of reference/impact.json."""
     assert Oil().completed() == Oil(eta0=0.04, alpha=2.2e-8)
     assert Oil(eta0=0.1, alpha=1e-8).completed() == Oil(eta0=0.1, alpha=1e-8)
     assert (Roelands(ALPHA, 0.6).p0, DowsonHigginson().p1) == (1.96e8, 5.9e8)
+    assert roelands_exponent(ALPHA, ETA0) == pytest.approx(0.668, abs=5e-4)
+    assert Oil(eta0=0.04, reference="one") == Oil(eta0=0.04, reference="another")
 
 
-def test_the_exponent_of_roelands_follows_from_the_data():
-    oil = Oil(eta0=0.04, alpha=2.2e-8)
-    assert oil.viscosity_law == Roelands(2.2e-8, roelands_exponent(2.2e-8, 0.04), P0_ROELANDS)
-    other = Oil(eta0=0.04, alpha=2.2e-8, p0=2e8)
-    assert other.viscosity_law == Roelands(2.2e-8, roelands_exponent(2.2e-8, 0.04, 2e8), 2e8)
-    assert Oil(eta0=0.04, alpha=2.2e-8, z=0.6).viscosity_law == Roelands(2.2e-8, 0.6, P0_ROELANDS)
-
-
-def test_a_law_by_its_name_or_as_a_record():
-    oil = Oil(alpha=2e-8, viscosity="barus", density="incompressible")
-    assert (oil.viscosity_law, oil.density_law) == (Barus(2e-8), Incompressible())
-    own = Oil(None, 2e-8, Barus(3e-8), DowsonHigginson(6e8))
-    assert (own.viscosity_law, own.density_law) == (Barus(3e-8), DowsonHigginson(6e8))
-
-
-def test_an_isoviscous_oil_needs_no_data():
-    for viscosity in ("isoviscous", Isoviscous()):
-        oil = Oil(viscosity=viscosity)
-        assert oil.is_isoviscous
-        assert oil.viscosity_law == Isoviscous()
-    assert not Oil(viscosity="barus").is_isoviscous
+@pytest.mark.parametrize(
+    ("oil", "viscosity", "density"),
+    [
+        ({"viscosity": "barus", "density": "incompressible"}, Barus(2e-8), Incompressible()),
+        ({"viscosity": Barus(3e-8), "density": DowsonHigginson(6e8)}, Barus(3e-8), DowsonHigginson(6e8)),
+        ({"eta0": 0.04}, Roelands(2e-8, roelands_exponent(2e-8, 0.04), P0_ROELANDS), DowsonHigginson()),
+        ({"eta0": 0.04, "p0": 2e8}, Roelands(2e-8, roelands_exponent(2e-8, 0.04, 2e8), 2e8), DowsonHigginson()),
+        ({"eta0": 0.04, "z": 0.6}, Roelands(2e-8, 0.6, P0_ROELANDS), DowsonHigginson()),
+        ({"alpha": None, "viscosity": "isoviscous"}, Isoviscous(), DowsonHigginson()),
+        ({"alpha": None, "viscosity": Isoviscous()}, Isoviscous(), DowsonHigginson()),
+    ],
+    ids=str,
+)
+def test_laws_by_name_as_records_and_from_data(oil, viscosity, density):
+    found = Oil(**{"alpha": 2e-8, **oil})
+    assert (found.viscosity_law, found.density_law) == (viscosity, density)
+    assert found.is_isoviscous == (viscosity == Isoviscous())
 
 
 @pytest.mark.parametrize(
@@ -260,26 +222,24 @@ def test_data_that_a_law_needs_are_asked_for(oil, missing):
         oil.viscosity_law  # noqa: B018
 
 
-def test_an_unknown_law_is_refused():
-    with pytest.raises(ValueError, match=r"^viscosity = \"tar\": allowed: 'isoviscous', 'barus' or 'roelands'"):
-        Oil(viscosity="tar")
-    with pytest.raises(ValueError, match=r"^density = \"lead\": allowed: 'incompressible' or 'dowson-higginson'"):
-        Oil(density="lead")
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        ({"viscosity": "tar"}, r"^viscosity = \"tar\": allowed: 'isoviscous', 'barus' or 'roelands'"),
+        ({"density": "lead"}, r"^density = \"lead\": allowed: 'incompressible' or 'dowson-higginson'"),
+        ({"viscosity": PowerLaw(1.0, 2.0)}, r"^PowerLaw: .*registered viscosity.*ertel\.viscosity_laws\.register"),
+        ({"density": Barus(1.0)}, r"^Barus: .*registered density.*ertel\.density_laws\.register"),
+        ({"viscosity": "doolittle"}, r'^viscosity = "doolittle": has data of its own; give them as \{ law = "dool'),
+    ],
+    ids=str,
+)
+def test_a_law_that_is_not_known_or_lacks_its_data_is_refused(law, message):
+    with pytest.raises(ValueError, match=message):
+        Oil(**law)
 
 
-def test_a_law_that_is_not_registered_is_refused():
-    with pytest.raises(ValueError, match=r"^PowerLaw: is no registered viscosity law.*ertel\.viscosity_laws\.register"):
-        Oil(viscosity=PowerLaw(1.0, 2.0))
-    with pytest.raises(ValueError, match=r"^Barus: is no registered density law.*ertel\.density_laws\.register"):
-        Oil(density=Barus(1.0))
-
-
-def test_the_source_of_the_data_takes_no_part_in_equality():
-    assert Oil(eta0=0.04, reference="one") == Oil(eta0=0.04, reference="another")
-
-
-def test_the_enthalpy_of_a_compressible_oil_is_the_integral_of_its_specific_volume() -> None:
-    """Also in closed form: 1/rho = (1 + s)/(1 + 1.34 s), s = p/p1."""
+def test_the_enthalpy_is_the_integral_of_the_specific_volume() -> None:
+    """Also in closed form: 1/rho = (1 + s)/(1 + 1.34 s), s = p/p1; an incompressible oil stores no energy."""
     oil = Lubricant(Isoviscous(), DowsonHigginson(), 1.2e9)
     s = oil.p_h * P / DENSITY_PRESSURE
     exact = (s / 1.34 + (1 - 1 / 1.34) * np.log1p(1.34 * s) / 1.34) * DENSITY_PRESSURE / oil.p_h
@@ -287,12 +247,9 @@ def test_the_enthalpy_of_a_compressible_oil_is_the_integral_of_its_specific_volu
     small = oil.compression(np.array([1e-4]))  # P^2/(2 K), K = p1/(0.34 p_h)
     assert_allclose(small, 1e-8 / 2 * 0.34 * oil.p_h / DENSITY_PRESSURE, rtol=1e-3)
     assert np.all(np.diff(oil.compression(P)) > 0)
-
-
-def test_an_incompressible_oil_stores_no_energy() -> None:
-    oil = Lubricant(Isoviscous(), Incompressible())
-    assert_allclose(oil.enthalpy(P), P, rtol=1e-14)
-    assert_allclose(oil.compression(P), 0.0, atol=1e-15)
+    stiff = Lubricant(Isoviscous(), Incompressible())
+    assert_allclose(stiff.enthalpy(P), P, rtol=1e-14)
+    assert_allclose(stiff.compression(P), 0.0, atol=1e-15)
 
 
 def test_a_newtonian_oil_flows_by_the_cube_of_the_film_and_not_where_surfaces_overlap():
@@ -354,10 +311,3 @@ def test_doolittles_law_is_the_one_of_free_volume():
     V, occupied = Tait(1.312e9, 11.74).volume(p), 0.6633
     own = np.exp(5.258 * (occupied / (V - occupied) - occupied / (1 - occupied)))
     np.testing.assert_allclose(SQUALANE.viscosity(p), own, rtol=1e-12)
-
-
-def test_a_law_of_its_own_wants_its_data():
-    from ertel.physics.lubricant import Oil
-
-    with pytest.raises(ValueError, match=r'^viscosity = "doolittle": has data of its own; give them as \{ law = "dool'):
-        Oil(viscosity="doolittle")

@@ -109,12 +109,6 @@ class TestAnnounced:
         assert len(Registry("plate", "ertel.others")) == 0
 
 
-def test_what_ertel_brings() -> None:
-    assert {"isoviscous", "barus", "roelands"} <= set(VISCOSITY_LAWS)
-    assert {"incompressible", "dowson-higginson"} <= set(DENSITY_LAWS)
-    assert {"waviness", "rings", "spot"} <= set(SHAPES)
-
-
 @pytest.mark.parametrize(
     ("laws", "name"),
     [

@@ -16,15 +16,15 @@ X = np.linspace(-2.0, 2.0, 41)[None, :]
 Y = np.linspace(-1.0, 1.0, 21)[:, None]
 
 
-def test_isotropic_waviness_is_a_product_of_cosines() -> None:
+def test_waviness_is_a_product_of_cosines_and_rings_are_round() -> None:
+    """An infinite wavelength leaves its direction smooth."""
     found = Waviness(0.1, 0.5, 0.25).heights(X, Y)
     np.testing.assert_allclose(found, 0.1 * np.cos(4 * np.pi * X) * np.cos(8 * np.pi * Y))
-
-
-def test_an_infinite_wavelength_leaves_its_direction_smooth() -> None:
     transverse, longitudinal = Waviness(0.1, 0.5).heights(X, Y), Waviness(0.1, inf, 0.5).heights(X, Y)
     assert np.ptp(np.broadcast_to(transverse, (21, 41)), axis=0).max() == 0
     assert np.ptp(np.broadcast_to(longitudinal, (21, 41)), axis=1).max() == 0
+    ring, angle = RingWaviness(0.1, 0.5), np.linspace(0, 6, 7)
+    np.testing.assert_allclose(ring.heights(0.7 * np.cos(angle), 0.7 * np.sin(angle)), 0.1 * np.cos(2.8 * np.pi))
 
 
 def test_a_wave_enters_behind_its_front() -> None:
@@ -36,17 +36,14 @@ def test_a_wave_enters_behind_its_front() -> None:
     assert share[X[0] == 0.0] == pytest.approx(0.5)
 
 
-def test_rings_are_round() -> None:
-    ring = RingWaviness(0.1, 0.5)
-    angle = np.linspace(0, 6, 7)
-    np.testing.assert_allclose(ring.heights(0.7 * np.cos(angle), 0.7 * np.sin(angle)), 0.1 * np.cos(2.8 * np.pi))
-
-
 def test_a_spot_has_its_height_at_its_centre_and_none_far_away() -> None:
     cavity = Spot(0.1, height=-0.02, x=0.3, y=-0.1)
     assert cavity.heights(0.3, -0.1) == -0.02
     assert cavity.heights(0.3 + 0.12, -0.1) == pytest.approx(0.0, abs=1e-17)  # the cosine's first zero, 1.2 radii away
     assert abs(cavity.heights(0.8, 0.0)) < 1e-12
+    bump, deep = Spot(0.3, height=0.02), Spot(0.3, depth=0.02)
+    assert (bump.heights(0.0, 0.0), deep.heights(0.0, 0.0)) == (0.02, -0.02)
+    np.testing.assert_array_equal(deep.heights(X, Y), Spot(0.3, height=-0.02).heights(X, Y))
 
 
 @given(st.floats(-2.0, 2.0), st.floats(0.0, 3.0), st.sampled_from([1, 2]))
@@ -63,34 +60,24 @@ def test_features_add_up_and_stand_still_without_entrainment() -> None:
     one, two = Waviness(0.1, 0.5, 0.5), Spot(0.1, depth=0.02)
     found = height([Feature(one, 1), Feature(two, 2)], FREE_BALL, 3.0, X, Y)
     np.testing.assert_allclose(found, one.heights(X, Y) + two.heights(X, Y))
-
-
-def test_no_features_no_height() -> None:
-    assert not height([], FREE_BALL, 0.0, X, Y).any()
-    assert height([], FREE_BALL, 0.0, X, Y).shape == (21, 41)
+    np.testing.assert_array_equal(height([], FREE_BALL, 0.0, X, Y), np.zeros((21, 41)), strict=True)
 
 
 # -- what a shape says of itself --------------------------------------------------------------------------------------
 
 
-def test_a_spot_is_as_high_as_it_is_said_or_as_deep() -> None:
-    bump, cavity = Spot(0.3, height=0.02), Spot(0.3, depth=0.02)
-    assert (bump.heights(0.0, 0.0), cavity.heights(0.0, 0.0)) == (0.02, -0.02)
-    np.testing.assert_array_equal(cavity.heights(X, Y), Spot(0.3, height=-0.02).heights(X, Y))
-
-
-def test_a_spot_has_either_a_height_or_a_depth() -> None:
-    with pytest.raises(ValueError, match=r"^height: missing; allowed: height .* or depth"):
-        Spot(0.3)
-    with pytest.raises(ValueError, match=r"^height: is given together with depth"):
-        Spot(0.3, 0.1, 0.1)
-
-
-def test_a_wave_has_a_length_and_a_ramp_a_front() -> None:
-    with pytest.raises(ValueError, match=r"^wavelength_x: missing; needed: wavelength_x or wavelength_y"):
-        Waviness(0.1)
-    with pytest.raises(ValueError, match=r"^ramp = 1.0: needs front"):
-        Waviness(0.1, 0.5, ramp=1.0)
+@pytest.mark.parametrize(
+    ("shape", "arguments", "message"),
+    [
+        (Spot, {"radius": 0.3}, "^height: missing; allowed: height .* or depth"),
+        (Spot, {"radius": 0.3, "height": 0.1, "depth": 0.1}, "^height: is given together with depth"),
+        (Waviness, {"amplitude": 0.1}, "^wavelength_x: missing; needed: wavelength_x or wavelength_y"),
+        (Waviness, {"amplitude": 0.1, "wavelength_x": 0.5, "ramp": 1.0}, "^ramp = 1.0: needs front"),
+    ],
+)
+def test_what_is_no_shape_is_said(shape, arguments, message) -> None:
+    with pytest.raises(ValueError, match=message):
+        shape(**arguments)
 
 
 @pytest.mark.parametrize(
@@ -128,12 +115,6 @@ def test_a_shape_that_says_that_it_is_even_is(shape) -> None:
     assert shape.even == (in_y, in_x)
 
 
-def test_features_are_even_where_all_are() -> None:
-    middle, aside = Feature(Spot(0.3, 0.1)), Feature(Spot(0.3, 0.1, x=0.5))
-    assert even([]) == (True, True)
-    assert even([middle, aside]) == (True, False)
-
-
 @dataclass(frozen=True)
 class Ramp:
     """A shape of a user's own, which says nothing of itself."""
@@ -142,7 +123,11 @@ class Ramp:
         return 0.1 * X
 
 
-def test_a_shape_of_ones_own_needs_no_more_than_heights() -> None:
+def test_features_are_even_where_all_say_so() -> None:
+    """A shape of one's own needs no more than heights."""
+    middle, aside = Feature(Spot(0.3, 0.1)), Feature(Spot(0.3, 0.1, x=0.5))
+    assert even([]) == (True, True)
+    assert even([middle, aside]) == (True, False)
     assert even([Feature(Ramp())]) == (False, False)
     np.testing.assert_allclose(height([Feature(Ramp())], STEADY_ROLLING, 0.5, X, Y)[0], 0.1 * (X[0] - 0.5))
 

@@ -20,21 +20,24 @@ from ertel.physics.thermal import (
     wilson_sheu_factor,
 )
 
-STEEL, GLASS = Solid(7850.0, 460.0, 47.0), Solid(2510.0, 858.0, 1.114)
+STEEL = Solid(7850.0, 460.0, 47.0)
 
 
-@pytest.mark.parametrize(
-    ("L_t", "factors"),
-    [
-        (0.01, (0.9848, 0.9784, 0.9611)),
-        (0.1, (0.9429, 0.9178, 0.8543)),
-        (0.5, (0.8605, 0.8039, 0.6786)),
-        (1, (0.8003, 0.7256, 0.5751)),
-        (3, (0.6668, 0.5668, 0.3991)),
-    ],
-)
-def test_inlet_factor_of_gupta(L_t: float, factors: tuple) -> None:
-    assert [round(gupta_factor(L_t, S, 0.5 / 226), 4) for S in (0, 0.2, 1)] == list(factors)
+def test_inlet_factors_of_gupta_and_of_wilson_and_sheu() -> None:
+    for L_t, factors in {
+        0.01: [0.9848, 0.9784, 0.9611],
+        0.1: [0.9429, 0.9178, 0.8543],
+        0.5: [0.8605, 0.8039, 0.6786],
+        1: [0.8003, 0.7256, 0.5751],
+        3: [0.6668, 0.5668, 0.3991],
+    }.items():
+        assert [round(gupta_factor(L_t, S, 0.5 / 226), 4) for S in (0, 0.2, 1)] == factors
+    assert wilson_sheu_factor(1.0, 0.0) == pytest.approx(1 / 1.1)
+    assert wilson_sheu_factor(1.0, 1.0) == pytest.approx(1 / 2.58)
+    assert thermal_loading(0.04, 0.04, 5.0, 0.14) == pytest.approx(0.04 * 0.04 * 25 / 0.14)
+    for bad in ({"L_t": -1.0}, {"slide_to_roll": -0.1}, {"p_h_over_E": float("nan")}):
+        with pytest.raises(ValueError, match=rf"^{next(iter(bad))} = .*must be finite and not below zero"):
+            gupta_factor(**{"L_t": 1.0, "slide_to_roll": 0.1, "p_h_over_E": 0.002, **bad})
 
 
 def test_inlet_factors_by_name() -> None:
@@ -47,21 +50,6 @@ def test_inlet_factors_by_name() -> None:
         assert factor.formula(0.0, 0.5, 0.002) == 1.0
         falling = [factor.formula(L_t, 0.5, 0.002) for L_t in (0.01, 0.1, 1.0, factor.largest_L_t)]
         assert falling == sorted(falling, reverse=True) and falling[-1] > 0
-
-
-def test_wilson_sheu() -> None:
-    assert wilson_sheu_factor(1.0, 0.0) == pytest.approx(1 / 1.1)
-    assert wilson_sheu_factor(1.0, 1.0) == pytest.approx(1 / 2.58)
-
-
-def test_thermal_loading() -> None:
-    assert thermal_loading(0.04, 0.04, 5.0, 0.14) == pytest.approx(0.04 * 0.04 * 25 / 0.14)
-
-
-@pytest.mark.parametrize("bad", [{"L_t": -1.0}, {"slide_to_roll": -0.1}, {"p_h_over_E": float("nan")}], ids=str)
-def test_impossible_inlets(bad: dict) -> None:
-    with pytest.raises(ValueError, match=rf"^{next(iter(bad))} = .*must be finite and not below zero"):
-        gupta_factor(**{"L_t": 1.0, "slide_to_roll": 0.1, "p_h_over_E": 0.002, **bad})
 
 
 # -- the viscosity of the warm oil ------------------------------------------------------------------------------------
@@ -107,6 +95,8 @@ def test_worked_example() -> None:
     heat = np.full(281, 0.5 * 40e6 * 1.0)
     heat[0] /= 2
     assert flash_temperature(heat, STEEL, 0.5, 1e-6)[-1] == pytest.approx(41.0, abs=0.5)
+    assert STEEL.effusivity == pytest.approx(sqrt(7850 * 460 * 47))
+    assert peclet_number(STEEL, -0.5, 140e-6) == pytest.approx(0.5 * 140e-6 * 7850 * 460 / 94)
 
 
 def closed_uniform(q: float, x: float, speed: float) -> float:
@@ -120,26 +110,23 @@ def test_linear_sources_are_exact() -> None:
     assert_allclose(np.convolve(weights, x)[:33], 4 / 3 * x**1.5, rtol=1e-12, atol=1e-15)
 
 
-def error_of_uniform(n: int) -> float:
-    heat = np.ones(n + 1)
-    heat[0] = 0.5
-    return abs(flash_temperature(heat, STEEL, 2.0, 1.0 / n)[-1] / closed_uniform(1.0, 1.0, 2.0) - 1)
+def orders(errors: list[float]) -> list[float]:
+    return [log(coarse / fine) / log(2) for coarse, fine in itertools.pairwise(errors)]
 
 
-def test_order_two_behind_the_edge_of_a_uniform_source() -> None:
-    errors = [error_of_uniform(n) for n in (16, 32, 64, 128)]
-    orders = [log(coarse / fine) / log(2) for coarse, fine in itertools.pairwise(errors)]
-    assert errors[-1] < 1e-5 and min(orders) > 1.9
+def test_order_two_behind_the_edge_of_a_uniform_source_and_for_a_smooth_one() -> None:
+    def uniform(n: int) -> float:
+        heat = np.ones(n + 1)
+        heat[0] = 0.5
+        return abs(flash_temperature(heat, STEEL, 2.0, 1.0 / n)[-1] / closed_uniform(1.0, 1.0, 2.0) - 1)
 
-
-def test_order_two_for_a_smooth_source() -> None:
-    def last(n: int) -> float:
+    def smooth(n: int) -> float:
         x = np.linspace(0.0, 1.0, n + 1)
         return float(flash_temperature(np.sin(pi * x) ** 2, STEEL, 1.0, 1.0 / n)[3 * n // 4])
 
-    exact = last(4096)
-    errors = [abs(last(n) - exact) for n in (16, 32, 64)]
-    assert min(log(coarse / fine) / log(2) for coarse, fine in itertools.pairwise(errors)) > 1.9
+    errors = [uniform(n) for n in (16, 32, 64, 128)]
+    assert errors[-1] < 1e-5 and min(orders(errors)) > 1.9
+    assert min(orders([abs(smooth(n) - smooth(4096)) for n in (16, 32, 64)])) > 1.9
 
 
 def test_a_surface_that_moves_back_is_heated_from_the_other_side() -> None:
@@ -150,16 +137,8 @@ def test_a_surface_that_moves_back_is_heated_from_the_other_side() -> None:
         response(STEEL, 0.0, 5, 0.1)
 
 
-def test_peclet_number_of_the_worked_example() -> None:
-    assert peclet_number(STEEL, -0.5, 140e-6) == pytest.approx(0.5 * 140e-6 * 7850 * 460 / 94)
-
-
 def test_as_hot_at_rest_as_by_the_formula() -> None:
     """Uniform heat q on a circle: q a/k in the middle of a surface at rest; at AT_REST the moving one gets as hot."""
     a, q = 140e-6, 1e7
     speed = AT_REST * 2 * STEEL.conductivity / (a * STEEL.density * STEEL.heat_capacity)
     assert closed_uniform(q, 2 * a, speed) == pytest.approx(q * a / STEEL.conductivity)
-
-
-def test_effusivity() -> None:
-    assert STEEL.effusivity == pytest.approx(sqrt(7850 * 460 * 47))
