@@ -104,17 +104,15 @@ def test_midlines_carry_both_fields(ball):
     assert (along.get_xlabel(), across.get_xlabel()) == ("$x$ (µm)", "$y$ (µm)")
 
 
-def test_roughness_of_a_contact(moes):
-    """Below the mid-lines, and lines in the maps; none where all is smooth."""
+def test_roughness_of_a_contact():
+    """Below the mid-lines, and lines in the maps."""
     at_rest = Drive(slide_to_roll=-2.0)  # surface 1
     rough = steady(replace(MOES, roughness=(Feature(Waviness(0.01, 0.5, phase_x=0.3), 1),), drive=at_rest))
     for axes in panels(plots.midlines(rough)):
         assert axes.get_ylim()[0] < 0 <= min(axes.get_yticks())
         assert any(text.get_text().startswith("roughness") for text in axes.texts)
     assert all(roughness_lines(axes) for axes in panels(plots.maps(rough)))
-    for axes in panels(plots.overview(moes)):
-        assert not roughness_lines(axes)
-        assert not [text for text in axes.texts if "roughness" in text.get_text()]
+    assert not any(roughness_lines(axes) for axes in panels(plots.overview(steady(MOES))))
 
 
 def test_convergence_on_every_grid(moes):

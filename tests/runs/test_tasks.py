@@ -68,19 +68,15 @@ def test_results_of_other_arguments_or_sources_are_not_used(tmp_path: Path, monk
     assert kept([task], tmp_path) == {}
 
 
-def flipped(content: bytes, bit: int) -> bytes:
-    changed = bytearray(content)
-    changed[bit // 8] ^= 1 << bit % 8
-    return bytes(changed)
-
-
 def test_a_kept_result_with_any_bit_flipped_is_computed_again(tmp_path: Path, caplog: pytest.LogCaptureFixture):
     task = Task("a", double, (1.5,))
     run_tasks([task], LocalWorker(), tmp_path)
     file = tmp_path / "a.result"
     whole = file.read_bytes()
     for bit in range(0, 8 * len(whole), 97):
-        file.write_bytes(flipped(whole, bit))
+        changed = bytearray(whole)
+        changed[bit // 8] ^= 1 << bit % 8
+        file.write_bytes(changed)
         assert kept([task], tmp_path) == {}, f"bit {bit}"
     for length in range(0, len(whole), 97):
         file.write_bytes(whole[:length])
