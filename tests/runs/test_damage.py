@@ -22,7 +22,7 @@ import ertel
 from ertel.case.case import Case
 from ertel.inputs.case_files import parse_case
 from ertel.runs import checked_zarr
-from ertel.runs.files import LOCK, Damaged, StoreError, checked
+from ertel.runs.files import LOCK, Damaged, StoreError, with_checksum
 from ertel.runs.store import RunStore, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
@@ -382,7 +382,7 @@ def test_no_pickle_is_loaded_from_a_checkpoint(impact, copy):
         header = io.BytesIO()
         np.lib.format.write_array_header_1_0(header, {"descr": "|O", "fortran_order": False, "shape": (1,)})
         file.writestr("store_digest.npy", header.getvalue() + pickle.dumps([Evil()]))
-    (directory / "checkpoint.npz").write_bytes(checked(content.getvalue()))
+    (directory / "checkpoint.npz").write_bytes(with_checksum(content.getvalue()))
     with pytest.raises(Damaged, match=r"checkpoint\.npz: is damaged \(Object arrays cannot be loaded"):
         compute(RunStore.open(directory))
 
