@@ -1,6 +1,9 @@
 """Small cases and reference data shared by the tests."""
 
 import itertools
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +12,7 @@ from typing import Any
 import xarray as xr
 from typer.testing import CliRunner
 
+import ertel
 from ertel.apps.cli import app
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
@@ -98,6 +102,18 @@ def ertel_(*arguments: str, code: int = 0) -> Any:
     result = CliRunner().invoke(app, list(arguments), catch_exceptions=False)
     assert result.exit_code == code, result.output
     return result
+
+
+def python(
+    *arguments: str, without: tuple[str, ...] = (), cwd: Path | None = None, **variables: str
+) -> subprocess.CompletedProcess[str]:
+    """A new process of Python that has ended well; no variable in its environment begins with those `without`."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(without)}
+    environment = {**kept, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), **variables}
+    command = [sys.executable, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=cwd, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    return done
 
 
 LEFT = {files.LOCK} if files.fcntl else set()  # in each directory that was locked

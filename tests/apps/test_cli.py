@@ -295,7 +295,7 @@ def test_show_of_a_run_that_ends_before_maximum_approach(ball):
     said = ertel_("show", "a").stdout
     assert "Maximum approach was not reached." in said
     assert "Thinnest film of the run" in said
-    assert "Imbalance of the budgets: mass " in said
+    assert "mbalance: mass " in said
 
 
 def test_show_of_a_run_under_way(small):

@@ -15,7 +15,7 @@ from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
 from ertel.inputs.studies import load_study
 from ertel.results.diagnostics import case_warnings
-from ertel.results.parameters import films
+from ertel.results.parameters import formula_films
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -137,7 +137,7 @@ def test_elliptical_examples(name: str, nodes: int) -> None:
     """On so small a grid the film is too thin, but of the size of Chittenden's formula."""
     case = load_case(EXAMPLES / f"{name}.toml", [f"solver.nodes={nodes}"])
     result = ertel.simulate(case)
-    formula = next(film for film in films(case) if film.name.startswith("Chittenden")).central
+    formula = next(film for film in formula_films(case) if film.name.startswith("Chittenden")).central
     assert result.summary["status"] == "converged" and formula
     assert 0.6 * formula < result.summary["H_c"] < 1.1 * formula
 

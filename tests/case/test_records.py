@@ -1,25 +1,15 @@
 """Records as plain data and back, to the last bit, and in the units of a case."""
 
+import functools
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Annotated, Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from ertel.case.case import READER, Case
-from ertel.case.records import (
-    checked,
-    data_of,
-    feature_data,
-    named,
-    oil_data,
-    scaled,
-    scaled_all,
-    show,
-)
+from ertel.case.records import checked, data_of, feature_data, named, oil_data, scaled, scaled_all, show
 from ertel.case.sections import Drive, Output, Solver, Time
 from ertel.physics.lubricant import Barus, DowsonHigginson, Isoviscous, Oil, Roelands, Viscosity
 from ertel.physics.motion import Oscillation, Polyline, constant
@@ -44,28 +34,14 @@ class Tube:
 
 def test_a_quantity_is_written_with_its_unit_and_an_amount_as_it_was_given() -> None:
     assert data_of(Tube(0.01, 2.0)) == {"radius": "0.01 m", "until": 2.0}
-    assert data_of(Tube(0.01, Quantity(0.005, "s"), "thin")) == {
-        "radius": "0.01 m",
-        "until": "0.005 s",
-        "note": "thin",
-    }
+    written = data_of(Tube(0.01, Quantity(0.005, "s"), "thin"))
+    assert written == {"radius": "0.01 m", "until": "0.005 s", "note": "thin"}
 
 
 def test_what_is_none_or_infinite_is_left_out() -> None:
-    assert data_of(Waviness(0.1, 0.5)) == {
-        "amplitude": 0.1,
-        "wavelength_x": 0.5,
-        "phase_x": 0.0,
-        "phase_y": 0.0,
-    }
+    assert data_of(Waviness(0.1, 0.5)) == {"amplitude": 0.1, "wavelength_x": 0.5, "phase_x": 0.0, "phase_y": 0.0}
     assert data_of(Time()) == {"tolerance": 5e-5}
     assert data_of(Drive()) == {}
-
-
-@given(st.floats(1e-300, 1e300), st.floats(1e-300, 1e300))
-def test_a_float_reads_back_to_the_last_bit(radius: float, seconds: float) -> None:
-    tube = Tube(radius, Quantity(seconds, "s"))
-    assert READER.record(Tube, data_of(tube), "tube") == tube
 
 
 def test_a_whole_number_becomes_a_float_but_where_an_integer_is_wanted() -> None:
@@ -94,20 +70,15 @@ def test_what_cannot_be_written_is_refused() -> None:
         data_of(Drive(load=lambda T: 1.0))  # type: ignore[arg-type]
 
 
+SECONDS = Quantity(0.002, "s")
 SIGNALS = [
     (constant(2.0), 2.0),
     (Polyline(((0.0, 1.0), (1.5, 2.0))), [[0.0, 1.0], [1.5, 2.0]]),
     (Polyline(((1.5, 2.0),)), [[1.5, 2.0]]),
     (Polyline(((Quantity(0.0, "s"), 2.0),)), [["0.0 s", 2.0]]),
-    (
-        Polyline(((Quantity(-0.001, "s"), 1.0), (Quantity(0.001, "s"), 2.0), (5.0, 1.0))),
-        [["-0.001 s", 1.0], ["0.001 s", 2.0], [5.0, 1.0]],
-    ),
+    (Polyline(((Quantity(-0.001, "s"), 1.0), (5.0, 1.0))), [["-0.001 s", 1.0], [5.0, 1.0]]),
     (Oscillation(1.0, 0.2, 3.0), {"mean": 1.0, "amplitude": 0.2, "period": 3.0, "phase": 0.0}),
-    (
-        Oscillation(1.0, 0.2, Quantity(0.002, "s"), 1.0),
-        {"mean": 1.0, "amplitude": 0.2, "period": "0.002 s", "phase": 1.0},
-    ),
+    (Oscillation(1.0, 0.2, SECONDS, 1.0), {"mean": 1.0, "amplitude": 0.2, "period": "0.002 s", "phase": 1.0}),
 ]
 
 
@@ -216,14 +187,6 @@ def test_values_are_shown_as_in_a_case_file() -> None:
     assert show({"a b": 1, "c-d": 2}) == '{ "a b" = 1, c-d = 2 }'
 
 
-def nested(depth: int) -> list[Any]:
-    """A list in a list in a list ..."""
-    value: list[Any] = []
-    for _ in range(depth):
-        value = [value]
-    return value
-
-
 CYCLE: dict[str, Any] = {}
 CYCLE["again"] = CYCLE
 
@@ -237,7 +200,7 @@ CYCLE["again"] = CYCLE
         list(range(10**6)),
         {f"key {number}": number for number in range(10**5)},
         {"k" * 10**6: 1},
-        nested(900),
+        functools.reduce(lambda inner, _: [inner], range(900), []),
         CYCLE,
         10**5000,
         Polyline(tuple((float(T), 1.0) for T in range(10**4))),
@@ -285,20 +248,17 @@ def test_times_that_fall_together_in_the_units_of_the_case_are_refused() -> None
 @pytest.mark.parametrize(
     ("record", "message"),
     [
-        (
-            Output(Quantity(1.0, "s")),
-            'output.interval = "1.0 s": must be a plain number: a dimensionless case has no s',
-        ),
-        (Feature(Spot(Quantity(1.0, "m"), 0.1)), 'output.radius = "1.0 m": must be a plain number'),
-        (Drive(load=Oscillation(1.0, 0.1, Quantity(1.0, "s"))), 'output.load.period = "1.0 s": must be a plain number'),
-        (Drive(load=Polyline(((Quantity(1.0, "s"), 1.0),))), 'output.load[1] = "1.0 s": must be a plain number'),
+        (Output(SECONDS), 'output.interval = "0.002 s"'),
+        (Feature(Spot(Quantity(1.0, "m"), 0.1)), 'output.radius = "1.0 m"'),
+        (Drive(load=Oscillation(1.0, 0.1, SECONDS)), 'output.load.period = "0.002 s"'),
+        (Drive(load=Polyline(((SECONDS, 1.0),))), 'output.load[1] = "0.002 s"'),
     ],
     ids=str,
 )
 def test_a_dimensionless_case_has_no_units(record, message) -> None:
     with pytest.raises(ValueError) as caught:
         scaled(record, None, "output")
-    assert str(caught.value).startswith(message)
+    assert str(caught.value).startswith(f"{message}: must be a plain number: a dimensionless case has no ")
 
 
 def test_the_place_counts_features_from_one() -> None:
@@ -309,20 +269,13 @@ def test_the_place_counts_features_from_one() -> None:
 
 # -- a whole case ------------------------------------------------------------------------------------------------------
 
+CONTACT = {"radius": "0.01 m", "ball_density": "7850 kg/m^3", "speed": "0.1 m/s", "E_prime": "2.3076923e11 Pa"}
+SPOT = {"shape": "spot", "radius": 0.1, "depth": 0.01}
 BALL = {
     "name": "ball <1>",
-    "contact": {
-        "kind": "impact",
-        "radius": "0.01 m",
-        "ball_density": "7850 kg/m^3",
-        "speed": "0.1 m/s",
-        "E_prime": "2.3076923e11 Pa",
-    },
+    "contact": {"kind": "impact", **CONTACT},
     "lubricant": {"eta0": "0.0186 Pa*s", "alpha": "2e-8 1/Pa", "reference": "a long text"},
-    "roughness": [
-        {"shape": "spot", "radius": 0.1, "depth": 0.01},
-        {"shape": "rings", "amplitude": 0.1, "wavelength": 1},
-    ],
+    "roughness": [SPOT, {"shape": "rings", "amplitude": 0.1, "wavelength": 1}],
 }
 
 
@@ -334,10 +287,7 @@ def test_a_case_is_a_few_lines_of_text():
     assert sum(line.startswith("  roughness") for line in lines) == 2
     assert "a long text" not in "".join(lines)
     assert len(lines) < 10
-
-
-def test_a_case_is_a_table_in_a_notebook():
-    html = Case.from_data(BALL)._repr_html_()
+    html = Case.from_data(BALL)._repr_html_()  # in a notebook
     assert "ball &lt;1&gt;" in html and "<th>contact</th>" in html and "<td>shape = spot" in html
 
 

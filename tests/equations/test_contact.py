@@ -37,7 +37,7 @@ def test_hertz_pressure_closes_the_gap() -> None:
     H = np.asarray(contact.film_thickness(dry, jnp.asarray(hertz.pressure(r)), 1.0))
     assert np.abs(H[r < 0.9]).max() < 1e-3
     np.testing.assert_allclose(H[r > 1.1], hertz.gap(r)[r > 1.1], atol=1e-3)
-    assert float(contact.load(dry, jnp.asarray(hertz.pressure(r)))) == pytest.approx(2 * np.pi / 3, rel=1e-3)
+    assert float(contact.pressure_load(dry, jnp.asarray(hertz.pressure(r)))) == pytest.approx(2 * np.pi / 3, rel=1e-3)
 
 
 @pytest.mark.parametrize("entrainment", [0.0, 1.0, -1.0])

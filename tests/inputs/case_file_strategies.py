@@ -43,6 +43,7 @@ USUAL = {  # sizes of quantities, in SI; of other units 0.1 to 10
     **{"Pa": (1e8, 1e12), "Pa*s": (1e-3, 1.0), "1/Pa": (1e-9, 1e-7), "s": (1e-5, 1e-2), "deg": (-180.0, 180.0)},
     **{"K": (280.0, 400.0), "1/K": (1e-4, 0.1), "J/(kg*K)": (400.0, 3e3), "m^2/s": (1e-5, 1e-3)},
 }
+OTHER_UNITS = {"m": ("inch", 0.0254), "m/s": ("km/hour", 1 / 3.6), "Pa": ("bar", 1e5), "s": ("ms", 1e-3)}
 EXTREME: tuple[Any, ...] = (
     *(0, -1, 1, 10**400, -(10**400), 2**63, 1e-30, 1e30, 1e-300, 1e300, 5e-324, -1e300),
     *(0.0, -0.0, math.inf, -math.inf, math.nan, True, False),
@@ -79,8 +80,12 @@ anything: st.SearchStrategy[Any] = st.one_of(
 
 
 def quantities(unit: Unit) -> st.SearchStrategy[str]:
-    """Quantities of a usual size in the SI unit."""
-    return st.floats(*USUAL.get(unit.unit, (0.1, 10.0))).map(lambda value: f"{value!r} {unit.unit}")
+    """Quantities of a usual size in the SI unit, or in another."""
+    in_si = st.floats(*USUAL.get(unit.unit, (0.1, 10.0)))
+    other, size = OTHER_UNITS.get(unit.unit, (unit.unit, 1.0))
+    return st.one_of(
+        in_si.map(lambda value: f"{value!r} {unit.unit}"), in_si.map(lambda value: f"{value / size!r} {other}")
+    )
 
 
 def numbers(bounds: Bounds) -> st.SearchStrategy[Any]:
@@ -115,7 +120,12 @@ def tables(record: Any, **special: st.SearchStrategy[Any]) -> st.SearchStrategy[
 
 CONTACT = values_of(Conditions)
 points = st.dictionaries(st.floats(0, 5), st.floats(0.1, 3), min_size=1, max_size=3)
-lines = points.map(lambda values: [[T, values[T]] for T in sorted(values)])
+units_of_time = st.sampled_from(["t0", "us"])
+lines = st.builds(
+    lambda values, unit: [[T if unit == "t0" else f"{T!r} {unit}", values[T]] for T in sorted(values)],
+    points,
+    units_of_time,
+)
 signals = st.one_of(st.floats(0.1, 3), lines, tables(Oscillation))
 measured = {
     "file": st.sampled_from([HEIGHTS, HEIGHTS, "missing.npy"]),
@@ -151,14 +161,17 @@ def contacts(draw: st.DrawFn, kind: str) -> Data:
     return data
 
 
-def laws(registry: Any) -> st.SearchStrategy[str]:
-    return st.sampled_from([name for name, law in registry.items() if hasattr(law, "of")])
+def laws(registry: Any) -> st.SearchStrategy[Any]:
+    """Laws by their names, and with data of their own."""
+    names = [name for name, law in registry.items() if hasattr(law, "of")]
+    return st.one_of(st.sampled_from(names), *(tables(registry[name], law=st.just(name)) for name in names))
 
 
 oils = st.fixed_dictionaries(
     {"eta0": quantities(marks(Oil)["eta0"]), "alpha": quantities(marks(Oil)["alpha"])},  # type: ignore[arg-type]
     optional={
-        **{"viscosity": laws(VISCOSITY_LAWS), "density": laws(DENSITY_LAWS), "reference": st.just("a data sheet")},
+        **{"viscosity": laws(VISCOSITY_LAWS), "density": laws(DENSITY_LAWS)},
+        **{"reference": st.text(max_size=10).filter(str.isprintable)},
         **{name: value for name, value in values_of(Oil).items() if name not in ("eta0", "alpha")},
     },
 )

@@ -1,7 +1,6 @@
 """Case files: what they may say, what they mean, and what is said about the ones that may not."""
 
 import os
-import tomllib
 from datetime import date
 from math import isclose, pi
 from pathlib import Path
@@ -9,22 +8,16 @@ from pathlib import Path
 import pytest
 from case_file_strategies import case_files, outcome
 from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from ertel.case.case import Case
 from ertel.case.records import show
 from ertel.case.sections import Output, Solver, Time
-from ertel.inputs.case_files import ConfigError, apply_overrides, load_case, parse_case, to_toml
+from ertel.inputs.case_files import ConfigError, apply_overrides, load_case, parse_case
 from ertel.physics import lubricant, scales
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MOES = {"M": 1000, "L": 10}
-BALL = {
-    "radius": "10 mm",
-    "mass": "32.6726 g",
-    "speed": "0.1 m/s",
-    "E_prime": "226.37 GPa",
-}
+BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
 OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
 STEEL = {"E1": "210 GPa", "nu1": 0.3, "E2": "210 GPa", "nu2": 0.3}
 
@@ -40,14 +33,10 @@ def complaint(**sections: object) -> str:
 # -- what a case file means -------------------------------------------------------------------------------------------
 
 
-def test_moes_numbers():
+def test_dimensionless_numbers():
     case = parse_case({"contact": MOES})
-    assert isclose(case.parameters.M, 1000, rel_tol=1e-13)
-    assert isclose(case.parameters.L, 10, rel_tol=1e-13)
+    assert (case.parameters.M, case.parameters.L) == pytest.approx((1000, 10), rel=1e-13)
     assert case.scales is None
-
-
-def test_lambda_bar_and_alpha_bar():
     case = parse_case({"contact": {"lambda_bar": 0.01, "alpha_bar": 20}})
     assert case.parameters == scales.Parameters(0.01, 20)
 
@@ -62,31 +51,26 @@ def test_physical_input_is_the_dimensional_example():
     """The dimensional example of reference/impact.json, to its five digits."""
     case = parse_case({"contact": BALL, "lubricant": OIL})
     si = case.scales
-    assert si is not None
     found = [si.film, si.a, si.load, si.p_h, si.t0, case.parameters.lambda_bar, case.parameters.alpha_bar]
     expected = [3.74064e-06, 0.000193407, 109.181, 1393610000.0, 3.74064e-05, 0.0615385, 30.6595]
-    assert all(isclose(a, b, rel_tol=1e-5) for a, b in zip(found, expected, strict=True))
+    assert found == pytest.approx(expected, rel=1e-5)
 
 
 def test_ways_to_say_the_same_ball():
     density = 0.0326726 / (4 / 3 * pi * 0.01**3)
     height = 0.1**2 / (2 * 9.80665)
     other = {"radius_1": "20 mm", "radius_2": "20 mm", "mass": "32.6726 g", "drop_height": f"{height!r} m"}
-    one = parse_case({"contact": BALL, "lubricant": OIL}).parameters
-    two = parse_case({"contact": other | {"E_prime": "226.37 GPa"}, "lubricant": OIL}).parameters
     heavy = {k: v for k, v in BALL.items() if k != "mass"} | {"ball_density": f"{density!r} kg/m^3"}
-    three = parse_case({"contact": heavy, "lubricant": OIL}).parameters
-    for same in (two, three):
-        assert isclose(one.M, same.M, rel_tol=1e-12)
-        assert isclose(one.L, same.L, rel_tol=1e-12)
+    one = parse_case({"contact": BALL, "lubricant": OIL}).parameters
+    for contact in (other | {"E_prime": "226.37 GPa"}, heavy):
+        same = parse_case({"contact": contact, "lubricant": OIL}).parameters
+        assert (same.M, same.L) == pytest.approx((one.M, one.L), rel=1e-12)
 
 
 def test_density_is_that_of_the_first_ball():
     contact = {"radius_1": "10 mm", "radius_2": "40 mm", "ball_density": "8 g/cm^3", "speed": "1 m/s", **STEEL}
     si = parse_case({"contact": contact, "lubricant": OIL}).scales
-    assert si is not None
-    assert isclose(si.R, 0.008)
-    assert isclose(si.ball_mass, 8000 * 4 / 3 * pi * 0.01**3)
+    assert (si.R, si.ball_mass) == pytest.approx((0.008, 8000 * 4 / 3 * pi * 0.01**3), rel=1e-9)
 
 
 def test_roelands_of_a_dimensionless_case_has_the_typical_oil():
@@ -129,12 +113,6 @@ def test_physical_isoviscous_needs_no_alpha():
     assert isinstance(case.lubricant.density_law, lubricant.DowsonHigginson)
 
 
-@pytest.mark.parametrize("until", ["max-approach", "rebound", 2.5, 3])
-def test_until(until):
-    time = parse_case({"contact": MOES, "time": {"until": until}}).time
-    assert time is not None and time.until == until
-
-
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
 def test_examples_are_cases(path):
     case = load_case(path)
@@ -142,72 +120,13 @@ def test_examples_are_cases(path):
     assert case.on_half_grid().solver.nodes == (case.solver.nodes + 1) // 2
 
 
-@pytest.mark.parametrize("alpha", ["22 / GPa", "22 1/GPa", "22e-9 1/Pa", "2.2e-8 m^2/N", "22 GPa^-1", "0.022 / MPa"])
-def test_compliances(alpha):
-    case = parse_case({"contact": BALL, "lubricant": OIL | {"alpha": alpha}})
-    assert isclose(case.parameters.alpha_bar, 30.6595, rel_tol=1e-5)
-
-
-# -- round trip -------------------------------------------------------------------------------------------------------
-
-positive = st.floats(1e-6, 1e6)
-units = {"length": ["m", "mm", "µm", "inch"], "speed": ["m/s", "km/hour", "mm/ms"], "stress": ["Pa", "GPa", "bar"]}
-
-
-def quantity(kind: str, low: float, high: float) -> st.SearchStrategy[str]:
-    return st.builds(lambda value, unit: f"{value!r} {unit}", st.floats(low, high), st.sampled_from(units[kind]))
-
-
-balls = st.fixed_dictionaries(
-    {
-        "radius": quantity("length", 1.5, 99.0),
-        "ball_density": st.floats(1e3, 2e4).map(lambda rho: f"{rho!r} kg/m^3"),
-        "speed": quantity("speed", 1e-3, 1e2),
-        "E_prime": quantity("stress", 1.0, 1e3),
-    }
-)
-oils = st.fixed_dictionaries(
-    {"eta0": st.floats(1e-4, 100.0).map(lambda eta: f"{eta!r} Pa*s"), "alpha": st.just("20 / GPa")},
-    optional={
-        "viscosity": st.sampled_from(["roelands", "barus"]),
-        "reference": st.text(max_size=10).filter(str.isprintable),
-    },
-)
-moes = st.fixed_dictionaries({"M": st.floats(1, 1e5), "L": st.floats(0.1, 50)})
-solvers = st.fixed_dictionaries(
-    {},
-    optional={"method": st.just("radial"), "nodes": st.sampled_from([65, 129, 257]), "tolerance": st.floats(1e-6, 0.1)},
-)
-times = st.fixed_dictionaries({}, optional={"step": st.floats(1e-4, 0.1), "until": st.floats(0.1, 10)})
-
-
-@given(contact=st.one_of(balls, moes), oil=oils, solver=solvers, time=times)
-def test_resolved_case_reads_back_as_the_same(contact, oil, solver, time):
-    case = parse_case({"contact": contact, "lubricant": oil, "solver": solver, "time": time})
-    again = parse_case(tomllib.loads(to_toml(case)))
-    assert again == case  # to the last bit, for a run resumed from its resolved case equals the run
-    assert again.digest == case.digest
-    assert again.to_data() == case.to_data()
-    assert Case.from_data(case.to_data()) == case
-
-
-@given(st.dictionaries(st.text(min_size=1, max_size=8), st.one_of(st.floats(), st.text(max_size=5), st.booleans())))
-def test_nonsense_is_refused_in_one_line(contact):
-    try:
-        parse_case({"contact": contact})
-    except ConfigError as error:
-        assert len(str(error).splitlines()) == 1
-    else:
-        assert set(contact) == {"M", "L"} or set(contact) == {"lambda_bar", "alpha_bar"}
-
-
 # -- overrides --------------------------------------------------------------------------------------------------------
 
 
 def test_overrides_are_toml_or_text():
+    given = {"contact": dict(MOES)}
     data = apply_overrides(
-        {"contact": dict(MOES)},
-        ["solver.nodes=129", "time.until=rebound", "contact.M = 2e3", "lubricant.alpha=20 / GPa", 'name="a b"'],
+        given, ["solver.nodes=129", "time.until=rebound", "contact.M = 2e3", "lubricant.alpha=20 / GPa", 'name="a b"']
     )
     assert data == {
         "contact": {"M": 2000.0, "L": 10},
@@ -216,12 +135,13 @@ def test_overrides_are_toml_or_text():
         "lubricant": {"alpha": "20 / GPa"},
         "name": "a b",
     }
+    assert given == {"contact": MOES}  # left alone
 
 
-def test_overrides_leave_the_data_alone():
-    data = {"contact": dict(MOES)}
-    apply_overrides(data, ["contact.M=1"])
-    assert data["contact"]["M"] == 1000
+def test_an_override_is_one_value():
+    """What followed in further lines was silently left out."""
+    assert apply_overrides({}, ["solver.nodes=65\n[time]\nuntil=1"])["solver"]["nodes"] == "65\n[time]\nuntil=1"
+    assert apply_overrides({}, ["solver.nodes=" + "[" * 900 + "]" * 900])["solver"]["nodes"].startswith("[[[")
 
 
 @pytest.mark.parametrize("item", ["solver.nodes", "=3", "a.b.c=3", "solver.=3"])
@@ -240,11 +160,9 @@ def test_malformed_override(item):
         ({"solver": {"node": 3}}, ["solver.node = 3", "unknown key", "did you mean nodes?", "half_width"]),
         ({"contact": MOES | {"raduis": "1 mm"}}, ['contact.raduis = "1 mm"', "did you mean radius?"]),
         ({"solver": 5}, ["solver = 5", "must be a section", "[solver]"]),
-        ({"schema": 2}, ["schema = 2", "allowed: 1"]),
         ({"contact": MOES | {"kind": "bounce"}}, ['contact.kind = "bounce"', "allowed: 'impact' or 'rolling'"]),
         ({"lubricant": {"viscosity": "baras"}}, ['lubricant.viscosity = "baras"', "'barus'"]),
         ({"contact": {"M": -5, "L": 10}}, ["contact.M = -5", "greater than 0"]),
-        ({"contact": {"M": float("nan"), "L": 10}}, ["contact.M = NaN", "finite"]),
         ({"contact": {"M": "1000", "L": 10}}, ['contact.M = "1000"', "must be a number"]),
         ({"contact": {"M": True, "L": 10}}, ["contact.M = true", "must be a number"]),
         ({"contact": {}}, ["contact.M: missing", "lambda_bar and alpha_bar", "radius"]),
@@ -252,11 +170,7 @@ def test_malformed_override(item):
         ({"contact": MOES | {"lambda_bar": 1}}, ["contact.M = 1000", "contact.lambda_bar = 1", "together", "allowed"]),
         ({"contact": MOES | BALL}, ["contact.M = 1000", 'contact.radius = "10 mm"', "together", "allowed"]),
         ({"solver": {"nodes": 100}}, ["solver.nodes = 100", "97", "105"]),
-        ({"solver": {"method": "radial", "nodes": 3}}, ["solver.nodes = 3: must be at least"]),
-        ({"solver": {"nodes": 129.0}}, ["solver.nodes = 129.0", "integer"]),
         ({"time": {"until": "never"}}, ['time.until = "never"', '"max-approach"', '"rebound"', "above zero"]),
-        ({"time": {"until": -1}}, ["time.until = -1", "above zero"]),
-        ({"time": {"step": 0}}, ["time.step = 0", "above zero"]),
         ({"lubricant": {"alpha": "3 m"}}, ['lubricant.alpha = "3 m"', "[length]", "22 / GPa"]),
         ({"lubricant": {"alpha": "3 quux"}}, ['lubricant.alpha = "3 quux"', "unknown unit", "22 / GPa"]),
         ({"lubricant": {"alpha": "-3 1/Pa"}}, ['lubricant.alpha = "-3 1/Pa"', "above zero"]),
@@ -267,15 +181,6 @@ def test_malformed_override(item):
 def test_refused(sections, expected):
     message = complaint(**sections)
     assert all(part in message for part in expected), message
-
-
-@pytest.mark.parametrize(
-    "radius", ["0 mm", "-10 mm", "nan m", "inf m", "10", "mm", "10 kg", "10 degC", 0.01, "", "1e999 m"]
-)
-def test_refused_radius(radius):
-    message = complaint(contact=BALL | {"radius": radius}, lubricant=OIL)
-    assert message.startswith("contact.radius = ")
-    assert "10 mm" in message
 
 
 @pytest.mark.parametrize("key", BALL)
@@ -327,30 +232,19 @@ def test_no_contact():
 # -- files ------------------------------------------------------------------------------------------------------------
 
 
-def test_missing_file(tmp_path):
-    with pytest.raises(ConfigError, match=r"no\.toml: no such file"):
-        load_case(tmp_path / "no.toml")
-
-
-def test_a_directory_is_no_file(tmp_path):
-    with pytest.raises(ConfigError, match="cannot read"):
-        load_case(tmp_path)
-
-
-@pytest.mark.parametrize("content", [b"[contact", b"\xff\xfe", b"a = 1\na = 2"])
-def test_not_toml(tmp_path, content):
-    path = tmp_path / "case.toml"
-    path.write_bytes(content)
-    with pytest.raises(ConfigError, match="not valid TOML"):
-        load_case(path)
-
-
 def read(tmp_path: Path, content: bytes, name: str = "case.toml") -> Case:
     (tmp_path / name).write_bytes(content)
     return load_case(tmp_path / name)
 
 
 SMALL = b"[contact]\nM = 1000\nL = 10\n"
+
+
+def test_no_file(tmp_path):
+    with pytest.raises(ConfigError, match=r"no\.toml: no such file"):
+        load_case(tmp_path / "no.toml")
+    with pytest.raises(ConfigError, match="cannot read"):
+        load_case(tmp_path)
 
 
 @pytest.mark.parametrize("content", [b"\xef\xbb\xbf" + SMALL, SMALL.replace(b"\n", b"\r\n")], ids=["mark", "windows"])
@@ -362,7 +256,10 @@ def test_a_byte_order_mark_and_lines_of_windows_are_read(tmp_path, content):
     ("content", "said"),
     [
         (SMALL.decode().encode("utf-16"), "must be text in UTF-8, but byte 1 is not"),
-        (b"\x00" + SMALL, "is not valid TOML"),
+        (b"\xff\xfe", "not valid TOML"),
+        (b"[contact", "not valid TOML"),
+        (b"a = 1\na = 2", "not valid TOML"),
+        (b"\x00" + SMALL, "not valid TOML"),
         (SMALL + b"x = " + b"[" * 900 + b"]" * 900, "arrays or tables are nested hundreds of times"),
         (SMALL + b"x = " + b"{a=" * 900 + b"1" + b"}" * 900, "arrays or tables are nested hundreds of times"),
         (b"x = 1" + b"0" * 5000 + b"\n" + SMALL, "an integer has thousands of digits"),
@@ -372,7 +269,10 @@ def test_a_byte_order_mark_and_lines_of_windows_are_read(tmp_path, content):
         (b"[" + b"a" * 900_000 + b"]\n[" + b"a" * 900_000 + b"]", "is too large"),
         (b"[" + b"a" * 400_000 + b"]\n[" + b"a" * 400_000 + b"]", "Cannot declare ("),
     ],
-    ids=["utf-16", "null", "arrays", "tables", "digits", "key", "quoted key", "large", "larger", "long key"],
+    ids=[
+        *("utf-16", "bytes", "open", "twice", "null", "arrays", "tables", "digits"),
+        *("key", "quoted key", "large", "larger", "long key"),
+    ],
 )
 def test_what_is_no_case_file_is_said_shortly(tmp_path, content, said):
     with pytest.raises(ConfigError) as caught:
@@ -453,12 +353,6 @@ def test_true_is_no_number_one():
     spot = {"shape": "spot", "radius": 1, "height": 1, "surface": True}
     assert complaint(roughness=[spot]) == "roughness[1].surface = true: allowed: 1 or 2"
     assert complaint(schema=True) == "schema = true: allowed: 1"
-
-
-def test_an_override_is_one_value():
-    """What followed in further lines was silently left out."""
-    assert apply_overrides({}, ["solver.nodes=65\n[time]\nuntil=1"])["solver"]["nodes"] == "65\n[time]\nuntil=1"
-    assert apply_overrides({}, ["solver.nodes=" + "[" * 900 + "]" * 900])["solver"]["nodes"].startswith("[[[")
 
 
 # -- whole files, valid and spoiled -----------------------------------------------------------------------------------

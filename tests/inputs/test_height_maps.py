@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tomli_w
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap, Measured
@@ -25,13 +26,8 @@ pytestmark = pytest.mark.skipif(find_spec("SurfaceTopography") is None, reason="
 BALL = {"radius": "10 mm", "ball_density": "7850 kg/m^3", "speed": "0.1 m/s", "E_prime": "231 GPa"}
 CONTACT = {"contact": {"kind": "impact", **BALL}, "lubricant": {"eta0": "20 mPa*s", "alpha": "20 / GPa"}}
 LENGTHS = 600e-6, 400e-6  # m, of the map along x and y
-WAVE = (
-    1e-8
-    * np.cos(2 * np.pi * (np.arange(30) + 0.5) / 30 * 4)
-    * np.cos(  # m, rows along y: four and three waves
-        2 * np.pi * (np.arange(20)[:, None] + 0.5) / 20 * 3
-    )
-)
+X, Y = (np.arange(30) + 0.5) / 30, (np.arange(20)[:, None] + 0.5) / 20
+WAVE = 1e-8 * np.cos(2 * np.pi * X * 4) * np.cos(2 * np.pi * Y * 3)  # m, rows along y: four and three waves
 TILT = 1e-6 * np.linspace(-1, 1, 30) + 5e-7 * np.linspace(-1, 1, 20)[:, None] + 3e-6
 BOW = 1e-6 * np.linspace(-1, 1, 30) ** 2
 
@@ -41,9 +37,8 @@ def written(path: Path, heights: np.ndarray, unit: str = "um") -> Path:
     from SurfaceTopography import Topography  # here: it takes seconds, and each worker imports this file
 
     factor = {"um": 1e6, "nm": 1e9}[unit]
-    found = Topography(
-        np.ma.masked_invalid(heights.T * factor), tuple(length * factor for length in LENGTHS), unit=unit
-    )
+    sides = tuple(length * factor for length in LENGTHS)
+    found = Topography(np.ma.masked_invalid(heights.T * factor), sides, unit=unit)
     writers = {".nc": found.to_netcdf, ".x3p": found.to_x3p, ".gwy": found.to_gwy}
     writers.get(path.suffix, found.to_matrix)(str(path))
     return path
@@ -66,6 +61,17 @@ def lengths(shape: Measured) -> list[float]:
     return [side.value for side in (shape.length_x, shape.length_y) if isinstance(side, Quantity)]
 
 
+def is_the_wave(shape: Measured) -> bool:
+    return lengths(shape) == pytest.approx(LENGTHS) and np.allclose(heights(shape), WAVE, rtol=1e-7, atol=1e-15)
+
+
+def holed(rows: Any, columns: Any) -> np.ndarray:
+    """The wave with gaps."""
+    found = WAVE.copy()
+    found[rows, columns] = np.nan
+    return found
+
+
 # -- formats and units ------------------------------------------------------------------------------------------------
 
 
@@ -76,33 +82,19 @@ def lengths(shape: Measured) -> list[float]:
 def test_heights_lengths_and_units_are_those_of_the_file(tmp_path, name, unit) -> None:
     """NetCDF, a matrix as text, X3P (ISO 5436-2) and Gwyddion's, as SurfaceTopography writes them."""
     written(tmp_path / name, WAVE, unit)
-    found = read(tmp_path, file=name)
-    assert lengths(found) == pytest.approx(LENGTHS)
-    np.testing.assert_allclose(heights(found), WAVE, atol=1e-15)
+    assert is_the_wave(read(tmp_path, file=name))
 
 
-def test_points_with_their_coordinates_are_read(tmp_path) -> None:
-    """XYZ: three columns."""
+def test_files_without_units_are_told_them(tmp_path) -> None:
+    """XYZ, three columns; a matrix as text, whose points are square; an array of NumPy, with rows along y."""
     x, y = np.arange(30) * 20.0, np.arange(20) * 20.0
     columns = [np.tile(x, 20), np.repeat(y, 30), 1e6 * WAVE.ravel()]
     np.savetxt(tmp_path / "disc.xyz", np.column_stack(columns))
-    found = read(tmp_path, file="disc.xyz", unit="um")
-    assert lengths(found) == pytest.approx(LENGTHS)
-    np.testing.assert_allclose(heights(found), WAVE, atol=1e-15)
-
-
-def test_a_file_without_units_is_told_them(tmp_path) -> None:
+    assert is_the_wave(read(tmp_path, file="disc.xyz", unit="um"))
     np.savetxt(tmp_path / "plain.txt", 1e9 * WAVE)
-    found = read(tmp_path, file="plain.txt", unit="nm", length_x="600 um")
-    assert lengths(found) == pytest.approx(LENGTHS)  # its points are square
-    np.testing.assert_allclose(heights(found), WAVE, atol=1e-15)
-
-
-def test_an_array_of_numpy_has_rows_along_y(tmp_path) -> None:
+    assert is_the_wave(read(tmp_path, file="plain.txt", unit="nm", length_x="600 um"))
     np.save(tmp_path / "disc.npy", WAVE)
-    found = read(tmp_path, file="disc.npy", unit="m", length_y="400 um")
-    assert lengths(found) == pytest.approx(LENGTHS)
-    np.testing.assert_allclose(heights(found), WAVE, atol=1e-15)
+    assert is_the_wave(read(tmp_path, file="disc.npy", unit="m", length_y="400 um"))
 
 
 def test_what_is_given_wins_over_the_file(tmp_path) -> None:
@@ -141,18 +133,15 @@ def test_nothing_is_taken_off_where_nothing_is_wanted(tmp_path) -> None:
 
 
 def test_gaps_are_filled_from_their_rims(tmp_path) -> None:
-    gaps = np.zeros((20, 30), dtype=bool)
-    gaps[7:9, 11:14] = True
     smooth = 1e-7 * np.linspace(-1, 1, 30) * np.linspace(0, 1, 20)[:, None]  # harmonic, so that filling is exact
+    gaps = np.isnan(holed(slice(7, 9), slice(11, 14)))
     written(tmp_path / "disc.nc", np.where(gaps, np.nan, smooth))
     found = heights(read(tmp_path, file="disc.nc", detrend="none"))
     np.testing.assert_allclose(found, smooth, atol=1e-14)
 
 
 def test_gaps_of_an_array_are_its_nan(tmp_path) -> None:
-    holed = WAVE.copy()
-    holed[3, 4] = np.nan
-    np.save(tmp_path / "disc.npy", holed)
+    np.save(tmp_path / "disc.npy", holed(3, 4))
     found = heights(read(tmp_path, file="disc.npy", unit="m", length_x="600 um", detrend="none"))
     assert found[3, 4] == pytest.approx((WAVE[2, 4] + WAVE[4, 4] + WAVE[3, 3] + WAVE[3, 5]) / 4)
 
@@ -166,16 +155,16 @@ def test_gaps_of_an_array_are_its_nan(tmp_path) -> None:
         ({}, "roughness[1].file: missing"),
         ({"file": "nothing.al3d"}, 'roughness[1].file = "nothing.al3d": cannot be read'),
         ({"file": "."}, 'roughness[1].file = ".": is not a regular file'),
-        ({"file": "broken.al3d"}, 'roughness[1].file = "broken.al3d": SurfaceTopography cannot read it'),
+        ({"file": "broken.al3d"}, 'roughness[1].file = "broken.al3d": SurfaceTopography cannot'),
         ({"file": "broken.npy"}, 'roughness[1].file = "broken.npy": is not an array of numbers'),
         ({"file": "complex.npy"}, 'roughness[1].file = "complex.npy": is not an array of numbers'),
         ({"file": "line.npy", "unit": "m", "length_x": 1}, 'roughness[1].file = "line.npy": heights: is 30; must be'),
         ({"file": "disc.nc", "channel": "Phase"}, 'roughness[1].channel = "Phase": the file has "Default"'),
-        ({"file": "disc.nc", "unit": "nm"}, 'roughness[1].unit = "nm": the file says µm; leave it out'),
+        ({"file": "disc.nc", "unit": "nm"}, 'roughness[1].unit = "nm": the file says µm'),
         ({"file": "disc.nc", "detrend": "sphere"}, 'roughness[1].detrend = "sphere": allowed: '),
         ({"file": "disc.nc", "taper": "300 um"}, "roughness[1].taper = "),
-        ({"file": "disc.npy"}, "roughness[1].length_x: missing; the file does not say how long"),
-        ({"file": "disc.npy", "length_x": "1 mm"}, "roughness[1].unit: missing; the file does not say in which"),
+        ({"file": "disc.npy"}, "roughness[1].length_x: missing; the file does not say"),
+        ({"file": "disc.npy", "length_x": "1 mm"}, "roughness[1].unit: missing; the file does not say"),
         ({"file": "disc.npy", "length_x": 1, "unit": "kg"}, 'roughness[1].unit = "kg": must be a unit of length'),
         ({"file": "disc.npy", "length_x": 1, "unit": "m", "channel": "a"}, 'roughness[1].channel = "a": a NumPy array'),
         ({"file": "holes.nc"}, 'roughness[1].file = "holes.nc": 60% of its points are gaps; at most 50%'),
@@ -184,9 +173,7 @@ def test_gaps_of_an_array_are_its_nan(tmp_path) -> None:
 )
 def test_what_is_wrong_is_said(tmp_path, table, message) -> None:
     written(tmp_path / "disc.nc", WAVE)
-    holed = WAVE.copy()
-    holed[:12] = np.nan
-    written(tmp_path / "holes.nc", holed)
+    written(tmp_path / "holes.nc", holed(slice(12), slice(None)))
     np.save(tmp_path / "disc.npy", WAVE)
     np.save(tmp_path / "line.npy", WAVE[0])
     np.save(tmp_path / "complex.npy", 1j * WAVE)
@@ -215,12 +202,15 @@ def test_without_the_package_it_is_said_what_to_install(tmp_path, monkeypatch) -
 PLACED: dict[str, Any] = {"unit": "m", "length_x": "600 um"}
 
 
+ONE = WAVE / np.abs(WAVE).max()
+
+
 @pytest.mark.parametrize("detrend", ["none", "plane"])
 @pytest.mark.parametrize(
     ("found", "message"),
     [
-        (WAVE / np.abs(WAVE).max() * 1e300, "heights: reach 1e+300; the largest must be between 1e-30 and 1e+30"),
-        (WAVE / np.abs(WAVE).max() * 1e-320, "heights: reach 1e-320; the largest must be between 1e-30 and 1e+30"),
+        (1e300 * ONE, "heights: reach 1e+300; the largest must be between 1e-30 and 1e+30"),
+        (1e-320 * ONE, "heights: reach 1e-320; the largest must be between 1e-30 and 1e+30"),
         (np.where(WAVE == WAVE.max(), np.inf, WAVE), "4 of its heights are infinite; a gap must be nan"),
         (np.where(WAVE == WAVE.max(), -np.inf, WAVE), "4 of its heights are infinite; a gap must be nan"),
         (0 * WAVE, "heights: are all zero; leave the map out"),
@@ -234,17 +224,15 @@ def test_heights_that_nothing_can_have_are_refused(tmp_path, found, message, det
 
 
 @pytest.mark.parametrize("detrend", ["mean", "plane", "curvature"])
-@pytest.mark.parametrize("form", [3e-6 + 0 * TILT, 0.1 + 0 * TILT])
-def test_round_off_is_no_roughness(tmp_path, form, detrend) -> None:
-    np.save(tmp_path / "disc.npy", form)
+@pytest.mark.parametrize("level", [3e-6, 0.1])
+def test_round_off_is_no_roughness(tmp_path, level, detrend) -> None:
+    np.save(tmp_path / "disc.npy", np.full((20, 30), level))
     with pytest.raises(ConfigError, match=rf'^roughness\[1\].detrend = "{detrend}": leaves nothing but round-off'):
         read(tmp_path, file="disc.npy", detrend=detrend, **PLACED)
 
 
 def test_how_many_points_were_filled_is_said_and_stays_with_the_case(tmp_path) -> None:
-    holed = WAVE.copy()
-    holed[3, 4:7] = np.nan
-    written(tmp_path / "disc.nc", holed)
+    written(tmp_path / "disc.nc", holed(3, slice(4, 7)))
     table = {"shape": "measured", "file": "disc.nc"}
     case = parse_case({**CONTACT, "roughness": [table]}, tmp_path)
     said = [sentence for sentence in case_warnings(case) if "gaps" in sentence]
@@ -279,11 +267,11 @@ def zipped(path: Path, members: dict[str, bytes], declared: int | None = None) -
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in members.items():
             archive.writestr(name, data)
+    packed = content.getvalue()
     if declared is not None:
         first = len(next(iter(members.values()))).to_bytes(4, "little")
-        packed = content.getvalue().replace(first, declared.to_bytes(4, "little"))
-        content = BytesIO(packed)
-    path.write_bytes(content.getvalue())
+        packed = packed.replace(first, declared.to_bytes(4, "little"))
+    path.write_bytes(packed)
 
 
 def refused(folder: Path, name: str, message: str, most: float = 5e6, **table: Any) -> None:
@@ -311,12 +299,14 @@ def test_an_array_is_refused_by_its_header(tmp_path, name, shape, message) -> No
     refused(tmp_path, name, message, **placed)
 
 
+IN_A_LINE = "has more than 4096 numbers in a line"
+
+
 @pytest.mark.parametrize("separator", [" ", ",", "\t", "; "])
 @pytest.mark.parametrize("encoding", ["ascii", "utf-16"])
 def test_a_line_of_many_numbers_is_refused_before_it_is_read(tmp_path, separator, encoding) -> None:
     (tmp_path / "wide.txt").write_bytes(f"# Width: 1 mm\n{('1' + separator) * 300_000}\n".encode(encoding))
-    said = "has more than 4096 numbers in a line; a map has at most 4096 points a side"
-    refused(tmp_path, "wide.txt", said, most=40e6)
+    refused(tmp_path, "wide.txt", f"{IN_A_LINE}; a map has at most 4096 points a side", most=40e6)
 
 
 def test_many_lines_of_numbers_are_refused_before_they_are_read(tmp_path, monkeypatch) -> None:
@@ -336,7 +326,7 @@ def test_a_zip_archive_is_refused_by_what_it_unpacks_to(tmp_path) -> None:
     zipped(tmp_path / "tree.plux", {"recipe.txt": b"\n <a>" + b"<b/>" * 3_000_000 + b"</a>"})
     refused(tmp_path, "tree.plux", "recipe.txt in it is 12 MB of XML; must be at most 10 MB")
     zipped(tmp_path / "wide.zip", {"scan.dat": b"1 " * 3_000_000})
-    refused(tmp_path, "wide.zip", "has more than 4096 numbers in a line; a map has at most 4096 points a side", 40e6)
+    refused(tmp_path, "wide.zip", f"{IN_A_LINE}; a map has at most 4096 points a side", 40e6)
     zipped(tmp_path / "table.xlsx", {"[Content_Types].xml": b"<a/>"})
     refused(tmp_path, "table.xlsx", "is an office document, which has no map of heights; export the map as text")
 
@@ -364,16 +354,7 @@ def test_a_file_is_refused_by_its_size(tmp_path) -> None:
 
 # -- in a case --------------------------------------------------------------------------------------------------------
 
-TOML = """
-[contact]
-M = 1000
-L = 10
-[[roughness]]
-shape = "measured"
-file = "{file}"
-length_x = 3.0
-rms = 0.01
-"""
+DISC = {"shape": "measured", "file": "disc.nc"}
 
 
 def test_a_case_depends_on_the_heights_and_not_on_the_path(tmp_path) -> None:
@@ -382,7 +363,9 @@ def test_a_case_depends_on_the_heights_and_not_on_the_path(tmp_path) -> None:
     for folder, factor in (("here", 1.0), ("there", 1.0), ("other", 1.01)):
         (tmp_path / folder).mkdir()
         written(tmp_path / folder / f"{folder}.nc", WAVE + (factor - 1) * TILT**2 / 1e-6)
-        (tmp_path / folder / "case.toml").write_text(TOML.format(file=f"{folder}.nc"), encoding="utf-8")
+        table = {**DISC, "file": f"{folder}.nc", "length_x": 3.0, "rms": 0.01}
+        content = tomli_w.dumps({"contact": {"M": 1000, "L": 10}, "roughness": [table]})
+        (tmp_path / folder / "case.toml").write_text(content, encoding="utf-8")
         cases[folder] = load_case(tmp_path / folder / "case.toml", ['name="same"'])
     assert cases["here"] == cases["there"] != cases["other"]
     assert cases["here"].digest == cases["there"].digest != cases["other"].digest
@@ -390,7 +373,7 @@ def test_a_case_depends_on_the_heights_and_not_on_the_path(tmp_path) -> None:
 
 def test_a_case_reads_back_with_its_maps(tmp_path) -> None:
     written(tmp_path / "disc.nc", WAVE)
-    table = {"shape": "measured", "file": "disc.nc", "cutoff": "20 um", "angle": "30 deg", "x": "-1 mm", "surface": 2}
+    table = {**DISC, "cutoff": "20 um", "angle": "30 deg", "x": "-1 mm", "surface": 2}
     case = parse_case({**CONTACT, "roughness": [table]}, tmp_path)
     assert Case.from_data(case.to_data(), case.maps) == case
     with pytest.raises(ValueError, match=r"^roughness\[1\].file = .*: its heights are not given with the case$"):

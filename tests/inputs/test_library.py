@@ -70,9 +70,7 @@ def test_every_oil_can_be_stored(oil: NamedOil):
 def test_outside_the_data(oil: NamedOil):
     coldest, hottest = oil.temperatures
     for T in (coldest - 0.01, hottest + 0.01):
-        with pytest.raises(
-            ValueError, match=rf"^temperature = .* K: must be between .* degC, the range.*\({oil.name}\)$"
-        ):
+        with pytest.raises(ValueError, match=rf"^temperature = .* K: must be between .* degC.*\({oil.name}\)$"):
             oil.at(T)
     assert oil.at(coldest).eta0 > oil.at(hottest).eta0
 
@@ -176,8 +174,7 @@ def test_every_material_is_a_solid(material):
 
 
 @pytest.mark.parametrize(
-    ("text", "kelvin"),
-    [("40 degC", 313.15), ("40degC", 313.15), ("-9.5 °C", 263.65), ("313.15 K", 313.15), (9, 9)],
+    ("text", "kelvin"), [("40 degC", 313.15), ("40degC", 313.15), ("-9.5 °C", 263.65), ("313.15 K", 313.15), (9, 9)]
 )
 def test_temperatures(text, kelvin):
     assert library.parse_temperature(text) == kelvin
@@ -212,40 +209,24 @@ def test_a_data_sheet_gives_the_oil_of_the_library_with_these_data():
 def test_a_data_sheet_with_a_known_alpha():
     oil = oils.data_sheet(**SHEET, alpha="20 / GPa", expansion="6.5e-4 / K", reference="Own oil 68")
     assert oil.alpha == 2e-8
-    assert oil.reference.startswith("Own oil 68 at 40 degC")
-    assert oil.reference.endswith("alpha as given.")
+    assert oil.reference.startswith("Own oil 68 at 40 degC") and oil.reference.endswith("alpha as given.")
     assert oil.eta0 == pytest.approx(68e-6 * 882 * np.exp(-0.01625 * 1.013), rel=1e-9)
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"temperature": "160 degC"}, r'^temperature = "160 degC": must be between 0 degC and 150 degC'),
-        ({"temperature": 40}, r"^temperature = 40: must be between 0 degC and 150 degC"),
-        ({"temperature": "40"}, r'^temperature = "40": must be a temperature with its unit, "40 degC"'),
-        ({"nu40": 68}, r"^nu40 = 6.8e\+07 mm\^2/s and nu100 = 8.53 mm\^2/s: must be nu40 > nu100 >= 2 mm\^2/s; write"),
-        ({"nu100": "100 mm^2/s"}, r"^nu40 = 68 mm\^2/s and nu100 = 100 mm\^2/s: must be nu40 > nu100"),
-        ({"nu40": "200 mm^2/s"}, r"^nu40 = 200 mm.* their slope by ASTM D341 is 4.96; So and .* give alpha$"),
-        ({"nu40": "68 mm"}, r'^nu40 = "68 mm": has the wrong dimension'),
-        ({"density": "heavy"}, r'^density = "heavy": must be a quantity above zero'),
-        ({"alpha": -1e-8}, r"^alpha = -1e-08: must be a quantity above zero"),
+        ({"temperature": "160 degC"}, 'temperature = "160 degC": must be between 0 degC and 150 degC'),
+        ({"temperature": 40}, "temperature = 40: must be between 0 degC and 150 degC"),
+        ({"temperature": "40"}, 'temperature = "40": must be a temperature with its unit, "40 degC"'),
+        ({"nu40": 68}, r"nu40 = 6.8e\+07 mm\^2/s and nu100 = 8.53 mm\^2/s: must be nu40 > nu100 >= 2 mm\^2/s; write"),
+        ({"nu100": "100 mm^2/s"}, r"nu40 = 68 mm\^2/s and nu100 = 100 mm\^2/s: must be nu40 > nu100"),
+        ({"nu40": "200 mm^2/s"}, "nu40 = 200 mm.* their slope by ASTM D341 is 4.96; So and .* give alpha$"),
+        ({"nu40": "68 mm"}, 'nu40 = "68 mm": has the wrong dimension'),
+        ({"density": "heavy"}, 'density = "heavy": must be a quantity above zero'),
+        ({"alpha": -1e-8}, "alpha = -1e-08: must be a quantity above zero"),
     ],
 )
 def test_what_a_data_sheet_cannot_have(change, message):
-    with pytest.raises(ConfigError, match=message):
+    with pytest.raises(ConfigError, match=f"^{message}"):
         oils.data_sheet(**SHEET | change)
-
-
-@pytest.mark.parametrize(
-    ("changed", "said"),
-    [
-        ({"k" * 3000: 1.0}, "unknown key; allowed: nu40"),
-        ({"nu40": 10**400}, "nu40 = .an integer of about 400 digits"),
-    ],
-    ids=["a long key", "a large integer"],
-)
-def test_a_data_sheet_that_makes_no_sense_is_one_short_sentence(changed, said):
-    oil = {"nu40": "68 mm^2/s", "nu100": "8.5 mm^2/s", "density": 880, **changed}
-    with pytest.raises(ConfigError, match=said) as caught:
-        ertel.parse_case({"contact": {"M": 100, "L": 5}, "lubricant": {"oil": oil, "temperature": "40 degC"}})
-    assert len(str(caught.value)) < 500

@@ -29,17 +29,8 @@ def test_names_become_numbers():
     assert case.oil == oils.at("squalane", "40 degC")
     assert isinstance(case.oil.viscosity, Doolittle)
     assert case.oil.reference.startswith("squalane at 40 degC. Viscosity: Schmidt")
-
-
-def test_a_named_oil_is_stored_as_numbers_and_reads_back():
-    case = case_of()
     written = ertel.to_toml(case)
-    assert "oil =" not in written
-    assert "temperature" not in written
-    again = parse_case(tomllib.loads(written))
-    assert again == case
-    assert again.digest == case.digest
-    assert again.oil.reference == case.oil.reference
+    assert "oil =" not in written and "temperature" not in written
 
 
 def test_python_and_case_files_mean_the_same():
@@ -102,36 +93,31 @@ def test_the_temperature_of_a_case_file_can_be_replaced():
 @pytest.mark.parametrize(
     ("lubricant", "message"),
     [
-        ({**NAMED, "oil": "squalan"}, r'^lubricant.oil = "squalan": allowed: iso-vg-100, .*squalane$'),
-        ({**NAMED, "oil": 7}, r"^lubricant.oil = 7: allowed: iso-vg-100, .*squalane$"),
-        ({**NAMED, "oil": ["squalane"]}, r'^lubricant.oil = \["squalane"\]: allowed: iso-vg-100, .*squalane$'),
-        (
-            {**NAMED, "temperature": "120 degC"},
-            r'^lubricant.temperature = "120 degC": must be between 25 degC and 100 degC, the range .*\(squalane\)$',
-        ),
-        ({**NAMED, "temperature": 40}, r"^lubricant.temperature = 40: must be a temperature with its unit"),
-        ({**NAMED, "temperature": "40"}, r'^lubricant.temperature = "40": must be a temperature with its unit'),
-        ({"oil": "squalane"}, r'^lubricant.temperature: missing; oil = "squalane" needs it, for example "40 degC"$'),
-        ({"temperature": "40 degC"}, r'^lubricant.temperature = "40 degC": needs lubricant.oil, one of iso-vg-100.*'),
-        ({**NAMED, "oill": 1}, r"^lubricant.oill = 1: unknown key; did you mean oil\? allowed: oil, temperature"),
+        *[({**NAMED, "oil": oil}, "oil = .*: allowed: .*squalane$") for oil in ("squalan", 7, ["squalane"])],
+        ({**NAMED, "temperature": "120 degC"}, 'temperature = "120 degC": must be between 25 degC and 100 degC'),
+        ({**NAMED, "temperature": 40}, "temperature = 40: must be a temperature with its unit"),
+        ({**NAMED, "temperature": "40"}, 'temperature = "40": must be a temperature with its unit'),
+        ({"oil": "squalane"}, 'temperature: missing; oil = "squalane" needs it'),
+        ({"temperature": "40 degC"}, 'temperature = "40 degC": needs lubricant.oil, one of iso-vg-100'),
+        ({**NAMED, "oill": 1}, r"oill = 1: unknown key; did you mean oil\? allowed: oil, temperature"),
     ],
 )
 def test_what_is_wrong_with_an_oil(lubricant, message):
-    with pytest.raises(ConfigError, match=message):
+    with pytest.raises(ConfigError, match=f"^lubricant.{message}"):
         case_of(**lubricant)
 
 
 @pytest.mark.parametrize(
     ("contact", "message"),
     [
-        ({**BODIES, "material_2": "wood"}, r'^contact.material_2 = "wood": allowed: glass, sapphire, .*'),
-        ({**BODIES, "material_2": 2}, r"^contact.material_2 = 2: allowed: glass, sapphire, .*"),
-        ({"material_1": "steel"}, r"^contact.E2: missing"),
-        ({**BODIES, "temperature": "40 degC"}, r'^contact.temperature = "40 degC": unknown key; allowed: material_1, '),
+        ({**BODIES, "material_2": "wood"}, 'material_2 = "wood": allowed: glass, sapphire, '),
+        ({**BODIES, "material_2": 2}, "material_2 = 2: allowed: glass, sapphire, "),
+        ({"material_1": "steel"}, "E2: missing"),
+        ({**BODIES, "temperature": "40 degC"}, 'temperature = "40 degC": unknown key; allowed: material_1, '),
     ],
 )
 def test_what_is_wrong_with_a_material(contact, message):
-    with pytest.raises(ConfigError, match=message):
+    with pytest.raises(ConfigError, match=f"^contact.{message}"):
         case_of(contact)
 
 
@@ -157,10 +143,12 @@ def test_an_oil_is_described_by_its_data_sheet():
         ({**SHEET, "nu20": "200 mm^2/s"}, 'lubricant.oil.nu20 = "200 mm^2/s": unknown key; did you mean '),
         ({"nu40": "68 mm^2/s", "density": "880 kg/m^3"}, "lubricant.oil.nu100: missing"),
         ({**SHEET, "nu100": "70 mm^2/s"}, "lubricant.oil.nu40 = 68 mm^2/s and nu100 = 70 mm^2/s: must be nu40 > nu100"),
-        ({**SHEET, "nu40": "68 mm"}, 'lubricant.oil.nu40 = "68 mm": has the wrong dimension'),
+        ({**SHEET, "k" * 3000: 1.0}, 'lubricant.oil."kkk'),
+        ({**SHEET, "nu40": 10**400}, "lubricant.oil.nu40 = (an integer of about 400 digits"),
     ],
+    ids=lambda value: str(value)[:40],
 )
 def test_a_wrong_data_sheet_is_refused(sheet: dict[str, Any], message: str):
     with pytest.raises(ConfigError) as error:
         case_of(oil=sheet, temperature="60 degC")
-    assert str(error.value).startswith(message)
+    assert str(error.value).startswith(message) and len(str(error.value)) < 500

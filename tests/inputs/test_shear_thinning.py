@@ -37,17 +37,10 @@ def test_newtonian_is_the_default() -> None:
     assert case == rolling(**LOADED, rheology="newtonian") == Case.from_data(case.to_data())
 
 
-def test_an_oil_by_name_takes_a_law() -> None:
-    named = {**LOADED, "oil": "squalane", "temperature": "40 degC"}
-    assert rolling(**named).oil.is_newtonian
-    assert rolling(**named, rheology=LIMITED).oil.rheology == Limited(Carreau(6e6, 0.42), 0.05)
-
-
 @pytest.mark.parametrize(
     ("written", "said"),
     [
         ({"law": "ree-eyring", "tau0": "0 MPa"}, r'rheology\.tau0 = "0 MPa": must be a quantity above zero'),
-        ({"law": "ree-eyring", "tau0": "-5 MPa"}, r'rheology\.tau0 = "-5 MPa": must be a quantity above zero'),
         ({"law": "ree-eyring", "tau0": 5}, r"rheology\.tau0 = 5: must be a quantity"),
         ({"law": "ree-eyring"}, r"rheology\.tau0: missing"),
         ({"law": "carreau", "G": "6 MPa", "n": 1.5}, r"rheology\.n = 1\.5: must be less than or equal to 1"),
@@ -58,6 +51,7 @@ def test_an_oil_by_name_takes_a_law() -> None:
         ({**LIMITED, "base": "newtonian"}, r'rheology\.base = "newtonian": must be a table'),
         ({**LIMITED, "base": {"law": "carreau", "G": "6 MPa", "n": 2}}, r"rheology\.base\.n = 2: must be less than"),
         (ReeEyring(-1.0), r"rheology\.tau0 = .*above zero"),
+        (Limited(Carreau(6e6, 2.0), 0.05), r"rheology\.base\.n = .*less than or equal to 1"),
     ],
 )
 def test_what_is_wrong_is_said(written: Any, said: str) -> None:
@@ -124,12 +118,7 @@ def test_a_law_takes_the_data_of_a_named_oil(contact: dict[str, Any], written: A
 @pytest.mark.parametrize(
     ("contact", "written", "said"),
     [
-        (
-            {**COOL, "temperature": "40 degC"},
-            "carreau",
-            r' = "carreau": the library has G and n of squalane at 25 degC, not at 40 degC; '
-            r'give \{ law = "carreau", G = \.\.\., n = \.\.\. \}$',
-        ),
+        ({**COOL, "temperature": "40 degC"}, "carreau", ' = "carreau": .* squalane at 25 degC, not at 40 degC'),
         (WARM, {"law": "carreau", "n": 0.5}, r" = .*: the library has no G of pao-100; give .*G = \.\.\. \}$"),
         (COOL, {"law": "limited", "base": EYRING}, r" = .*: the library has no Lambda of squalane; give .*Lambda = "),
         (WARM, {"law": "limited", "base": "carreau"}, r'\.base = "carreau": the library has no G and n of pao-100; '),
@@ -164,19 +153,22 @@ def test_a_named_oil_brings_the_law_of_the_library() -> None:
 
 
 def test_only_at_temperatures_that_have_a_source() -> None:
-    case = rolling(**{**COOL, "temperature": "40 degC"})
+    named = {**COOL, "temperature": "40 degC"}
+    case = rolling(**named)
     assert case.oil.is_newtonian
+    assert rolling(**named, rheology=LIMITED).oil.rheology == Limited(Carreau(6e6, 0.42), 0.05)
     said = "Rheology: Newtonian, the library has G and n of squalane at 25 degC, not at 40 degC."
     assert case.oil.reference.endswith(said)
 
 
 @pytest.mark.parametrize(
-    ("case", "reason"),
+    ("contact", "reason"),
     [
-        (lambda: impact(**FALLING, **SQUALANE, method="radial"), 'solver.method = "radial" takes no other oils'),
-        (lambda: impact(M=100, L=5, **SQUALANE), "a dimensionless case has no stresses in Pa"),
+        ({**FALLING, "method": "radial"}, 'solver.method = "radial" takes no other oils'),
+        ({"M": 100, "L": 5}, "a dimensionless case has no stresses in Pa"),
     ],
 )
-def test_a_named_oil_is_newtonian_where_no_other_is_possible(case: Any, reason: str) -> None:
-    assert case().oil.is_newtonian
-    assert f"Rheology: Newtonian, because {reason}." in case().oil.reference
+def test_a_named_oil_is_newtonian_where_no_other_is_possible(contact: dict[str, Any], reason: str) -> None:
+    oil = impact(**contact, **SQUALANE).oil
+    assert oil.is_newtonian
+    assert f"Rheology: Newtonian, because {reason}." in oil.reference

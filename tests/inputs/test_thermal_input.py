@@ -32,7 +32,6 @@ def case_of(
 
 def test_names_give_all_data():
     found = case_of({}).thermal
-    assert found is not None
     assert (found.temperature, found.temperature_1, found.temperature_2) == (313.15, 313.15, 313.15)
     assert found.conductivity == 0.14
     assert found.beta == pytest.approx(0.0367, abs=1e-4)
@@ -43,14 +42,12 @@ def test_names_give_all_data():
 
 def test_given_values_win():
     found = case_of({"beta": "0.05 / K", "conductivity_2": "2 W/(m*K)", "temperature_1": "60 degC"}).thermal
-    assert found is not None
     assert (found.beta, found.bodies[1].conductivity, found.temperature_1) == (0.05, 2.0, 333.15)
     assert found.temperature_2 == 313.15
 
 
 def test_numbers_do_without_names():
     found = case_of({**ALL, "inlet_factor": "none", "viscosity": "exponential"}, ELASTIC, NUMBERS).thermal
-    assert found is not None
     assert found.bodies[0] == found.bodies[1]
     assert (found.viscosity, found.inlet_factor) == ("exponential", "none")
 
@@ -62,14 +59,7 @@ def test_the_resolved_section_is_written_and_reads_back():
     again = parse_case(tomllib.loads(written))
     assert again == case
     assert again.digest == case.digest != case_of({}).digest
-
-
-def test_temperatures_of_any_number_of_digits_read_back():
-    case = case_of(
-        {"temperature_1": "60.123456789012345 degC"}, lubricant={**NAMED, "temperature": "33.3333333333 degC"}
-    )
-    assert case.thermal is not None
-    exact = replace(case, thermal=replace(case.thermal, temperature_1=1000 / 3))
+    exact = replace(case, thermal=replace(case.thermal, temperature_1=1000 / 3))  # of any number of digits
     assert parse_case(tomllib.loads(ertel.to_toml(exact))) == exact
 
 
@@ -86,29 +76,28 @@ def test_python_and_case_files_mean_the_same():
     assert warm == case_of({"temperature_2": "60 degC", "beta": "0.04 / K"})
 
 
+COLD = {**ALL, "temperature": "-140 degC"}
+
+
 @pytest.mark.parametrize(
     ("thermal", "contact", "lubricant", "said"),
     [
-        ({}, ELASTIC, NAMED, "thermal.density_1: missing; give it, for example \"7850 kg/m^3\", or name the material, "
-         "contact.material_1"),
-        ({}, BODIES, NUMBERS, 'thermal.temperature: missing; give that of the oil in the inlet, for example "40 degC"'),
-        ({"temperature": "40 degC"}, BODIES, NUMBERS, "thermal.conductivity: missing; give it, for example "
-         '"0.14 W/(m*K)", or name the oil, lubricant.oil'),
-        ({}, BODIES, {**NAMED, "oil": "pao-100"}, "thermal.conductivity: missing; the library has none for "
-         'lubricant.oil = "pao-100", give it, for example "0.14 W/(m*K)"'),
-        ({"temperature_1": 60}, BODIES, NAMED, "thermal.temperature_1 = 60: must be a temperature with its unit"),
-        ({"temperature_2": "60 mm"}, BODIES, NAMED, 'thermal.temperature_2 = "60 mm": must be a temperature with its'),
-        ({"beta": "0 / K"}, BODIES, NAMED, 'thermal.beta = "0 / K": must be a quantity above zero'),
-        ({"conductivity_1": "47"}, BODIES, NAMED, 'thermal.conductivity_1 = "47": must be a quantity above zero'),
-        ({"inlet_factor": "moes"}, BODIES, NAMED, "thermal.inlet_factor = \"moes\": allowed: 'gupta', 'wilson-sheu'"),
-        ({"viscosity": "vogel"}, BODIES, NAMED, "thermal.viscosity = \"vogel\": allowed: 'houpert' or 'exponential'"),
-        ({"density": "7850 kg/m^3"}, BODIES, NAMED, 'thermal.density = "7850 kg/m^3": unknown key; did you mean '),
-        ({"temperature": "-140 degC", **{k: v for k, v in ALL.items() if k != "temperature"}}, BODIES, NUMBERS,
-         'thermal.viscosity = "houpert": temperature = 133.15 K: Houpert\'s law needs more than 138 K'),
+        ({}, ELASTIC, NAMED, 'density_1: missing; give it, .*"7850 kg/m.3", or name .*contact.material_1'),
+        ({}, BODIES, NUMBERS, 'temperature: missing; give that of the oil in the inlet, .*"40 degC"'),
+        ({"temperature": "40 degC"}, BODIES, NUMBERS, "conductivity: missing; give it, .*lubricant.oil"),
+        ({}, BODIES, {**NAMED, "oil": "pao-100"}, 'conductivity: missing; the library has none .*"pao-100"'),
+        ({"temperature_1": 60}, BODIES, NAMED, "temperature_1 = 60: must be a temperature with its unit"),
+        ({"temperature_2": "60 mm"}, BODIES, NAMED, 'temperature_2 = "60 mm": must be a temperature with its'),
+        ({"beta": "0 / K"}, BODIES, NAMED, 'beta = "0 / K": must be a quantity above zero'),
+        ({"conductivity_1": "47"}, BODIES, NAMED, 'conductivity_1 = "47": must be a quantity above zero'),
+        ({"inlet_factor": "moes"}, BODIES, NAMED, "inlet_factor = \"moes\": allowed: 'gupta', 'wilson-sheu'"),
+        ({"viscosity": "vogel"}, BODIES, NAMED, "viscosity = \"vogel\": allowed: 'houpert' or 'exponential'"),
+        ({"density": "7850 kg/m^3"}, BODIES, NAMED, 'density = "7850 kg/m.3": unknown key; did you mean '),
+        (COLD, BODIES, NUMBERS, 'viscosity = "houpert": temperature = 133.15 K: .* needs more than 138 K'),
     ],
-)  # fmt: skip
+)
 def test_what_is_wrong_is_named(thermal: Any, contact: Any, lubricant: Any, said: str):
-    with pytest.raises(ConfigError, match="^" + re.escape(said)) as error:
+    with pytest.raises(ConfigError, match=rf"^thermal\.{said}") as error:
         case_of(thermal, contact, lubricant)
     assert "\n" not in str(error.value)
 

@@ -28,7 +28,7 @@ def test_linear_and_quadratic_fields_on_a_plane(even: Symmetry) -> None:
     space, X, Y = plane(even)
     assert float(space.total(jnp.asarray(3 + np.abs(X) + np.abs(Y)))) == pytest.approx(4 * W**2 * (3 + W), rel=1e-14)
     f = jnp.asarray(X**2 / 2 + Y**2)
-    one = Pair.of(jnp.ones_like(f), jnp.ones_like(f))
+    one = Pair(jnp.ones_like(f), jnp.ones_like(f))
     # second order in the slopes of f, exact in what flows out: 4 w (w + 2 w) through the four sides
     h2 = space.spacing**2
     inside = 4 * W**2 * (W**2 / 3 + 4 * W**2 / 3 - h2 * (1 + 4) / 12)
@@ -50,7 +50,7 @@ def test_a_part_of_the_plane_gives_what_the_whole_gives(even: Symmetry) -> None:
     part, *_ = plane(even)
     found = []
     for space, (a, b) in ((whole, (f, g)), (part, (folded(f, even), folded(g, even)))):
-        c = Pair.of(jnp.asarray(a), jnp.asarray(a + b))
+        c = Pair(jnp.asarray(a), jnp.asarray(a + b))
         terms = space.total(c.x), space.total(space.of_slopes(c, c.x, c.y)), space.around(space.flow_out(c, c.y))
         found.append([float(term) for term in (*terms, *space.push(c.x, c.y))])
     assert found[1] == pytest.approx(found[0], rel=1e-13, abs=1e-13)

@@ -83,7 +83,7 @@ def test_the_residual_is_that_of_the_whole_plane(even) -> None:
         P = jnp.asarray(folded(whole, g.even))
         H = contact.film_thickness(c, P, -0.2)
         r = contact.residual(c, P, H, Rate(3.0, 0.1 * P, U))
-        results.append([unfolded(f, g.even) for f in (H, r)] + [contact.load(c, P)])
+        results.append([unfolded(f, g.even) for f in (H, r)] + [contact.pressure_load(c, P)])
     for expected, found in zip(*results, strict=True):
         assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
 

@@ -31,15 +31,11 @@ def chromium(nanometres, kind=Rig):
 # -- media ------------------------------------------------------------------------------------------------------------
 
 
-def test_glass_and_silica():
+def test_indices_of_media():
     found = BK7.index(np.array([450, 532, 550, 653]) * NM)
     np.testing.assert_allclose(found, [1.52532, 1.51947, 1.51852, 1.51443], atol=6e-6)
     assert SILICA.index(589.3 * NM) == pytest.approx(1.4584, abs=5e-5)
-
-
-def test_metals():
-    assert CHROMIUM.index(549 * NM) == 3.18 + 3.33j
-    assert STEEL.index(549 * NM) == 2.95 + 2.93j
+    assert (CHROMIUM.index(549 * NM), STEEL.index(549 * NM)) == (3.18 + 3.33j, 2.95 + 2.93j)
     assert STEEL.index(565.5 * NM) == pytest.approx((2.95 + 2.93j + 2.94 + 2.99j) / 2)  # half way between two
 
 

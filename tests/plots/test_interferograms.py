@@ -99,6 +99,9 @@ def test_kinds_of_runs(ball, rolls, few_pixels):
         assert said.startswith("Interferogram at 532 nm") and said.endswith(arrow)
         assert figure.axes[0].get_xlabel() == "$x$ (µm)"
         assert figure.axes[1].get_ylabel() == "film thickness $h$ (nm)"
+    dimensionless = plots.interferogram(dry_impact(MOES_FALLS), film_scale=3e-6)
+    assert dimensionless.axes[0].get_xlabel() == "$X$ ($a^*$)"
+    assert dimensionless.axes[1].get_ylabel() == "film thickness $h$ (nm)"
 
 
 def test_radial_run_is_revolved(few_pixels):
@@ -132,12 +135,6 @@ def test_profile_is_the_film_of_the_mid_line(ball, few_pixels):
 # -- what cannot be drawn --------------------------------------------------------------------------------------------
 
 
-def test_dimensionless_film(few_pixels):
-    figure = plots.interferogram(dry_impact(MOES_FALLS), film_scale=3e-6)
-    assert figure.axes[0].get_xlabel() == "$X$ ($a^*$)"
-    assert figure.axes[1].get_ylabel() == "film thickness $h$ (nm)"
-
-
 @pytest.mark.parametrize(
     ("run", "options", "said"),
     [
@@ -153,13 +150,10 @@ def test_refused(ball, rolls, few_pixels, run, options, said):
         plots.interferogram(runs[run], **options)
 
 
-def test_moment(ball, few_pixels):
-    assert "chosen map at $t$ = 37.41 µs" in plots.interferogram(ball, at=1.0).get_suptitle()
-
-
 def test_result_has_it(ball, rolls, few_pixels):
-    title = Plot(ball).interferogram(at="max-approach", light=Monochromatic(653e-9)).axes[0].get_title()
-    assert title == "Interferogram at 653 nm"
+    figure = Plot(ball).interferogram(at="max-approach", light=Monochromatic(653e-9))
+    assert figure.axes[0].get_title() == "Interferogram at 653 nm"
+    assert "chosen map at $t$ = 37.41 µs" in Plot(ball).interferogram(at=1.0).get_suptitle()
     assert "interferogram" in dir(Plot(rolls)) and "interferogram()" in repr(Plot(ball))
 
 

@@ -1,11 +1,10 @@
 """Pictures of runs in time: the axes carry the numbers of the run at the chosen moment, in the units that they say."""
 
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from cases import python
 from drawn import flow_arrows, line, of_type, panels, right_of, roughness_lines, words
 from made_up import BALL_FALLS, BALL_ROLLS, BARUS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impact, in_time
 from matplotlib.colors import to_rgba
@@ -51,18 +50,14 @@ def frame_of_maximum(data):
 # -- labels and headings ----------------------------------------------------------------------------------------------
 
 
-def test_physical_labels_have_si_units(ball):
+def test_labels_have_si_units_or_those_of_the_paper(ball, moes):
     film, _, _, pressure, profiles, _ = panels(plots.overview(ball))
     assert (film.get_xlabel(), film.get_ylabel()) == ("$x$ (µm)", "$y$ (µm)")
     assert pressure.get_title().endswith("GPa")
     assert profiles.get_ylabel() == r"pressure $p$ (GPa)"
     assert panels(plots.history(ball))[0].get_xlabel() == "time $t$ (µs)"
-
-
-def test_dimensionless_labels_have_the_papers_units(moes):
     film, pressure = panels(plots.profiles(moes))
-    assert film.get_xlabel() == "$X$ ($a^*$)"
-    assert film.get_ylabel() == "film thickness $H$ ($a^{*2}/R$)"
+    assert (film.get_xlabel(), film.get_ylabel()) == ("$X$ ($a^*$)", "film thickness $H$ ($a^{*2}/R$)")
     assert pressure.get_ylabel() == "pressure $P$ ($p_h^*$)"
 
 
@@ -82,24 +77,15 @@ def test_every_panel_says_what_it_shows(runs, name, run):
         assert "dry" not in said and "rebound" not in said
 
 
-def test_all_of_a_run_and_parts_of_it(moes):
-    assert plots.names_of(moes) == ("overview", "maps", "profiles", "history", "friction")
-    assert {"film", "pressure", "front", "midlines"} <= set(plots.NAMES)
-
-
 def test_heading_says_the_conditions(runs):
     heading = {name: plots.overview(data).get_suptitle() for name, data in runs.items()}
     assert all(said in heading["ball"] for said in ("10 mm", "0.1 m/s", "1.394 GPa", "maximum approach"))
     assert "$M$ = 1000" in heading["moes"]
     assert "$u_m$ = 0.5026 m/s" in heading["ball rolls"] and "$F$ = 38.89 N" in heading["ball rolls"]
     assert "v_0" not in heading["ball rolls"]
+    assert "\n" not in heading["ball"]  # but where the figure is narrow
+    assert plots.maps(runs["ball"]).get_suptitle().replace("\n", "  ") == heading["ball"]
     assert plots.maps(dry_impact({**MOES_FALLS, "name": "my_case"})).get_suptitle().startswith("My case:")
-
-
-def test_long_headings_are_broken(ball):
-    heading = plots.overview(ball).get_suptitle()
-    assert heading.count("\n") == 0
-    assert plots.maps(ball).get_suptitle().replace("\n", "  ") == heading
 
 
 def test_heading_states_load_and_speed_of_the_moment(ball, moes):
@@ -127,17 +113,17 @@ def test_unit_fits(ball, name, largest, unit):
 # -- moments ----------------------------------------------------------------------------------------------------------
 
 
-def test_a_time_chooses_the_map_next_to_it(moes):
+def test_a_time_chooses_the_map_next_to_it_and_an_event_its_own(moes):
     figure = plots.profiles(moes, at=1.62)
     frame = int(np.abs(moes["frame"].values - 1.62).argmin())
     shown = line(panels(figure)[1], "chosen map")
     np.testing.assert_array_equal(shown.get_ydata(), moes["P"].values[frame, 40])
     assert "chosen map at $T$ = 1.6 $t_0$" in figure.get_suptitle()
-
-
-def test_an_event_chooses_its_map(moes):
     assert "maximum approach at $T$ = 2.45" in plots.maps(moes, at="max-approach").get_suptitle()
     assert "end of the run at $T$ = 4 $t_0$" in plots.maps(in_time(MOES_ROLLS), at="end").get_suptitle()
+    data = moes.isel(frame=slice(0, 30))  # without a maximum
+    shown = line(panels(plots.profiles(data))[1], "last map")
+    np.testing.assert_array_equal(shown.get_ydata(), data["P"].values[-1, 40])
 
 
 @pytest.mark.parametrize("at", [0.01, 3.91, -1.0, "touch", "end"])
@@ -146,15 +132,9 @@ def test_a_moment_that_the_run_does_not_have_is_refused(moes, at):
         plots.overview(moes, at=at)
 
 
-@pytest.mark.parametrize("name", ["overview", "film", "pressure", "maps", "profiles", "history"])
+@pytest.mark.parametrize("name", plots.IN_TIME)
 def test_every_picture_takes_a_moment(moes, name):
     assert "chosen map at" in getattr(plots, name)(moes, at=2.0).get_suptitle()
-
-
-def test_without_maximum_the_last_map_is_shown(moes):
-    data = moes.isel(frame=slice(0, 30))
-    shown = line(panels(plots.profiles(data))[1], "last map")
-    np.testing.assert_array_equal(shown.get_ydata(), data["P"].values[-1, 40])
 
 
 def test_a_figure_that_the_run_does_not_have(ball):
@@ -227,14 +207,10 @@ def test_arrow_shows_the_flow(flow):
         assert flow_arrows(axes) == ([flow] if flow else [])
 
 
-def test_an_impact_has_no_flow(moes):
-    assert not [text for axes in panels(plots.maps(moes)) for text in axes.texts]
-
-
 # -- histories --------------------------------------------------------------------------------------------------------
 
 
-def test_histories_of_an_impact(moes):
+def test_histories_of_an_impact(ball, moes):
     motion, film, front, pressure = panels(plots.history(moes))
     load = line(motion, "load $F/F^*$")
     np.testing.assert_array_equal(load.get_xdata(), moes["time"].values)
@@ -246,6 +222,8 @@ def test_histories_of_an_impact(moes):
     place = line(front, "front: place of the minimum film thickness").get_ydata()
     both = np.isfinite(place) & np.isfinite(dry)
     np.testing.assert_allclose(place[both], dry[both])
+    moment = [candidate for candidate in panels(plots.history(ball))[0].get_lines() if candidate.get_linestyle() == ":"]
+    np.testing.assert_allclose(moment[0].get_xdata(), 2.45 * SCALES.t0 * 1e6)
 
 
 def test_histories_of_a_rolling_contact():
@@ -254,12 +232,6 @@ def test_histories_of_a_rolling_contact():
     assert film.get_yscale() == "linear"
     np.testing.assert_allclose(line(place, "to the side").get_ydata(), 0.8 * C1.a * 1e6)
     assert place.get_ylabel() == "place of the minimum film (µm)"
-
-
-def test_histories_mark_the_maximum(ball):
-    motion = panels(plots.history(ball))[0]
-    moment = [candidate for candidate in motion.get_lines() if candidate.get_linestyle() == ":"]
-    np.testing.assert_allclose(moment[0].get_xdata(), 2.45 * SCALES.t0 * 1e6)
 
 
 def test_the_front_and_its_speed(ball):
@@ -285,11 +257,8 @@ def test_friction_of_sliding_surfaces():
     assert resistance.get_ydata()[-1] == pytest.approx(0.0005)
     watt = line(power, "power loss").get_ydata()[-1]
     assert watt == pytest.approx(1.5 * C1.power * (1e3 if "mW" in power.get_ylabel() else 1.0))
-
-
-def test_without_sliding_there_is_no_shear_stress():
-    titles = [axes.get_title().partition(",")[0] for axes in panels(plots.friction(in_time(BALL_ROLLS)))]
-    assert titles == ["Power loss", "Coefficients of friction", "Power loss"]
+    without_sliding = [axes.get_title().partition(",")[0] for axes in panels(plots.friction(in_time(BALL_ROLLS)))]
+    assert without_sliding == ["Power loss", "Coefficients of friction", "Power loss"]
 
 
 # -- roughness --------------------------------------------------------------------------------------------------------
@@ -321,10 +290,11 @@ def test_profiles_show_the_roughness():
         assert any(text.get_text().startswith("roughness") for text in axes.texts)
 
 
-def test_smooth_surfaces_show_none(moes):
+def test_a_smooth_impact_shows_no_roughness_and_no_flow(moes):
     for axes in panels(plots.overview(moes)):
         assert not roughness_lines(axes)
         assert not [text for text in axes.texts if "roughness" in text.get_text()]
+    assert not [text for axes in panels(plots.maps(moes)) for text in axes.texts]
 
 
 # -- odd runs ---------------------------------------------------------------------------------------------------------
@@ -332,6 +302,7 @@ def test_smooth_surfaces_show_none(moes):
 
 def test_odd_runs_can_be_drawn(moes):
     """One step; a film that vanishes; a moment without pressure."""
+    assert plots.names_of(moes) == ("overview", "maps", "profiles", "history", "friction")  # all of a run
     for name in plots.names_of(moes):
         plots.draw(moes.isel(frame=slice(0, 1), time=slice(0, 1)), name).draw_without_rendering()
     data = dry_impact(MOES_FALLS)
@@ -343,7 +314,7 @@ def test_odd_runs_can_be_drawn(moes):
 
 def test_nothing_is_shown_and_pyplot_is_left_alone():
     code = "import sys, ertel.plots; ertel.plots.draw; print('matplotlib.pyplot' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "False"
+    assert python("-c", code).stdout == "False\n"
 
 
 # -- two runs ---------------------------------------------------------------------------------------------------------

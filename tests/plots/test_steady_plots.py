@@ -41,11 +41,10 @@ def test_every_panel_says_what_it_shows(name, data, request):
         assert axes.get_xlabel() and axes.get_ylabel() and axes.get_title()
 
 
-def test_all_of_a_contact(moes):
+def test_what_a_steady_contact_has_and_what_not(moes):
     assert plots.names_of(moes) == ("overview", "film", "pressure", "midlines", "convergence", "friction")
-
-
-def test_what_a_steady_contact_does_not_have(moes):
+    for flow in (1.0, -1.0):
+        assert [flow_arrows(axes) for axes in panels(plots.maps(steady(MOES, flow)))] == [[flow], [flow]]
     with pytest.raises(plots.NoFigure, match="steady contact has no moments"):
         plots.film(moes, at=1.0)
     with pytest.raises(plots.NoFigure, match=r"history: a steady contact has no such figure; it has overview, .*maps"):
@@ -86,11 +85,6 @@ def test_horseshoe(ball):
     assert axes.get_aspect() == 1.0
 
 
-@pytest.mark.parametrize("flow", [1.0, -1.0])
-def test_arrow_shows_the_flow(flow):
-    assert [flow_arrows(axes) for axes in panels(plots.maps(steady(MOES, flow)))] == [[flow], [flow]]
-
-
 def test_midlines_carry_both_fields(ball):
     along, across = panels(plots.midlines(ball))
     (film,) = along.get_lines()
@@ -104,36 +98,30 @@ def test_midlines_carry_both_fields(ball):
     assert (along.get_xlabel(), across.get_xlabel()) == ("$x$ (µm)", "$y$ (µm)")
 
 
-def test_roughness_of_a_contact(moes):
-    """Below the mid-lines, and lines in the maps; none where all is smooth."""
+def test_roughness_of_a_contact():
+    """Below the mid-lines, and lines in the maps."""
     at_rest = Drive(slide_to_roll=-2.0)  # surface 1
     rough = steady(replace(MOES, roughness=(Feature(Waviness(0.01, 0.5, phase_x=0.3), 1),), drive=at_rest))
     for axes in panels(plots.midlines(rough)):
         assert axes.get_ylim()[0] < 0 <= min(axes.get_yticks())
         assert any(text.get_text().startswith("roughness") for text in axes.texts)
     assert all(roughness_lines(axes) for axes in panels(plots.maps(rough)))
-    for axes in panels(plots.overview(moes)):
-        assert not roughness_lines(axes)
-        assert not [text for text in axes.texts if "roughness" in text.get_text()]
+    assert not any(roughness_lines(axes) for axes in panels(plots.overview(steady(MOES))))
 
 
-def test_convergence_on_every_grid(moes):
-    axes, _ = panels(plots.convergence(moes))
-    assert axes.get_yscale() == "log"
-    np.testing.assert_array_equal(line(axes, "65²").get_ydata(), [1.0, 1e-2, 1e-5, 1e-9])
-    np.testing.assert_array_equal(line(axes, "33²").get_xdata(), [0, 1, 2])
-    np.testing.assert_array_equal(line(axes, "tolerance").get_ydata(), SOLVERS["steady"].tolerance)
-
-
-def test_films_on_every_grid(moes):
-    _, axes = panels(plots.convergence(moes))
-    central, minimum = axes.containers
+def test_convergence_and_films_on_every_grid(moes):
+    residuals, films = panels(plots.convergence(moes))
+    assert residuals.get_yscale() == "log"
+    np.testing.assert_array_equal(line(residuals, "65²").get_ydata(), [1.0, 1e-2, 1e-5, 1e-9])
+    np.testing.assert_array_equal(line(residuals, "33²").get_xdata(), [0, 1, 2])
+    np.testing.assert_array_equal(line(residuals, "tolerance").get_ydata(), SOLVERS["steady"].tolerance)
+    central, minimum = films.containers
     np.testing.assert_array_equal(central.lines[0].get_ydata(), H_C)
     bars = central.lines[2][0].get_segments()
     np.testing.assert_allclose(bars[-1][:, 1], [0.095 - 0.005 / 3, 0.095 + 0.005 / 3])
     np.testing.assert_array_equal(minimum.lines[0].get_ydata(), H_MIN)
-    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["33²", "65²", "129²", "∞"]
-    hollow = [each.get_ydata()[0] for each in axes.get_lines() if each.get_markerfacecolor() == "white"]
+    assert [tick.get_text() for tick in films.get_xticklabels()] == ["33²", "65²", "129²", "∞"]
+    hollow = [each.get_ydata()[0] for each in films.get_lines() if each.get_markerfacecolor() == "white"]
     np.testing.assert_allclose(hollow, [0.095 + 0.005 / 3, 0.04 + 0.01 / 3])
 
 

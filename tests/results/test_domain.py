@@ -49,7 +49,7 @@ def test_a_square_loses_more_than_the_circle_around_it_and_less_than_the_circle_
 
 @cache
 def run(M: float, L: float, half_width: float) -> Result:
-    return simulate(impact(M, L, 101, solver={"method": "radial", "half_width": half_width}))
+    return simulate(impact(M, L, 129, solver={"method": "radial", "half_width": half_width}))
 
 
 def test_the_stated_error_is_the_true_one() -> None:

@@ -1,17 +1,17 @@
 """A result shows its key numbers, in SI where it can, and its pictures."""
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from cases import python
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, dry_impact, in_time, solutions, steady
 from matplotlib.figure import Figure
 
+from ertel import plots
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.results.dataset import provenance
@@ -65,10 +65,12 @@ def test_repr_carries_the_warnings():
     assert warning in result._repr_html_().replace("&#x27;", "'").replace("&gt;", ">")
 
 
-def test_repr_of_a_steady_contact():
-    text = repr(rolling(BALL_ROLLS))
+def test_repr_of_a_steady_contact(tmp_path: Path):
+    result = rolling(BALL_ROLLS)
+    text = repr(replace(result, directory=tmp_path))
     assert text.startswith("Result: steel_ball, converged\n  rolling (steady), M = 200, L = 10\n  on 129 x 129 nodes")
     assert f"{0.095 * C1.film * 1e9:.4g} nm (0.095 a^2/R), error 1.8%" in text
+    assert f"stored in {tmp_path}" in text
 
 
 def test_repr_of_a_dimensionless_run_in_time():
@@ -76,14 +78,11 @@ def test_repr_of_a_dimensionless_run_in_time():
     assert "at T = 4" in text and "0.08486 a^2/R" in text and "nm" not in text
 
 
-def test_repr_before_maximum_approach():
-    result = impact(MOES_FALLS, reached=None)
-    assert "maximum approach was not reached" in repr(result)
-    assert "<table>" not in result._repr_html_()
-
-
-def test_directory_is_said(tmp_path: Path):
-    assert f"stored in {tmp_path}" in repr(replace(rolling(MOES_ROLLS), directory=tmp_path))
+def test_what_is_missing_is_not_shown():
+    before = impact(MOES_FALLS, reached=None)
+    assert "maximum approach was not reached" in repr(before)
+    assert "<table>" not in before._repr_html_()
+    assert "<img" not in replace(before, dataset=before.dataset.isel(frame=slice(0, 0)))._repr_html_()
 
 
 def test_summary_is_plain_data_that_shows_little():
@@ -104,11 +103,6 @@ def test_a_notebook_gets_a_table_and_a_picture():
     assert "<th>in SI</th>" not in html and "<th>error</th>" not in html
 
 
-def test_without_maps_there_is_no_picture():
-    result = impact(MOES_FALLS)
-    assert "<img" not in replace(result, dataset=result.dataset.isel(frame=slice(0, 0)))._repr_html_()
-
-
 def test_si():
     result = rolling(BALL_ROLLS)
     np.testing.assert_allclose(result.si["h_c"].values, result.dataset["H_c"].values * C1.film)
@@ -117,59 +111,40 @@ def test_si():
 
 
 def test_plots_of_a_result():
-    result = rolling(MOES_ROLLS)
+    """They are found by their names; `plots.draw` has tests of every figure of every kind of run."""
+    result, moving = rolling(MOES_ROLLS), impact(MOES_FALLS)
     assert "midlines" in dir(result.plot) and "history" not in dir(result.plot)
     assert repr(result.plot).startswith("Plot: overview(), film()")
-    for name in set(dir(result.plot)) - {"dataset"}:
-        assert isinstance(getattr(result.plot, name)(), Figure)
-    moving = impact(MOES_FALLS)
-    for name in set(dir(moving.plot)) - {"dataset"}:
-        assert "chosen map at $T$ = 2" in getattr(moving.plot, name)(at=2.0).get_suptitle()
+    for data, known in ((result, plots.STEADY), (moving, plots.IN_TIME)):
+        assert set(dir(data.plot)) - {"dataset"} <= set(known)
+    assert result.plot.film()._repr_png_().startswith(b"\x89PNG")  # as a notebook shows it
+    assert "chosen map at $T$ = 2" in moving.plot.profiles(at=2.0).get_suptitle()
     with pytest.raises(ValueError, match="no such figure"):
         moving.plot.convergence()
 
 
-def test_a_figure_shows_itself_in_a_notebook():
-    assert rolling(MOES_ROLLS).plot.film()._repr_png_().startswith(b"\x89PNG")
-
-
-def test_matplotlib_comes_only_with_a_picture():
-    code = "import sys, ertel.results.result; print('matplotlib' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "False"
-
-
-# -- `dataset.ertel` of a run that xarray alone has opened -------------------------------------------------------------
-
-
-@pytest.fixture
-def opened(tmp_path) -> xr.Dataset:
-    """A run in SI, written and opened by xarray alone."""
+def test_dataset_ertel_of_a_run_that_xarray_alone_has_opened(tmp_path):
     data = dry_impact(BALL_FALLS).assign_attrs(provenance(parse_case(BALL_FALLS)))
     data.to_zarr(tmp_path / "run.zarr")
-    return xr.open_zarr(tmp_path / "run.zarr")
-
-
-def test_pictures_of_a_stored_run(opened):
+    opened = xr.open_zarr(tmp_path / "run.zarr")
     assert isinstance(opened.ertel.plot.film(), Figure)
     assert "film()" in repr(opened.ertel) and "interferogram()" in repr(opened.ertel)
-
-
-def test_si_of_a_stored_run(opened):
-    si = opened.ertel.si()
-    xr.testing.assert_identical(si, to_si(opened))
-    assert si["h_c"].attrs["units"] == "m"
-
-
-def test_what_a_dataset_has_not():
+    xr.testing.assert_identical(opened.ertel.si(), to_si(opened))
+    assert opened.ertel.si()["h_c"].attrs["units"] == "m"
     with pytest.raises(ValueError, match="dimensionless"):
         dry_impact(MOES_FALLS).ertel.si()
 
 
-def test_it_is_registered_with_the_runs_and_not_before():
-    """Not by `import ertel`, which does not import xarray; by whatever makes or opens a run."""
-    code = (
-        "import xarray as xr, ertel, json; before = hasattr(xr.Dataset, 'ertel'); ertel.simulate;"
-        "print(json.dumps([before, hasattr(xr.Dataset, 'ertel')]))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert json.loads(done.stdout) == [False, True]
+def test_what_is_imported_and_when():
+    """`dataset.ertel` is there with whatever makes or opens a run; `import ertel` imports no xarray.
+
+    Matplotlib comes only with a picture.
+    """
+    code = """
+import json, sys, xarray, ertel
+before = hasattr(xarray.Dataset, "ertel")
+ertel.simulate
+import ertel.results.result
+print(json.dumps([before, hasattr(xarray.Dataset, "ertel"), "matplotlib" in sys.modules]))
+"""
+    assert json.loads(python("-c", code).stdout) == [False, True, False]

@@ -81,7 +81,7 @@ def test_text(run: ertel.Result) -> None:
 
 
 def test_off_when_absent() -> None:
-    run = ertel.simulate(case_of())
+    run = ertel.simulate(case_of().on_half_grid())
     assert "thermal" not in run.summary
     assert not set(TEMPERATURES) & set(run.dataset)
 

@@ -23,7 +23,7 @@ OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
 def test_si_summary_has_units_in_its_names():
     case = parse_case({"contact": BALL, "lubricant": OIL})
     assert case.scales is not None
-    assert variables.in_si(dict.fromkeys(variables.AT_MAXIMUM, 1.0), case.scales) == {
+    assert variables.values_in_si(dict.fromkeys(variables.AT_MAXIMUM, 1.0), case.scales) == {
         "t_s": case.scales.t0,
         "delta_m": case.scales.film,
         "f_N": case.scales.load,
@@ -44,10 +44,10 @@ def test_films_of_another_load_and_speed():
     other = {"load": f"{2 * 3.888524!r} N", "mean_speed": f"{3 * 0.502636!r} m/s"}
     b = parse_case({"contact": ROLLING | other, "lubricant": ROLLING_OIL})
     assert a.scales is not None and b.scales is not None
-    for one, two in zip(parameters.films(a, 2.0, -3.0), parameters.films(b), strict=True):
+    for one, two in zip(parameters.formula_films(a, 2.0, -3.0), parameters.formula_films(b), strict=True):
         for p, q in ((one.central, two.central), (one.minimum, two.minimum)):
             assert (p is None and q is None) or p * a.scales.film == pytest.approx(q * b.scales.film)
-    assert parameters.films(a, 1.0, 0.0) == []
+    assert parameters.formula_films(a, 1.0, 0.0) == []
 
 
 # -- extremes ----------------------------------------------------------------------------------------------------------

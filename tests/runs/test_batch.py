@@ -33,27 +33,23 @@ def three(until: tuple[float, ...] = (1.5, 1.1, 1.3)) -> list[Case]:
 
 
 def test_a_batch_equals_single_runs_and_its_step_is_compiled_once() -> None:
-    results = simulate_batch(three())
-    for case, found in zip(three(), results, strict=True):
-        assert isinstance(found, Result)
-        alone = simulate(case)
-        assert found.status is alone.status is Status.CONVERGED
-        assert found.dataset.sizes == alone.dataset.sizes
-        for name in ("time", "Delta", "F", "H_c", "H_min", "H", "P", "krylov_iterations"):
-            np.testing.assert_allclose(found.dataset[name], alone.dataset[name], rtol=1e-9, atol=1e-10, err_msg=name)
-    before = compilations()
-    simulate_batch([impact(M, 5, 33, solver=TIGHT, time={"until": 0.9}) for M in (30, 40, 60)])
-    assert compilations() == before
-
-
-def test_steps_are_seen_with_the_number_of_their_case() -> None:
     seen = [0, 0, 0]
 
     def count(number: int, step: Step) -> None:
         seen[number] += 1
 
-    results = simulate_batch(three((0.2, 0.3, 0.4)), count)
-    assert seen == [r.dataset.sizes["time"] for r in results if isinstance(r, Result)]
+    results = simulate_batch(three(), count)
+    for case, found, steps in zip(three(), results, seen, strict=True):
+        assert isinstance(found, Result)
+        alone = simulate(case)
+        assert found.status is alone.status is Status.CONVERGED
+        assert found.dataset.sizes == alone.dataset.sizes
+        assert steps == found.dataset.sizes["time"]
+        for name in ("time", "Delta", "F", "H_c", "H_min", "H", "P", "krylov_iterations"):
+            np.testing.assert_allclose(found.dataset[name], alone.dataset[name], rtol=1e-9, atol=1e-10, err_msg=name)
+    before = compilations()
+    simulate_batch([impact(M, 5, 33, solver=TIGHT, time={"until": 0.9}) for M in (30, 40, 60)])
+    assert compilations() == before
 
 
 def test_a_case_that_raises_or_gives_up_does_not_stop_the_others() -> None:

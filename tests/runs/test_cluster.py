@@ -81,10 +81,6 @@ def until_stopped(begun: Path, stop: StopSignal) -> str:
     return "stopped"
 
 
-def double(x: float) -> float:
-    return 2 * x
-
-
 # -- what they do ------------------------------------------------------------------------------------------------------
 
 
@@ -177,13 +173,7 @@ def test_a_scheduler_that_is_there_already(two, tmp_path):
         assert dict(workers.outcomes([Task("a", square, (2.0,))])) == {"a": 4.0}
     (tmp_path / "scheduler.json").write_text(json.dumps({"address": address}))
     with cluster.existing(file=tmp_path / "scheduler.json", tls=keys) as workers:
-        assert run_tasks([Task("a", double, (2.0,))], workers) == [4.0]
-
-
-def test_a_scheduler_without_keys(scheduler):
-    """It takes anybody's tasks; with keys of ours we do not talk to it."""
-    with cluster.existing(file=scheduler[1]) as workers:
-        assert not workers._has_workers()
+        assert run_tasks([Task("a", square, (2.0,))], workers) == [4.0]
 
 
 def test_keys_that_do_not_fit_are_said_in_one_sentence(two, tmp_path, capfd):
@@ -202,15 +192,16 @@ def test_keys_that_do_not_fit_are_said_in_one_sentence(two, tmp_path, capfd):
 
 def test_no_scheduler_is_said_in_one_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "ANSWER", 1)
-    said = "^scheduler = tcp://127.0.0.1:9: no scheduler answers"
-    with pytest.raises(NoScheduler, match=said), cluster.existing("tcp://127.0.0.1:9"):
-        pass
-    with pytest.raises(NoScheduler, match="no such file"), cluster.existing(file=tmp_path / "scheduler.json"):
-        pass
-    for text in ("no JSON", "[1]"):
-        (tmp_path / "scheduler.json").write_text(text)
-        said = "is not JSON with an address"
-        with pytest.raises(NoScheduler, match=said), cluster.existing(file=tmp_path / "scheduler.json"):
+    file = tmp_path / "scheduler.json"
+    for text, options, said in (
+        (None, {"address": "tcp://127.0.0.1:9"}, "^scheduler = tcp://127.0.0.1:9: no scheduler answers"),
+        (None, {"file": file}, "no such file"),
+        ("no JSON", {"file": file}, "is not JSON with an address"),
+        ("[1]", {"file": file}, "is not JSON with an address"),
+    ):
+        if text is not None:
+            file.write_text(text)
+        with pytest.raises(NoScheduler, match=said), cluster.existing(**options):
             pass
 
 
@@ -240,11 +231,15 @@ def test_tasks_of_a_scheduler_that_is_lost_have_failed(scheduler, capfd):
 
 
 def test_workers_that_never_come_are_missed(scheduler, monkeypatch):
-    """It is said, and a wish to stop ends the waiting: nobody else would hear it."""
+    """It is said, and a wish to stop ends the waiting: nobody else would hear it.
+
+    The scheduler has no keys: it takes anybody's tasks, and with keys of ours we do not talk to it.
+    """
     monkeypatch.setattr(cluster, "PATIENCE", 0)
     said: list[str] = []
     monkeypatch.setattr(cluster.warnings, "warn", lambda text, *_, **__: said.append(text))
     with cluster.existing(file=scheduler[1]) as workers:
+        assert not workers._has_workers()
         assert dict(workers.outcomes([Task("a", max, (1,)), Task("b", max, (2,))], lambda: bool(said))) == {}
     assert said == ["the scheduler has no workers: the runs wait until some come"]
 

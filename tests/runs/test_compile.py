@@ -1,18 +1,13 @@
 """JAX: that it computes right, that its cache mends itself, and that nobody needs it to learn its version."""
 
 import os
-import subprocess
-import sys
 import warnings
 from pathlib import Path
 
 import pytest
+from cases import python
 
-import ertel
 from ertel.runs import compile
-
-SOURCE = str(Path(ertel.__path__[0]).parent)
-
 
 WRONG_SUMS = """
 import jax
@@ -29,10 +24,8 @@ def test_jax_computes_right():
 
     In a process that compiles as a user's does, without the flags of the tests.
     """
-    command = [sys.executable, "-c", WRONG_SUMS]
-    plain = {name: value for name, value in environment().items() if name != "XLA_FLAGS"}
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env=plain)
-    assert done.stdout == "0\n", f'this JAX computes wrongly: pip install "{compile.REQUIREMENT}"'
+    said = python("-c", WRONG_SUMS, without=("XLA_FLAGS",)).stdout
+    assert said == "0\n", f'this JAX computes wrongly: pip install "{compile.REQUIREMENT}"'
 
 
 # -- versions ---------------------------------------------------------------------------------------------------------
@@ -56,8 +49,7 @@ def test_a_wrong_jax_is_told_once(monkeypatch, version, wrong):
 
 def test_the_version_is_known_without_jax():
     code = "import sys; from ertel.runs import compile; compile.cache_directory(); print('jax' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment())
-    assert done.stdout.strip() == "False"
+    assert python("-c", code).stdout == "False\n"
 
 
 # -- the cache --------------------------------------------------------------------------------------------------------
@@ -76,15 +68,10 @@ with warnings_said():
 """
 
 
-def environment(**more: str) -> dict[str, str]:
-    return {**os.environ, "PYTHONPATH": SOURCE, "TF_CPP_MIN_LOG_LEVEL": "3", **more}
-
-
 def in_a_process(directory: Path) -> tuple[str, str, str]:
     """What a new command computes, how many programs it finds in the cache, and what it says on stderr."""
     more = {"JAX_COMPILATION_CACHE_DIR": str(directory), "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}
-    command = [sys.executable, "-W", "always", "-c", COMMAND]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment(**more))
+    done = python("-W", "always", "-c", COMMAND, TF_CPP_MIN_LOG_LEVEL="3", **more)
     answer, hits = done.stdout.split()
     return answer, hits, done.stderr
 
@@ -140,45 +127,50 @@ STRANGER = 65534
 
 def cache_below(home: Path) -> list[str]:
     """What `ertel.cache()` returns, the directory that JAX then has, and the warnings; XDG_CACHE_HOME is `home`."""
-    own = {k: v for k, v in environment(XDG_CACHE_HOME=str(home)).items() if not k.startswith("JAX_COMPILATION_CACHE")}
-    done = subprocess.run([sys.executable, "-c", CACHE], capture_output=True, text=True, check=True, env=own)
-    return done.stdout.splitlines()
+    return python("-c", CACHE, without=("JAX_COMPILATION_CACHE",), XDG_CACHE_HOME=str(home)).stdout.splitlines()
 
 
 def test_the_cache_is_made_for_its_user_alone(place, tmp_path):
     assert cache_below(tmp_path) == [str(place), str(place), "[]"]
     assert place.stat().st_mode & 0o777 == place.parent.stat().st_mode & 0o777 == 0o700
     (place / "a-cache").touch(mode=0o666)  # nobody else can reach it
-    assert cache_below(tmp_path)[2] == "[]"
+    assert is_safe(place)
 
 
-def refused(told: list[str], path: Path) -> bool:
-    """Whether nothing is kept because of this file or directory."""
-    directory, of_jax, warned = told
-    said = f"RuntimeWarning: compiled programs are not kept: {path} belongs to another user, or others may write to it"
-    return directory == of_jax == "None" and said in warned
+def is_safe(directory: Path) -> bool:
+    """Whether programs may be kept in a directory, in silence."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return compile._is_safe(directory)
 
 
-@pytest.mark.skipif(os.name == "nt", reason="no modes and owners there")
+def is_refused(directory: Path, path: Path) -> bool:
+    """Whether nothing is kept in a directory because of this file or directory."""
+    with pytest.warns(RuntimeWarning, match=f"are not kept: {path} belongs to another user, or others may write to it"):
+        return not compile._is_safe(directory)
+
+
 def test_a_cache_to_which_others_may_write_is_not_used(place, tmp_path):
     place.mkdir(parents=True)
     place.chmod(0o777)
-    assert refused(cache_below(tmp_path), place)
+    assert is_refused(place, place)
+    directory, of_jax, warned = cache_below(tmp_path)
+    assert directory == of_jax == "None" and f"RuntimeWarning: compiled programs are not kept: {place}" in warned
     place.chmod(0o755)
     (place / "a-cache").touch()
     (place / "a-cache").chmod(0o666)
-    assert refused(cache_below(tmp_path), place / "a-cache")
+    assert is_refused(place, place / "a-cache")
     (place / "a-cache").chmod(0o644)
-    assert cache_below(tmp_path) == [str(place), str(place), "[]"]
+    assert is_safe(place)
 
 
 @pytest.mark.skipif(os.name == "nt" or os.getuid() != 0, reason="only root gives files away")
 @pytest.mark.parametrize("planted", ["", "a-cache"])
-def test_a_cache_of_another_user_is_not_used(place, tmp_path, planted):
+def test_a_cache_of_another_user_is_not_used(place, planted):
     place.mkdir(parents=True, mode=0o700)
     (place / planted).touch()
     os.chown(place / planted, STRANGER, STRANGER)
-    assert refused(cache_below(tmp_path), place / planted)
+    assert is_refused(place, place / planted)
 
 
 def test_commands_say_that_a_cache_is_not_used(tmp_path):
@@ -189,10 +181,3 @@ def test_commands_say_that_a_cache_is_not_used(tmp_path):
     assert said.startswith(f"ertel: warning: compiled programs are not kept: {tmp_path} belongs to another user, or")
     assert said.count("\n") == 1
     assert list(tmp_path.glob("*-cache")) == list((tmp_path / "ertel").iterdir()) == []
-
-
-def test_a_python_call_keeps_nothing_on_disk(tmp_path):
-    code = "import ertel; ertel.simulate(ertel.impact(M=20, L=5, nodes=33, method='radial', until=0.01))"
-    own = {k: v for k, v in environment(XDG_CACHE_HOME=str(tmp_path)).items() if not k.startswith("JAX_COMPILATION")}
-    subprocess.run([sys.executable, "-W", "ignore", "-c", code], check=True, env=own)
-    assert list(tmp_path.iterdir()) == []

@@ -22,7 +22,7 @@ import ertel
 from ertel.case.case import Case
 from ertel.inputs.case_files import parse_case
 from ertel.runs import checked_zarr
-from ertel.runs.files import LOCK, Damaged, StoreError, checked
+from ertel.runs.files import LOCK, Damaged, StoreError, with_checksum
 from ertel.runs.store import RunStore, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
@@ -177,6 +177,9 @@ def edits(text: str) -> Iterator[str]:
     yield text + '\n[[roughness]]\nshape = "spot"\nheight = 0.1\nradius = 0.5\n'
 
 
+REFUSED = r"case\.toml was changed \(.*→.*put it back|case\.toml: cannot be read as a case .*put the run's own back"
+
+
 def test_no_edit_mixes_two_cases(runs, copy, tmp_path):
     """Neither in the data of a finished run, nor between stop and resume, nor while an object has the run in memory."""
     finished, cut = copy(runs.finished), Path(shutil.copytree(runs.cut, tmp_path / "cut"))
@@ -188,11 +191,8 @@ def test_no_edit_mixes_two_cases(runs, copy, tmp_path):
         for directory in (finished, cut):
             (directory / "case.toml").write_text(edited)
         for look in (lambda: ertel.open(finished), lambda: compute(RunStore.open(cut)), lambda: compute(opened)):
-            with pytest.raises(
-                StoreError, match=r"case\.toml was changed|case\.toml: cannot be read as a case"
-            ) as refused:
+            with pytest.raises(StoreError, match=REFUSED):
                 look()
-            assert "put it back" in str(refused.value) or "put the run's own back" in str(refused.value)
     assert len(all_edits) >= 14
     for directory in (finished, cut):
         (directory / "case.toml").write_text(text)
@@ -200,15 +200,12 @@ def test_no_edit_mixes_two_cases(runs, copy, tmp_path):
     assert runs.unchanged(runs.read, cut) and runs.unchanged(runs.read, finished)
 
 
-def test_an_edited_radius_of_a_finished_run(impact, copy):
-    """It showed the film of another ball."""
-    directory = copy(impact.finished)
+def test_name_and_reference_may_be_edited(impact, copy):
+    directory = copy(impact.cut)
     text = (directory / "case.toml").read_text()
-    (directory / "case.toml").write_text(text.replace('radius = "0.01 m"', 'radius = "0.02 m"'))
-    with pytest.raises(
-        StoreError, match=r'case\.toml was changed \(contact\.radius "0\.01 m" → "0\.02 m"\); put it back'
-    ):
-        ertel.open(directory)
+    renamed = 'name = "renamed"\n' + text.replace("[lubricant]", '[lubricant]\nreference = "new"')
+    (directory / "case.toml").write_text(renamed)
+    assert RunStore.open(directory).case.name == "renamed"
 
 
 def test_an_edit_is_noticed_by_what_is_left(impact, copy):
@@ -218,10 +215,9 @@ def test_an_edit_is_noticed_by_what_is_left(impact, copy):
     text = (directory / "case.toml").read_text()
     (directory / "case.toml").write_text(text.replace("0.033", "0.034"))
     run = RunStore.open(directory)
-    with pytest.raises(StoreError, match=r"summary\.json is not that of case\.toml"):
-        run.summary()
-    with pytest.raises(StoreError, match=r"checkpoint\.npz is not that of case\.toml"):
-        run.item()
+    for file, read in (("summary.json", run.summary), ("checkpoint.npz", run.item)):
+        with pytest.raises(StoreError, match=f"{file} is not that of case"):
+            read()
 
 
 # -- the data ---------------------------------------------------------------------------------------------------------
@@ -233,31 +229,21 @@ def test_a_missing_chunk_is_noticed(impact, copy, chunk):
     directory = copy(impact.finished)
     (directory / "run.zarr" / chunk).unlink()
     name = chunk.split("/")[0]
-    with pytest.raises(Damaged, match=rf"run\.zarr/{name}: is damaged \(1 of \d chunks are missing\); the run must be"):
+    with pytest.raises(Damaged, match=rf"run\.zarr/{name}: .*1 of \d chunks are missing"):
         ertel.open(directory)
+    if name in ("H_c", "event"):  # xarray alone reads what is no value of a run
+        values = xr.open_zarr(directory / "run.zarr")[name].values
+        assert np.isnan(values).all() if name == "H_c" else (values == -1).all()
 
 
-def test_a_chunk_without_a_number_is_not_missing(steady, tmp_path):
-    """Every map of a contact that is still to be computed is nan."""
-    run = RunStore.create(tmp_path / "run", ROLLING)
-    assert np.isnan(run.dataset()["H"].values).all()
-
-
-def test_what_is_missing_reads_as_nan_elsewhere(impact, copy):
-    directory = copy(impact.finished)
-    for chunk in ("H_c/c/0", "event/c/0"):
-        (directory / "run.zarr" / chunk).unlink()
-    data = xr.open_zarr(directory / "run.zarr").load()
-    assert np.isnan(data["H_c"].values).all() and (data["event"].values == -1).all()  # neither is a value of a run
-
-
-@pytest.mark.parametrize("length", [0, 3, -1])
-def test_a_chunk_that_was_cut_short_is_noticed(impact, copy, length):
+def test_a_chunk_that_was_cut_short_is_noticed(impact, copy):
     directory = copy(impact.finished)
     chunk = directory / "run.zarr" / "P" / "c" / "0" / "0" / "0"
-    chunk.write_bytes(chunk.read_bytes()[:length])
-    with pytest.raises(Damaged, match=r"run\.zarr/P: is damaged \(Stored and computed checksum do not match"):
-        ertel.open(directory)
+    whole = chunk.read_bytes()
+    for length in (0, 3, -1):
+        chunk.write_bytes(whole[:length])
+        with pytest.raises(Damaged, match=r"run\.zarr/P: .*checksum do not match"):
+            ertel.open(directory)
 
 
 def edited_root(directory: Path, edit: Callable[[dict[str, Any]], object]) -> None:
@@ -268,24 +254,24 @@ def edited_root(directory: Path, edit: Callable[[dict[str, Any]], object]) -> No
 
 
 @pytest.mark.parametrize(
-    "edit",
+    ("edit", "said"),
     [
-        lambda root: root["attributes"].update(R_m=0.02),
-        lambda root: root["consolidated_metadata"]["metadata"]["H_c"]["attributes"].update(si_factor=1.0),
-        lambda root: root["consolidated_metadata"]["metadata"].pop("H_c"),
-        lambda root: root.pop("consolidated_metadata"),
+        (lambda root: root["attributes"].update(R_m=0.02), "not agree"),
+        (
+            lambda root: root["consolidated_metadata"]["metadata"]["H_c"]["attributes"].update(si_factor=1.0),
+            "not agree",
+        ),
+        (lambda root: root["consolidated_metadata"]["metadata"].pop("H_c"), "not agree"),
+        (lambda root: root.pop("consolidated_metadata"), "not agree"),
+        (lambda root: root["attributes"].pop("checksum"), "no checksum; older versions"),
     ],
 )
-def test_changed_metadata_are_noticed(impact, copy, edit):
+def test_changed_metadata_are_noticed(impact, copy, edit, said):
     directory = copy(impact.finished)
     edited_root(directory, edit)
-    said = (
-        r"zarr\.json: is damaged \(its checksum does not agree\); the run must be computed again from its case\.toml$"
-    )
-    with pytest.raises(Damaged, match=said):
-        ertel.open(directory)
-    with pytest.raises(Damaged, match=said):
-        compute(RunStore.open(directory))
+    for read in (ertel.open, lambda path: compute(RunStore.open(path)), lambda path: ertel.run(IMPACT, path)):
+        with pytest.raises(Damaged, match=rf"zarr\.json: is damaged \(.*{said}.*; the run must be computed again"):
+            read(directory)
     assert (directory / "summary.json").exists()
 
 
@@ -342,35 +328,34 @@ def test_steady_data_are_written_again_from_the_checkpoint(steady, copy):
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"status": "converged"}', "\xff", "[" * 900])
-def test_a_damaged_summary_is_written_again(runs, copy, text):
-    directory = copy(runs.finished)
-    (directory / "summary.json").write_bytes(text.encode("latin-1"))
-    with pytest.raises(
-        Damaged, match=r"summary\.json: is damaged \(.*\); it is written again when the run is continued"
-    ):
-        ertel.open(directory)
-    assert runs.unchanged(runs.resume, directory)
-
-
-def test_the_summary_of_another_case_is_refused(impact, steady, copy):
+def test_a_damaged_summary_is_written_again(impact, copy, text):
     directory = copy(impact.finished)
-    shutil.copy(steady.finished / "summary.json", directory)
-    with pytest.raises(StoreError, match=r"summary\.json is not that of case\.toml"):
+    (directory / "summary.json").write_bytes(text.encode("latin-1"))
+    with pytest.raises(Damaged, match=r"summary\.json: is damaged .* written again when the run is continued"):
         ertel.open(directory)
     assert impact.unchanged(impact.resume, directory)
+
+
+@pytest.mark.parametrize(("kind", "other"), [("impact", "steady"), ("steady", "impact")])
+def test_the_summary_of_another_case_is_refused(kinds, copy, kind, other):
+    directory = copy(kinds[kind].finished)
+    shutil.copy(kinds[other].finished / "summary.json", directory)
+    with pytest.raises(StoreError, match=r"summary\.json is not that of case\.toml"):
+        ertel.open(directory)
+    assert kinds[kind].unchanged(kinds[kind].resume, directory)
 
 
 # -- the checkpoint ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("length", [0, 10, -1])
-def test_a_damaged_checkpoint_is_named(runs, copy, length):
+def test_a_damaged_checkpoint_is_named(runs, copy):
     directory = copy(runs.cut)
     checkpoint = directory / "checkpoint.npz"
-    checkpoint.write_bytes(checkpoint.read_bytes()[:length])
-    said = r"checkpoint\.npz: is damaged \(its checksum does not agree\); delete it to have the run computed"
-    with pytest.raises(Damaged, match=said):
-        compute(RunStore.open(directory))
+    whole = checkpoint.read_bytes()
+    for length in (0, 10, -1):
+        checkpoint.write_bytes(whole[:length])
+        with pytest.raises(Damaged, match=r"checkpoint\.npz: is damaged .*checksum.*; delete it to have the run"):
+            compute(RunStore.open(directory))
     checkpoint.unlink()
     assert runs.unchanged(runs.resume, directory)
 
@@ -397,7 +382,7 @@ def test_no_pickle_is_loaded_from_a_checkpoint(impact, copy):
         header = io.BytesIO()
         np.lib.format.write_array_header_1_0(header, {"descr": "|O", "fortran_order": False, "shape": (1,)})
         file.writestr("store_digest.npy", header.getvalue() + pickle.dumps([Evil()]))
-    (directory / "checkpoint.npz").write_bytes(checked(content.getvalue()))
+    (directory / "checkpoint.npz").write_bytes(with_checksum(content.getvalue()))
     with pytest.raises(Damaged, match=r"checkpoint\.npz: is damaged \(Object arrays cannot be loaded"):
         compute(RunStore.open(directory))
 

@@ -63,25 +63,18 @@ def test_a_name_that_is_taken_at_the_last_moment(tmp_path, monkeypatch):
         RunStore.create(tmp_path / "small", CASE)
 
 
-def test_an_empty_directory_of_that_name_is_not_ours(tmp_path):
-    """A move onto an empty directory replaces it."""
-    (tmp_path / "small").mkdir()
-    assert RunStore.create_unused(CASE, tmp_path).directory == tmp_path / "small-2"
-    assert list((tmp_path / "small").iterdir()) == []
-
-
-@pytest.mark.parametrize("path", ["run::1", "~/run", "s3:/bucket/run", "memory:/run"])
-def test_a_path_is_a_path(tmp_path, monkeypatch, path):
+def test_a_path_is_a_path(tmp_path, monkeypatch):
     """Zarr would read some as addresses and others as below the home directory."""
     (tmp_path / "home").mkdir()
     (tmp_path / "here").mkdir()
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.chdir(tmp_path / "here")
-    compute(RunStore.create(Path(path), CASE), [stop_after(1)])
-    summary = compute(RunStore.open(Path(path)))
-    assert ertel.open(path).summary == summary
+    for path in ("run::1", "~/run", "s3:/bucket/run", "memory:/run"):
+        compute(RunStore.create(Path(path), CASE), [stop_after(1)])
+        summary = compute(RunStore.open(Path(path)))
+        assert ertel.open(path).summary == summary
+        assert (tmp_path / "here" / path / "run.zarr").is_dir()
     assert list((tmp_path / "home").iterdir()) == []
-    assert (tmp_path / "here" / path / "run.zarr").is_dir()
 
 
 def test_directories_say_what_changed():
@@ -95,23 +88,19 @@ def test_directories_say_what_changed():
 def test_existing_output_is_left_alone(tmp_path):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "precious").write_text("data")
-    with pytest.raises(StoreError, match=r"run: exists already"):
-        RunStore.create(tmp_path / "run", CASE)
+    for target, said in (("run", "run: exists already"), ("run/precious", ""), ("run/precious/run", "")):
+        with pytest.raises(StoreError, match=said):
+            RunStore.create(tmp_path / target, CASE)
     assert [path.name for path in tmp_path.rglob("*")] == ["run", "precious"]
 
 
-def test_an_empty_directory_will_do(tmp_path):
-    (tmp_path / "run").mkdir()
-    RunStore.create(tmp_path / "run", CASE)
-    assert RunStore.open(tmp_path / "run").case == CASE
-
-
-def test_a_file_in_the_way(tmp_path):
-    (tmp_path / "file").write_text("")
-    for target in (tmp_path / "file", tmp_path / "file" / "run"):
-        with pytest.raises(StoreError):
-            RunStore.create(target, CASE)
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+def test_an_empty_directory_will_do_where_it_is_named(tmp_path):
+    """A move onto an empty directory replaces it, so another name is found where none is given."""
+    (tmp_path / "small").mkdir()
+    assert RunStore.create_unused(CASE, tmp_path).directory == tmp_path / "small-2"
+    assert list((tmp_path / "small").iterdir()) == []
+    RunStore.create(tmp_path / "small", CASE)
+    assert RunStore.open(tmp_path / "small").case == CASE
 
 
 def test_failure_while_making_leaves_nothing(tmp_path, monkeypatch):

@@ -49,14 +49,14 @@ def test_anything_else_is_one_sentence(entrance, given):
 
 @pytest.mark.parametrize("given", WRONG)
 def test_readers_say_what_they_take(given):
-    with pytest.raises(ertel.ConfigError, match=r"^data = .*: must be a mapping; load_case reads a case file$"):
-        ertel.parse_case(given)
-    with pytest.raises(ertel.ConfigError, match=r"^path = .*: must be the path of a case file; parse_case takes"):
-        ertel.load_case(given)
-    with pytest.raises(ertel.ConfigError, match=r"^study = .*: must be the path of a case file, or a mapping$"):
-        ertel.sweep(given, "nowhere")
-    with pytest.raises(ertel.ConfigError, match=r"^directory = .*: must be the path of a run directory$"):
-        ertel.open(given)
+    for reader, said in (
+        (ertel.parse_case, "^data = .*: must be a mapping; load_case reads"),
+        (ertel.load_case, "^path = .*: must be the path of a case file; parse_case takes"),
+        (lambda study: ertel.sweep(study, "nowhere"), "^study = .*: must be the path of a case file, or a mapping"),
+        (ertel.open, "^directory = .*: must be the path of a run directory"),
+    ):
+        with pytest.raises(ertel.ConfigError, match=said):
+            reader(given)
 
 
 def test_a_case_in_the_wrong_place_is_named_in_one_line():

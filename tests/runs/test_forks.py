@@ -1,13 +1,9 @@
 """Processes that are forked after a computation, in a process of their own: pytest itself has many threads."""
 
 import os
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
-
-import ertel
+from cases import python
 
 FORKS = """
 import os, sys, warnings
@@ -44,15 +40,11 @@ for name in DO:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
-def test_a_fork_of_a_process_that_has_computed_says_so(tmp_path):
+def test_a_fork_of_a_process_that_has_computed_says_so():
     """JAX would hang there.  A fork before computes."""
-    environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
-    done = subprocess.run(
-        [sys.executable, "-c", FORKS], capture_output=True, text=True, timeout=120, env=environment, check=True
-    )
-    said = (
-        "this process was forked from one in which JAX runs, and would hang; start processes with "
-        'multiprocessing.get_context("spawn"), or run the cases with ertel.sweep'
-    )
-    names = ("simulate", "traction", "respond", "respond_in_rolling")
-    assert done.stdout.splitlines() == ["converged", "converged", *(f"{name} {said}" for name in names)]
+    first, second, *others = python("-c", FORKS).stdout.splitlines()
+    assert first == second == "converged"
+    said = "this process was forked from one in which JAX runs, and would hang; start processes with multiprocessing"
+    expected = [f"{name} {said}" for name in ("simulate", "traction", "respond", "respond_in_rolling")]
+    assert [line.partition(".get_context")[0] for line in others] == expected
+    assert all(line.endswith('("spawn"), or run the cases with ertel.sweep') for line in others)

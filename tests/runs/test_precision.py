@@ -1,19 +1,12 @@
 """Double precision inside ertel, whatever JAX is set to; and nothing of JAX or Python is changed for the process."""
 
 import json
-import os
-import subprocess
-import sys
 import warnings
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-import ertel
-
-SOURCE = str(Path(ertel.__path__[0]).parent)
+from cases import python
 
 RUNS = """
 import warnings
@@ -100,23 +93,15 @@ sys.stdout.write(json.dumps([said, found]))
 QUICK, SLOW = ("on_the_plane", "radial", "steady"), ("batch", "respond", "respond_in_rolling")
 
 
-def plain_environment() -> dict[str, str]:
-    """As a user has it, who has told JAX nothing about its precision."""
-    return {**{k: v for k, v in os.environ.items() if k != "JAX_ENABLE_X64"}, "PYTHONPATH": SOURCE}
-
-
-def in_a_process(code: str) -> str:
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=plain_environment()
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+def single(code: str) -> str:
+    """What a process prints whose JAX is set to single precision, as by default."""
+    return python("-c", code, without=("JAX_ENABLE_X64",)).stdout
 
 
 @cache
 def alone(names: tuple[str, ...]) -> tuple[dict, dict]:
     """What a process of its own has changed, and what it computes, in single precision but for ertel."""
-    said, found = json.loads(in_a_process(IN_A_PROCESS.format(runs=RUNS, names=names)))
+    said, found = json.loads(single(IN_A_PROCESS.format(runs=RUNS, names=names)))
     return said, found
 
 
@@ -172,4 +157,4 @@ print([refused(*each) for each in (
 
 
 def test_single_precision_is_refused():
-    assert in_a_process(SINGLE).strip() == str([True] * 7)
+    assert single(SINGLE).strip() == str([True] * 7)

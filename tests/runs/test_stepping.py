@@ -9,6 +9,7 @@ from cases import OIL, course_with, rolled, steps_of
 
 from ertel.case.case import Case
 from ertel.case.sections import SOLVERS, Drive, Output, Time
+from ertel.case.status import Status
 from ertel.equations.account import Friction
 from ertel.equations.state import Method, State, Stepping, combined
 from ertel.numerics import bdf
@@ -86,6 +87,26 @@ def test_a_pulse_is_felt() -> None:
     steps = steps_of(case, LikeTheLoad(case))
     assert max(step.record["w"] for step in steps) == 3.0
     assert sum(step.record["rejected"] for step in steps) < 20
+
+
+def test_a_fixed_step_is_fixed() -> None:
+    np.testing.assert_allclose(np.diff(times(rolling(Time(until=1.5, step=0.05)))), 0.05, rtol=1e-9)
+
+
+class Unwilling(LikeTheLoad):
+    """A method that fails whenever the step is longer than it likes."""
+
+    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
+        new = yield from super().attempt(levels, step)
+        return new if step <= 0.02 else replace(new, status=Status.NEWTON_STALLED)
+
+
+def test_a_step_that_fails_is_repeated_smaller() -> None:
+    case = rolling(Time(until=0.2, step=0.05))
+    records = [step.record for step in steps_of(case, Unwilling(case))]
+    assert records[-1]["T"] == pytest.approx(0.2)
+    assert max(record["dT"] for record in records) <= 0.02
+    assert sum(record["rejected"] for record in records) > 0
 
 
 def test_a_short_period_bounds_the_step() -> None:

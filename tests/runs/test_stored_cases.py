@@ -1,7 +1,6 @@
 """A stored run stays the run of its case: what another case would make of it is refused, and what cannot be written."""
 
 import json
-import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,10 +12,9 @@ from cases import physics, stop_after
 
 import ertel
 from ertel.inputs.case_files import ConfigError, load_case, parse_case
-from ertel.physics import registry, units
+from ertel.physics import units
 from ertel.physics.surfaces import Feature
 from ertel.runs.drive import simulate
-from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
@@ -49,19 +47,6 @@ class Step:
         return self.height * (1.0 + np.tanh(X / self.width)) / 2 + 0.0 * Y
 
 
-@dataclass(frozen=True)
-class Nameless:
-    """A law and a shape that nobody registered."""
-
-    def viscosity(self, p: Any) -> Any:
-        return 1.0 + p
-
-    density = viscosity
-
-    def heights(self, X: Any, Y: Any) -> Any:
-        return 0.0 * X * Y
-
-
 def resumed(case: ertel.Case, directory: Path, steps: int) -> ertel.Result:
     """A run that was interrupted, and taken up from its directory by someone who knows nothing else."""
     compute(RunStore.create(directory, case), [stop_after(steps)])
@@ -92,93 +77,23 @@ def test_a_run_on_the_whole_plane_is_resumed(tmp_path):
     xr.testing.assert_identical(physics(again.dataset), physics(simulate(case).dataset))
 
 
-# -- another case -----------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def short(tmp_path_factory):
-    """The directory of a run that was interrupted."""
-    directory = tmp_path_factory.mktemp("stored") / "run"
-    compute(RunStore.create(directory, parse_case(CASE)), [stop_after(2)])
-    return directory
-
-
-@pytest.fixture
-def run(short, tmp_path):
-    """A copy of it."""
-    return Path(shutil.copytree(short, tmp_path / "run"))
-
-
-@pytest.mark.parametrize(
-    ("before", "after", "said"),
-    [
-        ("M = 200.0", "M = 300.0", r"contact\.M 200\.0 → 300\.0"),
-        ('viscosity = "roelands"', 'viscosity = "barus"', r'lubricant\.viscosity "roelands" → "barus"'),
-        ("until = 0.4", 'until = "max-approach"', r'time\.until 0\.4 → "max-approach"'),
-    ],
-)
-def test_an_edited_case_file_is_refused(run, before, after, said):
-    text = (run / "case.toml").read_text()
-    assert text.count(before) == 1
-    (run / "case.toml").write_text(text.replace(before, after))
-    with pytest.raises(StoreError, match=rf"run: case\.toml was changed \({said}\); put it back"):
-        RunStore.open(run)
-    with pytest.raises(StoreError, match=said):
-        ertel.open(run)
-
-
-def test_name_and_reference_may_be_edited(run):
-    text = (run / "case.toml").read_text()
-    (run / "case.toml").write_text('name = "renamed"\n' + text.replace("[lubricant]", '[lubricant]\nreference = "new"'))
-    assert RunStore.open(run).case.name == "renamed"
-
-
-def test_the_data_of_another_case_are_refused(run, tmp_path):
-    RunStore.create(tmp_path / "other", parse_case({**CASE, "contact": {"M": 300, "L": 10}}))
-    (tmp_path / "other" / "case.toml").replace(run / "case.toml")
-    with pytest.raises(StoreError, match=r"contact\.M 200\.0 → 300\.0"):
-        RunStore.open(run)
-
-
-def test_the_run_directory_of_an_older_version_is_refused(run):
-    """Such a run has no checksums."""
-    path = run / "run.zarr" / "zarr.json"
-    root = json.loads(path.read_text())
-    del root["attributes"]["checksum"]
-    path.write_text(json.dumps(root))
-    for read in (ertel.open, lambda path: ertel.run(parse_case(CASE), path)):
-        with pytest.raises(
-            StoreError, match=r"zarr\.json: is damaged \(it has no checksum; older versions wrote none\); "
-        ):
-            read(run)
-
-
 # -- laws and shapes of one's own -------------------------------------------------------------------------------------
 
 
-def test_a_law_without_a_name_says_what_it_lacks():
-    said = r"Nameless: is no registered viscosity law, .*@ertel\.viscosity_laws\.register\(\"a-name\"\)"
-    with pytest.raises(ValueError, match=said):
-        ertel.Oil(viscosity=Nameless())
-    with pytest.raises(ValueError, match=r"no registered density law, .*@ertel\.density_laws\.register"):
-        ertel.Oil(density=Nameless())
+@dataclass(frozen=True)
+class Nameless:
+    """A shape that nobody registered."""
+
+    def heights(self, X: Any, Y: Any) -> Any:
+        return 0.0 * X * Y
 
 
 def test_a_shape_without_a_name_is_refused_where_it_would_be_stored(tmp_path):
     case = replace(parse_case(CASE), roughness=(Feature(Nameless()),))
     for store in (RunStore.create, lambda path, case: ertel.run(case, path)):
-        with pytest.raises(ValueError, match=r"roughness\[1\]\.Nameless: is no registered shape, .*@ertel\.shapes"):
+        with pytest.raises(ValueError, match=r"roughness\[1\]\.Nameless: is no registered shape"):
             store(tmp_path / "run", case)
     assert list(tmp_path.iterdir()) == []
-    with pytest.raises(ValueError, match="is no registered shape"):
-        _ = case.digest
-
-
-def test_what_is_no_law_cannot_be_registered():
-    with pytest.raises(TypeError, match="a viscosity law must be a frozen dataclass"):
-        ertel.viscosity_laws.register("test-none")(type("Plain", (), {}))
-    with pytest.raises(ValueError, match='name = "barus": is the viscosity law Barus already'):
-        ertel.viscosity_laws.register("barus")(Power)
 
 
 OWN = """
@@ -194,19 +109,22 @@ height = 0.01
 nodes = 17
 [time]
 tolerance = 0.01
-until = 0.4
+until = 1.0
 """
 
 
 def test_a_users_law_and_shape_are_those_of_case_files(tmp_path):
+    """The law needs no derivative."""
     (tmp_path / "own.toml").write_text(OWN)
     case = load_case(tmp_path / "own.toml")
     assert case.lubricant.viscosity_law == Power(5e8, 11.0)
     assert case.features == (Feature(Step(0.01)),)
+    assert float(case.lubricant.viscosity(1.0)) == pytest.approx((1.0 + case.lubricant.p_h / 5e8) ** 11)
     oil = ertel.Oil(viscosity=Power(p1=5e8, n=11.0))
-    roughness, time = [Step(0.01)], {"time_tolerance": 0.01, "until": 0.4}
+    roughness, time = [Step(0.01)], {"time_tolerance": 0.01, "until": 1.0}
     assert ertel.impact(M=200, L=10, oil=oil, roughness=roughness, nodes=17, **time) == case
     again = resumed(case, tmp_path / "run", 3)
+    assert again.status.ok and again.summary["newton_iterations"] < 1.5 * again.summary["steps"]
     xr.testing.assert_identical(physics(again.dataset), physics(simulate(case).dataset))
     assert again.case == case
     written = json.loads(again.dataset.attrs["case"])
@@ -234,29 +152,3 @@ def test_a_users_law_and_shape_are_those_of_case_files(tmp_path):
 def test_a_users_law_is_checked_as_the_others(lubricant, said):
     with pytest.raises(ConfigError, match=said):
         parse_case({"contact": {"M": 200, "L": 10}, "lubricant": lubricant})
-
-
-def test_a_law_that_a_package_announces(monkeypatch):
-    """By an entry point, which is loaded when the law is asked for."""
-
-    class Point:
-        name = "test-announced"
-
-        def load(self):
-            return Announced
-
-    monkeypatch.setattr(registry, "entry_points", lambda group: [Point()] if group == laws.group else [])
-    laws = registry.Registry("viscosity law", "ertel.viscosity_laws")
-    assert list(laws) == ["test-announced"] and "test-announced" in laws
-    assert laws["test-announced"] is Announced
-    assert laws.name_of(Announced(2.0)) == "test-announced"
-
-
-@dataclass(frozen=True)
-class Announced:
-    """A law of another package."""
-
-    n: float
-
-    def viscosity(self, p: Any) -> Any:
-        return 1.0 + self.n * p

@@ -13,7 +13,7 @@ from cases import names
 
 from ertel.runs import plain
 from ertel.runs import tasks as tasks_module
-from ertel.runs.files import checked
+from ertel.runs.files import with_checksum
 from ertel.runs.tasks import Failure, Task, kept, run_tasks
 from ertel.runs.workers import LocalWorker, never
 from ertel.version import source_digest
@@ -68,19 +68,15 @@ def test_results_of_other_arguments_or_sources_are_not_used(tmp_path: Path, monk
     assert kept([task], tmp_path) == {}
 
 
-def flipped(content: bytes, bit: int) -> bytes:
-    changed = bytearray(content)
-    changed[bit // 8] ^= 1 << bit % 8
-    return bytes(changed)
-
-
 def test_a_kept_result_with_any_bit_flipped_is_computed_again(tmp_path: Path, caplog: pytest.LogCaptureFixture):
     task = Task("a", double, (1.5,))
     run_tasks([task], LocalWorker(), tmp_path)
     file = tmp_path / "a.result"
     whole = file.read_bytes()
     for bit in range(0, 8 * len(whole), 97):
-        file.write_bytes(flipped(whole, bit))
+        changed = bytearray(whole)
+        changed[bit // 8] ^= 1 << bit % 8
+        file.write_bytes(changed)
         assert kept([task], tmp_path) == {}, f"bit {bit}"
     for length in range(0, len(whole), 97):
         file.write_bytes(whole[:length])
@@ -107,7 +103,7 @@ def test_a_file_beside_the_results_runs_no_code(tmp_path: Path, name: str):
     directory.mkdir()
     archive = io.BytesIO()
     np.savez(archive, text=np.array([Evil(proof)], dtype=object))
-    body = checked(archive.getvalue()) if name.endswith("result") else pickle.dumps(Evil(proof))
+    body = with_checksum(archive.getvalue()) if name.endswith("result") else pickle.dumps(Evil(proof))
     (directory / name).write_bytes(body)
     assert run_tasks([task], LocalWorker(), directory) == [2]
     assert not proof.exists()
@@ -116,7 +112,7 @@ def test_a_file_beside_the_results_runs_no_code(tmp_path: Path, name: str):
 @pytest.mark.parametrize("body", [b"", b"PK\x03\x04 no archive", b"\x80\x04N.", b"text"])
 def test_a_file_of_another_kind_is_computed_again(tmp_path: Path, caplog: pytest.LogCaptureFixture, body: bytes):
     """Also with the right checksum: only somebody else can have written it."""
-    (tmp_path / "a.result").write_bytes(checked(body))
+    (tmp_path / "a.result").write_bytes(with_checksum(body))
     assert run_tasks([Task("a", double, (1,))], LocalWorker(), tmp_path) == [2]
     assert "a.result: is damaged" in caplog.text
 
@@ -127,8 +123,8 @@ def test_datasets_numbers_and_lists_come_back_exactly(tmp_path: Path):
         {"wave": ["rings, 0.4", "µ"], "X": [0.5, 1 / 3], "frame": 1.0},
         {"M": 200.0, "title": "ball"},
     )
-    plain.write(tmp_path / "file", [data, (1, 2.5e-300, None, True), {"list": {"dict": "array"}}])
-    again, numbers, names = plain.read(tmp_path / "file")
+    plain.write_plain(tmp_path / "file", [data, (1, 2.5e-300, None, True), {"list": {"dict": "array"}}])
+    again, numbers, names = plain.read_plain(tmp_path / "file")
     assert again.identical(data) and again["event"].dtype == "int8"
     assert np.signbit(again["H"].values[1, 1])
     assert numbers == [1, 2.5e-300, None, True] and names == {"list": {"dict": "array"}}

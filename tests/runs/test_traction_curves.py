@@ -171,33 +171,28 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
     assert len(curve.plot().axes) == 6
 
 
+IMPACT = parse_case({"contact": {"M": 20, "L": 10}, "solver": {"nodes": 33}})
+DIMENSIONLESS = parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, "solver": {"nodes": 33}})
+
+
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("case", "given", "said"),
     [
-        ({}, "give exactly one of slide_to_roll, mean_speed, load; got none"),
-        ({"slide_to_roll": [0], "load": [1]}, "got slide_to_roll and load"),
-        ({"load": "1:5"}, "load = .*FIRST:LAST:NUMBER"),
-        ({"mean_speed": "0:1:3"}, "contact.mean_speed = .* must not be zero"),
-        ({"mean_speed": [1.0], "film": "once"}, "film depends on mean_speed"),
-        ({"slide_to_roll": [0.0], "film": "twice"}, "film = .twice.: allowed: each, once"),
+        (physical(), {}, "exactly one of slide_to_roll, mean_speed, load; got none"),
+        (physical(), {"slide_to_roll": [0], "load": [1]}, "got slide_to_roll and load"),
+        (physical(), {"load": "1:5"}, "load = .*FIRST:LAST:NUMBER"),
+        (physical(), {"mean_speed": "0:1:3"}, "contact.mean_speed = .* must not be zero"),
+        (physical(), {"mean_speed": [1.0], "film": "once"}, "film depends on mean_speed"),
+        (physical(), {"slide_to_roll": [0.0], "film": "twice"}, "film = .twice.: allowed: each, once"),
+        (IMPACT, {"slide_to_roll": [0.1]}, 'solver.method = "2d": .* steady contact'),
+        (DIMENSIONLESS, {"load": [1.0]}, "load = .*dimensionless"),
+        (
+            replace(physical(), drive=Drive(load=constant(2.0))),
+            {"load": [1.0]},
+            r"motion\.load = 2: multiplies",
+        ),
     ],
 )
-def test_wrong_arguments(given: dict[str, Any], said: str) -> None:
+def test_wrong_arguments(case: Case, given: dict[str, Any], said: str) -> None:
     with pytest.raises(ConfigError, match=said):
-        traction(physical(), **given)
-
-
-def test_a_curve_needs_a_steady_contact_and_speed_and_load_need_si() -> None:
-    impact = parse_case({"contact": {"M": 20, "L": 10}, "solver": {"nodes": 33}})
-    with pytest.raises(ConfigError, match=r'solver.method = "2d": a traction curve is of a steady contact'):
-        traction(impact, slide_to_roll=[0.1])
-    dimensionless = parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, "solver": {"nodes": 33}})
-    with pytest.raises(ConfigError, match=r"load = .*dimensionless"):
-        traction(dimensionless, load=[1.0])
-
-
-def test_a_constant_factor_of_the_axis_is_refused() -> None:
-    case = physical()
-    doubled = replace(case, drive=Drive(load=constant(2.0)))
-    with pytest.raises(ConfigError, match=r"motion\.load = 2: multiplies the load of a curve"):
-        traction(doubled, load=[10.0, 20.0])
+        traction(case, **given)

@@ -1,14 +1,12 @@
 """Compiling ahead: what it covers, what it leaves to a run, and what is told meanwhile."""
 
 import json
-import os
 import subprocess
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from cases import ertel_
+from cases import ertel_, python
 
 import ertel
 from ertel.runs import warm_up
@@ -34,21 +32,17 @@ print(json.dumps(events))
 """
 
 
-def in_a_process(cache: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """As a user starts it, with optimised programs, and a cache of its own."""
-    kept = {key: value for key, value in os.environ.items() if not key.startswith(("JAX_COMP", "JAX_PERS", "XLA_"))}
-    environment = {**kept, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), "XDG_CACHE_HOME": str(cache)}
-    return subprocess.run(
-        [sys.executable, *arguments], capture_output=True, text=True, check=True, env=environment, cwd=cache
-    )
+def as_a_user(cache: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """A process with optimised programs and a cache of its own."""
+    return python(*arguments, without=("JAX_COMP", "JAX_PERS", "XLA_"), cwd=cache, XDG_CACHE_HOME=str(cache))
 
 
 def test_a_run_after_the_warm_up_compiles_nothing_and_traces_no_solver(tmp_path):
     for name, text in (("rolling.toml", ROLLING), ("impact.toml", IMPACT)):
         (tmp_path / name).write_text(text)
-    told = in_a_process(tmp_path, "-m", "ertel", "warm-up", "rolling.toml", "impact.toml").stderr.splitlines()
+    told = as_a_user(tmp_path, "-m", "ertel", "warm-up", "rolling.toml", "impact.toml").stderr.splitlines()
     assert [line.partition(":")[0] for line in told[:2]] == ["1/2  rolling", "2/2  impact"]
-    events = json.loads(in_a_process(tmp_path, "-c", RUN, "rolling.toml", "impact.toml").stdout.splitlines()[-1])
+    events = json.loads(as_a_user(tmp_path, "-c", RUN, "rolling.toml", "impact.toml").stdout.splitlines()[-1])
     assert "cache_hits" in events
     assert "cache_misses" not in events
     traced = {name for event, _, name in (event.partition(" ") for event in events) if event == "jaxpr_trace_duration"}
@@ -80,19 +74,30 @@ def test_the_progress_bar_says_what_takes_the_time(monkeypatch):
     assert said == [("ball", "compiling (once per machine and grid size)")]
 
 
-@pytest.mark.parametrize("chosen", [True, False])
-def test_python_users_keep_programs_where_they_wish_or_chose_a_directory(tmp_path, chosen):
-    own = tmp_path / "own"
-    code = f"""
+PYTHON_USER = """
+import os
 import jax
-if {chosen}:
-    jax.config.update("jax_compilation_cache_dir", {str(own)!r})
 jax.jit(lambda x: x + 1)(1.0)  # JAX decides about its cache here
+import numpy as np
 import ertel
-ertel.cache()
+from ertel.numerics.programs import Program
 ertel.simulate(ertel.impact(M=20, L=5, method="radial", nodes=17, until=0.02))
+print(jax.config.jax_compilation_cache_dir, os.listdir())
+ertel.cache()
+Program(jax.jit(lambda x: 2.0 * x))(np.ones(3))
 print(jax.config.jax_compilation_cache_dir)
 """
-    directory = Path(in_a_process(tmp_path, "-c", code).stdout.strip())
-    assert directory == own if chosen else directory.is_relative_to(tmp_path / "ertel")
-    assert chosen or list(directory.glob("*-cache"))
+
+
+def test_python_users_keep_nothing_on_disk_until_they_wish_it(tmp_path):
+    before, directory = as_a_user(tmp_path, "-c", PYTHON_USER).stdout.splitlines()
+    assert before == "None []"
+    assert Path(directory).is_relative_to(tmp_path / "ertel")
+    assert list(Path(directory).glob("*-cache"))
+
+
+def test_the_cache_of_python_users_may_be_in_a_directory_of_their_choice(tmp_path):
+    own = str(tmp_path / "own")
+    chosen = f'import jax; jax.config.update("jax_compilation_cache_dir", {own!r}); import ertel; ertel.cache()'
+    code = f"{chosen}; print(jax.config.jax_compilation_cache_dir)"
+    assert as_a_user(tmp_path, "-c", code).stdout.strip() == own

@@ -33,7 +33,7 @@ def test_the_diagonal_knows_how_the_viscosity_changes() -> None:
         newton.Options(),
     )
     free = jnp.where(film.P > 0.0, 1.0, 0.0)
-    level = preconditioner.levels(problem, film.P, film.H, free, 1.0, multigrid.point_smoother)[0]
+    level = preconditioner.multigrid_levels(problem, film.P, film.H, free, 1.0, multigrid.point_smoother)[0]
     c = level.coefficients
     faces = np.asarray(stencils.face_sum(c.eps, grid.even)) / grid.spacing**2
     steepening = np.asarray(c.steepening) * np.asarray(c.free)

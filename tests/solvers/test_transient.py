@@ -97,7 +97,7 @@ def test_newtons_law_is_kept_by_the_discrete_motion() -> None:
     rates = bdf.derivative_weights([level.T for level in levels[:3]])
     V, a = (sum(w * getattr(o, k) for w, o in zip(rates, levels, strict=False)) for k in ("approach", "velocity"))
     assert levels[0].velocity == pytest.approx(V, rel=1e-12)
-    carried = float(contact.load(method.contact, levels[0].P)) + levels[0].outside
+    carried = float(contact.pressure_load(method.contact, levels[0].P)) + levels[0].outside
     assert a == pytest.approx(-15 / (8 * np.pi) * carried, rel=1e-9)
 
 

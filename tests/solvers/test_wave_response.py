@@ -76,7 +76,7 @@ def dense(case: Case, s: GridSolution, wave: RoughnessWave) -> tuple[np.ndarray,
 
     es = jnp.eye(s.P.size)[free].reshape(-1, *shape)
     rows = residuals(es, jax.vmap(lambda e: contact.deformation(c, e))(es))
-    loads = jax.vmap(lambda e: contact.load(c, e))(es)[:, None]
+    loads = jax.vmap(lambda e: contact.pressure_load(c, e))(es)[:, None]
     approach, *parts = residuals(
         jnp.zeros((3, *shape)), jnp.stack([-jnp.ones(shape), wave.shape.real, wave.shape.imag])
     )

@@ -16,7 +16,7 @@ import numpy as np
 from ertel import Case, parse_case
 from ertel.physics.film_formulas import expected_film
 from ertel.results import diagnostics
-from ertel.results.parameters import films
+from ertel.results.parameters import formula_films
 from ertel.solvers import steady
 from ertel.solvers.steady import GridSolution, Rolling
 
@@ -140,7 +140,7 @@ def angle(nodes: int) -> str:
 def _angle(c: Case, degrees: float) -> list[str]:
     assert c.scales is not None
     rolling, nm = steady.steady_film(c), c.scales.film * 1e9
-    chittenden = next(film for film in films(c) if film.name.startswith("Chittenden"))
+    chittenden = next(film for film in formula_films(c) if film.name.startswith("Chittenden"))
     cells = []
     for name, by in (("H_c", chittenden.central), ("H_min", chittenden.minimum)):
         x = rolling.extrapolate(name)

@@ -41,13 +41,13 @@ def film(case_file: OptionalCase = None, set_: Set = None, as_json: Json = False
     Give a case file, or the contact alone: --set contact.M=200 --set contact.L=10, see ertel params.
     """
     from ertel.apps import tables
-    from ertel.results.parameters import films
+    from ertel.results.parameters import formula_films
 
     with bad_input():
         case = _case_asked_for(case_file, set_, "rolling")
         if case.starts_apart:
             raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
-    found = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
+    found = formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if as_json:
         print_json(tables.films_as_data(case, found))
     else:
@@ -152,12 +152,12 @@ def check(case_file: CaseFile, set_: Set = None, as_json: Json = False) -> None:
 
 def _print_outlook(case: "Case", found: dict[str, Any]) -> None:
     from ertel.apps import tables
-    from ertel.results.parameters import films
+    from ertel.results.parameters import formula_films
 
     out = tables.console()
     out.print(f"{case.name or case.kind}: {case.kind}, {case.solver.method}", style="bold")
     tables.print_parameters(found["parameters"])
-    formulas = films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
+    formulas = formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if formulas:
         out.print()
         tables.print_films(case, formulas)

@@ -10,7 +10,7 @@ from ertel.apps.arguments import Json, RunDirectory, path_argument, path_option,
 from ertel.apps.terminal import bad_input, print_json, print_path, say, shown
 
 if TYPE_CHECKING:
-    from ertel.results.numbers import Difference, Pair
+    from ertel.results.numbers import Compared, Difference
     from ertel.runs.listing import Listed
 
 
@@ -104,7 +104,7 @@ def _print_differences(differing: "Sequence[Difference]", names: Sequence[str]) 
     print_rows([("case", *names), *rows, ("", "", "")] if rows else [("The cases are the same.",), ("",)], left=3)
 
 
-def _print_pairs(pairs: "Sequence[Pair]", statuses: Sequence[str]) -> None:
+def _print_pairs(pairs: "Sequence[Compared]", statuses: Sequence[str]) -> None:
     from ertel.apps.tables import print_rows
     from ertel.results.variables import with_prefix
 

@@ -14,7 +14,7 @@ from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
-from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, study_bars, write
+from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, study_bars, write_study
 from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
@@ -47,7 +47,7 @@ def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bo
                 said = run_study(study.cases, directory, workers, part, stop, shown_bars.done)
             result = gather(study, directory, said)
             if part == EVERY:
-                write(result, directory)
+                write_study(result, directory)
         except OSError as error:
             leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {GOES_ON}")
     if part == EVERY:

@@ -7,9 +7,9 @@ from rich.console import Console
 
 from ertel.apps.terminal import printable
 from ertel.results.numbers import Number, moment, numbers, values_of
-from ertel.results.parameters import domain, films, parameter_summary, rheology_of
+from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
 from ertel.results.report import aligned, more_lines
-from ertel.results.variables import FILMS, in_si, with_prefix
+from ertel.results.variables import FILMS, values_in_si, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -86,7 +86,7 @@ def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
     for line in more_lines(summary):
         out.print(f"{line[0].upper()}{line[1:]}")
     T = found["T"].value if "T" in found else 0.0
-    formulas = films(case, case.motion.load(T), case.motion.entrainment(T)) if found else ()
+    formulas = formula_films(case, case.motion.load(T), case.motion.entrainment(T)) if found else ()
     if formulas:
         out.print()
         print_films(case, formulas, found)
@@ -175,5 +175,5 @@ def films_as_data(case: "Case", found: "Sequence[FormulaFilm]") -> dict[str, Any
     rows = [film._asdict() for film in found]
     if case.scales:
         for row in rows:
-            row["si"] = in_si({"H_c": row["central"], "H_min": row["minimum"]}, case.scales)
+            row["si"] = values_in_si({"H_c": row["central"], "H_min": row["minimum"]}, case.scales)
     return {**parameter_summary(case), "films": rows}

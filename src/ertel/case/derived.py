@@ -64,7 +64,7 @@ def extent(half_width: float) -> float:
 # -- estimates of a physical contact --------------------------------------------------------------------------------
 
 
-def film(case: Case) -> float:
+def film_estimate(case: Case) -> float:
     """The expected central film thickness (m), an impact's by its scale; infinite for a dimensionless case."""
     return case.film_scale * case.scales.film if case.scales else inf
 
@@ -91,5 +91,5 @@ def newtonian_stress(case: Case) -> float:
     s = (1.0 + z) / 2.0
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         growth = float(np.sum(weight * s * case.oil.viscosity_law.viscosity(largest_pressure(case) * s)))
-    stress = growth * case.oil.eta0 * sliding * case.scales.front_speed / film(case)
+    stress = growth * case.oil.eta0 * sliding * case.scales.front_speed / film_estimate(case)
     return stress if stress >= 0.0 else inf  # beyond the pole of a modulus law

@@ -137,7 +137,7 @@ def deformation(contact: Contact, P: Array) -> Array:
     return halfspace.surface_displacement(contact.kernel, P, contact.even)
 
 
-def load(contact: Contact, P: Array) -> Array:
+def pressure_load(contact: Contact, P: Array) -> Array:
     """Double integral of P."""
     return total(P, contact.even) * contact.spacing**2
 

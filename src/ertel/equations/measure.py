@@ -23,10 +23,10 @@ def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
     much lower the mean of the four next nodes is, as a share of it.  load: integral of P.  Of two extremes that mirror
     each other about an axis, the one on its positive side is named.
     """
-    return named(grid, np.asarray(_numbers(Axes.of(grid), P, H)).tolist())
+    return named_numbers(grid, np.asarray(_numbers(Axes.of(grid), P, H)).tolist())
 
 
-def named(grid: Grid, numbers: Sequence[float]) -> dict[str, float]:
+def named_numbers(grid: Grid, numbers: Sequence[float]) -> dict[str, float]:
     """The key values from `numbers`."""
     H_c, H_min, thin, P_c, P_max, high, fall, load = numbers
     X_min, Y_min = _place(grid, int(thin))
@@ -58,7 +58,7 @@ class Axes:
         return cls(y, x, row * grid.shape[1] + column, grid.even)
 
 
-def numbers(axes: Axes, P: Array, H: Array) -> Array:
+def extreme_numbers(axes: Axes, P: Array, H: Array) -> Array:
     """The key values in one array, from which `named` makes them; traceable by JAX."""
     pressed = jnp.where((P > 0.0) | (P.max() <= 0.0), H, jnp.inf)
     H_min, P_max = pressed.min(), P.max()
@@ -72,4 +72,4 @@ def numbers(axes: Axes, P: Array, H: Array) -> Array:
     return jnp.stack([number.astype(P.dtype) for number in found])
 
 
-_numbers = Program(jax.jit(numbers), ANY_SIZE)
+_numbers = Program(jax.jit(extreme_numbers), ANY_SIZE)

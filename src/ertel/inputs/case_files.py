@@ -13,7 +13,7 @@ from ertel.case.records import ConfigError, shortened, show
 from ertel.case.rules import plain_name
 from ertel.inputs.heat import require_rheology, with_thermal_data
 from ertel.inputs.height_maps import with_maps
-from ertel.inputs.layout import READER, Materials, names_of
+from ertel.inputs.layout import READER, Materials, field_names
 from ertel.inputs.names import without_names
 from ertel.inputs.quantities import parse_quantity, plain_data
 from ertel.physics.units import Unit, marks
@@ -66,7 +66,7 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
         raise ConfigError(f"data = {written(data)}: must be a mapping; load_case reads a case file")
     data = plain_data(data)
     if "contact" not in data:
-        keys = ", ".join((*names_of(Materials), *names_of(Conditions)))
+        keys = ", ".join((*field_names(Materials), *field_names(Conditions)))
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
     named = data
     try:

@@ -27,7 +27,7 @@ from ertel.case.height_map import HeightMap, Measured, array_in, check_shape, ch
 from ertel.case.reading import check_key
 from ertel.case.records import named, shortened, show
 from ertel.inputs.declared import LARGEST_FILE, check_declared
-from ertel.inputs.layout import READER, MeasuredFile, names_of
+from ertel.inputs.layout import READER, MeasuredFile, field_names
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics.units import LENGTH, Quantity
 
@@ -36,7 +36,7 @@ DETRENDS = {"plane": "height", "curvature": "curvature", "mean": "center"}  # as
 MOST_GAPS = 0.5  # of the points
 ROUND_OFF = 1e-12  # of the heights: no instrument measures what is smaller
 T = TypeVar("T")
-READING = {*names_of(MeasuredFile)}
+READING = {*field_names(MeasuredFile)}
 SIZES = ("length_x", "length_y", "rms")
 
 

@@ -109,14 +109,14 @@ SURFACE = Meaning("surface on which the shape is and with which it moves")
 NEEDED = "needed"
 
 
-def names_of(record: Any) -> tuple[str, ...]:
+def field_names(record: Any) -> tuple[str, ...]:
     """The names of the fields of a record (a class)."""
     return tuple(item.name for item in fields(record))
 
 
 READER = Reader(
     parse_quantity,
-    named={Conditions: names_of(Materials), Oil: names_of(NamedLubricant), Measured: names_of(MeasuredFile)},
+    named={Conditions: field_names(Materials), Oil: field_names(NamedLubricant), Measured: field_names(MeasuredFile)},
 )
 
 

@@ -24,13 +24,13 @@ from typing import Any, NamedTuple
 
 from ertel.case.records import ConfigError, data_of, law_fields, oil_data, show
 from ertel.inputs import library, oils
-from ertel.inputs.layout import READER, DataSheet, Materials, NamedLubricant, names_of
+from ertel.inputs.layout import READER, DataSheet, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import parse_temperature
 from ertel.physics.fluidity import Carreau, Limited
 from ertel.physics.oils import RHEOLOGY, NamedOil, Sourced
 from ertel.physics.units import DENSITY, STRESS
 
-OIL_KEYS, MATERIAL_KEYS = names_of(NamedLubricant), names_of(Materials)
+OIL_KEYS, MATERIAL_KEYS = field_names(NamedLubricant), field_names(Materials)
 OF_PRESSURE = ("alpha", "z", "p0")  # a given one makes the law Roelands', unless the law is given too
 DIMENSIONLESS = ("M", "L", "lambda_bar", "alpha_bar")
 

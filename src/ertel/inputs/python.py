@@ -16,7 +16,7 @@ from ertel.case.records import ConfigError, law_data, oil_data, show
 from ertel.case.sections import Output, Solver, Time
 from ertel.case.thermal import Thermal
 from ertel.inputs.case_files import parse_case
-from ertel.inputs.layout import Materials, names_of
+from ertel.inputs.layout import Materials, field_names
 from ertel.inputs.quantities import parse_quantity, plain_data, with_unit
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil as Oil
@@ -125,7 +125,7 @@ def _explain(function: Callable[..., Case], keywords: Any) -> None:
         if name in SPECIAL:
             lines += parameter_lines(name, SPECIAL[name], None)
         else:
-            record = next(record for record in RECORDS if name in names_of(record))
+            record = next(record for record in RECORDS if name in field_names(record))
             lines += parameter_lines(name, meanings(record)[name], marks(record).get(name))
     function.__doc__ = (function.__doc__ or "").replace("{parameters}", "\n    ".join(lines))
     given = [Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=hints[name]) for name in hints]
@@ -229,11 +229,11 @@ def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:
     if not isinstance(wanted.get("oil"), Oil | str | None):
         said = show(wanted["oil"])
         raise ConfigError(f"oil = {said}: must be made by Oil(eta0=..., alpha=...), or be the name of an oil")
-    time = {name: wanted[name] for name in names_of(Time) if name in wanted and name != "tolerance"}
+    time = {name: wanted[name] for name in field_names(Time) if name in wanted and name != "tolerance"}
     if "time_tolerance" in wanted:
         time["tolerance"] = wanted["time_tolerance"]
     records, tables = _sorted(wanted.get("roughness", ()))
-    contact = {name: wanted[name] for name in (*names_of(Materials), *names_of(Conditions)) if name in wanted}
+    contact = {name: wanted[name] for name in (*field_names(Materials), *field_names(Conditions)) if name in wanted}
     sections: dict[str, Any] = {
         "name": wanted.get("name"),
         "contact": {"kind": kind, **_with_units(contact, Conditions)},

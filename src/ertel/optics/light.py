@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ertel.optics.rig import NM, Rig, Visibility, table
+from ertel.optics.rig import NM, Rig, Visibility, data_table
 
 Array = NDArray[np.float64]
 GREEN = 532e-9  # m
@@ -41,7 +41,7 @@ class Daylight:
 
     def power(self, wavelength: Array) -> Array:
         """Relative power, 100 at 560 nm."""
-        rows = table("cie_1931_d65.csv")
+        rows = data_table("cie_1931_d65.csv")
         return np.interp(np.asarray(wavelength) / NM, rows[:, 0], rows[:, 4], left=0.0, right=0.0)
 
 
@@ -62,7 +62,7 @@ class BlackBody:
 
 def observer() -> tuple[Array, Array]:
     """Wavelengths in m, every 5 nm, and the colour-matching functions X, Y, Z at them, of shape (81, 3)."""
-    rows = table("cie_1931_d65.csv")
+    rows = data_table("cie_1931_d65.csv")
     return rows[:, 0] * NM, rows[:, 1:4]
 
 

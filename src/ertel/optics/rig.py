@@ -85,7 +85,7 @@ class JohnsonChristy:
 
     def index(self, wavelength: ArrayLike) -> NDArray[np.complex128]:
         """n + ik at a wavelength in m, of its shape.  Raises ValueError outside 188 to 1937 nm."""
-        rows, column = table("johnson_christy_1974.csv"), {"Cr": 1, "Fe": 3}[self.metal]
+        rows, column = data_table("johnson_christy_1974.csv"), {"Cr": 1, "Fe": 3}[self.metal]
         known, n, k = rows[:, 0], rows[:, column], rows[:, column + 1]
         asked = np.asarray(wavelength, dtype=float) / NM
         if asked.size and not known[0] <= asked.min() <= asked.max() <= known[-1]:
@@ -98,7 +98,7 @@ class JohnsonChristy:
 
 
 @cache
-def table(name: str) -> NDArray[np.float64]:
+def data_table(name: str) -> NDArray[np.float64]:
     """A data file of this package by name: rows of numbers; the file names its source and its columns."""
     with (FOLDER / name).open(encoding="utf-8") as file:
         return np.loadtxt(file, delimiter=",")

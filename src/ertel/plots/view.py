@@ -331,7 +331,7 @@ def reach(x: Values, P: Values) -> float:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class GridErrors:
     """A value on every grid, its estimated errors (NaN on the coarsest), and the value extrapolated from the finest."""
 
     values: Values
@@ -339,8 +339,8 @@ class Estimate:
     extrapolated: float
 
 
-def estimate_of(dataset: xr.Dataset, name: str) -> Estimate:
+def estimate_of(dataset: xr.Dataset, name: str) -> GridErrors:
     """The error estimates of a steady contact on every grid; the error is of second order."""
     values = np.asarray(dataset[name].values)
     found = [Extrapolation(values[0], np.nan, np.nan), *(extrapolate(*pair) for pair in pairwise(values))]
-    return Estimate(values, np.array([each.error for each in found]), float(found[-1].extrapolated))
+    return GridErrors(values, np.array([each.error for each in found]), float(found[-1].extrapolated))

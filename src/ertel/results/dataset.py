@@ -18,7 +18,7 @@ from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
 from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
-from ertel.results.parameters import parameters_of, scales_of
+from ertel.results.parameters import parameters_of, scale_values
 from ertel.results.steady import SteadyGrid
 from ertel.results.variables import (
     AXES,
@@ -37,7 +37,7 @@ from ertel.version import installed_version
 FILE = "file"  # the attribute of measured heights with the name that the plain data of the case use
 
 
-class Frame(Protocol):
+class StoredFields(Protocol):
     """The fields of a run at one time."""
 
     @property
@@ -55,7 +55,7 @@ def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> di
     return with_coefficients(arrays, scales)
 
 
-def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
+def maps(frames: Sequence[StoredFields]) -> dict[str, np.ndarray]:
     """Frames as arrays by variable name, stacked along the first axis."""
     return {
         "frame": np.array([frame.T for frame in frames], dtype=float),
@@ -74,7 +74,7 @@ def dimensions(name: str, coordinates: Mapping[str, Any]) -> tuple[str, ...]:
 def assemble(
     case: Case,
     records: Sequence[Mapping[str, float]],
-    frames: Sequence[Frame],
+    frames: Sequence[StoredFields],
     coordinates: Mapping[str, Any],
     attributes: Mapping[str, object] | None = None,
 ) -> xr.Dataset:
@@ -86,7 +86,7 @@ def assemble(
         The case of the run; its provenance is stored in the attributes.
     records : sequence of mappings
         The scalars of every accepted step, by variable name and "T", dimensionless.
-    frames : sequence of Frame
+    frames : sequence of StoredFields
         The maps that were kept.
     coordinates : mapping
         Axes of the maps in order, in a*: Y and X, or r.
@@ -170,7 +170,7 @@ def provenance(case: Case) -> dict[str, object]:
         "kind": case.kind,
         "method": case.solver.method,
         **parameters_of(case),
-        **scales_of(case),
+        **scale_values(case),
     }
 
 

@@ -234,7 +234,7 @@ def _flat(data: Any, place: str = "") -> Iterator[tuple[str, Any]]:
         yield place, data
 
 
-class Pair(NamedTuple):
+class Compared(NamedTuple):
     """A number of both runs, with its name, what it is and its unit; None where it is not there."""
 
     name: str
@@ -250,9 +250,9 @@ class Pair(NamedTuple):
         return self.second / self.first - 1
 
 
-def pairs(first: Outcome, second: Outcome) -> list[Pair]:
+def pairs(first: Outcome, second: Outcome) -> list[Compared]:
     """The numbers of two runs from their summaries; in SI where both cases are."""
     in_si = "si" in first and "si" in second
     one, two = (scalars(summary, in_si) for summary in (first, second))
     values = [(name, one.get(name), two.get(name)) for name in {**one, **two}]
-    return [Pair(name, a and a.value, b and b.value, (a or two[name]).attributes) for name, a, b in values]
+    return [Compared(name, a and a.value, b and b.value, (a or two[name]).attributes) for name, a, b in values]

@@ -38,7 +38,7 @@ def parameter_summary(case: Case) -> dict[str, Any]:
     content: dict[str, Any] = {**parameters_of(case), **falls}
     if s is None:
         return content
-    return {**content, **ugw_of(case)._asdict(), "si": {**scales_of(case), **(_fall_in_si(p, s) if falls else {})}}
+    return {**content, **ugw_of(case)._asdict(), "si": {**scale_values(case), **(_fall_in_si(p, s) if falls else {})}}
 
 
 def _fall_in_si(p: Parameters, s: Scales) -> dict[str, float]:
@@ -70,7 +70,7 @@ def ugw_of(case: Case) -> HamrockDowson:
     return hamrock_dowson(s, eta0, p.alpha_bar / s.p_h)
 
 
-def scales_of(case: Case) -> dict[str, float]:
+def scale_values(case: Case) -> dict[str, float]:
     """The SI scales of a physical case, named with their units; empty for a dimensionless one."""
     s = case.scales
     if s is None:
@@ -91,7 +91,7 @@ def domain(case: Case) -> str:
     return f"{s.nodes} nodes, {inlet:.4g} a upstream to {2 * s.half_width - inlet:.4g} a downstream{across}"
 
 
-def films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[FormulaFilm]:
+def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[FormulaFilm]:
     """Film thickness of a rolling contact by every formula of `physics.film_formulas`, in the case's own a^2/R.
 
     Parameters

@@ -38,7 +38,7 @@ class StudyRun(NamedTuple):
     directory: str
 
 
-def assemble(
+def study_dataset(
     mode: str,
     shape: Sequence[int],
     coordinates: Mapping[str, tuple[Sequence[Any], Mapping[str, str]]],
@@ -99,7 +99,7 @@ class StudyResult:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Their numbers over what varies, see `assemble`.
+        Their numbers over what varies, see `study_dataset`.
     directory : Path, optional
         Of the study.
     """

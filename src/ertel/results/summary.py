@@ -11,9 +11,9 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.numerics.grid import extrapolate
 from ertel.results import balances, diagnostics
-from ertel.results.parameters import parameters_of, scales_of
+from ertel.results.parameters import parameters_of, scale_values
 from ertel.results.steady import SteadyGrid, thermal_summary, thermal_warnings
-from ertel.results.variables import AT_MAXIMUM, FILMS, FRICTION, MEASURED, in_si, with_coefficients
+from ertel.results.variables import AT_MAXIMUM, FILMS, FRICTION, MEASURED, values_in_si, with_coefficients
 
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
 NARROW = 0.1
@@ -81,7 +81,10 @@ def impact_summary(
     content["warnings"] = diagnostics.impact_warnings(case, data) + _account_warnings(case, data, content["budgets"])
     if case.scales is None:
         return content
-    si = {**_values_in_si(case, top if reached else {}), "max_approach": reached and in_si(reached, case.scales)}
+    si = {
+        **_numbers_in_si(case, top if reached else {}),
+        "max_approach": reached and values_in_si(reached, case.scales),
+    }
     return {**content, "si": {**si, **_parts_in_si(case, content)}}
 
 
@@ -216,14 +219,17 @@ def with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
         return dict(content)
     names = ("T", *MEASURED, *FRICTION)
     values = {name: content[name] for name in content if name.startswith(FILMS) or name in names}
-    return {**content, "si": {**_values_in_si(case, values), **_parts_in_si(case, content)}}
+    return {**content, "si": {**_numbers_in_si(case, values), **_parts_in_si(case, content)}}
 
 
-def _values_in_si(case: Case, values: Mapping[str, float | None]) -> dict[str, Any]:
+def _numbers_in_si(case: Case, values: Mapping[str, float | None]) -> dict[str, Any]:
     """The scales and the values; approach_m is Delta, delta_m that of the dry contact."""
     assert case.scales is not None
-    converted = in_si(values, case.scales)
-    return {**scales_of(case), **{"approach_m" if name == "delta_m" else name: converted[name] for name in converted}}
+    converted = values_in_si(values, case.scales)
+    return {
+        **scale_values(case),
+        **{"approach_m" if name == "delta_m" else name: converted[name] for name in converted},
+    }
 
 
 def _parts_in_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
@@ -232,7 +238,7 @@ def _parts_in_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
     parts: dict[str, Any] = {"budgets": balances.terms_in_si(case, content["budgets"])}
     if "extremes" in content:
         parts["extremes"] = {
-            name: in_si({name: one["value"], **{key: one[key] for key in ("T", "X", "Y")}}, case.scales)
+            name: values_in_si({name: one["value"], **{key: one[key] for key in ("T", "X", "Y")}}, case.scales)
             for name, one in content["extremes"].items()
         }
     return parts

@@ -282,7 +282,7 @@ def with_prefix(value: float, unit: str) -> str:
     return f"{value / 10**power:.4g} {PREFIXES[power]}{unit}"
 
 
-def in_si(values: Mapping[str, float | None], scales: Scales) -> dict[str, float | None]:
+def values_in_si(values: Mapping[str, float | None], scales: Scales) -> dict[str, float | None]:
     """Convert dimensionless values, by the name of their variable, to SI.
 
     The names in SI end with the unit: H_c becomes h_c_m, P_max p_max_Pa.  H_c_error and H_c_extrapolated scale as H_c.

@@ -110,15 +110,15 @@ def content_of(path: Path, most: int = LARGEST) -> bytes:
 # -- checksums --------------------------------------------------------------------------------------------------------
 
 
-def checked(content: bytes) -> bytes:
+def with_checksum(content: bytes) -> bytes:
     """Content with its checksum at the end; `numpy.load` still reads an npz file of it."""
     return content + sha256(content).hexdigest().encode()
 
 
-def unchecked(content: bytes) -> bytes:
+def without_checksum(content: bytes) -> bytes:
     """The content without its checksum.  Raises ValueError where they do not agree."""
     body = content[:-LENGTH]
-    if checked(body) != content:
+    if with_checksum(body) != content:
         raise ValueError("its checksum does not agree")
     return body
 

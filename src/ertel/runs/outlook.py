@@ -13,12 +13,19 @@ from typing import Any
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.derived import LARGEST_NEWTONIAN_STRESS, film, grid_of, largest_pressure, newtonian_stress, radii
+from ertel.case.derived import (
+    LARGEST_NEWTONIAN_STRESS,
+    film_estimate,
+    grid_of,
+    largest_pressure,
+    newtonian_stress,
+    radii,
+)
 from ertel.case.sections import Time
 from ertel.inputs import materials
 from ertel.results import diagnostics
 from ertel.results.numbers import numbers
-from ertel.results.parameters import films, parameter_summary, rheology_of
+from ertel.results.parameters import formula_films, parameter_summary, rheology_of
 from ertel.results.variables import FIELDS, with_prefix
 from ertel.runs.compile import jax_devices, may_use_accelerator
 
@@ -74,7 +81,7 @@ def outlook(case: Case) -> dict[str, Any]:
         "digest": case.digest,
         "rheology": rheology_of(case),
         "parameters": parameter_summary(case),
-        "films": [film._asdict() for film in films(case, case.motion.load(0.0), case.motion.entrainment(0.0))],
+        "films": [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))],
         "grid": _grid(case),
         "memory": {"needed": needed, "available": there or None},
         "time": {"steps": expected_steps(case), "seconds": expected_seconds(case)},
@@ -194,7 +201,11 @@ def beyond(case: Case, computed: float | None = None) -> list[str]:
 
     computed: the minimum film (m) of the run, None where only the expected one is known.
     """
-    thin = _thin_film("the expected film", film(case)) if computed is None else _thin_film("the minimum film", computed)
+    thin = (
+        _thin_film("the expected film", film_estimate(case))
+        if computed is None
+        else _thin_film("the minimum film", computed)
+    )
     found = (*_yielding(case), _pressure_of_the_oil(case), _stress_of_the_oil(case), thin)
     return [sentence for sentence in found if sentence]
 

@@ -1,7 +1,7 @@
 """Results on disk as plain data, so that reading them runs no code and a damaged file is noticed.
 
 Plain data: None, truth values, numbers, texts, lists, dicts with texts as keys, NumPy arrays of numbers or texts, and
-Datasets of these.  Tuples are written as lists.  A file is an npz archive and its checksum, see `files.checked`.  In
+Datasets of these.  Tuples are written as lists.  A file is an npz archive and its checksum (`files.with_checksum`).  In
 the archive "text" is JSON in which each list, dict, array and Dataset is named as such; the arrays are "0", "1", ...
 """
 
@@ -16,27 +16,27 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ertel.runs.files import checked, reading, replace, unchecked
+from ertel.runs.files import reading, replace, with_checksum, without_checksum
 
 
-def write(path: Path, content: Any) -> None:
+def write_plain(path: Path, content: Any) -> None:
     """Write plain data atomically.
 
     Raises TypeError where the content is not plain data, OSError with the name of the file where it cannot be written.
     """
-    archive = checked(_archive(content))
+    archive = with_checksum(_archive(content))
     try:
         replace(path, archive)
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(path)) from error
 
 
-def read(path: Path) -> Any:
+def read_plain(path: Path) -> Any:
     """The content that was written.  Raises Damaged where the file is damaged, OSError where it cannot be read."""
     content = path.read_bytes()
     with (
         reading(path, "delete it"),
-        np.load(io.BytesIO(unchecked(content)), allow_pickle=False) as archive,
+        np.load(io.BytesIO(without_checksum(content)), allow_pickle=False) as archive,
     ):
         return _decoded(json.loads(archive["text"].item()), archive)
 

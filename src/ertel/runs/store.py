@@ -46,7 +46,17 @@ from ertel.runs.directory import (
     settle_progress,
 )
 from ertel.runs.drive import Observer, bars, drive, warn, watch
-from ertel.runs.files import Damaged, StoreError, checked, content_of, locked, reading, replace, sealed, unchecked
+from ertel.runs.files import (
+    Damaged,
+    StoreError,
+    content_of,
+    locked,
+    reading,
+    replace,
+    sealed,
+    with_checksum,
+    without_checksum,
+)
 from ertel.runs.outlook import warnings_of, with_case_warnings
 from ertel.runs.stepping import Frame
 
@@ -172,7 +182,7 @@ class RunStore:
         own = {"store_seconds": np.array(self.seconds), "store_digest": np.array(self.case.digest)}
         content = BytesIO()
         np.savez(content, allow_pickle=False, **arrays, **own)
-        replace(self.directory / CHECKPOINT, checked(content.getvalue()))
+        replace(self.directory / CHECKPOINT, with_checksum(content.getvalue()))
 
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Write the remaining results and the summary of the run."""
@@ -207,7 +217,7 @@ class RunStore:
         except FileNotFoundError:
             return {}, None
         with reading(path, "delete it to have the run computed from its start"):
-            with np.load(BytesIO(unchecked(content)), allow_pickle=False) as file:
+            with np.load(BytesIO(without_checksum(content)), allow_pickle=False) as file:
                 checkpoint = dict(file)
             self._require_own(CHECKPOINT, str(checkpoint.get("store_digest")))
             return checkpoint, self.course.from_arrays(checkpoint)

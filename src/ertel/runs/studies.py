@@ -30,7 +30,7 @@ from ertel.case.height_map import HeightMap
 from ertel.case.status import Status
 from ertel.inputs.studies import Study, coordinates, load_study, parse_study
 from ertel.results.numbers import scalars
-from ertel.results.study_result import MISSING, RUNNING, UNFINISHED, StudyResult, StudyRun, assemble
+from ertel.results.study_result import MISSING, RUNNING, UNFINISHED, StudyResult, StudyRun, study_dataset
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, Taken, heeding_stop, is_asked_to_stop, read_progress
 from ertel.runs.drive import bars
@@ -107,7 +107,7 @@ def sweep(
     with engine.workers(len(left)) as workers, alone(place), study_bars(place, left, progress) as shown:
         said = run_study(found.cases, place, workers, on_done=shown.done)
         result = gather(found, place, said)
-        write(result, place)
+        write_study(result, place)
     return result
 
 
@@ -259,7 +259,7 @@ def gather(study: Study, directory: Path, said: Mapping[str, str] | None = None)
     """The numbers of all runs as they are on the disk.  said: why runs failed, from `run_study`."""
     runs = [study_run(case, directory, said or {}) for case in study.cases]
     about = {"title": study.name, "kind": study.cases[0].kind}
-    return StudyResult(assemble(study.mode, study.shape, coordinates(study), runs, about), directory)
+    return StudyResult(study_dataset(study.mode, study.shape, coordinates(study), runs, about), directory)
 
 
 def study_run(case: Case, directory: Path, said: Mapping[str, str]) -> StudyRun:
@@ -287,7 +287,7 @@ def files_in(directory: Path, name: str = NAME) -> list[str]:
     return [file for ending in ENDINGS if (directory / (file := f"{name}.{ending}")).exists()]
 
 
-def write(result: StudyResult, directory: Path, name: str = NAME) -> None:
+def write_study(result: StudyResult, directory: Path, name: str = NAME) -> None:
     """Write the numbers of all runs into the directory of the study."""
     from ertel.plots.drawing import NoFigure  # here, so that workers need no matplotlib
 

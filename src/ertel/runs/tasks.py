@@ -84,7 +84,7 @@ def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
     for task in tasks if directory else ():
         wanted = _stamp(task)
         try:
-            stamp, result = plain.read(_file(directory, task))
+            stamp, result = plain.read_plain(_file(directory, task))
         except FileNotFoundError:
             continue
         except (ValueError, LookupError, OSError) as error:  # damaged, or written by another version
@@ -103,7 +103,7 @@ def _require_writable(directory: Path) -> None:
 
 def _keep(directory: Path, task: Task, result: object) -> None:
     try:
-        plain.write(_file(directory, task), [_stamp(task), result])
+        plain.write_plain(_file(directory, task), [_stamp(task), result])
     except TypeError as error:
         raise TypeError(f"result of task {task.name}: {error}") from error
 

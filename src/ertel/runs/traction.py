@@ -31,7 +31,7 @@ from ertel.numerics.arrays import double_precision
 from ertel.results import diagnostics
 from ertel.results.dataset import provenance
 from ertel.results.steady import thermal_warnings
-from ertel.results.study_result import DONE, StudyRun, assemble
+from ertel.results.study_result import DONE, StudyRun, study_dataset
 from ertel.results.traction_curve import AXES, WORK, TractionCurve, point_scalars
 from ertel.results.variables import with_coefficients
 from ertel.runs import studies, workers
@@ -247,7 +247,7 @@ def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Co
             return run, film
 
         found = replace(_curve(curve, film_of), directory=directory)
-        studies.write(found, directory, NAME)
+        studies.write_study(found, directory, NAME)
     return found
 
 
@@ -263,7 +263,7 @@ def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
             points.append(_measured(case, film, number == 0 or shared is None, run.directory))
     axis = {curve.axis: (curve.values, AXES[curve.axis].attributes)}
     about = {**provenance(curve.case), "varies": curve.axis, "film": curve.film_in_words}
-    data = assemble("product", [len(points)], axis, points, about)
+    data = study_dataset("product", [len(points)], axis, points, about)
     return TractionCurve(data, case=curve.case, warnings=_grouped(curve, points))
 
 

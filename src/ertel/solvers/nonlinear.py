@@ -131,10 +131,10 @@ def eliminate_approach(problem: Problem, P: Array, approach: Number) -> ClosedSy
     c, line = problem.contact, problem.line
 
     def of(P: Array) -> Array:
-        return (line.value - line.load_weight * contact.load(c, P)) / line.approach_weight
+        return (line.value - line.load_weight * contact.pressure_load(c, P)) / line.approach_weight
 
     def film_change(dP: Array) -> Array:
-        rise = line.load_weight * contact.load(c, dP) / line.approach_weight
+        rise = line.load_weight * contact.pressure_load(c, dP) / line.approach_weight
         return contact.deformation(c, dP) + rise
 
     return ClosedSystem(contact.film_thickness(c, P, of(P)), film_change, newton.NO_BORDER, lambda s: of(s.P))
@@ -145,7 +145,7 @@ def approach_as_unknown(problem: Problem, P: Array, approach: Number) -> ClosedS
     c, line = problem.contact, problem.line
 
     def misfit(P: Array, approach: Array) -> Array:
-        return line.approach_weight * approach + line.load_weight * contact.load(c, P) - line.value
+        return line.approach_weight * approach + line.load_weight * contact.pressure_load(c, P) - line.value
 
     def film_change(dP: Array) -> Array:
         return contact.deformation(c, dP)

@@ -26,17 +26,19 @@ PRECISION = "float32"
 
 def point_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
     """V-cycle with the point smoother, for a rate without a wedge: every step in time."""
-    return partial(multigrid.precondition, levels(problem, P, H, free, problem.rate.new, multigrid.point_smoother))
+    return partial(
+        multigrid.precondition, multigrid_levels(problem, P, H, free, problem.rate.new, multigrid.point_smoother)
+    )
 
 
 def line_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
     """V-cycle with the line smoother along the direction of entrainment, for a film with a wedge."""
     drift = 0.0 if problem.rate.wedge is None else problem.rate.wedge
     smoother = partial(line_smoother, rate=problem.rate.new, drift=drift)
-    return partial(multigrid.precondition, levels(problem, P, H, free, 1.0, smoother))
+    return partial(multigrid.precondition, multigrid_levels(problem, P, H, free, 1.0, smoother))
 
 
-def levels(
+def multigrid_levels(
     problem: Problem,
     P: Array,
     H: Array,

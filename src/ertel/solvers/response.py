@@ -149,7 +149,7 @@ def _solve_step(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
         REDUCTION,
         STEP_LIMIT,
     )
-    approach = (line.value - line.load_weight * contact.load(c, dP)) / line.approach_weight
+    approach = (line.value - line.load_weight * contact.pressure_load(c, dP)) / line.approach_weight
     return {"P": dP, "H": closed.film_change(dP) + known}, approach, iterations
 
 
@@ -224,7 +224,7 @@ def _solve_wave(p: _WaveProblem) -> tuple[Array, Array, Array, Array]:
 
     def system(d: tuple[Array, Array]) -> tuple[Array, Array]:
         e, s = d
-        misfit = p.line.approach_weight * s + p.line.load_weight * contact.load(c, e)
+        misfit = p.line.approach_weight * s + p.line.load_weight * contact.pressure_load(c, e)
         return residual(e, contact.deformation(c, e) - s), weight * misfit
 
     lifted = residual(zero, jnp.ones_like(shape))

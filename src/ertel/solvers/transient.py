@@ -119,7 +119,7 @@ class StepSolution(NamedTuple):
 
 
 SOLVED = ("approach", "converged", "newton", "krylov", "error")
-NUMBERS = (*SOLVED, *account.INTEGRALS, *account.FRICTION)  # of a step, followed by those of `measure.numbers`
+NUMBERS = (*SOLVED, *account.INTEGRALS, *account.FRICTION)  # of a step, followed by those of `measure.extreme_numbers`
 
 
 def stacked(levels: Sequence[State]) -> dict[str, Array]:
@@ -221,7 +221,7 @@ class Transient2D(Method):
         )
         numbers = np.asarray(solution.numbers).tolist()
         found = dict(zip(NUMBERS, numbers, strict=False))
-        measured = self._named(measure.named(self.grid, numbers[len(NUMBERS) :]), around.load)
+        measured = self._named(measure.named_numbers(self.grid, numbers[len(NUMBERS) :]), around.load)
         approach, n, k = found["approach"], int(found["newton"]), int(found["krylov"])
         velocity = self.closure.velocity(T, rates, approach, approaches)
         load = measured.pop("load")
@@ -285,7 +285,7 @@ def _fields(c: Contact, P: Array, H: Array, left: Array | float = 0.0) -> dict[s
 @jax.jit
 def _first_fields(c: Contact, P: Array, H: Array) -> tuple[dict[str, Array], Array]:
     """The fields of the first level, and its load."""
-    return _fields(c, P, H), contact.load(c, P)
+    return _fields(c, P, H), contact.pressure_load(c, P)
 
 
 @jax.jit
@@ -339,10 +339,10 @@ _step_program = Program(solve_step)
 def _numbers(
     p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
 ) -> Array:
-    """The numbers of `NUMBERS` and of `measure.numbers`."""
+    """The numbers of `NUMBERS` and of `measure.extreme_numbers`."""
     c, mass, setting = p.contact, fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
-    load = (contact.load(c, s.P) + known.load_around) / setting.hertz_load
+    load = (contact.pressure_load(c, s.P) + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
     moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
     found = account.account(setting.space, c, s.P, s.H, moment, rate.of(mass, c.spacing))
@@ -351,7 +351,7 @@ def _numbers(
     values = approach, s.converged, s.newton, s.krylov, error, *(found.terms[name] for name in account.INTEGRALS)
     plain = [*values, *account.friction_numbers(found.friction)]
     return jnp.concatenate(
-        [jnp.stack([jnp.asarray(v, s.P.dtype) for v in plain]), measure.numbers(setting.axes, s.P, s.H)]
+        [jnp.stack([jnp.asarray(v, s.P.dtype) for v in plain]), measure.extreme_numbers(setting.axes, s.P, s.H)]
     )
 
 
