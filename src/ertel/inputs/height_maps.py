@@ -75,7 +75,7 @@ def with_maps(read: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], di
 def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dict[str, Any], HeightMap]:
     """A table with lengths and heights as its file says, and the heights."""
     for key, value in written.items():
-        check_key(key, value, (*names_of(MeasuredFile), *names_of(Measured), "shape", "surface"), place)
+        check_key(key, value, (*field_names(MeasuredFile), *field_names(Measured), "shape", "surface"), place)
     table = {key: value for key, value in written.items() if value is not None}
     table |= READER.values(MeasuredFile, table, place)
     table |= READER.values(Measured, {key: table[key] for key in SIZES if key in table}, place)
