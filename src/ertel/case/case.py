@@ -383,10 +383,9 @@ def _completed(
     found = replace(found, half_width=half_width, inlet=inlet)
     if method != "radial":
         found = suited(found, contact.geometry)
-    if "inlet" not in written:  # also at the default's half width, where the last bit decides about the digest
-        width = written.get("half_width", found.half_width)
-        written["inlet"] = found.inlet and found.inlet * width / found.half_width
-    return replace(found, **written)
+    width = written.get("half_width", found.half_width)
+    share = found.inlet and found.inlet * width / found.half_width  # its last bit is part of the digest
+    return replace(found, **{"inlet": share, **written})
 
 
 def _reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:
