@@ -383,8 +383,8 @@ def _completed(
     found = replace(found, half_width=half_width, inlet=inlet)
     if method != "radial":
         found = suited(found, contact.geometry)
-    width = written.get("half_width", found.half_width)
-    share = found.inlet and found.inlet * width / found.half_width  # its last bit is part of the digest
+    # not found.inlet itself, which may differ in the last bit and so in the digest
+    share = found.inlet and found.inlet * written.get("half_width", found.half_width) / found.half_width
     return replace(found, **{"inlet": share, **written})
 
 

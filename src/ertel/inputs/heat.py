@@ -12,7 +12,7 @@ from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.derived import LARGEST_NEWTONIAN_STRESS, newtonian_stress
-from ertel.case.records import ConfigError, show
+from ertel.case.records import ConfigError, named, show
 from ertel.case.thermal import Thermal
 from ertel.inputs import library, names
 from ertel.inputs.layout import READER
@@ -74,10 +74,7 @@ def _of_oil(lubricant: Mapping[str, Any], T: float | None) -> dict[str, float]:
     """Data of the oil that is named or has a data sheet, at T (K)."""
     if T is None or "oil" not in lubricant:
         return {}
-    try:
-        oil = names.oil_of(lubricant["oil"])
-    except ValueError as error:
-        raise ValueError(f"lubricant.{error}") from error
+    oil = named("lubricant", names.oil_of, lubricant["oil"])
     thermal = {} if oil.thermal is None else {"conductivity": oil.thermal.data.conductivity}
     return {"beta": oil.thinning_at(T), **thermal}
 
@@ -100,10 +97,10 @@ def _missing(key: str, mark: object, lubricant: Mapping[str, Any], contact: Mapp
     assert isinstance(mark, Unit)
     number = key[-1] if key[-2] == "_" else ""
     place, name = ("contact", f"material_{number}") if number else ("lubricant", "oil")
-    named = (contact if number else lubricant).get(name)
+    given = (contact if number else lubricant).get(name)
     if key == "temperature":
         return 'thermal.temperature: missing; give that of the oil in the inlet, for example "40 degC"'
     wanted = f'give it, for example "{mark.example}"'
-    if named is None:
+    if given is None:
         return f"thermal.{key}: missing; {wanted}, or name the {name.partition('_')[0]}, {place}.{name}"
-    return f"thermal.{key}: missing; the library has none for {place}.{name} = {show(named)}, {wanted}"
+    return f"thermal.{key}: missing; the library has none for {place}.{name} = {show(given)}, {wanted}"
