@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
 
+from cases import SMALL_IMPACT, ertel_
 from made_up import BALL_FALLS, dry_impact
 from zarr.storage import LocalStore
 
@@ -22,6 +23,38 @@ from ertel.inputs.case_files import parse_case, to_toml
 from ertel.runs import checked_zarr
 from ertel.runs.files import sealed
 
+ROLLING = """
+[contact]
+kind = "rolling"
+radius = "10 mm"
+E_prime = "219.7802 GPa"
+load = "3.888524 N"
+mean_speed = "0.502636 m/s"
+[lubricant]
+eta0 = "40 mPa*s"
+alpha = "22 / GPa"
+[solver]
+nodes = 65
+"""  # of reference/rolling.json, M = 20, L = 10
+CASE_FILES = {
+    "small.toml": "[contact]\nM = 200\nL = 10\n[solver]\nnodes = 33\n[time]\ntolerance = 0.01\n",
+    "ball.toml": SMALL_IMPACT.replace("tolerance = 0.01", "step = 0.01\nuntil = 0.06"),  # six steps
+    "steady.toml": ROLLING,
+    "transient.toml": """
+[contact]
+kind = "rolling"
+M = 20
+L = 10
+[solver]
+method = "transient"
+nodes = 33
+[motion]
+load = { mean = 1, amplitude = 0.1, period = 1 }
+[time]
+until = 0.3
+tolerance = 0.01
+""",
+}
 CASE = {**BALL_FALLS, "solver": {"method": "radial", "nodes": 41}}
 VALUES = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.0, "P_max": 1.0, "H_c": 0.05, "H_min": 0.025}
 SUMMARY = {
@@ -54,6 +87,15 @@ with files.locked(run), heeding_stop(run):
 print("ertel: interrupted", file=sys.stderr)
 sys.exit(130)
 """
+
+
+def refused(*arguments: str, code: int = 2) -> str:
+    """The one sentence on stderr with which the command line refuses or fails, and nothing on stdout."""
+    result = ertel_(*arguments, code=code)
+    assert result.stdout == ""
+    assert len(result.stderr.splitlines()) == 1, result.stderr
+    assert result.stderr.startswith("ertel: ")
+    return str(result.stderr)
 
 
 @cache
@@ -108,3 +150,11 @@ def write_progress(run: Path, **content: object) -> None:
     known = {"status": "running", "T": 1.0, "step": 9, "done": 0.5, "seconds": 1.0, "seconds_left": 1.0}
     told = {**known, "written": "2026-11-22T10:15:03+00:00", "process": 1, **content}
     (run / "progress.json").write_text(json.dumps(told))
+
+
+def is_alive(process: int | str) -> bool:
+    """Whether a process has not ended; one that nobody waited for is still listed."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
