@@ -8,11 +8,13 @@ import shutil
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
+from typing import Any
 
 from cases import SMALL_IMPACT, ertel_
 from made_up import BALL_FALLS, dry_impact
@@ -61,6 +63,7 @@ SUMMARY = {
     "kind": "impact", "method": "radial", "M": 1000.0, "L": 10.0, "max_approach": VALUES, "restitution": 0.93,
     "status": "converged", "warnings": ["the grid is coarse"], "wall_s": 5.0,
 }  # fmt: skip
+CHILD = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}  # the environment of processes
 STANDS_FOR_ERTEL = """
 import json, os, pathlib, shutil, sys, time
 from ertel.runs import files
@@ -98,6 +101,23 @@ def refused(*arguments: str, code: int = 2) -> str:
     return str(result.stderr)
 
 
+def until(there: Callable[[], object], seconds: float = 20.0) -> None:
+    """Wait for something to become true."""
+    deadline = time.monotonic() + seconds
+    while not there():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def raising(error: BaseException) -> Callable[..., Any]:
+    """A function that fails."""
+
+    def fail(*_: object) -> Any:
+        raise error
+
+    return fail
+
+
 @cache
 def _made() -> Path:
     """A case file and data, written once."""
@@ -130,8 +150,8 @@ def served(folder: Path, *flags: str, **variables: str) -> Iterator[tuple[subpro
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    inherited = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}  # NiceGUI asks
-    environment = {**inherited, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), **variables}
+    environment = {**CHILD, **variables}
+    environment.pop("PYTEST_CURRENT_TEST", None)  # NiceGUI asks
     command = [sys.executable, "-m", "ertel", "app", str(folder), "--port", str(port), *flags]
     with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr

@@ -8,14 +8,12 @@ import time
 from pathlib import Path
 
 import pytest
-from app_runs import is_alive
+from app_runs import CHILD, is_alive, until
 from cases import names
 
-import ertel
 from ertel.runs.store import RunStore
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no signals and no /dev/full")
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
 ERTEL = [sys.executable, "-m", "ertel"]
 PARAMS = [*ERTEL, "params", "--set", "contact.M=1000", "--set", "contact.L=10"]
 RADIAL = ["run", "ball.toml", "--set", "solver.method=radial"]
@@ -24,7 +22,7 @@ FULL = "/dev/full"
 
 def done(command, **streams):
     """The process at its end."""
-    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": ENVIRONMENT, **streams}
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": CHILD, **streams}
     return subprocess.run(command, text=True, encoding="utf-8", timeout=120, check=False, **streams)
 
 
@@ -69,14 +67,24 @@ def test_results_are_kept_where_the_output_fails(here):
 def test_a_terminal_without_greek_letters(ball):
     run = RunStore.open(ball)
     run.finish({**run.summary(), "warnings": ["1 µm → ∞, λ"]})
-    ended = done([*ERTEL, "show", "my run"], env={**ENVIRONMENT, "PYTHONIOENCODING": "ascii"})
+    ended = done([*ERTEL, "show", "my run"], env={**CHILD, "PYTHONIOENCODING": "ascii"})
     assert (ended.returncode, ended.stderr) == (0, "")
     assert "Warning: 1 um -> inf, \\u03bb" in ended.stdout
 
 
+EMPTY_FIGURES = """
+from matplotlib.figure import Figure
+from ertel import plots
+from ertel.__main__ import main
+
+plots.draw = lambda *_: Figure()
+main()
+"""
+
+
 def test_figures_for_nobody(ball):
     with deaf() as stdout:
-        ended = done([sys.executable, "-u", "-m", "ertel", "plot", "my run"], stdout=stdout)
+        ended = done([sys.executable, "-u", "-c", EMPTY_FIGURES, "plot", "my run"], stdout=stdout)
     assert (ended.returncode, ended.stderr) == (0, "")
     assert names(ball / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png", "friction.png"}
 
@@ -93,7 +101,7 @@ with faults.warnings_said():
     print(jax.jit(lambda x: x + 1)(1))
 """
     smallest = {"JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0", "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1"}
-    environment = {**ENVIRONMENT, **smallest, "JAX_COMPILATION_CACHE_DIR": "/proc/self"}
+    environment = {**CHILD, **smallest, "JAX_COMPILATION_CACHE_DIR": "/proc/self"}
     ended = done([sys.executable, "-c", code], env=environment)
     assert (ended.stdout, ended.stderr) == ("2\n", "")
 
@@ -116,7 +124,7 @@ KEEP = "from ertel.apps import process\nprocess.keep_freed_memory()\n"
 
 
 def pages(code, **chosen):
-    plain = {name: value for name, value in ENVIRONMENT.items() if not name.startswith("MALLOC_")}
+    plain = {name: value for name, value in CHILD.items() if not name.startswith("MALLOC_")}
     return int(done([sys.executable, "-c", code], env=plain | {"NUMPY_MADVISE_HUGEPAGE": "0"} | chosen).stdout)
 
 
@@ -132,7 +140,7 @@ def test_arrays_that_come_and_go_keep_their_pages_unless_the_user_chooses_otherw
 
 def started(command, **more):
     """A process that runs."""
-    return subprocess.Popen(command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+    return subprocess.Popen(command, env=CHILD, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
 
 
 IN_COMPILED_CODE = """
@@ -170,7 +178,7 @@ main()
 
 def test_control_c(here, monkeypatch):
     """XLA has nothing to add on stderr."""
-    monkeypatch.delitem(ENVIRONMENT, "TF_CPP_MIN_LOG_LEVEL", raising=False)
+    monkeypatch.delitem(CHILD, "TF_CPP_MIN_LOG_LEVEL", raising=False)
     with started([sys.executable, "-c", LISTENING, *RADIAL, "--set", "time.until=100"]) as process:
         assert process.stdout.readline() == b"listening\n"
         process.send_signal(signal.SIGINT)
@@ -204,10 +212,7 @@ def children(process):
 
 
 def all_end(processes):
-    deadline = time.monotonic() + 60
-    while any(is_alive(process) for process in processes):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    until(lambda: not any(is_alive(process) for process in processes), 60)
 
 
 @pytest.mark.slow
@@ -215,9 +220,8 @@ def all_end(processes):
 def test_sigterm_ends_the_workers_of_the_paper(here):
     with started([*ERTEL, "paper", "fig1", "--quick", "--jobs", "2"]) as process:
         assert process.stderr.readline().startswith(b"6 runs")
-        deadline = time.monotonic() + 60
-        while len(workers := children(process.pid)) < 3 and time.monotonic() < deadline:  # one tracks resources
-            time.sleep(0.05)
+        until(lambda: len(children(process.pid)) >= 3, 60)  # one tracks resources
+        workers = children(process.pid)
         process.send_signal(signal.SIGTERM)
         _, told = process.communicate(timeout=60)
     assert process.returncode == 143
@@ -245,9 +249,7 @@ def test_ctrl_c_stops_the_runs_of_a_study_so_that_they_go_on(here):
     """A terminal sends it to the workers too."""
     (here / "loads.toml").write_text(STUDY)
     with started([*ERTEL, "sweep", "loads.toml", "--jobs", "2"], start_new_session=True) as process:
-        deadline = time.monotonic() + 120
-        while len(list(here.glob("sweeps/loads/runs/*/progress.json"))) < 2 and time.monotonic() < deadline:
-            time.sleep(0.05)
+        until(lambda: len(list(here.glob("sweeps/loads/runs/*/progress.json"))) >= 2, 120)
         workers = children(process.pid)
         os.killpg(process.pid, signal.SIGINT)
         out, told = process.communicate(timeout=60)
@@ -262,6 +264,6 @@ def test_ctrl_c_stops_the_runs_of_a_study_so_that_they_go_on(here):
 def test_an_interrupt_while_the_command_is_imported(here):
     """Ctrl-C before the command line listens."""
     (here / "typer.py").write_text("import signal; signal.raise_signal(signal.SIGINT)")
-    environment = {**ENVIRONMENT, "PYTHONPATH": f"{here}{os.pathsep}{ENVIRONMENT['PYTHONPATH']}"}
+    environment = {**CHILD, "PYTHONPATH": f"{here}{os.pathsep}{CHILD['PYTHONPATH']}"}
     ended = done(ERTEL, env=environment)
     assert (ended.returncode, ended.stderr) == (130, "")
