@@ -8,12 +8,15 @@ import shutil
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
+from typing import Any
 
+from cases import SMALL_IMPACT, ertel_
 from made_up import BALL_FALLS, dry_impact
 from zarr.storage import LocalStore
 
@@ -22,12 +25,45 @@ from ertel.inputs.case_files import parse_case, to_toml
 from ertel.runs import checked_zarr
 from ertel.runs.files import sealed
 
+ROLLING = """
+[contact]
+kind = "rolling"
+radius = "10 mm"
+E_prime = "219.7802 GPa"
+load = "3.888524 N"
+mean_speed = "0.502636 m/s"
+[lubricant]
+eta0 = "40 mPa*s"
+alpha = "22 / GPa"
+[solver]
+nodes = 65
+"""  # of reference/rolling.json, M = 20, L = 10
+CASE_FILES = {
+    "small.toml": "[contact]\nM = 200\nL = 10\n[solver]\nnodes = 33\n[time]\ntolerance = 0.01\n",
+    "ball.toml": SMALL_IMPACT.replace("tolerance = 0.01", "step = 0.01\nuntil = 0.06"),  # six steps
+    "steady.toml": ROLLING,
+    "transient.toml": """
+[contact]
+kind = "rolling"
+M = 20
+L = 10
+[solver]
+method = "transient"
+nodes = 33
+[motion]
+load = { mean = 1, amplitude = 0.1, period = 1 }
+[time]
+until = 0.3
+tolerance = 0.01
+""",
+}
 CASE = {**BALL_FALLS, "solver": {"method": "radial", "nodes": 41}}
 VALUES = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.0, "P_max": 1.0, "H_c": 0.05, "H_min": 0.025}
 SUMMARY = {
     "kind": "impact", "method": "radial", "M": 1000.0, "L": 10.0, "max_approach": VALUES, "restitution": 0.93,
     "status": "converged", "warnings": ["the grid is coarse"], "wall_s": 5.0,
 }  # fmt: skip
+CHILD = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}  # the environment of processes
 STANDS_FOR_ERTEL = """
 import json, os, pathlib, shutil, sys, time
 from ertel.runs import files
@@ -54,6 +90,32 @@ with files.locked(run), heeding_stop(run):
 print("ertel: interrupted", file=sys.stderr)
 sys.exit(130)
 """
+
+
+def refused(*arguments: str, code: int = 2) -> str:
+    """The one sentence on stderr with which the command line refuses or fails, and nothing on stdout."""
+    result = ertel_(*arguments, code=code)
+    assert result.stdout == ""
+    assert len(result.stderr.splitlines()) == 1, result.stderr
+    assert result.stderr.startswith("ertel: ")
+    return str(result.stderr)
+
+
+def until(there: Callable[[], object], seconds: float = 20.0) -> None:
+    """Wait for something to become true."""
+    deadline = time.monotonic() + seconds
+    while not there():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def raising(error: BaseException) -> Callable[..., Any]:
+    """A function that fails."""
+
+    def fail(*_: object) -> Any:
+        raise error
+
+    return fail
 
 
 @cache
@@ -88,8 +150,8 @@ def served(folder: Path, *flags: str, **variables: str) -> Iterator[tuple[subpro
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    inherited = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}  # NiceGUI asks
-    environment = {**inherited, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), **variables}
+    environment = {**CHILD, **variables}
+    environment.pop("PYTEST_CURRENT_TEST", None)  # NiceGUI asks
     command = [sys.executable, "-m", "ertel", "app", str(folder), "--port", str(port), *flags]
     with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr
@@ -108,3 +170,11 @@ def write_progress(run: Path, **content: object) -> None:
     known = {"status": "running", "T": 1.0, "step": 9, "done": 0.5, "seconds": 1.0, "seconds_left": 1.0}
     told = {**known, "written": "2026-11-22T10:15:03+00:00", "process": 1, **content}
     (run / "progress.json").write_text(json.dumps(told))
+
+
+def is_alive(process: int | str) -> bool:
+    """Whether a process has not ended; one that nobody waited for is still listed."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False

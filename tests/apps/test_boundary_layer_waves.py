@@ -102,12 +102,6 @@ def test_wavelength_over_film_is_nabla2_where_the_oil_is_piezoviscous():
 # -- the figures themselves, from small runs ---------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def results() -> dict[str, Any]:
-    """What has been run already, shared by the figures."""
-    return {}
-
-
 def drawn(name: str, results: dict[str, Any]) -> Drawn:
     for task in FIGURES[name].tasks(SMALL):
         if task.name not in results:
@@ -121,19 +115,12 @@ def drawn(name: str, results: dict[str, Any]) -> Drawn:
 
 
 @pytest.mark.slow
-def test_figure_6(results):
+def test_figures_of_waves():
+    results: dict[str, Any] = {}  # what has been run already, shared by the figures
     made = drawn("fig6", results)
     assert 0.3 < made.data["rolling"]["limit"][0] < 0.8
     assert made.data["impact"]["last"].sum() == 1
-
-
-@pytest.mark.slow
-def test_figure_7(results):
     assert (drawn("fig7", results).data["impact"]["fine"] < 1.05).all()
-
-
-@pytest.mark.slow
-def test_figure_8(results):
     assert len(drawn("fig8", results).tables[f"Compared with {runs.USUAL}"]) == 2
 
 

@@ -5,15 +5,12 @@ import json
 import os
 import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
-from app_runs import CASE, make_run, stand_in, write_progress
+from app_runs import CASE, CHILD, make_run, stand_in, until, write_progress
 from cases import ertel_
 
-import ertel
 from ertel.apps import browser
 from ertel.apps.browser import answer, drawing
 from ertel.apps.browser.folder import Folder, Outside
@@ -25,14 +22,6 @@ from ertel.runs.directory import is_asked_to_stop
 from ertel.runs.files import locked
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no locks")
-
-
-def until(there, seconds=10.0):
-    """Wait for something to become true."""
-    deadline = time.monotonic() + seconds
-    while not there():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
 
 
 # -- the folder -------------------------------------------------------------------------------------------------------
@@ -97,6 +86,8 @@ def test_a_run_is_started_stopped_and_resumed(tmp_path):
     assert processes.ours() == [run]
     until(lambda: processes.status(run).phase is Phase.RUNNING)
     assert processes.status(run).done == 0.4
+    process = processes.status(run).progress["process"]  # Ctrl-C in the terminal of the app is none of its business
+    assert os.getsid(process) == process != os.getsid(0)
     with pytest.raises(ValueError, match="nothing to resume"):
         processes.resume(run)
     processes.stop(run)
@@ -108,17 +99,6 @@ def test_a_run_is_started_stopped_and_resumed(tmp_path):
     assert processes.ours() == []
 
 
-def test_a_run_has_a_session_of_its_own(tmp_path):
-    """Ctrl-C in the terminal of the app, or its end, is none of the run's business."""
-    processes = Processes(Folder.at(tmp_path), stand_in(tmp_path))
-    run = processes.start("ball", "text")
-    until(lambda: processes.status(run).phase is Phase.RUNNING)
-    process = processes.status(run).progress["process"]
-    assert os.getsid(process) == process != os.getsid(0)
-    processes.stop(run)
-    until(lambda: not processes.ours())
-
-
 def test_a_run_that_fails_says_why(tmp_path):
     code = "import sys; print('ertel: contact: missing', file=sys.stderr); sys.exit(2)"
     processes = Processes(Folder.at(tmp_path), [sys.executable, "-c", code])
@@ -128,8 +108,16 @@ def test_a_run_that_fails_says_why(tmp_path):
     assert processes.status(run).message == "contact: missing"
 
 
+@pytest.fixture(scope="module")
+def another():
+    """Another process."""
+    with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(100)"]) as process:
+        yield process
+        process.kill()
+
+
 @pytest.mark.parametrize("number", ["another", "own", 0, -1, 1])
-def test_runs_of_other_programs_are_told_by_their_lock(tmp_path, monkeypatch, number):
+def test_runs_of_other_programs_are_told_by_their_lock(tmp_path, monkeypatch, another, number):
     """A killed run leaves "running" behind; only the lock tells whether a process computes it.
 
     It is asked to stop by a file.  No process is signalled: the number may be that of another one by now, or one on
@@ -139,22 +127,19 @@ def test_runs_of_other_programs_are_told_by_their_lock(tmp_path, monkeypatch, nu
     run, processes = make_run(tmp_path / "run", finished=False), Processes(Folder.at(tmp_path))
     signalled = []
     monkeypatch.setattr(os, "kill", lambda *arguments: signalled.append(arguments))
-    with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(30)"]) as other:
-        write_progress(run, process={"another": other.pid, "own": os.getpid()}.get(number, number))
-        assert processes.status(run).phase is Phase.INTERRUPTED
-        with locked(run):
-            assert processes.status(run).phase is running
+    write_progress(run, process={"another": another.pid, "own": os.getpid()}.get(number, number))
+    assert processes.status(run).phase is Phase.INTERRUPTED
+    with locked(run):
+        assert processes.status(run).phase is running
+        processes.stop(run)
+        assert processes.status(run).phase is Phase.STOPPING
+        assert is_asked_to_stop(run)
+        with pytest.raises(ValueError, match="run: is asked to stop already"):
             processes.stop(run)
-            assert processes.status(run).phase is Phase.STOPPING
-            assert is_asked_to_stop(run)
-            with pytest.raises(ValueError, match="run: is asked to stop already"):
-                processes.stop(run)
-            write_progress(run, status="interrupted", process=other.pid)
-            (run / "stop").unlink()
-            assert processes.status(run).phase is Phase.COMPILING
-        assert other.poll() is None and signalled == []
-        monkeypatch.undo()
-        other.kill()
+        write_progress(run, status="interrupted", process=another.pid)
+        (run / "stop").unlink()
+        assert processes.status(run).phase is Phase.COMPILING
+    assert another.poll() is None and signalled == []
     assert processes.status(run).phase is Phase.INTERRUPTED
     with pytest.raises(ValueError, match="nothing to stop"):
         processes.stop(run)
@@ -312,7 +297,6 @@ print(json.dumps([*heavy, [name for name in ("jax",) if name in sys.modules]]))
 def test_neither_process_of_the_app_imports_jax(tmp_path):
     """The web process imports no matplotlib and no xarray either."""
     make_run(tmp_path / "run")
-    environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
     command = [sys.executable, "-c", LIGHT, str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=CHILD)
     assert json.loads(done.stdout.splitlines()[-1]) == [[], []]

@@ -3,11 +3,10 @@
 import asyncio
 import os
 import stat
-import time
 from pathlib import Path
 
 import pytest
-from app_runs import make_run, served
+from app_runs import make_run, served, until
 
 pytest.importorskip("nicegui")
 import httpx
@@ -137,10 +136,7 @@ def test_the_token_is_in_no_process_list(server, client):
     """The browser is opened on a file of the user's own; every user can read the arguments of a process."""
     process, address, place = server
     client.get(address)
-    deadline = time.monotonic() + 20
-    while not (place / "opened").exists():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    until((place / "opened").exists)
     token, opened = httpx.URL(address).params["token"], (place / "opened").read_text().strip()
     page = Path(httpx.URL(opened).path)
     assert address in page.read_text() and stat.S_IMODE(page.stat().st_mode) == 0o600

@@ -82,17 +82,15 @@ async def until(there):
     raise AssertionError
 
 
-async def test_the_first_page_lists_the_runs(user):
-    await user.open("/")
-    await user.should_see("Impact and rolling of lubricated point contacts")
-    await user.should_see("finished · impact, M 1000, L 10")
-
-
-async def test_a_page_of_no_run_says_so(user):
-    await user.open("/run?name=../../etc")
-    await user.should_see("lies outside")
-    await user.open("/run?name=runs/nothing")
-    await user.should_see("runs/nothing is not a run")
+async def test_the_first_page_lists_the_runs_and_a_page_of_no_run_says_so(user):
+    for page, text in (
+        ("/", "Impact and rolling of lubricated point contacts"),
+        ("/", "finished · impact, M 1000, L 10"),
+        ("/run?name=../../etc", "lies outside"),
+        ("/run?name=runs/nothing", "runs/nothing is not a run"),
+    ):
+        await user.open(page)
+        await user.should_see(text)
 
 
 async def test_bad_input_is_answered_in_the_words_of_ertel(user):
@@ -144,27 +142,27 @@ async def test_a_case_is_run_stopped_and_resumed(user, site):
     await until(lambda: one(user, "slider").value == 8)  # the page has followed the run: to maximum approach
 
 
-async def test_the_slider_chooses_the_map(user, site):
+async def test_a_page_of_a_run(user, site):
+    """The slider chooses the map, interferograms have a light, and all can be had as files."""
     await user.open("/run?name=runs/ball")
     await until(lambda: "src" in one(user, "picture").props)
     slider, first = one(user, "slider"), one(user, "picture").props["src"]
     assert (slider.value, slider.props["max"]) == (8, 12)  # begins at maximum approach
+    user.find(marker="download-case").click()
+    case = await user.download.next()
+    assert case.text == (site.folder.root / "runs" / "ball" / "case.toml").read_text()
+    user.find(marker="download-pdf").click()
+    assert (await user.download.next()).content == b"pdf maps at max-approach"
     slider.set_value(5)
     await user.should_see("T = 1.550")
     await until(lambda: one(user, "picture").props["src"] != first)
-    picture = await user.http_client.get(one(user, "picture").props["src"])
-    assert picture.text == "png maps at 1.55"
+    second = one(user, "picture").props["src"]
+    assert (await user.http_client.get(second)).text == "png maps at 1.55"
     assert (await user.http_client.get("/pictures/unknown")).status_code == 404
-
-
-async def test_interferograms_have_a_light(user):
-    await user.open("/run?name=runs/ball")
-    await until(lambda: "src" in one(user, "picture").props)
     await user.should_not_see(marker="light")
-    first = one(user, "picture").props["src"]
     user.find(ui.tabs).elements.pop().set_value("interferogram")
     await user.should_see(marker="light")
-    await until(lambda: one(user, "picture").props["src"] != first)
+    await until(lambda: one(user, "picture").props["src"] != second)
 
 
 # -- names ------------------------------------------------------------------------------------------------------------
@@ -181,20 +179,16 @@ NAMES = (
 IN_FILES = [name.replace("/", "|") for name in NAMES]
 
 
-def elements(user):
-    """The elements of the page, as the browser gets them."""
-    return [element._to_dict() for element in user.client.elements.values()]
-
-
 def texts(user):
-    """The texts on the page, and the values of properties that are texts."""
-    found = [text for each in elements(user) for text in (each.get("text"), *each.get("props", {}).values())]
+    """The texts on the page, as the browser gets them, and the values of properties that are texts."""
+    elements = [element._to_dict() for element in user.client.elements.values()]
+    found = [text for each in elements for text in (each.get("text"), *each.get("props", {}).values())]
     return {text for text in found if isinstance(text, str)}
 
 
 def properties(user):
     """The names of all properties on the page."""
-    return {name for element in elements(user) for name in element.get("props", {})}
+    return {name for element in user.client.elements.values() for name in element._to_dict().get("props", {})}
 
 
 async def test_the_name_of_a_case_is_text(user, site):
@@ -263,18 +257,12 @@ def checks(monkeypatch):
     return began, going, leave
 
 
-async def test_a_case_is_checked_for_a_connected_page_only(user, checks):
-    began, _, _ = checks
+async def test_cases_are_checked_for_connected_pages_only_and_two_at_a_time(user, checks):
+    began, going, leave = checks
     for _ in range(5):
         assert (await user.http_client.get("/new")).status_code == 200
     await asyncio.sleep(0.5)
     assert began == []
-    await user.open("/new")
-    await until(lambda: len(began) == 1)
-
-
-async def test_at_most_two_cases_are_checked_at_a_time(user, checks):
-    began, going, leave = checks
     for _ in range(5):
         await user.open("/new")
     await until(lambda: len(going) == 2)
@@ -284,17 +272,7 @@ async def test_at_most_two_cases_are_checked_at_a_time(user, checks):
     assert max(began) == 2
 
 
-# -- files ------------------------------------------------------------------------------------------------------------
-
-
-async def test_downloads(user, site):
-    await user.open("/run?name=runs/ball")
-    await until(lambda: "src" in one(user, "picture").props)
-    user.find(marker="download-case").click()
-    case = await user.download.next()
-    assert case.text == (site.folder.root / "runs" / "ball" / "case.toml").read_text()
-    user.find(marker="download-pdf").click()
-    assert (await user.download.next()).content == b"pdf maps at max-approach"
+# -- two runs, and the end --------------------------------------------------------------------------------------------
 
 
 async def test_two_runs_are_compared_at_one_time(user, site):

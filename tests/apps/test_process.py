@@ -8,30 +8,21 @@ import time
 from pathlib import Path
 
 import pytest
-from cases import SMALL_IMPACT, ertel_, names
+from app_runs import CHILD, is_alive, until
+from cases import names
 
-import ertel
 from ertel.runs.store import RunStore
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no signals and no /dev/full")
-BALL = SMALL_IMPACT.replace("nodes = 33", 'method = "radial"\nnodes = 33') + "until = 0.1\n"
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
 ERTEL = [sys.executable, "-m", "ertel"]
 PARAMS = [*ERTEL, "params", "--set", "contact.M=1000", "--set", "contact.L=10"]
+RADIAL = ["run", "ball.toml", "--set", "solver.method=radial"]
 FULL = "/dev/full"
-
-
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    """A working directory with a case."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "ball.toml").write_text(BALL)
-    return tmp_path
 
 
 def done(command, **streams):
     """The process at its end."""
-    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": ENVIRONMENT, **streams}
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": CHILD, **streams}
     return subprocess.run(command, text=True, encoding="utf-8", timeout=120, check=False, **streams)
 
 
@@ -68,43 +59,49 @@ def test_closed_streams():
 @pytest.mark.skipif(not Path(FULL).exists(), reason=f"no {FULL}")
 def test_results_are_kept_where_the_output_fails(here):
     with open(FULL, "w") as full:
-        ended = done([*ERTEL, "run", "ball.toml", "--out", "a"], stdout=full)
+        ended = done([*ERTEL, *RADIAL, "--out", "a"], stdout=full)
     assert (ended.returncode, len(ended.stderr.splitlines())) == (1, 1)
     assert RunStore.open(here / "a").summary()["status"] == "converged"
 
 
-def test_a_terminal_without_greek_letters(here):
-    ertel_("run", "ball.toml", "-q", "--out", "a")
-    run = RunStore.open(here / "a")
+def test_a_terminal_without_greek_letters(ball):
+    run = RunStore.open(ball)
     run.finish({**run.summary(), "warnings": ["1 µm → ∞, λ"]})
-    ended = done([*ERTEL, "show", "a"], env={**ENVIRONMENT, "PYTHONIOENCODING": "ascii"})
+    ended = done([*ERTEL, "show", "my run"], env={**CHILD, "PYTHONIOENCODING": "ascii"})
     assert (ended.returncode, ended.stderr) == (0, "")
     assert "Warning: 1 um -> inf, \\u03bb" in ended.stdout
 
 
-def test_figures_for_nobody(here):
-    ertel_("run", "ball.toml", "-q", "--out", "a")
+EMPTY_FIGURES = """
+from matplotlib.figure import Figure
+from ertel import plots
+from ertel.__main__ import main
+
+plots.draw = lambda *_: Figure()
+main()
+"""
+
+
+def test_figures_for_nobody(ball):
     with deaf() as stdout:
-        ended = done([sys.executable, "-u", "-m", "ertel", "plot", "a"], stdout=stdout)
+        ended = done([sys.executable, "-u", "-c", EMPTY_FIGURES, "plot", "my run"], stdout=stdout)
     assert (ended.returncode, ended.stderr) == (0, "")
-    assert names(here / "a" / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png", "friction.png"}
+    assert names(ball / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png", "friction.png"}
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no directory in which even root cannot write")
 def test_a_cache_that_cannot_be_written(here):
     """As for a home directory that may only be read; the programs are compiled in silence."""
-    code = "\n".join(
-        [
-            "from ertel.apps import faults",
-            "from ertel.runs.compile import prepare_jax",
-            "with faults.warnings_said():",
-            "    prepare_jax()",
-            "    import jax",
-            "    print(jax.jit(lambda x: x + 1)(1))",
-        ]
-    )
+    code = """
+from ertel.apps import faults
+from ertel.runs.compile import prepare_jax
+with faults.warnings_said():
+    prepare_jax()
+    import jax
+    print(jax.jit(lambda x: x + 1)(1))
+"""
     smallest = {"JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0", "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1"}
-    environment = {**ENVIRONMENT, **smallest, "JAX_COMPILATION_CACHE_DIR": "/proc/self"}
+    environment = {**CHILD, **smallest, "JAX_COMPILATION_CACHE_DIR": "/proc/self"}
     ended = done([sys.executable, "-c", code], env=environment)
     assert (ended.stdout, ended.stderr) == ("2\n", "")
 
@@ -127,7 +124,7 @@ KEEP = "from ertel.apps import process\nprocess.keep_freed_memory()\n"
 
 
 def pages(code, **chosen):
-    plain = {name: value for name, value in ENVIRONMENT.items() if not name.startswith("MALLOC_")}
+    plain = {name: value for name, value in CHILD.items() if not name.startswith("MALLOC_")}
     return int(done([sys.executable, "-c", code], env=plain | {"NUMPY_MADVISE_HUGEPAGE": "0"} | chosen).stdout)
 
 
@@ -143,7 +140,7 @@ def test_arrays_that_come_and_go_keep_their_pages_unless_the_user_chooses_otherw
 
 def started(command, **more):
     """A process that runs."""
-    return subprocess.Popen(command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+    return subprocess.Popen(command, env=CHILD, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
 
 
 IN_COMPILED_CODE = """
@@ -157,19 +154,37 @@ with interruptible() as stop:
     print("heard", flush=True)
     hashlib.pbkdf2_hmac("sha256", b"", b"", 1_000_000_000)  # ten minutes without Python
 """
-WATCHED = """
-from ertel.apps import running
+LISTENING = """
 from ertel.__main__ import main
+from ertel.apps import cli
 
-watch = running.watch
+app = cli.app
 
-def tell(*arguments):
-    print("running", flush=True)
-    return watch(*arguments)
+def told():
+    from ertel.apps import running  # brings JAX, which reads the settings of main
+    watch = running.watch
 
-running.watch = tell
+    def tell(*arguments):
+        print("listening", flush=True)
+        return watch(*arguments)
+
+    running.watch = tell
+    app()
+
+cli.app = told
 main()
 """
+
+
+def test_control_c(here, monkeypatch):
+    """XLA has nothing to add on stderr."""
+    monkeypatch.delitem(CHILD, "TF_CPP_MIN_LOG_LEVEL", raising=False)
+    with started([sys.executable, "-c", LISTENING, *RADIAL, "--set", "time.until=100"]) as process:
+        assert process.stdout.readline() == b"listening\n"
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate()
+    assert process.returncode == 130
+    assert said == b"ertel: interrupted; to continue: ertel resume runs/ball\n"
 
 
 def test_a_second_signal_ends_at_once():
@@ -185,19 +200,10 @@ def test_nohup_goes_on(here):
     def ignore():
         signal.signal(signal.SIGHUP, signal.SIG_IGN)
 
-    command = [sys.executable, "-c", WATCHED, "run", "ball.toml", "-q"]
-    with started(command, preexec_fn=ignore) as process:
-        assert process.stdout.readline() == b"running\n"
+    with started([sys.executable, "-c", LISTENING, *RADIAL, "-q"], preexec_fn=ignore) as process:
+        assert process.stdout.readline() == b"listening\n"
         process.send_signal(signal.SIGHUP)
         assert process.wait(120) == 0
-
-
-def runs(process):
-    """Whether a process has not ended; one that nobody waited for is still listed."""
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
 
 
 def children(process):
@@ -205,22 +211,23 @@ def children(process):
     return [child for task in Path(f"/proc/{process}/task").glob("*/children") for child in task.read_text().split()]
 
 
+def all_end(processes):
+    until(lambda: not any(is_alive(process) for process in processes), 60)
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no list of children")
 def test_sigterm_ends_the_workers_of_the_paper(here):
     with started([*ERTEL, "paper", "fig1", "--quick", "--jobs", "2"]) as process:
         assert process.stderr.readline().startswith(b"6 runs")
-        deadline = time.monotonic() + 60
-        while len(workers := children(process.pid)) < 3 and time.monotonic() < deadline:  # one tracks resources
-            time.sleep(0.05)
+        until(lambda: len(children(process.pid)) >= 3, 60)  # one tracks resources
+        workers = children(process.pid)
         process.send_signal(signal.SIGTERM)
         _, told = process.communicate(timeout=60)
     assert process.returncode == 143
     assert told == b"ertel: interrupted; the same command continues\n"
     assert workers
-    while any(runs(worker) for worker in workers):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    all_end(workers)
 
 
 STUDY = """
@@ -242,9 +249,7 @@ def test_ctrl_c_stops_the_runs_of_a_study_so_that_they_go_on(here):
     """A terminal sends it to the workers too."""
     (here / "loads.toml").write_text(STUDY)
     with started([*ERTEL, "sweep", "loads.toml", "--jobs", "2"], start_new_session=True) as process:
-        deadline = time.monotonic() + 120
-        while len(list(here.glob("sweeps/loads/runs/*/progress.json"))) < 2 and time.monotonic() < deadline:
-            time.sleep(0.05)
+        until(lambda: len(list(here.glob("sweeps/loads/runs/*/progress.json"))) >= 2, 120)
         workers = children(process.pid)
         os.killpg(process.pid, signal.SIGINT)
         out, told = process.communicate(timeout=60)
@@ -253,14 +258,12 @@ def test_ctrl_c_stops_the_runs_of_a_study_so_that_they_go_on(here):
     assert out.decode().splitlines()[-2].startswith("3 runs: 2 interrupted, 1 missing")
     for directory in here.glob("sweeps/loads/runs/*"):
         assert RunStore.open(directory).summary()["steps"] > 0
-    while any(runs(worker) for worker in workers):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    all_end(workers)
 
 
 def test_an_interrupt_while_the_command_is_imported(here):
     """Ctrl-C before the command line listens."""
     (here / "typer.py").write_text("import signal; signal.raise_signal(signal.SIGINT)")
-    environment = {**ENVIRONMENT, "PYTHONPATH": f"{here}{os.pathsep}{ENVIRONMENT['PYTHONPATH']}"}
+    environment = {**CHILD, "PYTHONPATH": f"{here}{os.pathsep}{CHILD['PYTHONPATH']}"}
     ended = done(ERTEL, env=environment)
     assert (ended.returncode, ended.stderr) == (130, "")

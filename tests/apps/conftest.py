@@ -1,0 +1,38 @@
+"""What the tests of the command line share: a working directory with cases, and two runs that have ended."""
+
+import shutil
+
+import pytest
+from app_runs import CASE_FILES
+from cases import ertel_
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A working directory with cases in it."""
+    monkeypatch.chdir(tmp_path)
+    for name, text in CASE_FILES.items():
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+@pytest.fixture(scope="session")
+def runs(tmp_path_factory):
+    """Finished runs and what they printed: small, to maximum approach, and ball, six steps in SI."""
+    directory, printed = tmp_path_factory.mktemp("runs"), {}
+    for name in ("small", "ball"):
+        (directory / f"{name}.toml").write_text(CASE_FILES[f"{name}.toml"])
+        printed[name] = ertel_("run", str(directory / f"{name}.toml"), "--out", str(directory / name)).stdout
+    return directory, printed
+
+
+@pytest.fixture
+def small(here, runs):
+    """A copy of the small run in the working directory."""
+    return shutil.copytree(runs[0] / "small", here / "runs" / "small")
+
+
+@pytest.fixture
+def ball(here, runs):
+    """A copy of the ball's run in the working directory, under a name that a shell must quote."""
+    return shutil.copytree(runs[0] / "ball", here / "my run")
