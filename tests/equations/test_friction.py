@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import BARUS, OIL, parse_case, rolled, steady_solver
+from closed_forms import hertz_mean_stress
 from jax import Array
 from numpy.testing import assert_allclose
 
@@ -117,18 +118,11 @@ def eyring_mean(alpha_bar: float, ln_S_c: float, film: float = 1e-5) -> float:
     return float(found.sliding[0]) * HERTZ_LOAD / pi
 
 
-@pytest.mark.parametrize(
-    ("alpha_bar", "means"),
-    [
-        (10.0, {-2: 0.5063, 0: 1.4959, 4: 4.7466, 8: 8.6932}),
-        (20.0, {-2: 1.3668, 0: 2.4266, 4: 5.2647, 8: 8.794}),
-        (30.0, {-2: 2.314, 0: 3.3932, 4: 6.0487, 8: 9.2485}),
-    ],
-)
-def test_the_mean_stress_of_an_eyring_oil_under_hertz_pressure(alpha_bar: float, means: dict[int, float]):
-    """The table of the design, to three digits."""
-    for ln_S_c, mean in means.items():
-        assert eyring_mean(alpha_bar, ln_S_c) == pytest.approx(mean, rel=1e-3)
+@pytest.mark.parametrize("alpha_bar", [10.0, 20.0, 30.0])
+def test_the_mean_stress_of_an_eyring_oil_under_hertz_pressure(alpha_bar: float):
+    """To three digits."""
+    for ln_S_c in (-2, 0, 4, 8):
+        assert eyring_mean(alpha_bar, ln_S_c) == pytest.approx(hertz_mean_stress(exp(ln_S_c), alpha_bar), rel=1e-3)
 
 
 def test_an_eyring_oil_of_high_stress_is_newtonian():

@@ -33,29 +33,17 @@ def test_coarser_grids_share_every_second_node(c: int, k: int) -> None:
     assert SMALLEST_COARSEST <= grids[-1].nodes <= LARGEST_COARSEST
 
 
-@pytest.mark.parametrize("nodes", [5, 17, 33, 129, 257, 385, 513, 1025])
-def test_allowed_counts(nodes: int) -> None:
-    check_nodes(nodes)
-
-
-@pytest.mark.parametrize("nodes", [-3, 0, 1, 4, 6, 128, 258, 39])
-def test_refused_counts_name_the_nearest(nodes: int) -> None:
-    with pytest.raises(ValueError, match=rf"nodes = {nodes}: .*nearest are"):
+def test_allowed_counts_and_advice_for_others() -> None:
+    for nodes in (5, 17, 33, 129, 257, 289, 385, 513, 1025):
         check_nodes(nodes)
-
-
-@pytest.mark.parametrize(
-    ("at_least", "nodes"), [(1, 5), (100, 105), (129, 129), (129.1, 145), (336.4, 353), (514, 577)]
-)
-def test_the_next_allowed_count(at_least: float, nodes: int) -> None:
-    assert allowed_nodes(at_least) == nodes
-    check_nodes(nodes)
-
-
-def test_the_advice_for_a_refused_count_is_good_advice() -> None:
+    for nodes in (-3, 0, 1, 4, 6, 128, 258, 39):
+        with pytest.raises(ValueError, match=rf"nodes = {nodes}: .*nearest are"):
+            check_nodes(nodes)
     with pytest.raises(ValueError, match="the nearest are 257 and 289"):
         check_nodes(260)
-    check_nodes(289)
+    for at_least, nodes in {1: 5, 100: 105, 129: 129, 129.1: 145, 336.4: 353, 514: 577}.items():
+        assert allowed_nodes(at_least) == nodes
+        check_nodes(nodes)
 
 
 @pytest.mark.parametrize(("nodes_x", "nodes_y"), [(257, 129), (65, 33), (33, 129)])

@@ -55,12 +55,9 @@ def test_the_deformation_outside_a_dry_contact_grows_as_its_load() -> None:
     assert weighted == pytest.approx(far_field.SHARE_OF_DEFORMATION * lost, rel=1e-6)
 
 
-def test_oil_that_is_drawn_apart_cavitates() -> None:
+def test_oil_that_is_drawn_apart_cavitates_and_reversed_entrainment_is_the_mirror_image() -> None:
     assert (far_field.far_pressure(X, Y, Motion(0.5, -1.0, 0.5, 0.0), LAMBDA_BAR) == 0).all()
     assert (far_field.far_pressure(-X, Y, Motion(0.5, 0.0, 0.5, 1.0), LAMBDA_BAR) == 0).all()
-
-
-def test_reversed_entrainment_is_the_mirror_image() -> None:
     there, back = Motion(0.5, 0.3, 0.5, 1.0), Motion(0.5, 0.3, 0.5, -1.0)
     one, other = (far_field.far_pressure(s * X, Y, m, LAMBDA_BAR) for s, m in ((1, there), (-1, back)))
     assert np.array_equal(one, other)

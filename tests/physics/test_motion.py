@@ -42,24 +42,23 @@ def test_the_range_holds_every_value(signal: Signal, until: float, share: float)
     assert low - 1e-12 <= signal(share * until) <= high + 1e-12
 
 
-def test_a_polyline_is_constant_outside_its_points() -> None:
+def test_values_of_signals_and_motions() -> None:
+    """A polyline is constant outside its points, an oscillation starts at its phase."""
     start_up = Polyline(((1.0, 0.2), (2.0, 1.0)))
     assert [start_up(T) for T in (0.0, 1.0, 1.5, 2.0, 9.0)] == pytest.approx([0.2, 0.2, 0.6, 1.0, 1.0])
+    assert Oscillation(1.0, 0.5, 2.0, pi / 2)(0.0) == pytest.approx(1.5)
+    assert Motion(constant(0.0), constant(0.0), 0.8) == FREE_BALL
+    assert Motion(constant(1.0), constant(1.0), 0.0) == STEADY_ROLLING
 
 
-@pytest.mark.parametrize("points", [(), ((1.0, 0.0), (1.0, 1.0)), ((2.0, 0.0), (1.0, 1.0))])
-def test_a_polyline_needs_rising_times(points) -> None:
-    with pytest.raises(ValueError, match=r"^points: .*rising T"):
-        Polyline(points)
-
-
-def test_an_oscillation_needs_a_period() -> None:
+def test_what_is_no_signal_is_refused() -> None:
+    for points in ((), ((1.0, 0.0), (1.0, 1.0)), ((2.0, 0.0), (1.0, 1.0))):
+        with pytest.raises(ValueError, match=r"^points: .*rising T"):
+            Polyline(points)
     with pytest.raises(ValueError, match=r"^period = 0"):
         Oscillation(1.0, 0.1, 0.0)
-
-
-def test_an_oscillation_starts_at_its_phase() -> None:
-    assert Oscillation(1.0, 0.5, 2.0, pi / 2)(0.0) == pytest.approx(1.5)
+    with pytest.raises(ValueError, match="its sign cannot be changed"):
+        reversed_sign(lambda T: T)  # type: ignore[arg-type]
 
 
 @given(st.floats(-2.0, 2.0), st.floats(0.0, 5.0))
@@ -71,11 +70,6 @@ def test_the_surfaces_travel_at_their_own_speeds(slide_to_roll: float, T: float)
     assert isclose(first - second, slide_to_roll * T, abs_tol=1e-12)
 
 
-def test_impact_and_rolling_are_two_motions() -> None:
-    assert Motion(constant(0.0), constant(0.0), 0.8) == FREE_BALL
-    assert Motion(constant(1.0), constant(1.0), 0.0) == STEADY_ROLLING
-
-
 @given(signals, st.floats(-1.0, 6.0))
 def test_the_reverse_of_a_signal_is_its_negative(signal: Signal, T: float) -> None:
     back = reversed_sign(signal)
@@ -83,11 +77,6 @@ def test_the_reverse_of_a_signal_is_its_negative(signal: Signal, T: float) -> No
     assert back.integral(T) == pytest.approx(-signal.integral(T), abs=1e-12)
     assert back.range(6.0) == pytest.approx([-value for value in reversed(signal.range(6.0))], abs=1e-12)
     assert type(back) is type(signal)
-
-
-def test_what_is_no_signal_of_ertel_cannot_be_reversed() -> None:
-    with pytest.raises(ValueError, match="its sign cannot be changed"):
-        reversed_sign(lambda T: T)  # type: ignore[arg-type]
 
 
 def test_seconds_are_not_the_time_of_a_case() -> None:

@@ -81,7 +81,7 @@ def test_a_rough_surface_moves_with_its_surface(T, surface, shape) -> None:
     np.testing.assert_allclose(found, shape.heights(X - speed * T, Y), atol=1e-12)
 
 
-def test_a_map_ends_smoothly() -> None:
+def test_a_map_is_smooth_and_ends_smoothly() -> None:
     """Nothing at its edges and beyond, two continuous derivatives on the way there, all of it inside the taper."""
     m = measured(np.full((8, 8), 2.0), 2.0, 2.0, taper=0.4)
     assert not m.heights(np.array([1.0, 1.5, -1.0, 40.0]), 0.0).any()
@@ -89,13 +89,9 @@ def test_a_map_ends_smoothly() -> None:
     x = np.linspace(0.4, 1.2, 3201)
     curvature = np.diff(m.heights(x, 0.0), 2) / (x[1] - x[0]) ** 2
     assert np.abs(np.diff(curvature)).max() < 0.02 * np.abs(curvature).max()
-
-
-def test_the_surface_has_continuous_second_derivatives_between_points() -> None:
-    m = measured(NOISE, 4.0, 2.4)
     x = np.linspace(-0.5, 0.5, 4001)
-    curvature = np.diff(m.heights(x, 0.11), 2) / (x[1] - x[0]) ** 2
-    assert np.abs(np.diff(curvature)).max() < 0.02 * np.ptp(curvature)
+    between_points = np.diff(measured(NOISE, 4.0, 2.4).heights(x, 0.11), 2) / (x[1] - x[0]) ** 2
+    assert np.abs(np.diff(between_points)).max() < 0.02 * np.ptp(between_points)
 
 
 @pytest.mark.parametrize(
@@ -157,9 +153,15 @@ def period() -> np.ndarray:
     return ROUGH.heights(PERIOD[None, :], PERIOD[:, None])
 
 
-def test_it_has_the_rms_that_it_is_given(period) -> None:
+def test_its_heights_have_the_rms_that_is_given_are_gaussian_and_the_same_in_all_directions(period) -> None:
     assert period.std() == pytest.approx(0.02, rel=1e-9)
     assert period.mean() == pytest.approx(0.0, abs=1e-12)
+    z = period / period.std()
+    assert abs(np.mean(z**3)) < 0.2
+    assert np.mean(z**4) == pytest.approx(3.0, abs=0.4)
+    shifts = [(0, 10), (10, 0), (7, 7), (7, -7)]
+    differences = [float(np.mean((np.roll(period, shift, (0, 1)) - period) ** 2)) for shift in shifts]
+    assert np.ptp(differences) < 0.15 * np.mean(differences)
 
 
 @pytest.mark.parametrize("hurst", [0.3, 0.8, 1.0])
@@ -178,23 +180,8 @@ def test_it_has_no_waves_beyond_its_wavelengths_and_a_flat_spectrum_above_the_ro
     np.testing.assert_allclose(flat, flat[0], rtol=1e-6)
 
 
-def test_it_is_the_same_in_all_directions(period) -> None:
-    """The height difference over a distance: along x, along y, along the diagonals."""
-
-    def structure(rows: int, columns: int) -> float:
-        return float(np.mean((np.roll(period, (rows, columns), (0, 1)) - period) ** 2))
-
-    found = [structure(0, 10), structure(10, 0), structure(7, 7), structure(7, -7)]
-    assert np.ptp(found) < 0.15 * np.mean(found)
-
-
-def test_its_heights_are_gaussian(period) -> None:
-    z = period / period.std()
-    assert abs(np.mean(z**3)) < 0.2
-    assert np.mean(z**4) == pytest.approx(3.0, abs=0.4)
-
-
 def test_it_is_made_from_its_seed_alone() -> None:
+    """Not of the versions of what it is made with: a stored run is of this very surface."""
     np.random.seed(1)
     first = ROUGH.heights(X, Y)
     np.random.seed(2)
@@ -203,14 +190,8 @@ def test_it_is_made_from_its_seed_alone() -> None:
     np.testing.assert_array_equal(np.random.get_state()[1], state)
     other = replace(ROUGH, seed=4).heights(X, Y)
     assert abs(np.corrcoef(first.ravel(), other.ravel())[0, 1]) < 0.5
-
-
-def test_it_does_not_change_with_the_versions_of_what_it_is_made_with() -> None:
-    """A stored run is of this very surface."""
-    np.testing.assert_allclose(ROUGH.heights(np.array([0.0, 0.3]), 0.1), STORED, rtol=1e-9)
-
-
-STORED = [0.015897500571773485, -0.003417118367155514]
+    stored = [0.015897500571773485, -0.003417118367155514]
+    np.testing.assert_allclose(ROUGH.heights(np.array([0.0, 0.3]), 0.1), stored, rtol=1e-9)
 
 
 def test_a_shorter_cutoff_adds_waves_and_moves_none() -> None:
@@ -285,17 +266,12 @@ def test_a_map_loses_its_short_waves_and_keeps_the_long_ones(wavelength, left) -
     )
 
 
-def test_a_cutoff_of_its_own_is_one_of_a_grid() -> None:
+def test_a_cutoff_of_its_own_is_one_of_a_grid_and_only_rough_surfaces_have_one() -> None:
     m = measured(NOISE, 4.0, 2.4)
     np.testing.assert_array_equal(replace(m, cutoff=0.5).heights(X, Y), m.heights_above(0.5, X, Y))
     np.testing.assert_array_equal(replace(m, cutoff=0.5).heights_above(0.2, X, Y), m.heights_above(0.5, X, Y))
-
-
-def test_only_rough_surfaces_lose_waves() -> None:
-    spot = Feature(Spot(0.1, height=0.02))
-    np.testing.assert_array_equal(
-        height([spot], STEADY_ROLLING, 0.0, X, Y, 10.0), height([spot], STEADY_ROLLING, 0.0, X, Y)
-    )
+    cut, whole = (height([Feature(Spot(0.1, height=0.02))], STEADY_ROLLING, 0.0, X, Y, *c) for c in ((10.0,), ()))
+    np.testing.assert_array_equal(cut, whole)
 
 
 def test_the_size_is_that_of_the_shortest_wave() -> None:
