@@ -1,6 +1,7 @@
 """The radial twin: its elasticity, its equations, its Newton, its order, and the reference impacts."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
 from math import log, pi
 from typing import Any, ClassVar
@@ -201,16 +202,27 @@ def test_the_assembled_jacobian_is_the_derivative_of_the_residual(seed: int) -> 
     np.testing.assert_allclose(change[~holds], -np.asarray(P)[~holds], atol=1e-13)
 
 
+@cache
+def roelands_impact() -> tuple[RadialImpact, list[State]]:
+    case = exactly(roelands(200, 10, 65))
+    return RadialImpact(case), march(case, 0.03, 3.0)
+
+
+def equations_of(method: RadialImpact, new: State, old: list[State]) -> tuple[radial.Equations, Any]:
+    """Those that a level was to solve, and the weights of its rates."""
+    rates = bdf.derivative_weights([new.T, *(level.T for level in old)])
+    line = method.closure.line(new.T, rates, [level.approach for level in old], [level.velocity for level in old])
+    return equations_after(method, old, rates, line), rates
+
+
 def test_oil_is_conserved_by_every_step_of_an_impact() -> None:
     """Before anything cavitates: the rate of what is stored and what leaves over the rim balance to the tolerance."""
-    case = exactly(roelands(200, 10, 65))
-    method, levels = RadialImpact(case), march(case, 0.04, 1.6)
+    method, levels = roelands_impact()
+    levels = levels[-54:]
     volume = method.mesh.volume[:-1]
     for k in range(0, len(levels) - 2, 5):
         new, *old = levels[k : k + 3]
-        rates = bdf.derivative_weights([new.T, *(level.T for level in old)])
-        line = method.closure.line(new.T, rates, [level.approach for level in old], [level.velocity for level in old])
-        eq = equations_after(method, old, rates, line)
+        eq, rates = equations_of(method, new, old)
         stored = volume @ (eq.rate * eq.oil.density(new.P) * new.H + eq.past)[:-1]
         allowed = rates[0] * method.tolerance * float(jnp.sum(volume))
         assert float(stored + radial.outflow(eq, new.P, new.H)[-1]) == pytest.approx(0.0, abs=allowed)
@@ -218,13 +230,10 @@ def test_oil_is_conserved_by_every_step_of_an_impact() -> None:
 
 def test_pressure_is_positive_or_the_film_parts() -> None:
     """On the way out the oil cavitates around the contact: P = 0, residual >= 0 there; P > 0, residual 0 inside."""
-    case = exactly(roelands(200, 10, 65))
-    method, levels = RadialImpact(case), march(case, 0.03, 3.0)
+    method, levels = roelands_impact()
     new, *old = levels[:3]
-    rates = bdf.derivative_weights([new.T, *(level.T for level in old)])
-    line = method.closure.line(new.T, rates, [level.approach for level in old], [level.velocity for level in old])
-    r = np.asarray(radial.ring_residual(equations_after(method, old, rates, line), new.P, new.H))
-    P = np.asarray(new.P)
+    eq, rates = equations_of(method, new, old)
+    r, P = np.asarray(radial.ring_residual(eq, new.P, new.H)), np.asarray(new.P)
     assert new.velocity < 0 and np.all(P >= 0) and 10 < np.sum(P == 0) < 60
     allowed = rates[0] * method.tolerance
     assert np.all(r[P == 0] >= 0) and np.max(np.abs(r[P > 0])) <= allowed
@@ -331,25 +340,20 @@ def test_the_film_error_is_relative_and_counts_only_under_load() -> None:
 # -- orders -----------------------------------------------------------------------------------------------------------
 
 
-def test_second_order_in_time() -> None:
-    finest = [march(exactly(barus(20, 5, 65, 2.0, start_approach=-0.5)), 0.04 / k, 1.2)[0] for k in (1, 2, 4, 8)]
-    for name, values in {
-        "H_c": [np.array(level.H[0]) for level in finest],
-        "Delta": [np.array(level.approach) for level in finest],
-        "H": [np.asarray(level.H) for level in finest],
-    }.items():
-        assert np.all(observed_orders(values) > 1.8), (name, observed_orders(values))
-
-
-def test_second_order_in_space() -> None:
-    nodes = (33, 65, 129, 257)
-    levels = [march(exactly(barus(20, 5, n, 2.0, start_approach=-0.5)), 0.04, 1.2)[0] for n in nodes]
+@pytest.mark.parametrize(
+    ("runs", "least"),
+    [([(65, 0.04 / k) for k in (1, 2, 4, 8)], 1.8), ([(n, 0.04) for n in (33, 65, 129, 257)], 1.9)],
+    ids=["in time", "in space"],
+)
+def test_second_order(runs: list[tuple[int, float]], least: float) -> None:
+    levels = [march(exactly(barus(20, 5, n, 2.0, start_approach=-0.5)), step, 1.2)[0] for n, step in runs]
+    coarsest = runs[0][0] - 1
     for name, values in {
         "H_c": [np.array(level.H[0]) for level in levels],
         "Delta": [np.array(level.approach) for level in levels],
-        "H": [np.asarray(level.H)[:: (n - 1) // 32] for level, n in zip(levels, nodes, strict=True)],
+        "H": [np.asarray(level.H)[:: (n - 1) // coarsest] for level, (n, _) in zip(levels, runs, strict=True)],
     }.items():
-        assert np.all(observed_orders(values) > 1.9), (name, observed_orders(values))
+        assert np.all(observed_orders(values) > least), (name, observed_orders(values))
 
 
 # -- whole impacts ----------------------------------------------------------------------------------------------------

@@ -88,15 +88,6 @@ def test_thin_films_leave_the_partition_to_the_solids() -> None:
 
 # -- the film between cold walls --------------------------------------------------------------------------------------
 
-MEAN_TEMPERATURE = [  # Nahme's number, viscosity over that at the walls by the mean temperature, and the exact one
-    (0.1, 0.991769, 0.991749),
-    (1, 0.925754, 0.924196),
-    (8, 0.648844, 0.623225),
-    (50, 0.293891, 0.244707),
-    (100, 0.195725, 0.152069),
-    (1000, 0.038947, 0.024775),
-]
-
 
 def between_cold_walls(Na: float) -> float:
     beta, speed, film = 0.04, 1.0, 1e-7
@@ -107,16 +98,12 @@ def between_cold_walls(Na: float) -> float:
     return float(found.x[0][0] / heat[0])
 
 
-@pytest.mark.parametrize(("Na", "by_mean", "exact"), MEAN_TEMPERATURE)
-def test_one_temperature_for_the_film_against_nahme(Na: float, by_mean: float, exact: float) -> None:
+@pytest.mark.parametrize(("Na", "excess"), [(0.1, 2e-5), (1, 1.69e-3), (8, 0.0411), (50, 0.201), (1000, 0.572)])
+def test_one_temperature_for_the_film_against_nahme(Na: float, excess: float) -> None:
     """eta(T_mean) exceeds Nahme's exact viscosity: by 0.2 % at Na = 1, 4 % at 8, 20 % at 50, 57 % at 1000."""
     found = between_cold_walls(Na)
     assert found == pytest.approx(float(np.exp(-lambertw(Na / 12).real)), rel=1e-9)  # theta e^theta = Na/12
-    assert found == pytest.approx(by_mean, abs=6e-7)
-    assert nahme(Na).viscosity == pytest.approx(exact, abs=6e-7)
-
-
-def test_the_mean_temperature_is_exact_to_first_order() -> None:
+    assert found / nahme(Na).viscosity - 1 == pytest.approx(excess, rel=0.02)
     assert between_cold_walls(0.01) == pytest.approx(nahme(0.01).viscosity, abs=0.01**2 / 400)
 
 
