@@ -21,7 +21,7 @@ from ertel.inputs.library import oil_names as names
 from ertel.inputs.quantities import number_or_quantity, parse_temperature
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil
-from ertel.physics.oils import NamedOil, Sourced
+from ertel.physics.materials import NamedOil, Sourced
 from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, PowerOfViscosity, SoKlaus, Walther
 
 __all__ = ["at", "data_sheet", "get", "names"]

@@ -15,8 +15,7 @@ from typing import Any
 from ertel.case.records import ConfigError, show
 from ertel.inputs.quantities import parse_quantity, parse_temperature
 from ertel.physics.fluidity import Carreau
-from ertel.physics.materials import Elasticity, Material, Strength
-from ertel.physics.oils import LimitingStress, NamedOil, Sourced, ThermalData
+from ertel.physics.materials import Elasticity, LimitingStress, Material, NamedOil, Sourced, Strength, ThermalData
 from ertel.physics.temperature_laws import (
     DoolittleOfTemperature,
     Expansion,
