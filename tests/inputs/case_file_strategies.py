@@ -21,8 +21,7 @@ from hypothesis import strategies as st
 from ertel.case.case import SECTIONS
 from ertel.case.conditions import BARS, KINDS, MOES, NEEDED, OPTIONAL, Conditions
 from ertel.case.records import law_fields
-from ertel.case.sections import METHODS, STOPS, Drive, Output, Solver, Time
-from ertel.case.thermal import Thermal
+from ertel.case.sections import METHODS, STOPS, Drive, Output, Solver, Thermal, Time
 from ertel.inputs.case_files import ConfigError, load_case, parse_case, to_toml
 from ertel.inputs.layout import DataSheet, Materials, MeasuredFile, NamedLubricant
 from ertel.inputs.library import material_names, oil_names

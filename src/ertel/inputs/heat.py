@@ -13,7 +13,7 @@ from typing import Any
 from ertel.case.case import Case
 from ertel.case.derived import LARGEST_NEWTONIAN_STRESS, newtonian_stress
 from ertel.case.records import ConfigError, named, show
-from ertel.case.thermal import Thermal
+from ertel.case.sections import Thermal
 from ertel.inputs import library, names
 from ertel.inputs.layout import READER
 from ertel.physics.units import Unit, marks
