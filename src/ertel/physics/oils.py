@@ -1,7 +1,7 @@
 """An oil whose data are known against temperature, and the oil of a contact that follows from it.
 
 Every part of the data has its source and the temperatures at which it is valid.  What has no trustworthy source is
-None.  The oils themselves are data files, see `inputs.library`.
+None.  The oils themselves are data files, see `inputs.oils`.
 """
 
 from dataclasses import dataclass
