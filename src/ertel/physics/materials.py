@@ -1,7 +1,7 @@
 """The materials of a contact: oils and solids whose data have a source, and what follows from them.
 
 Every part of the data has its source and the temperatures at which it is valid.  What has no trustworthy source is
-None.  The materials themselves are data files, see `inputs.library`.  All functions take and return SI units.
+None.  The materials themselves are data files, see `inputs.oils`.  All functions take and return SI units.
 """
 
 from dataclasses import dataclass

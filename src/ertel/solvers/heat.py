@@ -46,7 +46,7 @@ from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.case.derived import grid_of
-from ertel.case.thermal import Inlet
+from ertel.case.sections import Inlet
 from ertel.equations.contact import opened, traceable, traceable_law
 from ertel.equations.shear import shear
 from ertel.numerics import halfspace

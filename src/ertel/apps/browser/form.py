@@ -8,14 +8,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ertel.inputs import materials, oils
 from ertel.inputs.case_files import apply_overrides
-from ertel.inputs.library import material_names, oil_names
 from ertel.inputs.templates import GIVEN
 
 OWN, NAMED = "own", "named"  # oils: by values, "own" also in place of its name; from the library
 NEWTONIAN = "newtonian"
-OILS = {OWN: "by its viscosity", **{name: name for name in oil_names()}}
-MATERIALS = {name: name for name in material_names()}
+OILS = {OWN: "by its viscosity", **{name: name for name in oils.names()}}
+MATERIALS = {name: name for name in materials.names()}
 RHEOLOGIES = {NEWTONIAN: "Newtonian", "ree-eyring": "Ree-Eyring"}
 ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
 METHODS: Mapping[str, dict[str, str]] = {
