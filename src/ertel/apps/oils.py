@@ -7,8 +7,7 @@ from typing import Any
 from ertel.apps.tables import console, print_rows
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
-from ertel.physics.materials import Material
-from ertel.physics.oils import NamedOil, Sourced, celsius
+from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
 from ertel.results.variables import with_prefix
 

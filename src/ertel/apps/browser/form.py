@@ -21,15 +21,15 @@ import tomli_w
 
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.processes import ERTEL, messages_in
+from ertel.inputs import materials, oils
 from ertel.inputs.case_files import apply_overrides, parse_case
-from ertel.inputs.library import material_names, oil_names
 from ertel.inputs.templates import GIVEN
 from ertel.results.parameters import parameter_summary
 
 OWN, NAMED = "own", "named"  # oils: by values, "own" also in place of its name; from the library
 NEWTONIAN = "newtonian"
-OILS = {OWN: "by its viscosity", **{name: name for name in oil_names()}}
-MATERIALS = {name: name for name in material_names()}
+OILS = {OWN: "by its viscosity", **{name: name for name in oils.names()}}
+MATERIALS = {name: name for name in materials.names()}
 RHEOLOGIES = {NEWTONIAN: "Newtonian", "ree-eyring": "Ree-Eyring"}
 ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
 METHODS: Mapping[str, dict[str, str]] = {
