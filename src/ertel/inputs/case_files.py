@@ -132,7 +132,11 @@ def read_toml(path: Path) -> dict[str, Any]:
     Raises ConfigError if it is missing, no regular file (a pipe may never end), too large or not valid TOML.
     """
     name = f"the case file {path}"
-    text = _read_text(path, name)
+    return parse_toml(read_text(path, name), name)
+
+
+def parse_toml(text: str, name: str) -> dict[str, Any]:
+    """The plain data in TOML text.  Raises ConfigError, which begins with the name of the text, if it is not valid."""
     if LONG_KEY.search(text):
         raise ConfigError(f"{name} is not valid TOML: a key has more than 20 parts, a.b.c...; a case file needs two")
     try:
@@ -145,7 +149,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{name} is not valid TOML: arrays or tables are nested hundreds of times") from error
 
 
-def _read_text(path: Path, name: str) -> str:
+def read_text(path: Path, name: str) -> str:
+    """The text of a regular file of at most 1 MB, in UTF-8.  Raises ConfigError with its name if it cannot be read."""
     content = _read_bytes(path, name)
     if len(content) > LARGEST_FILE:
         raise ConfigError(f"{name} is too large; must have at most {LARGEST_FILE / 1e6:g} MB")

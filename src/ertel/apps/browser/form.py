@@ -8,7 +8,6 @@ which ends when the case changes again.  A case with measured surfaces is left t
 import asyncio
 import json
 import os
-import tomllib
 from asyncio.subprocess import DEVNULL, PIPE
 from collections.abc import Mapping
 from contextlib import suppress
@@ -132,14 +131,6 @@ def field_of(message: str) -> str | None:
     section, _, rest = message.partition(".")
     name = rest.split(" ")[0].rstrip(":").rpartition(".")[2]
     return name if name in FIELDS and FIELDS[name].section == section else None
-
-
-def read_text(text: str) -> dict[str, Any]:
-    """The plain data of a case file.  Raises ValueError with the line where it is no TOML."""
-    try:
-        return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise ValueError(f"the text is not valid TOML: {str(error)[:200]}") from error
 
 
 # -- the answer of ertel -----------------------------------------------------------------------------------------------

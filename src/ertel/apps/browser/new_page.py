@@ -4,20 +4,19 @@ import asyncio
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import groupby
-from pathlib import Path
 from typing import Any
 
 import tomli_w
 from nicegui import run, ui
 
 from ertel.apps.browser import form
-from ertel.apps.browser.form import DECIDE, FIELDS, Form, field_of, read_text
+from ertel.apps.browser.form import DECIDE, FIELDS, Form, field_of
 from ertel.apps.browser.site import Site, address_of, show_line, show_notes
 from ertel.apps.terminal import reason_of, rough_time
 from ertel.case.rules import plain_name
+from ertel.inputs.case_files import parse_toml, read_text
 from ertel.results.variables import with_prefix
 from ertel.runs.directory import CASE
-from ertel.runs.files import content_of
 
 PAUSE = 0.5  # seconds after the last change before ertel is asked
 SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
@@ -75,8 +74,8 @@ class NewCase:
     def _begin_from(self, name: str) -> None:
         try:
             path = self.site.folder.inside(name)
-            text = _text_of(path)
-            data = read_text(text)
+            text = read_text(path, path.name)
+            data = parse_toml(text, path.name)
             here = form.relocated(data, path.parent, self.site.folder.root)
         except ValueError as error:
             ui.notify(str(error))
@@ -145,7 +144,7 @@ class NewCase:
         await self._client.connected()
         await asyncio.sleep(PAUSE)
         try:
-            data = read_text(self._text.value) if self._tabs.value == "text" else self.form.data()
+            data = parse_toml(self._text.value, "the text") if self._tabs.value == "text" else self.form.data()
             parameters = await run.io_bound(form.at_once, data, self.site.folder)
             self._accept(data, parameters)
             async with self.site.checks:
@@ -193,16 +192,6 @@ class NewCase:
             ui.notify(f"cannot write to {self.site.folder.root}: {reason_of(error)}")
             return
         ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
-
-
-def _text_of(path: Path) -> str:
-    """The text of a case file.  Raises ValueError where it cannot be read."""
-    try:
-        return content_of(path).decode()
-    except OSError as error:
-        raise ValueError(f"{path.name}: cannot be read, {reason_of(error)}") from error
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path.name} is not text in UTF-8") from error
 
 
 def _name_of(data: dict[str, Any]) -> str:

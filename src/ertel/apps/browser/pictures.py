@@ -20,7 +20,7 @@ from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ertel.results.variables import EVENTS, VARIABLES, is_steady
+from ertel.results.variables import VARIABLES, is_steady
 from ertel.runs.directory import DATA
 
 if TYPE_CHECKING:  # imported in the process that draws
@@ -91,7 +91,7 @@ def stamp_of(run: Path) -> int:
 
 def run_info(run: Path, stamp: int) -> RunInfo:
     """The facts on a run.  Raises ValueError where its data cannot be read."""
-    from ertel.plots.view import View
+    from ertel.plots.view import View, events_of
 
     data = _opened(run, stamp, STRESSES)
     view, title = View(data), str(data.attrs["title"])
@@ -102,8 +102,7 @@ def run_info(run: Path, stamp: int) -> RunInfo:
         return RunInfo(title, figures, latest=_latest(view))
     T, time = tuple(float(t) for t in data["frame"].values), view.scale("time")
     times = tuple(f"{t * time.factor:.3g} {_plain(time.unit)}" for t in T)
-    events = {EVENTS[int(code)]: index for index, code in enumerate(data["event"].values) if code}
-    return RunInfo(title, figures, T, times, events, _latest(view))
+    return RunInfo(title, figures, T, times, dict(events_of(data)), _latest(view))
 
 
 def _latest(view: "View") -> tuple[tuple[str, str, str], ...]:
