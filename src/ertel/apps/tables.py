@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from ertel.apps.terminal import printable
-from ertel.results.numbers import Number, moment, numbers, values_of
+from ertel.results.numbers import Number, aligned, moment, more_lines, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
-from ertel.results.report import aligned, more_lines
 from ertel.results.variables import FILMS, values_in_si, with_prefix
 
 if TYPE_CHECKING:
