@@ -27,7 +27,7 @@ from ertel.case.status import Status
 from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.quantities import Given, parse_values
-from ertel.numerics.arrays import double_precision
+from ertel.numerics.programs import double_precision
 from ertel.results import diagnostics
 from ertel.results.dataset import provenance
 from ertel.results.steady import thermal_warnings

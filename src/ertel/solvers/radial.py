@@ -29,9 +29,8 @@ from ertel.equations.contact import traceable
 from ertel.equations.outside import Surroundings
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf
-from ertel.numerics.arrays import require_double
 from ertel.numerics.integrals import Disc, disc_weights
-from ertel.numerics.programs import ANY_SIZE, Program, exportable
+from ertel.numerics.programs import ANY_SIZE, Program, exportable, require_double
 from ertel.numerics.stencils import Pair
 from ertel.numerics.tridiagonal import banded_product, diagonals
 from ertel.physics.geometry import CIRCLE, ContactMotion

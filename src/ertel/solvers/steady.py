@@ -28,9 +28,8 @@ from ertel.equations.contact import Contact
 from ertel.equations.flow import steady_rate
 from ertel.equations.measure import measure
 from ertel.numerics import multigrid, newton, stencils
-from ertel.numerics.arrays import double_precision
 from ertel.numerics.grid import Extrapolation, Grid, check_coarsening, expected_next, extrapolate
-from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.programs import ANY_SIZE, Program, double_precision
 from ertel.numerics.stencils import folded, unfolded
 from ertel.physics.geometry import ContactMotion, Geometry
 from ertel.solvers import nonlinear, preconditioner
