@@ -47,8 +47,7 @@ from ertel.numerics.programs import require_double
 from ertel.numerics.stencils import inside, upstream_slope
 from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
-from ertel.solvers.nonlinear import Problem
-from ertel.solvers.preconditioner import PRECISION, point_preconditioner
+from ertel.solvers.nonlinear import PRECISION, Problem, point_preconditioner
 from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import FALLING, Transient2D, stacked
 
