@@ -369,7 +369,7 @@ def roelands_exponent(alpha: float, eta0: float, p0: float = P0_ROELANDS) -> flo
 def _check_law(field_name: str, law: object, laws: Registry) -> None:
     if isinstance(law, str):
         able = [name for name in laws if hasattr(laws[name], "of")]
-        given = f"{field_name} = {json.dumps(law[:60], ensure_ascii=False)}"
+        given = f"{field_name} = {json.dumps(law[:60], ensure_ascii=not law[:60].isprintable())}"
         if law in laws and law not in able:
             raise ValueError(f'{given}: has data of its own; give them as {{ law = "{law}", ... }}')
         if law not in able:
