@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
-from ertel.case.sections import SOLVERS, Drive, Output, Solver, Time
-from ertel.case.thermal import Thermal
+from ertel.case.sections import SOLVERS, Drive, Output, Solver, Thermal, Time
 from ertel.inputs.case_files import parse_case, to_toml
 from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Isoviscous, Oil, Roelands
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, Signal, constant

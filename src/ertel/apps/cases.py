@@ -78,8 +78,7 @@ def new(
     Beside it the file ertel.schema.json is written, unless it is there: from it editors with TOML support show meanings
     and complete keys.
     """
-    from ertel.inputs.json_schema import json_schema_text
-    from ertel.inputs.templates import SCHEMA_FILE, template
+    from ertel.inputs.templates import SCHEMA_FILE, json_schema_text, template
 
     path = file or Path(f"{kind}.toml").absolute()
     with bad_input():
@@ -110,9 +109,8 @@ def schema(
     With ertel schema > ertel.schema.json and the line #:schema ./ertel.schema.json at the head of a case file editors
     show what keys mean, complete them, and mark what is wrong. Units are known to it in their usual spellings only.
     """
-    from ertel.inputs.json_schema import json_schema_text
     from ertel.inputs.layout import places
-    from ertel.inputs.templates import table
+    from ertel.inputs.templates import json_schema_text, table
 
     print(table(places()) if as_table else json_schema_text(), end="")
 

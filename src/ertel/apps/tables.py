@@ -9,8 +9,7 @@ from rich.console import Console
 from ertel.apps.terminal import printable
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
-from ertel.physics.materials import Material
-from ertel.physics.oils import NamedOil, Sourced, celsius
+from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
 from ertel.results.numbers import Number, moment, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of

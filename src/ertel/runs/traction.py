@@ -26,7 +26,7 @@ from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.inputs.ranges import Given, parse_values
+from ertel.inputs.quantities import Given, parse_values
 from ertel.numerics.arrays import double_precision
 from ertel.results import diagnostics
 from ertel.results.dataset import provenance
