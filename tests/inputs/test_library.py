@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import ertel
 from ertel.case.records import ConfigError
 from ertel.inputs import materials, oils
-from ertel.physics.oils import NamedOil, Sourced
+from ertel.physics.materials import NamedOil, Sourced
 
 OILS = [oils.get(name) for name in oils.names()]
 MATERIALS = [materials.get(name) for name in materials.names()]

@@ -249,7 +249,7 @@ def check_grid(solver: Solver, geometry: Geometry) -> None:
 def check_outside(solver: Solver, parameters: Parameters, geometry: Geometry, motion: Motion) -> None:
     """The oil that carries a ball as it rolls must not all lie outside the grid.
 
-    Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.far_field`): on r > w it carries 8 lambda_bar U/(5 w).
+    Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.geometry`): on r > w it carries 8 lambda_bar U/(5 w).
     """
     speed, load = abs(motion.entrainment(0.0)), motion.load(0.0)
     needed = 1.6 * parameters.lambda_bar * speed / (HERTZ_LOAD * load)

@@ -32,7 +32,7 @@ from ertel.inputs import oils
 from ertel.inputs.layout import READER, DataSheet, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import parse_temperature
 from ertel.physics.fluidity import Carreau, Limited
-from ertel.physics.oils import RHEOLOGY, NamedOil, Sourced
+from ertel.physics.materials import RHEOLOGY, NamedOil, Sourced
 from ertel.physics.units import DENSITY, STRESS, Unit, marks
 
 OIL_KEYS, MATERIAL_KEYS = field_names(NamedLubricant), field_names(Materials)

@@ -28,8 +28,7 @@ from ertel.inputs.layout import DataSheet
 from ertel.inputs.quantities import number_or_quantity, parse_quantity, parse_temperature
 from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
-from ertel.physics.materials import Elasticity, Material, Strength
-from ertel.physics.oils import LimitingStress, NamedOil, Sourced, ThermalData
+from ertel.physics.materials import Elasticity, LimitingStress, Material, NamedOil, Sourced, Strength, ThermalData
 from ertel.physics.temperature_laws import (
     ZERO_CELSIUS,
     DoolittleOfTemperature,

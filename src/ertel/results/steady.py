@@ -9,8 +9,7 @@ from ertel.case.case import Case
 from ertel.case.sections import Inlet
 from ertel.case.status import Status
 from ertel.numerics.grid import Grid
-from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
-from ertel.physics.thermal import INLET_FACTORS
+from ertel.physics.thermal import AT_REST, INLET_FACTORS, SLOWEST, slow_excess
 from ertel.results.variables import TEMPERATURES
 
 

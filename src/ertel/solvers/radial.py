@@ -34,8 +34,7 @@ from ertel.numerics.integrals import Disc, disc_weights
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair
 from ertel.numerics.tridiagonal import banded_product, diagonals
-from ertel.physics.far_field import ContactMotion
-from ertel.physics.geometry import CIRCLE
+from ertel.physics.geometry import CIRCLE, ContactMotion
 from ertel.physics.lubricant import Lubricant
 
 Floats = NDArray[np.float64]

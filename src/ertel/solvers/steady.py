@@ -32,8 +32,7 @@ from ertel.numerics.arrays import double_precision
 from ertel.numerics.grid import Extrapolation, Grid, check_coarsening, expected_next, extrapolate
 from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.stencils import folded, unfolded
-from ertel.physics.far_field import ContactMotion
-from ertel.physics.geometry import Geometry
+from ertel.physics.geometry import ContactMotion, Geometry
 from ertel.solvers import nonlinear, preconditioner
 from ertel.solvers.heat import Heated, heated
 from ertel.solvers.nonlinear import Problem

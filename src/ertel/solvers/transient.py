@@ -30,7 +30,7 @@ from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import DeformationOperator
 from ertel.numerics.programs import Program, exportable
 from ertel.numerics.stencils import total, unfolded
-from ertel.physics.far_field import ContactMotion
+from ertel.physics.geometry import ContactMotion
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import CloseSystem, Problem
 from ertel.solvers.preconditioner import PRECISION, point_preconditioner
