@@ -1,4 +1,4 @@
-"""Cases before they are run: `ertel params`, `film`, `new`, `schema` and `check`."""
+"""Commands that need no run: `ertel params`, `film`, `new`, `schema`, `check` and `oils`."""
 
 from pathlib import Path
 from textwrap import wrap
@@ -183,3 +183,20 @@ def _needs(found: dict[str, Any]) -> dict[str, str]:
         "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",
         "time": f"roughly {rough_time(time['seconds'])}{steps}",
     }
+
+
+def oils(
+    name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="An oil or a material.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Print the oils and materials that case files know by name, or all data of one with their sources."""
+    from ertel.apps import tables
+
+    with bad_input():
+        entry = tables.oil_or_material(name) if name else None
+    if as_json:
+        print_json(tables.entry_as_data(entry) if entry else tables.library_as_data())
+    elif entry:
+        tables.print_entry(entry)
+    else:
+        tables.print_library()

@@ -30,7 +30,9 @@ TRANSIENT = 'solver.method = "transient"'
 
 def check_name(name: str) -> None:
     """A name becomes a directory: it must be a plain file name on every system, and safe to print."""
-    if not isinstance(name, str) or (name and name != plain_name(name)):
+    if not isinstance(name, str):
+        raise ValueError(f"name = {show(name)}: must be a string")
+    if name != plain_name(name):
         raise ValueError(
             f"name = {show(name)}: must be a plain file name: visible characters without / \\ and :, not starting with "
             f"a dot, at most {LONGEST_NAME} bytes"
