@@ -1,7 +1,7 @@
 """A run as an xarray Dataset: scalars over time and fields over frames, or a steady contact over its grids.
 
 Its attributes are the provenance of the run; the measured heights of the case are among its variables.  Last come its
-files for other programs: NetCDF, tables as CSV, maps for ParaView.
+files for other programs: NetCDF, tables as CSV, maps for ParaView.  Each makes its directory if it can write.
 """
 
 import json
@@ -18,8 +18,8 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
+from ertel.case.sections import Inlet
 from ertel.case.status import Status
-from ertel.case.thermal import Inlet
 from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
 from ertel.results.parameters import parameters_of, scale_values
@@ -293,6 +293,7 @@ class NoExport(ValueError):
 
 def to_netcdf(dataset: xr.Dataset, directory: Path) -> list[Path]:
     """Write the whole run as NetCDF 3, which every program that knows NetCDF reads; the paths of the files."""
+    directory.mkdir(parents=True, exist_ok=True)
     path = directory / RUN
     short = {name: v.astype(np.int32) for name, v in dataset.variables.items() if v.dtype == np.int64}
     dataset.assign(short).assign_attrs(_plain(dataset.attrs)).to_netcdf(path, engine="scipy")
@@ -312,6 +313,7 @@ def to_csv(dataset: xr.Dataset, directory: Path) -> list[Path]:
     steady = is_steady(dataset)
     along = "grid" if steady else "time" if "time" in dataset.dims else "t"
     scalars = [name for name, values in dataset.data_vars.items() if values.dims == (along,)]
+    directory.mkdir(parents=True, exist_ok=True)
     path = directory / (GRIDS if steady else HISTORY)
     with_units(dataset[scalars].reset_coords(drop=True)).to_dataframe().to_csv(path)
     return [path]
@@ -332,6 +334,7 @@ def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
     x, y = (dataset[axis].values.tolist() for axis in (X, Y))  # of NumPy they would be written as np.float64(...)
     origin, spacing = (x[0], y[0], 0.0), (x[1] - x[0], y[1] - y[0], 1.0)
     moments = dataset.sizes.get("frame", 1)
+    directory.mkdir(parents=True, exist_ok=True)
     collection, paths = VtkGroup(str(directory / MAPS)), []
     for number in range(moments):
         one = dataset[names].isel(frame=number) if "frame" in dataset.dims else dataset[names]

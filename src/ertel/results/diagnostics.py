@@ -11,10 +11,9 @@ from ertel.case.height_map import Measured
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
 from ertel.numerics.grid import allowed_nodes, extrapolate
 from ertel.physics import hertz
-from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_KEPT, has_waves
-from ertel.physics.thermal import INLET_FACTORS
+from ertel.physics.thermal import AT_REST, INLET_FACTORS, SLOWEST, slow_excess
 from ertel.results.balances import UNCERTAIN_MOMENTUM, Balances, needed_half_width, share_outside, uncertain_momentum
 from ertel.results.variables import FILMS
 

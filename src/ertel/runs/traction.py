@@ -26,8 +26,8 @@ from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.inputs.ranges import Given, parse_values
-from ertel.numerics.arrays import double_precision
+from ertel.inputs.quantities import Given, parse_values
+from ertel.numerics.programs import double_precision
 from ertel.results import diagnostics
 from ertel.results.dataset import provenance
 from ertel.results.study_result import (
@@ -43,8 +43,8 @@ from ertel.results.variables import to_si, with_coefficients
 from ertel.runs import studies, workers
 from ertel.runs.compile import check_jax
 from ertel.runs.courses import GridStep, course_of
+from ertel.runs.directory import STOP, Taken
 from ertel.runs.drive import bars, drive, warn
-from ertel.runs.files import StoreError
 from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
 from ertel.runs.workers import Condition, LocalWorker, never
@@ -53,6 +53,7 @@ from ertel.solvers.steady import Rolling
 
 NAME = "traction"  # of the files with the points
 OLDER = "traction.json"  # what earlier versions kept their points in
+LISTED = 5  # names of files in a message
 NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but not that of a surface
 
 FilmChoice = Literal["each", "once"]
@@ -83,8 +84,9 @@ def traction(
         ratio.  For a Newtonian oil once is exact and the default.  An oil that thins has a thinner film where it
         slides, so each is the default; once takes the work of one point and leaves that out.
     directory : str or Path
-        The directory in which the curve is stored, as a study is (see `ertel.sweep`): made if it is not there.  What
-        is missing or unfinished is done.
+        The directory in which the curve is stored, as a study is (see `ertel.sweep`): a new or empty one, or that of
+        an earlier curve, whose films are used again as far as they are the same.  What is missing or unfinished is
+        done.  The table and the picture are those of the last curve.
     progress : bool
         Whether to show a progress bar.
 
@@ -98,7 +100,7 @@ def traction(
     ConfigError
         A value is not allowed; the message names the argument, its value and what is allowed.
     StoreError
-        Another process computes the curve, or the directory holds a curve of an earlier version.
+        Another process computes the curve, or the directory holds a curve of an earlier version or other files.
 
     Warns
     -----
@@ -115,7 +117,9 @@ def traction(
     curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
     if directory:
-        return store_curve(curve, Path(directory).absolute(), progress)
+        place = Path(directory).absolute()
+        require_place(place)
+        return store_curve(curve, place, progress)
     return compute_curve(curve, progress)
 
 
@@ -240,8 +244,6 @@ def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Co
     asked: whether to stop, see `studies.run_study`.  Raises StoreError.
     """
     workers.check_fork()
-    if (directory / OLDER).exists():
-        raise StoreError(f"{directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
     with studies.alone(directory):
         left = studies.left_of(curve.films, directory)
         with studies.study_bars(directory, left, progress) as shown:
@@ -255,6 +257,25 @@ def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Co
         found = replace(_curve(curve, film_of), directory=directory)
         studies.write_study(found, directory, NAME)
     return found
+
+
+def require_place(directory: Path) -> None:
+    """Raise Taken where a directory holds files that a curve would overwrite or be mixed with.
+
+    The directory of an earlier curve may hold other files as well.
+    """
+    if not directory.exists():
+        return
+    visible = {path.name for path in directory.iterdir() if not path.name.startswith(".")}
+    if OLDER in visible:
+        raise Taken(f"{directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
+    of_a_curve = {studies.RUNS, STOP, *(f"{NAME}.{ending}" for ending in studies.ENDINGS)}
+    begun = studies.RUNS in visible and visible <= of_a_curve
+    if visible and not (begun or f"{NAME}.zarr" in visible):
+        some = ", ".join(sorted(visible)[:LISTED])
+        raise Taken(
+            f"{directory}: holds other files ({some}); give a new or empty directory, or that of an earlier curve"
+        )
 
 
 def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
