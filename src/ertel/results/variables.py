@@ -301,13 +301,11 @@ def values_in_si(values: Mapping[str, float | None], scales: Scales) -> dict[str
     for name, value in values.items():
         base = name.removesuffix("_error").removesuffix("_extrapolated")
         variable = VARIABLES["time" if base == "T" else base]
-        converted[key_in_si(variable, name.removeprefix(base))] = (
-            None if value is None else value * variable.factor(scales)
-        )
+        key = with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
+        converted[key] = None if value is None else value * variable.factor(scales)
     return converted
 
 
-def key_in_si(variable: Variable, what: str = "") -> str:
-    """The name of a value in SI: h_c_m, or h_c_error_m of its error; of a coefficient without a unit."""
-    unit = "" if variable.si_units == "1" else "_" + variable.si_units.replace("/", "_per_")
-    return f"{variable.si_name}{what}{unit}"
+def with_unit(name: str, unit: str) -> str:
+    """A name with its unit at the end: h_c_m, mean_speed_m_per_s; a plain number keeps its name."""
+    return name if unit == "1" else f"{name}_{unit.replace('/', '_per_').replace('*', '_')}"
