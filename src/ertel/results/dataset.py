@@ -33,9 +33,9 @@ from ertel.results.variables import (
     SCALARS,
     TEMPERATURES,
     is_steady,
+    named_with_unit,
     variable_attributes,
     with_coefficients,
-    with_unit,
 )
 from ertel.version import installed_version
 
@@ -265,7 +265,7 @@ PLANE = (("Y", "X"), ("y", "x"))  # the axes of maps: dimensionless, and in SI
 def with_units(dataset: xr.Dataset) -> xr.Dataset:
     """The dataset with the unit at the end of every name in SI: h_c_m, mean_speed_m_per_s."""
     units = {str(name): str(v.attrs.get("units", "1")) for name, v in dataset.variables.items()}
-    return dataset.rename({name: with_unit(name, unit) for name, unit in units.items()})
+    return dataset.rename({name: named_with_unit(name, unit) for name, unit in units.items()})
 
 
 def largest_of(values: xr.DataArray) -> float:

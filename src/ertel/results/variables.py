@@ -228,10 +228,10 @@ def one_number(dataset: "xr.Dataset") -> "xr.Dataset":
     return dataset.assign(converted) if converted else dataset
 
 
-def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
+def variable_attributes(name: str, scales: Scales | None) -> dict[str, Any]:
     """CF attributes of a variable: units, long_name, symbol, what 1 stands for, and its SI factor if there is one."""
     variable = VARIABLES[name]
-    attributes: dict[str, object] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
+    attributes: dict[str, Any] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
     if variable.unit == KELVIN:
         attributes["units"] = KELVIN
     elif variable.unit != "1" and not (scales and variable.scale == COEFFICIENT):
@@ -269,14 +269,18 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     converted = dataset.copy()
     names = {}
     for name, variable in dataset.variables.items():
-        attributes = dict(variable.attrs)
-        if "si_factor" in attributes:
-            factor, attributes["units"] = attributes.pop("si_factor"), attributes.pop("si_units")
-            attributes["symbol"] = attributes.pop("si_name")
-            attributes.pop("in_units_of", None)
+        if "si_factor" in variable.attrs:
+            factor, attributes = to_si_by(variable.attrs)
             converted[name] = (variable.dims, variable.values * factor, attributes)
             names[name] = attributes["symbol"] if name != "frame" else name
     return converted.rename({name: new for name, new in names.items() if new != name})
+
+
+def to_si_by(attributes: Mapping[str, Any]) -> tuple[float, dict[str, Any]]:
+    """The factor of a variable to SI and its attributes there, from its attributes; `symbol` is its name there."""
+    kept = {key: value for key, value in attributes.items() if not key.startswith("si_") and key != "in_units_of"}
+    in_si = {"units": attributes["si_units"], "symbol": attributes["si_name"]}
+    return attributes["si_factor"], {**kept, **in_si}
 
 
 def exponent(size: float) -> int:
@@ -301,11 +305,11 @@ def values_in_si(values: Mapping[str, float | None], scales: Scales) -> dict[str
     for name, value in values.items():
         base = name.removesuffix("_error").removesuffix("_extrapolated")
         variable = VARIABLES["time" if base == "T" else base]
-        key = with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
+        key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
         converted[key] = None if value is None else value * variable.factor(scales)
     return converted
 
 
-def with_unit(name: str, unit: str) -> str:
+def named_with_unit(name: str, unit: str) -> str:
     """A name with its unit at the end: h_c_m, mean_speed_m_per_s; a plain number keeps its name."""
     return name if unit == "1" else f"{name}_{unit.replace('/', '_per_').replace('*', '_')}"

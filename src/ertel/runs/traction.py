@@ -39,7 +39,7 @@ from ertel.results.study_result import (
     point_scalars,
     study_dataset,
 )
-from ertel.results.variables import to_si, with_coefficients
+from ertel.results.variables import with_coefficients
 from ertel.runs import studies, workers
 from ertel.runs.compile import check_jax
 from ertel.runs.courses import GridStep, course_of
@@ -291,7 +291,7 @@ def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
     axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
     about = {**provenance(curve.case), "varies": curve.axis, "film": curve.film_in_words}
     data = study_dataset("product", [len(points)], axis, points, about)
-    return TractionCurve(to_si(data) if curve.case.scales else data, case=curve.case, warnings=_grouped(curve, points))
+    return TractionCurve(data, case=curve.case, warnings=_grouped(curve, points))
 
 
 def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyRun:
