@@ -19,10 +19,10 @@ from ertel.inputs.studies import load_study, parse_study
 from ertel.results.numbers import scalars
 from ertel.results.study_result import StudyResult
 from ertel.runs import directory, studies
+from ertel.runs.batch import STEPS, program_of
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
-from ertel.runs.studies import left_of, run_directory, run_study, study_bars, write_study
-from ertel.runs.warm_up import STEPS, has_compiled, program_of
+from ertel.runs.studies import has_compiled, left_of, run_directory, run_study, study_bars, write_study
 from ertel.runs.workers import LocalWorker, StopSignal
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "E_prime": "226.37 GPa"}

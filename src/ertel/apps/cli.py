@@ -201,7 +201,7 @@ def warm_up(
     """
     from ertel.apps import running
     from ertel.inputs.case_files import load_case
-    from ertel.runs.warm_up import usual_cases
+    from ertel.runs.batch import usual_cases
 
     with bad_input():
         if set_ and not case_files:

@@ -11,7 +11,7 @@ from ertel.apps.terminal import bad_input, print_json, print_path, say, shown
 
 if TYPE_CHECKING:
     from ertel.results.numbers import Compared, Difference
-    from ertel.runs.listing import Listed
+    from ertel.runs.directory import Listed
 
 
 def ls(
@@ -22,7 +22,7 @@ def ls(
     as_json: Json = False,
 ) -> None:
     """List the runs in a folder: case, status, time and key numbers of each."""
-    from ertel.runs.listing import listed
+    from ertel.runs.directory import listed
 
     folder = folder or Path.cwd()
     with bad_input():

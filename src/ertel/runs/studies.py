@@ -31,13 +31,13 @@ from ertel.case.status import Status
 from ertel.inputs.studies import Study, coordinates, load_study, parse_study
 from ertel.results.numbers import scalars
 from ertel.results.study_result import MISSING, RUNNING, UNFINISHED, StudyResult, StudyRun, study_dataset
+from ertel.runs.batch import STEPS, program_of
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, Taken, heeding_stop, is_asked_to_stop, read_progress
 from ertel.runs.drive import bars
 from ertel.runs.files import StoreError, is_locked, locked
 from ertel.runs.store import RunStore, compute
 from ertel.runs.tasks import Engine
-from ertel.runs.warm_up import has_compiled, program_of
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
 RUNS = "runs"
@@ -177,6 +177,12 @@ def _task_of(case: Case, directory: Path, stop: Condition) -> Task:
     place = run_directory(directory, case)
     arguments = str(place), case.to_data(), case.maps, stop
     return Task(case.digest, run_case, arguments, 0.0, program_of(case), partial(has_compiled, case, place))
+
+
+def has_compiled(case: Case, directory: Path) -> bool:
+    """Say whether the run in a directory has all its programs while it goes on; each steady grid has its own."""
+    progress = None if case.is_steady else read_progress(directory)
+    return progress is not None and progress["status"] == Status.RUNNING.value and progress["step"] > STEPS
 
 
 def run_case(directory: str, data: Mapping[str, Any], maps: Mapping[str, HeightMap], stop: Condition) -> str:

@@ -34,14 +34,13 @@ from ertel.results.steady import thermal_warnings
 from ertel.results.study_result import DONE, StudyRun, study_dataset
 from ertel.results.traction_curve import AXES, WORK, TractionCurve, point_scalars
 from ertel.results.variables import with_coefficients
-from ertel.runs import studies, workers
+from ertel.runs import studies
 from ertel.runs.compile import check_jax
-from ertel.runs.courses import GridStep, course_of
-from ertel.runs.drive import bars, drive, warn
+from ertel.runs.drive import GridStep, bars, drive, run_of, warn
 from ertel.runs.files import StoreError
 from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
-from ertel.runs.workers import Condition, LocalWorker, never
+from ertel.runs.workers import Condition, LocalWorker, check_fork, never
 from ertel.solvers.heat import Heated, heated
 from ertel.solvers.steady import Rolling
 
@@ -214,7 +213,7 @@ def compute_curve(curve: Curve, progress: bool = False) -> TractionCurve:
         bar = shown.add_task(curve.case.name or curve.case.kind, total=total, message="")
 
         def film_of(case: Case) -> FilmRun:
-            number, run = next(numbers), course_of(case)
+            number, run = next(numbers), run_of(case)
 
             def show(item: GridStep) -> None:
                 now = run.progress(item)
@@ -233,7 +232,7 @@ def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Co
 
     asked: whether to stop, see `studies.run_study`.  Raises StoreError.
     """
-    workers.check_fork()
+    check_fork()
     if (directory / OLDER).exists():
         raise StoreError(f"{directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
     with studies.alone(directory):

@@ -16,7 +16,7 @@ from ertel import plots
 from ertel.apps.browser.pictures import INTERFEROGRAM, PlotRequest, RunInfo
 from ertel.plots.view import View
 from ertel.results.variables import EVENTS, VARIABLES, is_steady
-from ertel.runs.checked_zarr import RegularStore
+from ertel.runs.arrays import RegularStore
 
 IN_TIME = ("maps", "profiles", "history", "front", "friction", INTERFEROGRAM, "overview")
 STEADY = ("maps", "midlines", "friction", INTERFEROGRAM, "convergence", "overview")
