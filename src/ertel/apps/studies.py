@@ -14,7 +14,7 @@ from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
-from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, study_bars, write_study
+from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, write_study
 from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
@@ -43,8 +43,7 @@ def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bo
         if part == EVERY:
             stack.enter_context(alone(directory))
         try:
-            with study_bars(directory, left, not quiet) as shown_bars:
-                said = run_study(study.cases, directory, workers, part, stop, shown_bars.done)
+            said = run_study(study.cases, directory, workers, part, stop, not quiet)
             result = gather(study, directory, said)
             if part == EVERY:
                 write_study(result, directory)

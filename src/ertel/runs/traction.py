@@ -154,20 +154,19 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
             f'solver.method = "{case.solver.method}": a traction curve is of a steady contact; use contact.kind = '
             '"rolling" and solver.method = "steady"'
         )
-    wanted = {name: values for name, values in given.items() if values is not None}
-    if len(wanted) != 1:
-        said = " and ".join(wanted) or "none"
-        raise ConfigError(f"give exactly one of {', '.join(AXES)}; got {said}")
-    [(axis, values)] = wanted.items()
+    axes = {name: values for name, values in given.items() if values is not None}
+    if len(axes) != 1:
+        raise ConfigError(f"give exactly one of {', '.join(AXES)}; got {' and '.join(axes) or 'none'}")
+    [(axis, values)] = axes.items()
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
-    found = parse_values(axis, values, AXES[axis].mark)
+    in_si = parse_values(axis, values, AXES[axis].mark)
     try:
-        cases = tuple(_at(case, axis, value) for value in found)
+        cases = tuple(_at(case, axis, value) for value in in_si)
     except ValueError as error:
         raise ConfigError(str(error)) from error
-    return Curve(case, axis, found, cases, _film(case, axis, film))
+    return Curve(case, axis, in_si, cases, _film(case, axis, film))
 
 
 def _film(case: Case, axis: str, film: str | None) -> FilmChoice:
@@ -236,18 +235,16 @@ def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Co
     if (directory / OLDER).exists():
         raise StoreError(f"{directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
     with studies.alone(directory):
-        left = studies.left_of(curve.films, directory)
-        with studies.study_bars(directory, left, progress) as shown:
-            said = studies.run_study(curve.films, directory, LocalWorker(), asked=asked, on_done=shown.done)
+        statuses = studies.run_study(curve.films, directory, LocalWorker(), asked=asked, progress=progress)
 
         def film_of(case: Case) -> FilmRun:
-            run = studies.study_run(case, directory, said)
+            run = studies.study_run(case, directory, statuses)
             film = RunStore.open(directory / run.directory).item() if run.status == DONE else None
             return run, film
 
-        found = replace(_curve(curve, film_of), directory=directory)
-        studies.write_study(found, directory, NAME)
-    return found
+        result = replace(_curve(curve, film_of), directory=directory)
+        studies.write_study(result, directory, NAME)
+    return result
 
 
 def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
@@ -272,8 +269,8 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
     fresh: whether the film was solved for this point, so that its work counts here.  directory: of the film's run.
     """
     grids = Rolling(film.solutions)
-    found = steady_friction(case, grids.finest)
-    numbers = with_coefficients(coefficients(found), case.scales)
+    friction = steady_friction(case, grids.finest)
+    numbers = with_coefficients(coefficients(friction), case.scales)
     sliding, rolling = numbers["mu_sliding"], numbers["mu_rolling"]
     work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), grids.convolutions
     values = {
@@ -281,7 +278,7 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
         **numbers,
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
-        "tau_max": float(np.hypot(*np.asarray(found.stress)).max()),
+        "tau_max": float(np.hypot(*np.asarray(friction.stress)).max()),
         **dict(zip(WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
     warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
