@@ -12,9 +12,8 @@ from cases import ertel_, names
 
 from ertel.case.sections import SOLVERS
 from ertel.inputs.case_files import load_case, parse_case
-from ertel.inputs.json_schema import json_schema
 from ertel.inputs.layout import places
-from ertel.inputs.templates import SCHEMA_FILE, template
+from ertel.inputs.templates import SCHEMA_FILE, json_schema, template
 from ertel.runs import outlook
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

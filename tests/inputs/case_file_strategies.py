@@ -21,11 +21,11 @@ from hypothesis import strategies as st
 from ertel.case.case import SECTIONS
 from ertel.case.conditions import BARS, KINDS, MOES, NEEDED, OPTIONAL, Conditions
 from ertel.case.records import law_fields
-from ertel.case.sections import METHODS, STOPS, Drive, Output, Solver, Time
-from ertel.case.thermal import Thermal
+from ertel.case.sections import METHODS, STOPS, Drive, Output, Solver, Thermal, Time
+from ertel.inputs import materials
+from ertel.inputs import oils as oil_library
 from ertel.inputs.case_files import ConfigError, load_case, parse_case, to_toml
 from ertel.inputs.layout import DataSheet, Materials, MeasuredFile, NamedLubricant
-from ertel.inputs.library import material_names, oil_names
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
@@ -157,7 +157,7 @@ def contacts(draw: st.DrawFn, kind: str) -> Data:
     data = {"kind": kind, **{key: draw(CONTACT[key]) for key in keys}}
     if "E_prime" in data and draw(st.booleans()):
         del data["E_prime"]
-        data |= {key: draw(st.sampled_from(material_names())) for key in ("material_1", "material_2")}
+        data |= {key: draw(st.sampled_from(materials.names())) for key in ("material_1", "material_2")}
     return data
 
 
@@ -183,7 +183,9 @@ sheets = tables(
     nu100=st.floats(8, 9).map(lambda value: f"{value!r} mm^2/s"),
     density=st.just("880 kg/m^3"),
 )
-named_oils = st.fixed_dictionaries({"oil": st.one_of(st.sampled_from(oil_names()), sheets), "temperature": degrees})
+named_oils = st.fixed_dictionaries(
+    {"oil": st.one_of(st.sampled_from(oil_library.names()), sheets), "temperature": degrees}
+)
 plain_laws = [name for name, law in FLUIDITY_LAWS.items() if not law_fields(law)]
 rheologies = st.one_of([tables(FLUIDITY_LAWS[name], law=st.just(name)) for name in plain_laws])
 rheologies = st.one_of(

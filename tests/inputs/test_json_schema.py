@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ertel.inputs.case_files import parse_case
-from ertel.inputs.json_schema import json_schema, pattern
 from ertel.inputs.quantities import _factor, _split, parse_quantity
+from ertel.inputs.templates import json_schema, pattern
 from ertel.physics import units
 from ertel.physics.units import COMPLIANCE, LENGTH, VISCOSITY, Unit
 

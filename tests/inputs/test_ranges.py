@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ertel.case.records import ConfigError
-from ertel.inputs.ranges import parse_values
+from ertel.inputs.quantities import parse_values
 from ertel.physics.units import FINITE, LOAD, VELOCITY, Bounds, Unit
 
 

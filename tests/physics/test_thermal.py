@@ -5,17 +5,20 @@ from math import log, pi, sqrt
 
 import numpy as np
 import pytest
-from closed_forms import mean_rise, middle_rise
+from closed_forms import flash_temperature, mean_rise, middle_rise
 from numpy.testing import assert_allclose
 
-from ertel.physics.flash import AT_REST, flash_temperature, moving_source_weights, peclet_number, response
 from ertel.physics.lubricant import Roelands, roelands_exponent
 from ertel.physics.thermal import (
+    AT_REST,
     INLET_FACTORS,
     Exponential,
     Houpert,
     Solid,
     gupta_factor,
+    moving_source_weights,
+    peclet_number,
+    response,
     thermal_loading,
     wilson_sheu_factor,
 )

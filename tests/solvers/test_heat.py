@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from closed_forms import flash_temperature
 from numpy.testing import assert_allclose
 
 from ertel.case.case import Case
@@ -17,7 +18,6 @@ from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.inputs.case_files import parse_case
 from ertel.numerics.integrals import Plane
-from ertel.physics.flash import flash_temperature
 from ertel.physics.thermal import gupta_factor
 from ertel.solvers.heat import Heated, heated
 

@@ -11,8 +11,7 @@ from jax.tree_util import register_dataclass
 from numpy.testing import assert_allclose
 from scipy.special import lambertw
 
-from ertel.physics.flash import response
-from ertel.physics.thermal import Solid
+from ertel.physics.thermal import Solid, response
 from ertel.solvers.heat import Moving, Real, Warmed, warmed
 
 STEEL, GLASS = Solid(7850.0, 460.0, 47.0), Solid(2510.0, 858.0, 1.114)

@@ -1,4 +1,4 @@
-"""Cases before they are run: `ertel params`, `film`, `new`, `schema` and `check`."""
+"""Commands that need no run: `ertel params`, `film`, `new`, `schema`, `check` and `oils`."""
 
 from pathlib import Path
 from textwrap import wrap
@@ -78,8 +78,7 @@ def new(
     Beside it the file ertel.schema.json is written, unless it is there: from it editors with TOML support show meanings
     and complete keys.
     """
-    from ertel.inputs.json_schema import json_schema_text
-    from ertel.inputs.templates import SCHEMA_FILE, template
+    from ertel.inputs.templates import SCHEMA_FILE, json_schema_text, template
 
     path = file or Path(f"{kind}.toml").absolute()
     with bad_input():
@@ -110,9 +109,8 @@ def schema(
     With ertel schema > ertel.schema.json and the line #:schema ./ertel.schema.json at the head of a case file editors
     show what keys mean, complete them, and mark what is wrong. Units are known to it in their usual spellings only.
     """
-    from ertel.inputs.json_schema import json_schema_text
     from ertel.inputs.layout import places
-    from ertel.inputs.templates import table
+    from ertel.inputs.templates import json_schema_text, table
 
     print(table(places()) if as_table else json_schema_text(), end="")
 
@@ -185,3 +183,20 @@ def _needs(found: dict[str, Any]) -> dict[str, str]:
         "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",
         "time": f"roughly {rough_time(time['seconds'])}{steps}",
     }
+
+
+def oils(
+    name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="An oil or a material.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Print the oils and materials that case files know by name, or all data of one with their sources."""
+    from ertel.apps import tables
+
+    with bad_input():
+        entry = tables.oil_or_material(name) if name else None
+    if as_json:
+        print_json(tables.entry_as_data(entry) if entry else tables.library_as_data())
+    elif entry:
+        tables.print_entry(entry)
+    else:
+        tables.print_library()

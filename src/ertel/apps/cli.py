@@ -9,7 +9,7 @@ Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing wr
 import os
 import sys
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -28,18 +28,14 @@ from ertel.apps.arguments import (
     Set,
     StudyFile,
     Tls,
-    figures,
     path_argument,
     path_option,
     values_option,
 )
-from ertel.apps.faults import Commands
-from ertel.apps.paper import paper
-from ertel.apps.plotting import Interferogram, PlotOptions, Wavelength
-from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, say
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, say
 
 app = typer.Typer(
-    cls=Commands,
+    cls=process.Commands,
     help="Elastohydrodynamic lubrication of point contacts: a ball hits an oiled surface, or rolls and slides on it.",
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -136,7 +132,8 @@ def traction(
     The film of a Newtonian oil does not depend on the slide-to-roll ratio and is solved once. That of an oil that thins
     is solved at each point; --film once takes the one of the smallest slide-to-roll ratio, in the time of one point.
 
-    After an interruption the same command continues.
+    DIR is a new or empty directory, or that of an earlier curve. Films that it holds are used again, the table and the
+    picture are those of this curve. After an interruption the same command continues.
     """
     from ertel.apps import studies
     from ertel.inputs.case_files import load_case
@@ -211,62 +208,28 @@ def warm_up(
 
 
 @app.command()
-def show(directory: RunDirectory, as_json: Json = False) -> None:
-    """Print the summary of a run."""
-    from ertel.apps import running
-
-    running.show(directory, as_json)
-
-
-@app.command()
-def plot(
-    directory: RunDirectory,
-    what: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Draw one figure only, such as film.", autocompletion=figures)
-    ] = None,
-    at: Annotated[
-        str | None, typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.")
-    ] = None,
-    interferogram: Interferogram = None,
-    wavelength: Wavelength = None,
-    format_: Annotated[
-        Literal["png", "svg", "pdf", "gif", "webp", "mp4"],
-        typer.Option("--format", help="File format; gif, webp and mp4 are movies of an interferogram."),
-    ] = "png",
-    out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
+def paper(
+    figure: Annotated[str, typer.Argument(metavar="all|fig1|fig2|...", help="Figure to reproduce.")] = "all",
+    quick: Annotated[bool, typer.Option("--quick", help="Use coarse grids: seven minutes on one core.")] = False,
+    out: Annotated[Path, path_option("Directory for the page; results kept in it are used again.")] = Path("paper"),
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+    scheduler_file: SchedulerFile = None,
+    tls: Tls = None,
+    quiet: Quiet = False,
 ) -> None:
-    """Draw the figures of a run, or with --interferogram what an experimenter sees through coated glass.
+    """Reproduce the figures of the paper, with their data, on one page.
 
-    An interferogram needs a case in SI. It is that of a steel ball and glass with 8 nm of chromium; from Python other
-    layers and lamps can be chosen, see ertel.optics.
+    After an interruption the same command continues.
     """
-    from ertel.apps import plotting, running
+    from ertel.apps import studies
 
-    options = PlotOptions(what, at, interferogram, wavelength, format_)
-    options.check()
-    with running.opened(directory) as run:
-        plotting.write(run.dataset(), options, out or directory / "plots")
+    with bad_input():
+        engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
+    studies.paper(figure, quick, out, engine, quiet)
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------
-
-
-@app.command()
-def oils(
-    name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="An oil or a material.")] = None,
-    as_json: Json = False,
-) -> None:
-    """Print the oils and materials that case files know by name, or all data of one with their sources."""
-    from ertel.apps import oils
-
-    with bad_input():
-        entry = oils.find(name) if name else None
-    if as_json:
-        print_json(oils.as_data(entry) if entry else oils.library_data())
-    elif entry:
-        oils.print_entry(entry)
-    else:
-        oils.print_library()
 
 
 @app.command()
@@ -321,7 +284,9 @@ for command in (
     cases.new,
     cases.check,
     cases.schema,
-    paper,
+    cases.oils,
+    looking.show,
+    looking.plot,
     looking.ls,
     looking.compare,
     looking.export,

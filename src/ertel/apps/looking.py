@@ -1,17 +1,24 @@
-"""`ertel ls`, `ertel compare` and `ertel export`: many runs, two, or one for other programs."""
+"""Commands that look at runs: `ertel ls` at many, `compare` at two, `show`, `plot` and `export` at one."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from ertel.apps.arguments import Json, RunDirectory, path_argument, path_option, run_directories
-from ertel.apps.terminal import bad_input, print_json, print_path, say, shown
+from ertel.apps.arguments import Json, RunDirectory, figures, path_argument, path_option, run_directories
+from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_json, print_path, say, shown
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # these take long to import
+    import xarray as xr
+
+    from ertel.optics import Light, Rig
     from ertel.results.numbers import Compared, Difference
     from ertel.runs.directory import Listed
+
+Lighting = Literal["mono", "two-beam", "white"]
+MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplotlib's name of its writer
 
 
 def ls(
@@ -117,6 +124,124 @@ def _print_pairs(pairs: "Sequence[Compared]", statuses: Sequence[str]) -> None:
     print_rows(rows, left=2)
 
 
+def show(directory: RunDirectory, as_json: Json = False) -> None:
+    """Print the summary of a run."""
+    from ertel.apps import running
+
+    running.show(directory, as_json)
+
+
+def plot(
+    directory: RunDirectory,
+    what: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Draw one figure only, such as film.", autocompletion=figures)
+    ] = None,
+    at: Annotated[
+        str | None, typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.")
+    ] = None,
+    interferogram: Annotated[
+        Lighting | None,
+        typer.Option(
+            help="Draw the fringes that an experimenter sees: of one wavelength, of two beams only, or in white light.",
+            show_default=False,
+        ),
+    ] = None,
+    wavelength: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Of the fringes; default 532 nm.", show_default=False)
+    ] = None,
+    format_: Annotated[
+        Literal["png", "svg", "pdf", "gif", "webp", "mp4"],
+        typer.Option("--format", help="File format; gif, webp and mp4 are movies of an interferogram."),
+    ] = "png",
+    out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
+) -> None:
+    """Draw the figures of a run, or with --interferogram what an experimenter sees through coated glass.
+
+    An interferogram needs a case in SI. It is that of a steel ball and glass with 8 nm of chromium; from Python other
+    layers and lamps can be chosen, see ertel.optics.
+    """
+    from ertel.apps import running
+
+    if format_ in MOVIES and interferogram is None:
+        leave(BAD_INPUT, f"--format {format_}: only an interferogram moves; add --interferogram mono")
+    if format_ in MOVIES and at is not None:
+        leave(BAD_INPUT, f"--at {at}: a movie shows all times; leave it out, or use --format png")
+    if wavelength is not None and interferogram in (None, "white"):
+        leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
+    if format_ == "mp4":
+        _find_ffmpeg()
+    with running.opened(directory) as run:
+        data = run.dataset()
+    with bad_input():
+        if interferogram:
+            drawn = {f"interferogram-{interferogram}": _fringes(data, at, interferogram, wavelength, format_)}
+        else:
+            drawn = _figures(data, what, at)
+    target = out or directory / "plots"
+    target.mkdir(parents=True, exist_ok=True)
+    for name, save in drawn.items():
+        path = target / f"{name}.{format_}"
+        save(path)
+        print_path(path)
+
+
+def _figures(data: "xr.Dataset", what: str | None, at: str | None) -> dict[str, Callable[[Path], object]]:
+    """The figures of a run, or one of them: by name the function that writes it into a file."""
+    from ertel import plots
+
+    names = [what] if what else plots.names_of(data)
+    return {name: plots.draw(data, name, _moment(at)).savefig for name in names}
+
+
+def _fringes(
+    data: "xr.Dataset", at: str | None, lighting: Lighting, wavelength: str | None, format_: str
+) -> Callable[[Path], object]:
+    """The function that writes the interferogram of a run, a picture or a movie, into a file."""
+    from ertel import plots
+
+    light, rig = _optics(lighting, wavelength)
+    if format_ in MOVIES:
+        return partial(plots.animation(data, light, rig).save, writer=MOVIES[format_])
+    return plots.interferogram(data, _moment(at), light, rig).savefig
+
+
+def _moment(at: str | None) -> float | str | None:
+    """The moment as a number where it is one."""
+    try:
+        return None if at is None else float(at)
+    except ValueError:
+        return at
+
+
+def _optics(lighting: Lighting, wavelength: str | None) -> tuple["Light", "Rig"]:
+    """The light and the rig of an interferogram.  Raises ValueError for an impossible wavelength."""
+    from ertel.inputs.quantities import parse_quantity
+    from ertel.optics import Monochromatic, Rig, TwoBeams, White
+    from ertel.physics.units import Unit
+
+    if lighting == "white":
+        return White(), Rig()
+    rig = TwoBeams() if lighting == "two-beam" else Rig()
+    if not wavelength:
+        return Monochromatic(), rig
+    try:
+        metres = parse_quantity(wavelength, Unit("m", "532 nm"))
+    except ValueError as error:
+        raise ValueError(f"--wavelength {wavelength}: {error}") from error
+    return Monochromatic(metres or 0.0), rig
+
+
+def _find_ffmpeg() -> None:
+    """Tell matplotlib where the program is that writes mp4."""
+    from matplotlib import rcParams
+
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+    except ImportError:
+        leave(BAD_INPUT, "--format mp4: needs imageio-ffmpeg, pip install 'ertel[movie]'; gif and webp do not")
+    rcParams["animation.ffmpeg_path"] = get_ffmpeg_exe()
+
+
 def export(
     directory: RunDirectory,
     to: Annotated[
@@ -134,7 +259,7 @@ def export(
     Values are dimensionless, with their factors to SI in the attributes; --si converts them.
     """
     from ertel.apps import running
-    from ertel.results import export as exports
+    from ertel.results.dataset import EXPORTS
     from ertel.results.variables import to_si
 
     with running.opened(directory) as run:
@@ -142,7 +267,6 @@ def export(
     target = out or directory / "export"
     with bad_input():
         shown_data = to_si(data) if in_si else data
-        target.mkdir(parents=True, exist_ok=True)
-        paths = exports.EXPORTS[to](shown_data, target)
+        paths = EXPORTS[to](shown_data, target)
     for path in paths:
         print_path(path)

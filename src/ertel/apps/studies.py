@@ -1,12 +1,25 @@
-"""`ertel sweep` and `ertel traction`: studies from their input to the printed table."""
+"""`ertel sweep`, `ertel traction` and `ertel paper`: studies from their input to the printed table or page."""
 
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 from ertel.apps import running, tables
-from ertel.apps.process import interruptible
-from ertel.apps.terminal import ASKED, FAILED, bad_input, in_shell, leave, print_json, reason_of, say, shown
+from ertel.apps.process import Interrupted, deferred, interruptible
+from ertel.apps.terminal import (
+    ASKED,
+    BAD_INPUT,
+    FAILED,
+    bad_input,
+    in_shell,
+    leave,
+    print_json,
+    print_path,
+    reason_of,
+    say,
+    shown,
+)
 from ertel.case.case import Case
 from ertel.case.derived import newtonian_stress
 from ertel.case.status import Status
@@ -14,6 +27,8 @@ from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
+from ertel.runs.directory import Taken
+from ertel.runs.drive import bars
 from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, write_study
 from ertel.runs.tasks import Engine as Engine
 
@@ -36,7 +51,8 @@ def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bo
     prepare_jax()
     left = left_of(study.cases, directory, part)
     if not quiet:
-        say(f"{len(study.cases)} runs, {len(left)} of them to do{_in_part(part)}")
+        in_part = "" if part == EVERY else f" in part {part[0]} of {part[1]}"
+        say(f"{len(study.cases)} runs, {len(left)} of them to do{in_part}")
     with interruptible() as stop, ExitStack() as stack:
         with bad_input():
             workers = stack.enter_context(engine.workers(len(left)))
@@ -56,10 +72,6 @@ def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bo
     _leave_if_failed(said, result, directory, part)
 
 
-def _in_part(part: Part) -> str:
-    return "" if part == EVERY else f" in part {part[0]} of {part[1]}"
-
-
 def _leave_if_failed(said: Mapping[str, str], result: StudyResult, directory: Path, part: Part) -> None:
     """Exit with a code where runs failed: in a part those of the part."""
     failed = result.failed
@@ -77,6 +89,10 @@ def traction(
     """Compute what is left of a traction curve, write and print it."""
     with bad_input():
         curve = curves.curve_of(case, given, film)
+    try:
+        curves.require_place(directory)
+    except Taken as error:
+        leave(BAD_INPUT, f"--out {error}")
     if not quiet:
         running.say_before([max(curve.cases, key=newtonian_stress)])
     prepare_jax()
@@ -106,3 +122,40 @@ def _report(result: StudyResult, directory: Path, name: str, as_json: bool, quie
             out.print(f"{remark[0].upper()}{remark[1:]}", style="yellow" if remark.startswith("warning") else None)
         *files, last = files_in(directory, name)
         out.print(f"Stored in {shown(directory)}, with {', '.join(files)} and {last}")
+
+
+def paper(figure: str, quick: bool, out: Path, engine: Engine, quiet: bool) -> None:
+    """Run what figures of the paper lack, write their page and print its path."""
+    from ertel.apps.boundary_layers import figures  # here, so that the other studies need no matplotlib
+
+    with bad_input():
+        names = figures.names_of(figure)
+        out.mkdir(parents=True, exist_ok=True)
+    try:
+        page, missing = _make_page(names, quick, out, engine, quiet)
+    except Interrupted as error:
+        leave(error.code, f"interrupted; {GOES_ON}")
+    except OSError as error:
+        leave(FAILED, f"cannot write to {shown(out)}: {reason_of(error)}; {GOES_ON}")
+    print_path(page)
+    if missing:
+        leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))
+
+
+def _make_page(names: list[str], quick: bool, out: Path, engine: Engine, quiet: bool) -> tuple[Path, dict[str, str]]:
+    """Run what is missing and write the page: its path, and why figures are missing."""
+    from ertel.apps.boundary_layers import figures
+
+    prepare_jax()  # or no run can begin
+    runs, done, seconds = figures.expected(names, quick, out, engine.processes)
+    if not quiet:
+        say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
+    with bars(not quiet) as progress, ExitStack() as stack:
+        with deferred():
+            workers = stack.enter_context(engine.workers(runs - done))
+        bar = progress.add_task("runs", total=runs, message="")
+
+        def on_done(task: Any, _: object) -> None:
+            progress.update(bar, advance=1, message=task.name)
+
+        return figures.make(names, quick, out, workers, on_done)

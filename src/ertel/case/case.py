@@ -12,7 +12,7 @@ from functools import cached_property
 from math import inf
 from typing import Any, TypeVar
 
-from ertel.case import rules, thermal
+from ertel.case import rules
 from ertel.case.conditions import Conditions, Kind
 from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.reading import Reader, check_key
@@ -41,12 +41,12 @@ from ertel.case.sections import (
     Schedule,
     Solver,
     Stop,
+    Thermal,
     Time,
     half_width_at,
     half_width_y,
     suited,
 )
-from ertel.case.thermal import Thermal
 from ertel.physics import film_formulas, surfaces
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
@@ -174,7 +174,7 @@ class Case:
             rules.check_outside(self.solver, self.parameters, self.geometry, self.motion)
         rules.check_roughness(self.solver, self.motion, self.features)
         if self.thermal:
-            thermal.check(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
+            rules.check_thermal(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
         self.lubricant  # noqa: B018  # raises if its data give no law
 
     # -- what follows -------------------------------------------------------------------------------------------------

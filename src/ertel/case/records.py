@@ -22,7 +22,7 @@ from ertel.physics.motion import Oscillation, Polyline
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
 from ertel.physics.scales import Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import FINITE, LARGEST, TIME, Bounds, Mark, Quantity, Unit, marks
+from ertel.physics.units import FINITE, TIME, Bounds, Mark, Quantity, Unit, marks
 
 T = TypeVar("T")
 OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}  # by field of an oil
@@ -136,19 +136,24 @@ def checked(record: T, place: str) -> T:
 
 
 def _check_points(signal: Polyline, place: str) -> None:
-    for number in (number for point in signal.points for number in point):
-        if FINITE.complaint(number.value if isinstance(number, Quantity) else number):
-            raise ValueError(f"{place} = {show(signal)}: must be finite numbers, of size {LARGEST:g} at most")
+    try:
+        for T, value in signal.points:
+            check_value(T, TIME)
+            check_value(value, FINITE)
+    except ValueError as error:
+        raise ValueError(f"{place} = {show(signal)}: {error}") from error
 
 
 def check_value(value: Any, mark: Mark) -> None:
-    """Raise ValueError unless a value, a quantity in SI or an amount, is one that its mark allows."""
-    number = with_own_numbers(value.value if isinstance(value, Quantity) else value)
+    """Raise ValueError unless a value, a number or for an amount also a quantity in SI, is one that its mark allows."""
+    number = with_own_numbers(value)
+    if isinstance(value, Quantity) and isinstance(mark, Unit) and mark.scale:
+        if value.unit != mark.unit:
+            raise ValueError(f"must be a quantity in {mark.unit}, or a number in units {mark.own}")
+        number, mark = with_own_numbers(value.value), mark.in_si
     if not is_number(number):
         whole = isinstance(mark, Bounds) and mark.whole
         raise ValueError("must be an integer" if whole else "must be a number")
-    if isinstance(mark, Unit) and isinstance(value, Quantity):
-        mark = mark.in_si
     if complaint := mark.complaint(number):
         raise ValueError(complaint)
 

@@ -2,12 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass, replace
-from math import inf
-from typing import TypeVar
+from math import cbrt, inf
 
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED, Conditions, Kind
 from ertel.case.records import checked, show
-from ertel.case.sections import METHODS, STOPS, WIDEST_HALF_WIDTH, Drive, Output, Schedule, Solver, Stop, Time
+from ertel.case.sections import METHODS, STOPS, WIDEST_HALF_WIDTH, Drive, Output, Schedule, Solver, Stop, Thermal, Time
 from ertel.numerics import grid
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, Geometry
 from ertel.physics.lubricant import DowsonHigginson, Oil
@@ -17,7 +16,6 @@ from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import ABOVE_ZERO, NOT_NEGATIVE, Bounds, Unit
 
-T = TypeVar("T")
 LONGEST_NAME = 100  # bytes: a file name may have 255, and a run's directory has temporary ones made of it
 LONGEST_TEXT = 1000  # characters of the source of an oil's data
 LONGEST_RUN = 1e5  # t0; an impact lasts about 3
@@ -32,7 +30,9 @@ TRANSIENT = 'solver.method = "transient"'
 
 def check_name(name: str) -> None:
     """A name becomes a directory: it must be a plain file name on every system, and safe to print."""
-    if not isinstance(name, str) or (name and name != plain_name(name)):
+    if not isinstance(name, str):
+        raise ValueError(f"name = {show(name)}: must be a string")
+    if name != plain_name(name):
         raise ValueError(
             f"name = {show(name)}: must be a plain file name: visible characters without / \\ and :, not starting with "
             f"a dot, at most {LONGEST_NAME} bytes"
@@ -249,7 +249,7 @@ def check_grid(solver: Solver, geometry: Geometry) -> None:
 def check_outside(solver: Solver, parameters: Parameters, geometry: Geometry, motion: Motion) -> None:
     """The oil that carries a ball as it rolls must not all lie outside the grid.
 
-    Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.far_field`): on r > w it carries 8 lambda_bar U/(5 w).
+    Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.geometry`): on r > w it carries 8 lambda_bar U/(5 w).
     """
     speed, load = abs(motion.entrainment(0.0)), motion.load(0.0)
     needed = 1.6 * parameters.lambda_bar * speed / (HERTZ_LOAD * load)
@@ -308,3 +308,25 @@ def check_roughness(solver: Solver, motion: Motion, features: Sequence[Feature])
                 f"roughness[{number}].surface = {feature.surface}: moves, so that its film is not steady; use "
                 f"{TRANSIENT}, or a slide_to_roll at which it is at rest (surface 1: -2, surface 2: 2)"
             )
+
+
+def check_thermal(thermal: Thermal, oil: Oil, scales: Scales | None, solver: Solver, motion: Motion) -> None:
+    """Temperatures are those of a steady contact in SI, in which the film's formula has a meaning."""
+    if solver.method != "steady":
+        raise ValueError(
+            f'thermal: is for a steady contact, and this one has solver.method = "{solver.method}"; leave the section '
+            '[thermal] out, or use a rolling contact with solver.method = "steady"'
+        )
+    if scales is None or oil.eta0 is None:
+        raise ValueError("thermal: needs a contact in SI; give radius, load, ... or leave the section [thermal] out")
+    try:
+        thermal.viscosity_of(oil.eta0)
+    except ValueError as error:
+        raise ValueError(f"thermal.viscosity = {show(thermal.viscosity)}: {error}") from error
+    pressure = scales.p_h * cbrt(motion.load(0.0)) / scales.E_prime
+    inlet = thermal.inlet(oil.eta0, pressure, motion.entrainment(0.0) * scales.front_speed, motion.slide_to_roll)
+    if not inlet.factor > 0:
+        raise ValueError(
+            f"thermal.inlet_factor = {show(thermal.inlet_factor)}: its formula gives phi_T = {inlet.factor:.3g} at the "
+            f'thermal loading L_t = {inlet.L_t:.3g}; must be above zero, use "wilson-sheu" or "none"'
+        )

@@ -74,7 +74,7 @@ from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair, inside
-from ertel.physics.far_field import ContactMotion
+from ertel.physics.geometry import ContactMotion
 from ertel.physics.lubricant import Lubricant
 
 Number = Array | float

@@ -1,4 +1,4 @@
-"""The oil outside the grid: the pressure at the grid's edge, and its load and deformation, from `physics.far_field`."""
+"""The oil outside the grid: the pressure at the grid's edge, and its load and deformation, from `physics.geometry`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 from ertel.equations.state import State, combined
 from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
-from ertel.physics import far_field
-from ertel.physics.far_field import ContactMotion
-from ertel.physics.geometry import CIRCLE, Geometry
+from ertel.physics.geometry import CIRCLE, NEAREST, ContactMotion, Geometry, far_pressure, rigid_pressure
 
 Floats = NDArray[np.float64]
 
@@ -52,17 +50,17 @@ class Outside:
         """The oil around the grid for a given motion."""
         X, Y, area = self.far
         edge = self._pressure(self._edge, motion)
-        forces = area * far_field.far_pressure(X, Y, motion, self.lambda_bar, self.geometry)
+        forces = area * far_pressure(X, Y, motion, self.lambda_bar, self.geometry)
         uplift = self.geometry.compliance * float((forces / np.hypot(X, Y)).sum())
         return Surroundings(edge, float(forces.sum()), uplift)
 
     def at_first(self, motion: ContactMotion) -> Floats:
         """P on the grid while the surfaces are apart."""
-        return far_field.rigid_pressure(self.X, self.Y, motion, self.lambda_bar, self.geometry)
+        return rigid_pressure(self.X, self.Y, motion, self.lambda_bar, self.geometry)
 
     def guess(self, motion: ContactMotion) -> Floats:
         """A guess of P on the grid where it is far from the contact, zero elsewhere."""
-        return self._pressure(self.is_edge | (self.geometry.distance(self.X, self.Y) >= far_field.NEAREST), motion)
+        return self._pressure(self.is_edge | (self.geometry.distance(self.X, self.Y) >= NEAREST), motion)
 
     @cached_property
     def _edge(self) -> tuple[NDArray[np.int64], ...]:
@@ -71,7 +69,7 @@ class Outside:
 
     def _pressure(self, where: Any, motion: ContactMotion) -> Floats:
         P = np.zeros(self.is_edge.shape)
-        P[where] = far_field.far_pressure(self.X[where], self.Y[where], motion, self.lambda_bar, self.geometry)
+        P[where] = far_pressure(self.X[where], self.Y[where], motion, self.lambda_bar, self.geometry)
         return P
 
 

@@ -11,10 +11,9 @@ from ertel.case.case import Case
 from ertel.case.conditions import Conditions
 from ertel.case.records import ConfigError, shortened, show
 from ertel.case.rules import plain_name
-from ertel.inputs.heat import require_rheology, with_thermal_data
 from ertel.inputs.height_maps import with_maps
 from ertel.inputs.layout import READER, Materials, field_names
-from ertel.inputs.names import without_names
+from ertel.inputs.names import require_rheology, without_names
 from ertel.inputs.quantities import parse_quantity, plain_data
 from ertel.physics.units import Unit, marks
 
@@ -70,7 +69,7 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
     named = data
     try:
-        named = without_names(with_thermal_data(data))
+        named = without_names(data)
         read, maps = with_maps(named, Path(folder))
         case = Case.from_data(read, maps, READER)
     except ValueError as error:

@@ -13,8 +13,7 @@ from ertel.case.conditions import Conditions
 from ertel.case.height_map import HeightMap, Measured
 from ertel.case.reading import LAWS, Reader
 from ertel.case.records import OIL_LAWS, show
-from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Drive, Output, Solver, Time
-from ertel.case.thermal import Thermal
+from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Drive, Output, Solver, Thermal, Time
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Signal

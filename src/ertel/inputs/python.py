@@ -13,8 +13,7 @@ from ertel.case.case import Case
 from ertel.case.conditions import Conditions, Kind
 from ertel.case.reading import hint_for
 from ertel.case.records import ConfigError, law_data, oil_data, show
-from ertel.case.sections import Output, Solver, Time
-from ertel.case.thermal import Thermal
+from ertel.case.sections import Output, Solver, Thermal, Time
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.layout import Materials, field_names
 from ertel.inputs.quantities import parse_quantity, plain_data, with_unit
@@ -109,8 +108,8 @@ SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
     ),
     "time_tolerance": meanings(Time)["tolerance"],
     "thermal": Meaning(
-        "data for the temperatures of a steady contact, as [thermal] of a case file (`ertel.case.thermal.Thermal`); {} "
-        "takes all of them from the oil and the materials that are named"
+        "data for the temperatures of a steady contact, as [thermal] of a case file (`ertel.case.sections.Thermal`); "
+        "{} takes all of them from the oil and the materials that are named"
     ),
     "name": Meaning("for titles and directories"),
 }

@@ -28,8 +28,7 @@ from ertel.case.records import OIL_LAWS, ConfigError, field_name, show
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
 from ertel.inputs.layout import SECTIONS, DataSheet
-from ertel.inputs.quantities import parse_quantity, plain_data
-from ertel.inputs.ranges import LOG, MOST_VALUES, spaced, unit_in
+from ertel.inputs.quantities import LOG, MOST_VALUES, parse_quantity, plain_data, spaced, unit_in
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import SHAPES
 from ertel.physics.units import Mark, Unit, marks, meanings

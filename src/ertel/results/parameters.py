@@ -10,7 +10,7 @@ from ertel.case.case import Case
 from ertel.case.records import law_data, show
 from ertel.physics import film_formulas, hertz
 from ertel.physics.film_formulas import FormulaFilm
-from ertel.physics.oils import RHEOLOGY
+from ertel.physics.materials import RHEOLOGY
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import HamrockDowson, Parameters, Scales, hamrock_dowson
 

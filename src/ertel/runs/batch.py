@@ -32,7 +32,7 @@ from ertel.case.derived import grid_of
 from ertel.case.status import Status
 from ertel.equations.contact import traceable, traceable_law
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, parse_case, written
-from ertel.numerics.arrays import double_precision, require_double
+from ertel.numerics.programs import double_precision, require_double
 from ertel.results.result import Result
 from ertel.runs.drive import METHODS, Recorder, TransientRun, drive, method_of, run_of
 from ertel.runs.stepping import Step

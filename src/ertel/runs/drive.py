@@ -24,16 +24,16 @@ from ertel.case.derived import grid_of
 from ertel.case.status import Status
 from ertel.equations.state import Method, State, solved
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.numerics.arrays import double_precision
 from ertel.numerics.grid import Grid, Symmetry
+from ertel.numerics.programs import double_precision
 from ertel.results.dataset import assemble, assemble_steady
 from ertel.results.errors import comparisons
 from ertel.results.result import Result
 from ertel.results.summary import attributes, impact_summary, rolling_summary, steady_summary
+from ertel.runs import workers
 from ertel.runs.compile import check_jax, compilations
 from ertel.runs.outlook import warnings_of, with_case_warnings
 from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
-from ertel.runs.workers import check_fork
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.steady import GridSolution
@@ -111,7 +111,7 @@ class Run(ABC):
 
 def run_of(case: Case) -> Run:
     """The run of a case.  Raises Forked."""
-    check_fork()
+    workers.check_fork()
     return SteadyRun(case) if case.is_steady else TransientRun(case, method_of(case))
 
 

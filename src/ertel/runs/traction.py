@@ -26,18 +26,24 @@ from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.inputs.ranges import Given, parse_values
-from ertel.numerics.arrays import double_precision
+from ertel.inputs.quantities import Given, parse_values
+from ertel.numerics.programs import double_precision
 from ertel.results import diagnostics
 from ertel.results.dataset import provenance
-from ertel.results.steady import thermal_warnings
-from ertel.results.study_result import DONE, StudyRun, study_dataset
-from ertel.results.traction_curve import AXES, WORK, TractionCurve, point_scalars
+from ertel.results.study_result import (
+    CURVE_AXES,
+    CURVE_WORK,
+    DONE,
+    StudyRun,
+    TractionCurve,
+    point_scalars,
+    study_dataset,
+)
 from ertel.results.variables import with_coefficients
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
+from ertel.runs.directory import STOP, Taken
 from ertel.runs.drive import GridStep, bars, drive, run_of, warn
-from ertel.runs.files import StoreError
 from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
 from ertel.runs.workers import Condition, LocalWorker, check_fork, never
@@ -46,6 +52,7 @@ from ertel.solvers.steady import Rolling
 
 NAME = "traction"  # of the files with the points
 OLDER = "traction.json"  # what earlier versions kept their points in
+LISTED = 5  # names of files in a message
 NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but not that of a surface
 
 FilmChoice = Literal["each", "once"]
@@ -76,8 +83,9 @@ def traction(
         ratio.  For a Newtonian oil once is exact and the default.  An oil that thins has a thinner film where it
         slides, so each is the default; once takes the work of one point and leaves that out.
     directory : str or Path
-        The directory in which the curve is stored, as a study is (see `ertel.sweep`): made if it is not there.  What
-        is missing or unfinished is done.
+        The directory in which the curve is stored, as a study is (see `ertel.sweep`): a new or empty one, or that of
+        an earlier curve, whose films are used again as far as they are the same.  What is missing or unfinished is
+        done.  The table and the picture are those of the last curve.
     progress : bool
         Whether to show a progress bar.
 
@@ -91,7 +99,7 @@ def traction(
     ConfigError
         A value is not allowed; the message names the argument, its value and what is allowed.
     StoreError
-        Another process computes the curve, or the directory holds a curve of an earlier version.
+        Another process computes the curve, or the directory holds a curve of an earlier version or other files.
 
     Warns
     -----
@@ -108,7 +116,9 @@ def traction(
     curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
     if directory:
-        return store_curve(curve, Path(directory).absolute(), progress)
+        place = Path(directory).absolute()
+        require_place(place)
+        return store_curve(curve, place, progress)
     return compute_curve(curve, progress)
 
 
@@ -156,12 +166,12 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
         )
     axes = {name: values for name, values in given.items() if values is not None}
     if len(axes) != 1:
-        raise ConfigError(f"give exactly one of {', '.join(AXES)}; got {' and '.join(axes) or 'none'}")
+        raise ConfigError(f"give exactly one of {', '.join(CURVE_AXES)}; got {' and '.join(axes) or 'none'}")
     [(axis, values)] = axes.items()
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
-    in_si = parse_values(axis, values, AXES[axis].mark)
+    in_si = parse_values(axis, values, CURVE_AXES[axis].mark)
     try:
         cases = tuple(_at(case, axis, value) for value in in_si)
     except ValueError as error:
@@ -232,8 +242,6 @@ def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Co
     asked: whether to stop, see `studies.run_study`.  Raises StoreError.
     """
     check_fork()
-    if (directory / OLDER).exists():
-        raise StoreError(f"{directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
     with studies.alone(directory):
         statuses = studies.run_study(curve.films, directory, LocalWorker(), asked=asked, progress=progress)
 
@@ -247,6 +255,25 @@ def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Co
     return result
 
 
+def require_place(directory: Path) -> None:
+    """Raise Taken where a directory holds files that a curve would overwrite or be mixed with.
+
+    The directory of an earlier curve may hold other files as well.
+    """
+    if not directory.exists():
+        return
+    visible = {path.name for path in directory.iterdir() if not path.name.startswith(".")}
+    if OLDER in visible:
+        raise Taken(f"{directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
+    of_a_curve = {studies.RUNS, STOP, *(f"{NAME}.{ending}" for ending in studies.ENDINGS)}
+    begun = studies.RUNS in visible and visible <= of_a_curve
+    if visible and not (begun or f"{NAME}.zarr" in visible):
+        some = ", ".join(sorted(visible)[:LISTED])
+        raise Taken(
+            f"{directory}: holds other files ({some}); give a new or empty directory, or that of an earlier curve"
+        )
+
+
 def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
     """The curve from its films.  film_of: finds or computes that of a case."""
     shared = film_of(curve.films[0]) if curve.film == "once" else None
@@ -257,7 +284,7 @@ def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
             points.append(run._replace(numbers=point_scalars(case, {})))
         else:
             points.append(_measured(case, film, number == 0 or shared is None, run.directory))
-    axis = {curve.axis: (curve.values, AXES[curve.axis].attributes)}
+    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
     about = {**provenance(curve.case), "varies": curve.axis, "film": curve.film_in_words}
     data = study_dataset("product", [len(points)], axis, points, about)
     return TractionCurve(data, case=curve.case, warnings=_grouped(curve, points))
@@ -279,13 +306,13 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
         "tau_max": float(np.hypot(*np.asarray(friction.stress)).max()),
-        **dict(zip(WORK, work if fresh else (0, 0, 0.0), strict=True)),
+        **dict(zip(CURVE_WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
     warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if case.thermal is not None and status.ok:
         warm = heated(case, grids.finest.P, grids.finest.H, grid=grids.finest.grid)
         values |= _warm_values(case, values, warm)
-        warnings += thermal_warnings(case, warm)
+        warnings += diagnostics.thermal_warnings(case, warm)
         status = status if warm.converged else Status.NEWTON_STALLED
     if status.ok:
         warnings += diagnostics.friction_warnings(case, values["mu_sliding"])
