@@ -488,7 +488,7 @@ REFUSED: list[Refusal] = [
     (impact(), {"solver": replace(RADIAL, inlet=2.0)}, "solver.inlet = 2.0: a radial grid has none"),
     (impact(), {"solver": replace(RADIAL, half_width=1.1)}, "solver.half_width = 1.1: must be at least 1.2"),
     # grid
-    (impact(), {"solver": Solver(nodes=9)}, "solver.nodes = 9: must be at least 17"),
+    (impact(), {"solver": Solver(nodes=9)}, "solver.nodes = 9: must be greater than or equal to 17"),
     (impact(), {"solver": Solver(nodes=39)}, "solver.nodes = 39: "),
     (impact(), {"solver": Solver(nodes=8193)}, "solver.nodes = 8193: must be less than or equal to 4097"),
     (impact(), {"solver": Solver(half_width=1.0)}, "solver.half_width = 1.0: must be greater than 1"),
@@ -512,7 +512,7 @@ REFUSED: list[Refusal] = [
     (IN_TIME, {"solver": SOLVERS["steady"]}, "time.until = 6.0: a steady contact has no time"),
     (IN_TIME, {"time": Time(-1.0)}, "time.start_approach = -1.0: not for a rolling contact"),
     (IN_TIME, {"time": Time(until="rebound")}, 'time.until = "rebound": is an event of an impact'),
-    (impact(), {"time": Time(until="later")}, 'time.until = "later": must be "max-approach", "rebound" or a time'),
+    (impact(), {"time": Time(until="later")}, 'time.until = "later": must be a number above zero, in units t0, or a'),
     (impact(), {"time": Time(until=0.0)}, "time.until = 0.0: must be finite and above zero"),
     (impact(), {"time": Time(start_approach=1.0)}, "time.start_approach = 1.0: must be less than 0"),
     (impact(), {"time": Time(-1e9)}, "time.start_approach = -1000000000.0: must be greater than or equal to -1000"),
@@ -538,7 +538,7 @@ REFUSED: list[Refusal] = [
     (
         PHYSICAL,
         {"time": Time(until=Quantity(1e-3, "m"))},
-        'time.until = "0.001 m": must be a quantity in s, or a number',
+        'time.until = "0.001 m": must be a number above zero, in',
     ),
     (PHYSICAL, {"time": Time(tolerance=Quantity(1e-3, "m"))}, 'time.tolerance = "0.001 m": must be a number'),
     (
