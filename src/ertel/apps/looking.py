@@ -259,7 +259,7 @@ def export(
     Values are dimensionless, with their factors to SI in the attributes; --si converts them.
     """
     from ertel.apps import running
-    from ertel.results import export as exports
+    from ertel.results.dataset import EXPORTS
     from ertel.results.variables import to_si
 
     with running.opened(directory) as run:
@@ -267,6 +267,6 @@ def export(
     target = out or directory / "export"
     with bad_input():
         shown_data = to_si(data) if in_si else data
-        paths = exports.EXPORTS[to](shown_data, target)
+        paths = EXPORTS[to](shown_data, target)
     for path in paths:
         print_path(path)
