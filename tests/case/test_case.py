@@ -466,12 +466,12 @@ HUGE = Quantity(1e30, "m")
 NANOMETRES = Feature(Spot(0.3, Quantity(1e-8, "m")))
 NO_NAMES = {
     **{name: f'"{name}"' for name in ("../../evil", "/tmp/evil", "run::1", ".", "..", ".hidden", "µ" * 51)},
-    **{"a\\b": '"a\\\\b"', "two\nlines": '"two\\nlines"', 5: "5"},
+    **{"a\\b": '"a\\\\b"', "two\nlines": '"two\\nlines"'},
     **{"\x1b[31mred": '"\\u001b[31mred"', "\u202etxt": '"\\u202etxt"'},
 }
 
 
-def drive_to(value: float, at: float = 1.0) -> Drive:
+def drive_to(value: float, at: Amount = 1.0) -> Drive:
     """A load that goes from 1 to a value."""
     return Drive(load=Polyline(((0.0, 1.0), (at, value))))
 
@@ -488,7 +488,7 @@ REFUSED: list[Refusal] = [
     (impact(), {"solver": replace(RADIAL, inlet=2.0)}, "solver.inlet = 2.0: a radial grid has none"),
     (impact(), {"solver": replace(RADIAL, half_width=1.1)}, "solver.half_width = 1.1: must be at least 1.2"),
     # grid
-    (impact(), {"solver": Solver(nodes=9)}, "solver.nodes = 9: must be at least 17"),
+    (impact(), {"solver": Solver(nodes=9)}, "solver.nodes = 9: must be greater than or equal to 17"),
     (impact(), {"solver": Solver(nodes=39)}, "solver.nodes = 39: "),
     (impact(), {"solver": Solver(nodes=8193)}, "solver.nodes = 8193: must be less than or equal to 4097"),
     (impact(), {"solver": Solver(half_width=1.0)}, "solver.half_width = 1.0: must be greater than 1"),
@@ -512,7 +512,7 @@ REFUSED: list[Refusal] = [
     (IN_TIME, {"solver": SOLVERS["steady"]}, "time.until = 6.0: a steady contact has no time"),
     (IN_TIME, {"time": Time(-1.0)}, "time.start_approach = -1.0: not for a rolling contact"),
     (IN_TIME, {"time": Time(until="rebound")}, 'time.until = "rebound": is an event of an impact'),
-    (impact(), {"time": Time(until="later")}, 'time.until = "later": must be "max-approach", "rebound" or a time'),
+    (impact(), {"time": Time(until="later")}, 'time.until = "later": must be a number above zero, in units t0, or a'),
     (impact(), {"time": Time(until=0.0)}, "time.until = 0.0: must be finite and above zero"),
     (impact(), {"time": Time(start_approach=1.0)}, "time.start_approach = 1.0: must be less than 0"),
     (impact(), {"time": Time(-1e9)}, "time.start_approach = -1000000000.0: must be greater than or equal to -1000"),
@@ -526,12 +526,26 @@ REFUSED: list[Refusal] = [
     (PHYSICAL, {"output": Output(Quantity(1e-10, "s"))}, 'output.interval = "1e-10 s": gives 9.39e+05 maps'),
     # name and source
     *[(impact(), {"name": name}, f"name = {shown}: must be a plain file name: ") for name, shown in NO_NAMES.items()],
+    (impact(), {"name": 5}, "name = 5: must be a string"),
     (impact(), {"oil": replace(OIL, reference="\x1b]0;title")}, 'lubricant.reference = "\\u001b]0;title": must be one'),
     # sizes
     (impact(), {"contact": Conditions(lambda_bar=1e-29, alpha_bar=10.0)}, "contact: its values together give M = "),
     (PHYSICAL, {"contact": replace(PHYSICAL.contact, radius=1e-6, speed=1e4, mass=1e12)}, "contact: its values"),
     (impact(), {"roughness": (Feature(Spot(1e-300, 0.1)),)}, "roughness[1].radius = 1e-300: must be between 1e-06 and"),
     (PHYSICAL, {"roughness": (Feature(Spot(HUGE, 0.1)),)}, 'roughness[1].radius = "1e+30 m": is 5.13076e+33 a in this'),
+    # units
+    (PHYSICAL, {"roughness": (Feature(Spot(Quantity(1e-3, "s"), 0.1)),)}, 'roughness[1].radius = "0.001 s": must be a'),
+    (
+        PHYSICAL,
+        {"time": Time(until=Quantity(1e-3, "m"))},
+        'time.until = "0.001 m": must be a number above zero, in',
+    ),
+    (PHYSICAL, {"time": Time(tolerance=Quantity(1e-3, "m"))}, 'time.tolerance = "0.001 m": must be a number'),
+    (
+        PHYSICAL,
+        {"drive": drive_to(2.0, at=Quantity(1.0, "m"))},
+        'motion.load = [[0.0, 1.0], ["1.0 m", 2.0]]: must be a',
+    ),
     # motion
     (STEADY, {"drive": Drive(load=constant(0.0))}, "motion.load: is 0 at T = 0; must be above zero there"),
     (STEADY, {"drive": Drive(entrainment=constant(0.0))}, "motion.entrainment: is 0 at T = 0"),
@@ -540,8 +554,8 @@ REFUSED: list[Refusal] = [
     (STEADY, {"drive": Drive(inertia=-1.0)}, "motion.inertia = -1.0: must be greater than or equal to 0"),
     (STEADY, {"drive": Drive(slide_to_roll=inf)}, "motion.slide_to_roll = Infinity: must be a finite number"),
     (IN_TIME, {"drive": Drive(Oscillation(1.0, inf, 1.0))}, "motion.load.amplitude = Infinity: must be a finite numb"),
-    (IN_TIME, {"drive": Drive(constant(nan))}, "motion.load = NaN: must be finite numbers"),
-    (IN_TIME, {"drive": drive_to(2.0, at=inf)}, "motion.load = [[0.0, 1.0], [Infinity, 2.0]]: must be finite numbers"),
+    (IN_TIME, {"drive": Drive(constant(nan))}, "motion.load = NaN: must be a finite number"),
+    (IN_TIME, {"drive": drive_to(2.0, at=inf)}, "motion.load = [[0.0, 1.0], [Infinity, 2.0]]: must be finite"),
     (impact(), {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; for an"),
     (ON_TRACK, {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; give"),
     (ON_TRACK, {"drive": Drive(slide_to_roll=1.0)}, "motion.slide_to_roll = 1.0: belongs to dimensionless cases; with"),

@@ -226,6 +226,7 @@ def test_data_that_a_law_needs_are_asked_for(oil, missing):
     ("law", "message"),
     [
         ({"viscosity": "tar"}, r"^viscosity = \"tar\": allowed: 'isoviscous', 'barus' or 'roelands'"),
+        ({"viscosity": "µ" + "x" * 80}, rf'^viscosity = "µ{"x" * 59}": allowed: '),
         ({"density": "lead"}, r"^density = \"lead\": allowed: 'incompressible' or 'dowson-higginson'"),
         ({"viscosity": PowerLaw(1.0, 2.0)}, r"^PowerLaw: .*registered viscosity.*ertel\.viscosity_laws\.register"),
         ({"density": Barus(1.0)}, r"^Barus: .*registered density.*ertel\.density_laws\.register"),

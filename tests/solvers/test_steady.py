@@ -20,7 +20,7 @@ from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
-from ertel.solvers import preconditioner, steady
+from ertel.solvers import nonlinear, steady
 from ertel.solvers.steady import Rolling
 
 pytestmark = pytest.mark.usefixtures("nothing_outside")
@@ -79,7 +79,7 @@ def rolling(
     nodes: int = 129,
     entrainment: float = 1.0,
     fold: bool = True,
-    precision: str = preconditioner.PRECISION,
+    precision: str = nonlinear.PRECISION,
 ) -> Rolling:
     drive = Drive(entrainment=constant(entrainment)) if entrainment != 1.0 else None
     return steady.steady_film(case_of(key, nodes, drive, fold=fold), precision)

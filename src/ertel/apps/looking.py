@@ -260,7 +260,7 @@ def export(
     Values are dimensionless, with their factors to SI in the attributes; --si converts them.
     """
     from ertel.apps import running
-    from ertel.results.export import EXPORTS
+    from ertel.results.dataset import EXPORTS
     from ertel.results.variables import to_si
 
     with running.opened(directory) as run:

@@ -11,9 +11,8 @@ from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
-from ertel.results.numbers import Number, moment, numbers, values_of
+from ertel.results.numbers import Number, aligned, moment, more_lines, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
-from ertel.results.report import aligned, more_lines
 from ertel.results.variables import FILMS, values_in_si, with_prefix
 
 if TYPE_CHECKING:

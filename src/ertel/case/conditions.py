@@ -10,7 +10,7 @@ from functools import cached_property
 from math import inf, isclose
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from ertel.case.records import checked, show
+from ertel.case.records import checked, show, with_unit
 from ertel.physics import materials, scales
 from ertel.physics.geometry import LARGEST_RATIO, LEAST_RATIO, Geometry, geometry
 from ertel.physics.lubricant import Oil
@@ -30,14 +30,12 @@ from ertel.physics.units import (
     VELOCITY,
     Bounds,
     Meaning,
-    Unit,
     explained,
     marks,
 )
 
 T = TypeVar("T")
 Kind = Literal["impact", "rolling"]
-KINDS: tuple[Kind, ...] = ("impact", "rolling")
 POISSON = Bounds(gt=-1, le=0.5)
 REDUCED = LENGTH.between(1e-6, 100.0)
 BODY = LENGTH.between(1e-6, 1e5)  # one of two may be nearly flat
@@ -45,7 +43,6 @@ FALL = LENGTH.between(1e-12, 1e5)
 MOES_M = Bounds(gt=0, least=1e-6, most=1e10)
 MOES_L = Bounds(ge=0, most=1e4)
 
-HALF_TURN = 180.0  # degrees
 ROUND_OFF = 1e-12  # by which the radii of a circular contact may differ
 
 Keys = tuple[str, ...]
@@ -137,7 +134,7 @@ class Conditions:
     radius_y_2: Annotated[float | None, RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")] = None
     entrainment_angle: Annotated[
         float | None,
-        ANGLE,
+        ANGLE.between(0.0, 180.0),
         Meaning("from the axis x of the ellipse to the direction of entrainment, -180 to 180 deg; left out: 0"),
     ] = None
     mass: Annotated[
@@ -176,11 +173,7 @@ class Conditions:
     nu2: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 2", 0.3)] = None
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise ValueError(f"contact.kind = {show(self.kind)}: allowed: 'impact' or 'rolling'")
         checked(self, "contact")
-        if self.entrainment_angle is not None and not abs(self.entrainment_angle) <= HALF_TURN:
-            raise ValueError(f"{self.entry('entrainment_angle')}: must be from -180 deg to 180 deg")
         route = self._route
         if route in (MOES, BARS):
             return
@@ -210,8 +203,7 @@ class Conditions:
 
     def entry(self, key: str) -> str:
         """A field as it is written in messages: contact.radius = "0.01 m"."""
-        value, mark = getattr(self, key), marks(type(self)).get(key)
-        return f"contact.{key} = {show(f'{value!r} {mark.unit}' if isinstance(mark, Unit) else value)}"
+        return f"contact.{key} = {show(with_unit(getattr(self, key), marks(type(self)).get(key)))}"
 
     @cached_property
     def _route(self) -> Keys:

@@ -39,22 +39,28 @@ from jax.custom_derivatives import SymbolicZero
 from ertel.equations.across import (
     Moments,
     Series,
+    Tensor,
     both_sides,
+    dot,
     gauss,
     gauss_nodes,
+    length,
     moments_by_nodes,
     series_moments,
     series_of,
     sliding_moments,
+    square,
     with_slope,
 )
-from ertel.numerics.arrays import Matrix, Tensor, divided, dot, in_blocks, length, product, square, times, transposed
+from ertel.numerics.programs import in_blocks
 from ertel.physics.fluidity import Fluidity
 
 NODES = 8  # across the film, even
 TOLERANCE = 1e-7  # of the last change of tau_m in units of the stress at the walls; the error is about its square
 CLOSE = 1e-3  # a change after which the next one is the last
 LIMIT = 40  # of Newton iterations
+
+Matrix = tuple[Array, Array, Array, Array]  # xx, xy, yx, yy
 
 
 class Shear(NamedTuple):
@@ -282,7 +288,8 @@ def _change(primals: Any, tangents: Any) -> Any:
     stress_by_pressure, flux_by_pressure = found.by_pressure
     slid, extra = _by_law(law, d_law, pressure, gradient, found.stress)
     missing = ds - slid
-    d_stress = divided(found.A, missing) - product(transposed(found.by_sliding), dg) + stress_by_pressure * dp
+    xx, xy, yx, yy = found.by_sliding
+    d_stress = divided(found.A, missing) - product((xx, yx, xy, yy), dg) + stress_by_pressure * dp
     d_flux = product(found.by_sliding, missing) + times(found.by_gradient, dg) + flux_by_pressure * dp + extra
     return (found.stress, found.flux), (d_stress, d_flux)
 
@@ -310,3 +317,25 @@ def _is_zero(tangent: Any) -> bool:
 
 def _given(tangent: Any) -> Any:
     return jnp.zeros(tangent.shape, tangent.dtype) if _is_zero(tangent) else tangent
+
+
+# -- products with tensors and matrices -------------------------------------------------------------------------------
+
+
+def times(tensor: Tensor, a: Array) -> Array:
+    """The product of a symmetric tensor and a vector."""
+    xx, xy, yy = tensor
+    return jnp.stack([xx * a[0] + xy * a[1], xy * a[0] + yy * a[1]])
+
+
+def divided(tensor: Tensor, a: Array) -> Array:
+    """The vector whose product with the symmetric tensor is a."""
+    xx, xy, yy = tensor
+    determinant = xx * yy - xy**2
+    return jnp.stack([yy * a[0] - xy * a[1], xx * a[1] - xy * a[0]]) / determinant
+
+
+def product(matrix: Matrix, a: Array) -> Array:
+    """The product of a matrix and a vector."""
+    xx, xy, yx, yy = matrix
+    return jnp.stack([xx * a[0] + xy * a[1], yx * a[0] + yy * a[1]])

@@ -12,11 +12,11 @@ from typing import Any, TypedDict, Unpack, get_type_hints
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions, Kind
 from ertel.case.reading import hint_for
-from ertel.case.records import ConfigError, law_data, oil_data, show
+from ertel.case.records import ConfigError, law_data, oil_data, show, with_unit
 from ertel.case.sections import Output, Solver, Thermal, Time
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.layout import Materials, field_names
-from ertel.inputs.quantities import parse_quantity, plain_data, with_unit
+from ertel.inputs.quantities import parse_quantity, plain_data
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil as Oil
 from ertel.physics.registry import FLUIDITY_LAWS

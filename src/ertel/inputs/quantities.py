@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from ertel.case.reading import parse_number
-from ertel.case.records import ConfigError, is_number, show
+from ertel.case.records import ConfigError, is_number, show, with_unit
 from ertel.physics.temperature_laws import ZERO_CELSIUS
-from ertel.physics.units import LARGEST, Bounds, Mark, Unit, reads_quantities
+from ertel.physics.units import Bounds, Mark, Unit, reads_quantities
 
 HOTTER_THAN_ANY = 1e4  # K
 LONGEST = 60  # characters of a quantity
@@ -113,14 +113,6 @@ def parse_temperature(value: object) -> float:
     if not kelvin > 0:
         raise ValueError('must be a temperature with its unit, "40 degC" or "313.15 K"')
     return kelvin
-
-
-def with_unit(value: Any, mark: object) -> Any:
-    """A number as a quantity in the SI unit of its field; anything else as it is."""
-    if not isinstance(mark, Unit) or not is_number(value):
-        return value
-    shown = repr(float(value)) if isinstance(value, float) or abs(value) <= LARGEST else show(value)
-    return f"{shown} {mark.unit}"
 
 
 @reads_quantities

@@ -14,8 +14,8 @@ import numpy as np
 from jax import Array, lax
 from numpy.typing import NDArray
 
-from ertel.numerics.arrays import require_double
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
+from ertel.numerics.programs import require_double
 
 
 def love_coefficients(rows: int, columns: int, spacing: float) -> NDArray[np.float64]:

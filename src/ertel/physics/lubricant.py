@@ -369,13 +369,13 @@ def roelands_exponent(alpha: float, eta0: float, p0: float = P0_ROELANDS) -> flo
 def _check_law(field_name: str, law: object, laws: Registry) -> None:
     if isinstance(law, str):
         able = [name for name in laws if hasattr(laws[name], "of")]
-        said = f"{field_name} = {json.dumps(law[:40])}"
+        given = f"{field_name} = {json.dumps(law[:60], ensure_ascii=not law[:60].isprintable())}"
         if law in laws and law not in able:
-            raise ValueError(f'{said}: has data of its own; give them as {{ law = "{law}", ... }}')
+            raise ValueError(f'{given}: has data of its own; give them as {{ law = "{law}", ... }}')
         if law not in able:
             *others, last = map(repr, able)
             allowed = f"{', '.join(others)} or {last}" if others else last
-            raise ValueError(f"{field_name} = {json.dumps(law[:40])}: allowed: {allowed}")
+            raise ValueError(f"{given}: allowed: {allowed}")
     else:
         laws.name_of(law)
 

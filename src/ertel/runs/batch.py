@@ -27,7 +27,7 @@ from ertel.case.derived import grid_of
 from ertel.case.status import Status
 from ertel.equations.contact import traceable, traceable_law
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, written
-from ertel.numerics.arrays import double_precision, require_double
+from ertel.numerics.programs import double_precision, require_double
 from ertel.results.result import Result
 from ertel.runs.courses import METHODS, TransientRun, method_of
 from ertel.runs.drive import Recorder

@@ -277,7 +277,7 @@ def performed(function: Callable[..., Any], arguments: tuple[Any, ...], sources:
     """The outcome of a task, on a worker.  Errors of the system are raised, so that the task is tried again."""
     if own_sources() != sources:
         return Failure("the worker has another version of ertel; install the same one everywhere")
-    from ertel.numerics.arrays import double_precision  # imports JAX, which reads SETTINGS
+    from ertel.numerics.programs import double_precision  # imports JAX, which reads SETTINGS
 
     try:
         with double_precision():

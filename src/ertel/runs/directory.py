@@ -45,8 +45,7 @@ from ertel.case.case import Case
 from ertel.case.records import show
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
-from ertel.results.numbers import as_now
-from ertel.results.report import lines
+from ertel.results.numbers import as_now, lines
 from ertel.runs.files import StoreError, content_of, reading, replace, sync_directory, unsealed
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need

@@ -14,7 +14,7 @@ from typing import Any
 
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.numerics.arrays import double_precision
+from ertel.numerics.programs import double_precision
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.runs.compile import check_jax, compilations

@@ -24,8 +24,8 @@ from ertel.equations import discretise
 from ertel.equations.state import State, combined, interpolated
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics import bdf
-from ertel.numerics.arrays import double_precision
 from ertel.numerics.grid import Grid
+from ertel.numerics.programs import double_precision
 from ertel.physics import surfaces
 from ertel.physics.motion import Motion
 from ertel.physics.surfaces import Feature, Waviness

@@ -21,7 +21,7 @@ import xarray as xr
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
-from ertel.numerics.arrays import double_precision
+from ertel.numerics.programs import double_precision
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.results.variables import one_number

@@ -27,13 +27,19 @@ from ertel.case.status import Status
 from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.quantities import Given, parse_values
-from ertel.numerics.arrays import double_precision
+from ertel.numerics.programs import double_precision
 from ertel.results import diagnostics
 from ertel.results.dataset import provenance
-from ertel.results.steady import thermal_warnings
-from ertel.results.study_result import DONE, StudyRun, study_dataset
-from ertel.results.traction_curve import AXES, WORK, TractionCurve, point_scalars
-from ertel.results.variables import with_coefficients
+from ertel.results.study_result import (
+    CURVE_AXES,
+    CURVE_WORK,
+    DONE,
+    StudyRun,
+    TractionCurve,
+    point_scalars,
+    study_dataset,
+)
+from ertel.results.variables import to_si, with_coefficients
 from ertel.runs import studies, workers
 from ertel.runs.compile import check_jax
 from ertel.runs.courses import GridStep, course_of
@@ -162,12 +168,12 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     wanted = {name: values for name, values in given.items() if values is not None}
     if len(wanted) != 1:
         said = " and ".join(wanted) or "none"
-        raise ConfigError(f"give exactly one of {', '.join(AXES)}; got {said}")
+        raise ConfigError(f"give exactly one of {', '.join(CURVE_AXES)}; got {said}")
     [(axis, values)] = wanted.items()
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
-    found = parse_values(axis, values, AXES[axis].mark)
+    found = parse_values(axis, values, CURVE_AXES[axis].mark)
     try:
         cases = tuple(_at(case, axis, value) for value in found)
     except ValueError as error:
@@ -282,10 +288,10 @@ def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
             points.append(run._replace(numbers=point_scalars(case, {})))
         else:
             points.append(_measured(case, film, number == 0 or shared is None, run.directory))
-    axis = {curve.axis: (curve.values, AXES[curve.axis].attributes)}
+    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
     about = {**provenance(curve.case), "varies": curve.axis, "film": curve.film_in_words}
     data = study_dataset("product", [len(points)], axis, points, about)
-    return TractionCurve(data, case=curve.case, warnings=_grouped(curve, points))
+    return TractionCurve(to_si(data) if curve.case.scales else data, case=curve.case, warnings=_grouped(curve, points))
 
 
 def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyRun:
@@ -304,13 +310,13 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
         "tau_max": float(np.hypot(*np.asarray(found.stress)).max()),
-        **dict(zip(WORK, work if fresh else (0, 0, 0.0), strict=True)),
+        **dict(zip(CURVE_WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
     warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if case.thermal is not None and status.ok:
         warm = heated(case, grids.finest.P, grids.finest.H, grid=grids.finest.grid)
         values |= _warm_values(case, values, warm)
-        warnings += thermal_warnings(case, warm)
+        warnings += diagnostics.thermal_warnings(case, warm)
         status = status if warm.converged else Status.NEWTON_STALLED
     if status.ok:
         warnings += diagnostics.friction_warnings(case, values["mu_sliding"])

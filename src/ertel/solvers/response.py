@@ -39,16 +39,15 @@ from ertel.equations.flow import Flow, Rate, rate_in_time, steady_rate
 from ertel.equations.linearised import LinearFilm, flux_change, linear_film
 from ertel.equations.state import State, Work
 from ertel.numerics import bdf, multigrid
-from ertel.numerics.arrays import require_double
 from ertel.numerics.bdf import Weights
 from ertel.numerics.line_smoother import LineSmoother, line_smoother
 from ertel.numerics.multigrid import Coefficients, DeformationOperator
 from ertel.numerics.newton import gcr
+from ertel.numerics.programs import require_double
 from ertel.numerics.stencils import inside, upstream_slope
 from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
-from ertel.solvers.nonlinear import Problem
-from ertel.solvers.preconditioner import PRECISION, point_preconditioner
+from ertel.solvers.nonlinear import PRECISION, Problem, point_preconditioner
 from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import FALLING, Transient2D, stacked
 

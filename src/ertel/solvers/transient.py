@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.derived import coarsenings, grid_of
 from ertel.case.status import Status
-from ertel.equations import account, contact, discretise, measure, outside
+from ertel.equations import account, contact, discretise, outside, state
 from ertel.equations.account import Around, Friction, Moment
 from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, Rate, rate_in_time
-from ertel.equations.measure import Axes
-from ertel.equations.state import Method, State, Stepping, Work, padded
+from ertel.equations.state import Axes, Method, State, Stepping, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Symmetry, check_coarsening
@@ -32,8 +31,7 @@ from ertel.numerics.programs import Program, exportable
 from ertel.numerics.stencils import total, unfolded
 from ertel.physics.geometry import ContactMotion
 from ertel.solvers import nonlinear, steady
-from ertel.solvers.nonlinear import CloseSystem, Problem
-from ertel.solvers.preconditioner import PRECISION, point_preconditioner
+from ertel.solvers.nonlinear import PRECISION, CloseSystem, Problem, point_preconditioner
 
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 MAX_PRESSURE_DROP = 0.4  # share of the last pressure by which the prediction may fall
@@ -119,7 +117,7 @@ class StepSolution(NamedTuple):
 
 
 SOLVED = ("approach", "converged", "newton", "krylov", "error")
-NUMBERS = (*SOLVED, *account.INTEGRALS, *account.FRICTION)  # of a step, followed by those of `measure.extreme_numbers`
+NUMBERS = (*SOLVED, *account.INTEGRALS, *account.FRICTION)  # of a step, followed by those of `state.extreme_numbers`
 
 
 def stacked(levels: Sequence[State]) -> dict[str, Array]:
@@ -221,7 +219,7 @@ class Transient2D(Method):
         )
         numbers = np.asarray(solution.numbers).tolist()
         found = dict(zip(NUMBERS, numbers, strict=False))
-        measured = self._named(measure.named_numbers(self.grid, numbers[len(NUMBERS) :]), around.load)
+        measured = self._named(state.named_numbers(self.grid, numbers[len(NUMBERS) :]), around.load)
         approach, n, k = found["approach"], int(found["newton"]), int(found["krylov"])
         velocity = self.closure.velocity(T, rates, approach, approaches)
         load = measured.pop("load")
@@ -250,12 +248,12 @@ class Transient2D(Method):
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
-        values = self._named(measure.measure(self.grid, level.P, level.H), level.outside)
+        values = self._named(state.measure(self.grid, level.P, level.H), level.outside)
         del values["load"]
         return values
 
     def _named(self, values: dict[str, float], outside: float) -> dict[str, float]:
-        """The values of `Method.measure`, and the load on the grid, from those of `measure.measure`."""
+        """The values of `Method.measure`, and the load on the grid, from those of `state.measure`."""
         values["F"] = (values["load"] + outside) / self.geometry.hertz_load
         if self.case.is_axisymmetric:
             for X, Y in (("X_min", "Y_min"), ("X_P_max", "Y_P_max")):
@@ -339,7 +337,7 @@ _step_program = Program(solve_step)
 def _numbers(
     p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
 ) -> Array:
-    """The numbers of `NUMBERS` and of `measure.extreme_numbers`."""
+    """The numbers of `NUMBERS` and of `state.extreme_numbers`."""
     c, mass, setting = p.contact, fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
     load = (contact.pressure_load(c, s.P) + known.load_around) / setting.hertz_load
@@ -351,7 +349,7 @@ def _numbers(
     values = approach, s.converged, s.newton, s.krylov, error, *(found.terms[name] for name in account.INTEGRALS)
     plain = [*values, *account.friction_numbers(found.friction)]
     return jnp.concatenate(
-        [jnp.stack([jnp.asarray(v, s.P.dtype) for v in plain]), measure.extreme_numbers(setting.axes, s.P, s.H)]
+        [jnp.stack([jnp.asarray(v, s.P.dtype) for v in plain]), state.extreme_numbers(setting.axes, s.P, s.H)]
     )
 
 

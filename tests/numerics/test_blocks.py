@@ -9,7 +9,7 @@ import pytest
 from jax import Array
 from numpy.testing import assert_array_equal
 
-from ertel.numerics.arrays import BLOCK, in_blocks
+from ertel.numerics.programs import BLOCK, in_blocks
 
 SHAPE = (3, BLOCK - 50)  # no whole number of blocks
 
