@@ -142,8 +142,8 @@ def update_attributes(path: Path, attributes: Mapping[str, Any], advice: str) ->
 
 
 def _metadata(root: Root) -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = root["consolidated_metadata"]["metadata"]
-    return found
+    metadata: dict[str, dict[str, Any]] = root["consolidated_metadata"]["metadata"]
+    return metadata
 
 
 def rows_of(root: Root) -> dict[str, int]:
@@ -262,8 +262,8 @@ class AppendedData:
         if any(rows[dimension] > count for dimension, count in present.items()):
             raise Damaged(path, "holds fewer rows than the checkpoint counts", self.advice)
         read(path, self.advice)  # nothing is computed on damaged data
-        known = provenance(self._run.case)
-        attributes = {name: value for name, value in root["attributes"].items() if name in known}
+        first = provenance(self._run.case)
+        attributes = {name: value for name, value in root["attributes"].items() if name in first}
         root = {**with_rows(root, rows), "attributes": {**attributes, "status": Status.RUNNING.value}}
         write_root(path, root)
         delete_uncounted(path, root)
