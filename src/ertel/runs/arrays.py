@@ -79,10 +79,11 @@ def write(store: LocalStore, data: xr.Dataset) -> None:
     with _writing():
         group = zarr.create_group(store, zarr_format=FORMAT, attributes=data.attrs)
         for name, variable in data.variables.items():
+            rows = ROWS if variable.ndim == 1 else 1
             array = group.create_array(
                 str(name),
                 shape=variable.shape,
-                chunks=_chunks(variable),
+                chunks=tuple(rows if dim in GROWING else max(n, 1) for dim, n in variable.sizes.items()),
                 dtype=variable.dtype,
                 fill_value=nan if variable.dtype.kind == "f" else NO_NUMBER,
                 compressors=[ZstdCodec(), Crc32cCodec()],
@@ -93,11 +94,6 @@ def write(store: LocalStore, data: xr.Dataset) -> None:
                 array[...] = variable.values
         zarr.consolidate_metadata(store, zarr_format=FORMAT)
     write_root(store.root, json.loads((store.root / ROOT).read_bytes()))
-
-
-def _chunks(variable: xr.Variable) -> tuple[int, ...]:
-    rows = ROWS if variable.ndim == 1 else 1
-    return tuple(rows if dim in GROWING else max(n, 1) for dim, n in variable.sizes.items())
 
 
 def append(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
