@@ -120,7 +120,7 @@ def test_a_file_with_overrides(tmp_path):
         ({"M": {"from": 0, "to": 2, "number": 3, "spacing": "log"}}, "must both be above zero, or both below"),
         ({"M": {"from": 1, "to": 2, "number": 3, "spacing": "cubic"}}, '^contact.M.spacing = "cubic": allowed: linear'),
         ({"M": {"from": "a", "to": 2, "number": 3}}, '"a" must be a number, with or without a unit'),
-        ({"M": {"from": True, "to": 2, "number": 3}}, "its ends must be numbers, or quantities"),
+        ({"M": {"from": True, "to": 2, "number": 3}}, "true must be a number, with or without a unit"),
         ({"M": {"from": 1, "to": 2, "number": 1000}, "L": {"from": 1, "to": 2, "number": 11}}, "has 11000 cases"),
     ],
 )

@@ -28,7 +28,7 @@ from ertel.results.study_result import StudyResult
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
 from ertel.runs.drive import bars
-from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, study_bars, write_study
+from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, write_study
 from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
@@ -57,8 +57,7 @@ def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bo
         if part == EVERY:
             stack.enter_context(alone(directory))
         with writing_to(directory, GOES_ON):
-            with study_bars(directory, left, not quiet) as shown_bars:
-                statuses = run_study(study.cases, directory, workers, part, stop, shown_bars.done)
+            statuses = run_study(study.cases, directory, workers, part, stop, not quiet)
             result = gather(study, directory, statuses)
             if part == EVERY:
                 write_study(result, directory)

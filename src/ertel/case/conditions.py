@@ -49,7 +49,6 @@ Keys = tuple[str, ...]
 ALONG_X, ALONG_Y = ("radius_x_1", "radius_x_2"), ("radius_y_1", "radius_y_2")
 PAIRS: Keys = (*ALONG_X, *ALONG_Y)  # a radius that is left out is that of a plane
 RADII: tuple[Keys, ...] = (("radius",), ("radius_1", "radius_2"), ("radius_x", "radius_y"), PAIRS)
-RADII_TEXT = "radius (or radius_1 and radius_2; radius_x and radius_y; radius_x_1, radius_y_1, radius_x_2, radius_y_2)"
 RATIO = Bounds(ge=LEAST_RATIO, le=LARGEST_RATIO)
 MOES: Keys = ("M", "L")
 BARS: Keys = ("lambda_bar", "alpha_bar")
@@ -69,10 +68,6 @@ PHYSICAL: Mapping[Kind, Keys] = {
     kind: (*(key for group in groups for keys in group for key in keys), *OPTIONAL[kind])
     for kind, groups in NEEDED.items()
 }
-PHYSICAL_TEXT: Mapping[Kind, str] = {
-    "impact": f"{RADII_TEXT}, mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
-    "rolling": f"{RADII_TEXT}, load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
-}
 FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and what to use instead
     "impact": {
         "load": "its load follows from mass and speed; a load that is applied to the ball is motion.load",
@@ -84,6 +79,11 @@ FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and wha
         "drop_height": "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2",
     },
 }
+
+
+def _in_words(alternatives: Sequence[Keys]) -> str:
+    text = " or ".join(" and ".join(keys) for keys in alternatives)
+    return f"({text})" if len(alternatives) > 1 else text
 
 
 class Speeds(NamedTuple):
@@ -218,7 +218,7 @@ class Conditions:
             )
         if "slide_to_roll" in self.given and any(key in self.given for key in (*MOES, *BARS)):
             raise ValueError(f"{self.entry('slide_to_roll')}: in a dimensionless case write motion.slide_to_roll")
-        return self._only_one((MOES, BARS, PHYSICAL[self.kind]), PHYSICAL_TEXT[self.kind])
+        return self._only_one((MOES, BARS, PHYSICAL[self.kind]), ", ".join(map(_in_words, NEEDED[self.kind])))
 
     def _only_one(self, alternatives: Sequence[Keys], last: str = "") -> Keys:
         """The one alternative that is given, at least in part.  last: text for the last alternative in messages."""

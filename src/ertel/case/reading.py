@@ -15,7 +15,6 @@ from ertel.case.records import (
     OIL_LAWS,
     ConfigError,
     alternatives,
-    amount_text,
     check_value,
     checked,
     choices_of,
@@ -183,15 +182,10 @@ class Reader:
 
     def amount(self, value: object, unit: Unit) -> Amount:
         """A number in the units of the case, or a quantity in SI."""
-        if isinstance(value, Quantity):
-            return value
         if isinstance(value, str):
             return Quantity(self.quantity(value, unit.in_si), unit.unit)
-        if not is_number(value) or not unit.allows(value):  # type: ignore[arg-type]
-            raise ValueError(amount_text(unit))
-        if complaint := unit.size_complaint(value):  # type: ignore[arg-type]
-            raise ValueError(complaint)
-        return float(value)  # type: ignore[arg-type]
+        check_value(value, unit)
+        return value if isinstance(value, Quantity) else float(value)  # type: ignore[arg-type]
 
     def signal(self, data: Any, place: str) -> Signal:
         """A signal from a number, a list of [T, value], or a table { mean, amplitude, period, phase }."""

@@ -180,19 +180,16 @@ def _check_number(value: Any, mark: Mark) -> None:
     if isinstance(mark, Unit) and mark.scale:
         if isinstance(value, Quantity) and value.unit == mark.unit:
             number, mark = with_own_numbers(value.value), mark.in_si
-        elif not is_number(number):
-            raise ValueError(amount_text(mark))
+        elif not is_number(number) or not mark.allows(number):
+            least = "" if mark.signed else " above zero"
+            raise ValueError(
+                f'must be a finite number{least}, in units {mark.own}, or a quantity such as "{mark.example}"'
+            )
     if not is_number(number):
         whole = isinstance(mark, Bounds) and mark.whole
         raise ValueError("must be an integer" if whole else "must be a number")
     if complaint := mark.complaint(number):
         raise ValueError(complaint)
-
-
-def amount_text(unit: Unit) -> str:
-    """The statement of what an amount must be."""
-    least = "" if unit.signed else " above zero"
-    return f'must be a number{least}, in units {unit.own}, or a quantity such as "{unit.example}"'
 
 
 def is_number(value: object) -> bool:

@@ -25,11 +25,11 @@ from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.reading import check_key
-from ertel.case.records import OIL_LAWS, ConfigError, field_name, show
+from ertel.case.records import OIL_LAWS, ConfigError, field_name, is_number, show
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
 from ertel.inputs.layout import SECTIONS, DataSheet
-from ertel.inputs.quantities import LOG, MOST_VALUES, parse_quantity, plain_data, spaced, unit_in
+from ertel.inputs.quantities import LOG, MOST_VALUES, parse_quantity, plain_data, spaced, split
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import SHAPES
 from ertel.physics.units import Mark, Unit, marks, meanings
@@ -196,13 +196,10 @@ def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
 
 def _amount(written: Any) -> tuple[float, str]:
     """The number and the unit of one end of a range."""
-    if isinstance(written, bool) or not isinstance(written, int | float | str):
-        raise ValueError('its ends must be numbers, or quantities such as "0.1 m/s"')
-    unit = unit_in(written.strip()) if isinstance(written, str) else ""
-    try:
-        return float(written.strip().removesuffix(unit) if isinstance(written, str) else written), unit
-    except ValueError as error:
-        raise ValueError(f"{show(written)} must be a number, with or without a unit") from error
+    number, unit = (written, "") if is_number(written) else split(written)
+    if number == "":
+        raise ValueError(f"{show(written)} must be a number, with or without a unit")
+    return float(number), unit
 
 
 # -- the cases --------------------------------------------------------------------------------------------------------
