@@ -42,7 +42,7 @@ def test_new_overwrites_nothing(here):
     (here / SCHEMA_FILE).write_text("mine")
     assert ertel_("new", "impact", "mine.toml").stdout == "mine.toml\n"
     (here / "mine.toml").write_text("mine")
-    assert "mine.toml is there already" in refused("new", "rolling", "mine.toml")
+    assert "mine.toml exists already" in refused("new", "rolling", "mine.toml")
     assert [(here / name).read_text() for name in ("mine.toml", SCHEMA_FILE)] == ["mine", "mine"]
 
 

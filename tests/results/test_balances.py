@@ -11,7 +11,7 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.results import balances, diagnostics, variables
 from ertel.results.dataset import assemble
-from ertel.results.report import balance_lines
+from ertel.results.numbers import balance_lines
 from ertel.results.summary import attributes, impact_summary, steady_summary
 
 T = np.linspace(0.1, 2.0, 20)

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from cases import impact
 
-from ertel.results import domain
+from ertel.results import balances
 from ertel.results.result import Result
 from ertel.runs.drive import simulate
 
@@ -34,7 +34,7 @@ def test_the_load_that_a_rigid_ball_loses(w: float, gap: float) -> None:
     r = np.linspace(0.0, w, 401)
     P, H = rigid_ball(r, w, gap)
     data = xr.Dataset({"P": (("frame", "r"), P[None]), "H": (("frame", "r"), H[None])}, {"r": r})
-    assert float(domain.outer_load(data)[0]) == pytest.approx(lost(w, gap), rel=0.01)
+    assert float(balances.outer_load(data)[0]) == pytest.approx(lost(w, gap), rel=0.01)
 
 
 @pytest.mark.parametrize("gap", [0.05, 1.0])
@@ -42,7 +42,7 @@ def test_a_square_loses_more_than_the_circle_around_it_and_less_than_the_circle_
     x = np.linspace(-2.0, 2.0, 129)
     P, H = rigid_ball(np.hypot(x[:, None], x[None, :]), 2.0, gap)
     fields = {name: (("frame", "Y", "X"), field[None]) for name, field in {"P": P, "H": H}.items()}
-    found = float(domain.outer_load(xr.Dataset(fields, {"Y": x, "X": x}))[0])
+    found = float(balances.outer_load(xr.Dataset(fields, {"Y": x, "X": x}))[0])
     assert lost(2 * 2**0.5, gap) < found < lost(2.0, gap)
     assert found == pytest.approx(lost(4 / np.pi**0.5, gap), rel=0.05)  # the circle of the same area
 
@@ -55,10 +55,10 @@ def run(M: float, L: float, half_width: float) -> Result:
 def test_the_stated_error_is_the_true_one() -> None:
     """Within a factor of two, for approach and load; and the advised width is enough."""
     narrow = run(20, 5, 2.0)
-    share = domain.uncertain_momentum(narrow.case, narrow.dataset)
+    share = balances.uncertain_momentum(narrow.case, narrow.dataset)
     (said,) = [warning for warning in narrow.warnings if "outside the domain" in warning]
     assert f"uncertain by about {share:.1%} of the ball's" in said
-    advised = domain.needed_half_width(narrow.case, share)
+    advised = balances.needed_half_width(narrow.case, share)
     assert f"use solver.half_width >= {advised:g}" in said
     wide = run(20, 5, advised)
     assert not any("outside the domain" in warning for warning in wide.warnings)
@@ -69,7 +69,7 @@ def test_the_stated_error_is_the_true_one() -> None:
 def test_where_nothing_is_said_little_is_off() -> None:
     narrow, wide = run(100, 10, 2.0), run(100, 10, 4.0)
     assert not any("outside the domain" in warning for warning in narrow.warnings)
-    assert max(off(narrow, wide, name) for name in ("Delta", "F")) < domain.UNCERTAIN_MOMENTUM
+    assert max(off(narrow, wide, name) for name in ("Delta", "F")) < balances.UNCERTAIN_MOMENTUM
 
 
 def off(narrow: Result, wide: Result, name: str) -> float:

@@ -8,7 +8,7 @@ from made_up import BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impa
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.results import parameters, variables
-from ertel.results.report import extreme_lines, lines
+from ertel.results.numbers import extreme_lines, lines
 from ertel.results.summary import extremes, impact_summary, rolling_summary
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}

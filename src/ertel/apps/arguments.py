@@ -27,8 +27,8 @@ def settings(incomplete: str) -> list[str]:
     """section.key= for the keys of case files that begin so."""
     from ertel.inputs.layout import SECTIONS, section
 
-    found = [f"{name}.{key.name}=" for name in SECTIONS for key in section(name).keys]
-    return [text for text in found if text.startswith(incomplete)]
+    keys = [f"{name}.{key.name}=" for name in SECTIONS for key in section(name).keys]
+    return [key for key in keys if key.startswith(incomplete)]
 
 
 def figures(incomplete: str) -> list[str]:
@@ -46,10 +46,10 @@ def _entries(incomplete: str) -> Iterator[tuple[Path, str]]:
     folder, slash, start = incomplete.rpartition("/")
     place = Path(f"{folder}{slash}").expanduser() if slash else Path()
     try:
-        found = sorted(place.iterdir())
+        entries = sorted(place.iterdir())
     except OSError:
         return
-    for path in found:
+    for path in entries:
         if path.name.startswith(start) and (start or not path.name.startswith(".")):
             is_open = path.is_dir() and not (path / CASE).exists()
             yield path, f"{folder}{slash}{path.name}{'/' if is_open else ''}"

@@ -87,14 +87,13 @@ def run(
     from ertel.inputs.case_files import load_case
     from ertel.runs.compile import jax_prepared
 
-    with bad_input():
-        case = load_case(case_file, set_ or [])
+    case = load_case(case_file, set_ or [])
 
-    def tell() -> None:
+    def before_compiling() -> None:
         if not quiet:
             say("The run is done; compiling faster programs for later runs, which Ctrl-C ends")
 
-    with jax_prepared(case, tell):
+    with jax_prepared(case, before_compiling):
         from ertel.apps import running  # while programs are loaded
 
         running.run(case, out, running.RunOptions(as_json, error, quiet, flush))
@@ -104,7 +103,10 @@ def run(
 def resume(
     directory: RunDirectory, as_json: Json = False, error: Estimate = False, quiet: Quiet = False, flush: Flush = None
 ) -> None:
-    """Continue a run that was interrupted."""
+    """Continue a run that was interrupted, or with --error estimate the error of a finished one.
+
+    Nothing is computed again; of a run that is done the summary is printed.
+    """
     from ertel.apps import running
 
     running.resume(directory, running.RunOptions(as_json, error, quiet, flush))
@@ -138,8 +140,7 @@ def traction(
     from ertel.apps import studies
     from ertel.inputs.case_files import load_case
 
-    with bad_input():
-        case = load_case(case_file, set_ or [])
+    case = load_case(case_file, set_ or [])
     given = {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}
     name = case.name or case.kind
     studies.traction(case, given, film, out or Path("traction").absolute() / name, as_json, quiet)
@@ -176,9 +177,9 @@ def sweep(
     from ertel.apps import studies
     from ertel.inputs.studies import load_study
 
-    with bad_input():
-        engine, chosen = studies.Engine(jobs, scheduler, scheduler_file, tls), studies.part_of(part)
-        study = load_study(study_file, set_ or [])
+    engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
+    chosen = studies.part_of(part)
+    study = load_study(study_file, set_ or [])
     studies.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
 
 
@@ -198,12 +199,11 @@ def warm_up(
     """
     from ertel.apps import running
     from ertel.inputs.case_files import load_case
-    from ertel.runs.warm_up import usual_cases
+    from ertel.runs.batch import usual_cases
 
-    with bad_input():
-        if set_ and not case_files:
-            raise ValueError(f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")
-        cases = [load_case(path, set_ or []) for path in case_files or []] or list(usual_cases())
+    if set_ and not case_files:
+        leave(BAD_INPUT, f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")
+    cases = [load_case(path, set_ or []) for path in case_files or []] or list(usual_cases())
     running.warm_up_all(cases)
 
 
@@ -224,9 +224,7 @@ def paper(
     """
     from ertel.apps import studies
 
-    with bad_input():
-        engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
-    studies.paper(figure, quick, out, engine, quiet)
+    studies.paper(figure, quick, out, studies.Engine(jobs, scheduler, scheduler_file, tls), quiet)
 
 
 # -- answers at once --------------------------------------------------------------------------------------------------
@@ -237,19 +235,17 @@ def about(
     directory: OptionalRun = None,
     cite: Annotated[bool, typer.Option("--cite", help="Print BibTeX entries of ertel and of the paper.")] = False,
 ) -> None:
-    """Print versions, devices and how to cite ertel; or of a run with what and where it was computed, and its end."""
+    """Print versions, devices and how to cite ertel; or the versions and the machine of a run, and how it ended."""
     from ertel.apps import about, running, tables
 
-    if directory is None:
-        found, version = {} if cite else about.about(), None
-    else:
+    content = {}
+    if directory:
         with running.opened(directory) as run:
-            found = about.of_run(run)
-        version = found["ertel"]
+            content = about.of_run(run)
     if cite:
-        print(about.bibtex(version), end="")
+        print(about.bibtex(content.get("ertel")), end="")
     else:
-        tables.print_names(found)
+        tables.print_names(content or about.about())
 
 
 @app.command("app")

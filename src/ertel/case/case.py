@@ -145,7 +145,7 @@ class Case:
             object.__setattr__(self, "oil", self.oil.completed())
         if self.solver.inlet == self.solver.half_width:
             object.__setattr__(self, "solver", replace(self.solver, inlet=None))
-        if self.solver.method != "radial" and self.solver.nodes > 1:
+        if self.solver.method != "radial":
             across = half_width_y(self.solver, self.geometry)
             object.__setattr__(self, "solver", checked(replace(self.solver, half_width_y=across), "solver"))
         if not self.is_steady:

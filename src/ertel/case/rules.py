@@ -1,12 +1,12 @@
 """The rules for valid cases.  Every rule raises a ValueError that names the field, its value and what is allowed."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import is_dataclass, replace
+from dataclasses import is_dataclass
 from math import cbrt, inf
 
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED, Conditions, Kind
 from ertel.case.records import checked, show
-from ertel.case.sections import METHODS, STOPS, WIDEST_HALF_WIDTH, Drive, Output, Schedule, Solver, Stop, Thermal, Time
+from ertel.case.sections import METHODS, WIDEST_HALF_WIDTH, Drive, Output, Schedule, Solver, Stop, Thermal, Time
 from ertel.numerics import grid
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, Geometry
 from ertel.physics.lubricant import DowsonHigginson, Oil
@@ -23,7 +23,6 @@ MOST_STEPS = 1e7  # of a fixed length
 MOST_MAPS = 1e5
 LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
 FIELDS = 5  # pressure, film, two components of the shear stress, power loss
-FEWEST_NODES = 17
 SMALLEST_RADIUS = 1.2  # of a radial grid: the contact grows to radius 1 and needs an inlet
 TRANSIENT = 'solver.method = "transient"'
 
@@ -115,12 +114,7 @@ def check_pressure_scale(oil: Oil, scales: Scales | None, parameters: Parameters
 
 def check_fields(drive: Drive | None, time: Time | None, output: Output | None, roughness: Sequence[Feature]) -> None:
     """Every field of the sections must have a value that its mark allows."""
-    if time is not None:
-        if isinstance(time.until, str) and time.until not in STOPS:
-            names = ", ".join(f'"{event}"' for event in STOPS)
-            raise ValueError(f"time.until = {show(time.until)}: must be {names} or a time above zero, in units t0 or s")
-        checked(replace(time, until=None) if isinstance(time.until, str) else time, "time")
-    for name, section in {"output": output, "motion": drive}.items():
+    for name, section in {"time": time, "output": output, "motion": drive}.items():
         if section is not None:
             checked(section, name)
     for number, feature in enumerate(roughness, 1):
@@ -219,8 +213,6 @@ def check_geometry(solver: Solver, contact: Conditions, motion: Motion) -> None:
 
 def check_grid(solver: Solver, geometry: Geometry) -> None:
     """A grid must be large enough, contain the contact, and be one that can be coarsened."""
-    if solver.nodes < FEWEST_NODES:
-        raise ValueError(f"solver.nodes = {solver.nodes}: must be at least {FEWEST_NODES}")
     if solver.method == "radial":
         if solver.half_width < SMALLEST_RADIUS:
             raise ValueError(f"solver.half_width = {solver.half_width}: must be at least {SMALLEST_RADIUS}")

@@ -12,11 +12,11 @@ from typing import Any, TypedDict, Unpack, get_type_hints
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions, Kind
 from ertel.case.reading import hint_for
-from ertel.case.records import ConfigError, law_data, oil_data, show
+from ertel.case.records import ConfigError, law_data, oil_data, show, with_unit
 from ertel.case.sections import Output, Solver, Thermal, Time
 from ertel.inputs.case_files import parse_case
-from ertel.inputs.layout import Materials, field_names
-from ertel.inputs.quantities import parse_quantity, plain_data, with_unit
+from ertel.inputs.layout import Materials, NamedLubricant, field_names
+from ertel.inputs.quantities import parse_quantity, plain_data
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil as Oil
 from ertel.physics.registry import FLUIDITY_LAWS
@@ -96,7 +96,6 @@ SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
         "an Oil, or the name of one (`ertel.oils`), which brings its law of shear thinning where it has one; needed by "
         "a physical contact, otherwise a typical mineral oil"
     ),
-    "temperature": Meaning("temperature of the inlet (K, or '40 degC'); goes with the name of an oil"),
     "rheology": Meaning(
         "how the oil thins under shear, instead of the oil's own: a table as in case files, "
         "{'law': 'ree-eyring', 'tau0': '5 MPa'}, the record of a law, or 'newtonian'; 'carreau' takes its data from a "
@@ -113,7 +112,7 @@ SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
     ),
     "name": Meaning("for titles and directories"),
 }
-RECORDS = (Conditions, Materials, Solver, Time, Output)
+RECORDS = (Conditions, Materials, NamedLubricant, Solver, Time, Output)
 
 
 def _explain(function: Callable[..., Case], keywords: Any) -> None:

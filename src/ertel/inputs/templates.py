@@ -131,19 +131,14 @@ def table(found: Iterable[Place]) -> str:
     for title, text, keys in found:
         lines.append(f"| `{title}` | | | {_cell(text)} | |")
         for key in keys:
-            lines.append(
-                f"| | `{key.name}` | {key.kind} | {_cell(key.meaning.text)} | {_code(key.default)} |".replace("  ", " ")
-            )
+            default = key.default if key.default in ("", NEEDED) or "(" in key.default else f"`{key.default}`"
+            lines.append(f"| | `{key.name}` | {key.kind} | {_cell(key.meaning.text)} | {default} |".replace("  ", " "))
     return "\n".join(lines) + "\n"
 
 
 def _cell(text: str) -> str:
     """A text in a table, where a line between bars would end its cell."""
     return text.replace("|", "\\|")
-
-
-def _code(default: str) -> str:
-    return default if default in ("", NEEDED) or "(" in default else f"`{default}`"
 
 
 # -- the JSON schema --------------------------------------------------------------------------------------------------

@@ -20,10 +20,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ertel.plots import fields, histories, lines
+from ertel.plots import fields, histories
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, compose
+from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram
-from ertel.plots.lines import comparison
 from ertel.plots.view import At, View
 from ertel.results.variables import is_steady
 
@@ -49,11 +49,11 @@ def _friction_rows(view: View) -> Rows:
 # The panels of each figure.  A figure that is a part of another is drawn when it is asked for by its name.
 IN_TIME: Mapping[str, Rows | Callable[[View], Rows]] = {
     "overview": [
-        [fields.draw_film_map, lines.draw_film_profiles, histories.draw_film_history],
-        [fields.draw_pressure_map, lines.draw_pressure_profiles, histories.draw_motion],
+        [fields.draw_film_map, fields.draw_film_profiles, histories.draw_film_history],
+        [fields.draw_pressure_map, fields.draw_pressure_profiles, histories.draw_motion],
     ],
     "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
-    "profiles": [[lines.draw_film_profiles, lines.draw_pressure_profiles]],
+    "profiles": [[fields.draw_film_profiles, fields.draw_pressure_profiles]],
     "history": [
         [histories.draw_motion, histories.draw_film_history],
         [histories.draw_place, histories.draw_pressure_history],
@@ -65,12 +65,12 @@ IN_TIME: Mapping[str, Rows | Callable[[View], Rows]] = {
 }
 STEADY: Mapping[str, Rows | Callable[[View], Rows]] = {
     "overview": [
-        [fields.draw_film_map, lines.draw_along_the_flow, histories.draw_grids],
-        [fields.draw_pressure_map, lines.draw_across_the_flow, histories.draw_convergence],
+        [fields.draw_film_map, fields.draw_along_the_flow, histories.draw_grids],
+        [fields.draw_pressure_map, fields.draw_across_the_flow, histories.draw_convergence],
     ],
     "film": [[fields.draw_film_map]],
     "pressure": [[fields.draw_pressure_map]],
-    "midlines": [[lines.draw_along_the_flow, lines.draw_across_the_flow]],
+    "midlines": [[fields.draw_along_the_flow, fields.draw_across_the_flow]],
     "convergence": [[histories.draw_convergence, histories.draw_grids]],
     "friction": _friction_rows,
     "maps": [[fields.draw_film_map, fields.draw_pressure_map]],

@@ -26,7 +26,7 @@ from ertel.plots.drawing import (
     mathtext,
 )
 from ertel.plots.view import case_of
-from ertel.results.report import largest_of
+from ertel.results.dataset import largest_of
 from ertel.results.variables import name_in_si, with_prefix
 
 PANELS = (  # numbers that are drawn together, in SI or not

@@ -11,7 +11,7 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.results.report import html_image, html_table, lines
+from ertel.results.numbers import html_image, html_table, lines
 from ertel.results.variables import is_steady, to_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
