@@ -200,7 +200,7 @@ def test_out_of_memory(here, monkeypatch, error):
 
 def test_a_grid_beyond_the_memory_is_told_before(here, monkeypatch):
     monkeypatch.setattr(outlook, "memory_available", lambda: 1e9)
-    monkeypatch.setattr(running, "course_of", lambda case: 1 / 0)
+    monkeypatch.setattr(running, "run_of", lambda case: 1 / 0)
     result = ertel_("run", "ball.toml", "--set", "solver.nodes=2049", "--set", "output.interval=0.05", code=1)
     assert "warning: solver.nodes = 2049 needs about" in result.stderr
     assert "the machine has 1 GB; solver.nodes = 513 needs" in result.stderr

@@ -199,7 +199,7 @@ def warm_up(
     """
     from ertel.apps import running
     from ertel.inputs.case_files import load_case
-    from ertel.runs.warm_up import usual_cases
+    from ertel.runs.batch import usual_cases
 
     if set_ and not case_files:
         leave(BAD_INPUT, f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # these take long to import
 
     from ertel.optics import Light, Rig
     from ertel.results.numbers import Compared, Difference
-    from ertel.runs.listing import Listed
+    from ertel.runs.directory import Listed
 
 Lighting = Literal["mono", "two-beam", "white"]
 MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplotlib's name of its writer
@@ -30,7 +30,7 @@ def ls(
     as_json: Json = False,
 ) -> None:
     """List the runs in a folder: case, status, time and key numbers of each."""
-    from ertel.runs.listing import listed
+    from ertel.runs.directory import listed
 
     folder = folder or Path.cwd()
     runs = listed(folder)

@@ -13,13 +13,12 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results.errors import with_error
 from ertel.runs import outlook, store
+from ertel.runs.batch import warm_up
 from ertel.runs.compile import cache_directory, prepare_jax
-from ertel.runs.courses import Run, course_of
 from ertel.runs.directory import CASE, CHECKPOINT, SUMMARY, Taken
-from ertel.runs.drive import Recorder, bars, drive, watch
+from ertel.runs.drive import Recorder, Run, bars, drive, run_of, watch
 from ertel.runs.files import Damaged, StoreError
 from ertel.runs.store import RunStore
-from ertel.runs.warm_up import warm_up
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ def run(case: Case, directory: Path | None, options: RunOptions) -> None:
     if not options.quiet:
         say_before([case])
     with within_memory(case):
-        course = course_of(case)
+        course = run_of(case)
         others = _compared(course, options)
         _finish(_create(directory, course), others, options)
 
@@ -54,7 +53,7 @@ def resume(directory: Path, options: RunOptions) -> None:
             return
         prepare_jax()
         with within_memory(run.case):
-            _finish(run, _compared(run.course, options), options)
+            _finish(run, _compared(run.run, options), options)
 
 
 def _compared(course: Run, options: RunOptions) -> Mapping[str, Run]:
@@ -164,7 +163,7 @@ def _computed(run: RunStore, others: Mapping[str, Run], quiet: bool, stop: Stop)
             compared[part] = _summary_of(course, [bar, stop, run.asked_to_stop])
             if stop.code or run.asked_to_stop():
                 return None
-        summary = run.outcome() or store.compute(run, [watch(shown_bars, run.course), stop])
+        summary = run.outcome() or store.compute(run, [watch(shown_bars, run.run), stop])
         if summary["status"] == "converged" and compared:
             return _completed(run, summary, compared)
     return summary

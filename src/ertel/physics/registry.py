@@ -36,9 +36,11 @@ class Registry(Mapping[str, type]):
             made = vars(record).get("__dataclass_params__") if isinstance(record, type) else None
             if made is None or not made.frozen:
                 raise TypeError(f"{record!r}: a {self.noun} must be a frozen dataclass")
-            known = self._records.get(name)
-            if known is not None and _home(known) != _home(record):  # a cell of a notebook may run again
-                raise ValueError(f'name = "{name}": is the {self.noun} {known.__qualname__} already; choose another')
+            registered = self._records.get(name)
+            if registered is not None and _home(registered) != _home(record):  # a cell of a notebook may run again
+                raise ValueError(
+                    f'name = "{name}": is the {self.noun} {registered.__qualname__} already; choose another'
+                )
             self._records[name] = record
             return record
 
@@ -46,8 +48,8 @@ class Registry(Mapping[str, type]):
 
     def name_of(self, record: object) -> str:
         """The name under which the type of a record is registered.  Raises ValueError if it is not registered."""
-        for name, known in self.items():
-            if type(record) is known:
+        for name, registered in self.items():
+            if type(record) is registered:
                 return name
         kind = type(record).__name__
         raise ValueError(

@@ -187,8 +187,8 @@ def meanings(record: Any) -> Mapping[str, Meaning]:
 def _parts(record: Any, kind: Any) -> Mapping[str, Any]:
     """The marks or meanings in the annotations of the fields, by name of the field."""
     hints = get_type_hints(record, include_extras=True)
-    found = {name: _part(hint, kind) for name, hint in hints.items()}
-    return {name: part for name, part in found.items() if part is not None}
+    parts = {name: _part(hint, kind) for name, hint in hints.items()}
+    return {name: part for name, part in parts.items() if part is not None}
 
 
 def _part(hint: Any, kind: Any) -> Any:
@@ -234,11 +234,11 @@ def in_si(value: Any, mark: Mark) -> float:
 
 def explained(record: Record) -> Record:
     """A decorator that puts meaning, unit and default of each field into the docstring of a record."""
-    said, kinds = meanings(record), marks(record)
+    texts, kinds = meanings(record), marks(record)
     lines = ["", "", "Parameters", "----------"]
     for item in fields(record):
         default = "" if item.default in (MISSING, None, "") else f", default {item.default!r}"
-        lines += parameter_lines(item.name, said[item.name], kinds.get(item.name), default)
+        lines += parameter_lines(item.name, texts[item.name], kinds.get(item.name), default)
     vars(record)["__init__"].__annotations__ = get_type_hints(record)  # a signature without the marks
     record.__doc__ = (record.__doc__ or "").rstrip() + "\n    ".join(lines) + "\n    "
     return record

@@ -246,6 +246,15 @@ def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
     return attributes
 
 
+def value_in_si(value: Any, attributes: Mapping[str, Any]) -> tuple[str, Any, dict[str, Any]]:
+    """The SI name, value and attributes of a variable of a physical case, from its own, which have an si_factor."""
+    attributes = dict(attributes)
+    factor, attributes["units"] = attributes.pop("si_factor"), attributes.pop("si_units")
+    attributes["symbol"] = attributes.pop("si_name")
+    attributes.pop("in_units_of", None)
+    return attributes["symbol"], value * factor, attributes
+
+
 def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     """The run of a physical case in SI units; its variables have their SI names (h_c for H_c, t for time, ...).
 
@@ -269,13 +278,10 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     converted = dataset.copy()
     names = {}
     for name, variable in dataset.variables.items():
-        attributes = dict(variable.attrs)
-        if "si_factor" in attributes:
-            factor, attributes["units"] = attributes.pop("si_factor"), attributes.pop("si_units")
-            attributes["symbol"] = attributes.pop("si_name")
-            attributes.pop("in_units_of", None)
-            converted[name] = (variable.dims, variable.values * factor, attributes)
-            names[name] = attributes["symbol"] if name != "frame" else name
+        if "si_factor" in variable.attrs:
+            new, values, attributes = value_in_si(variable.values, variable.attrs)
+            converted[name] = (variable.dims, values, attributes)
+            names[name] = new if name != "frame" else name
     return converted.rename({name: new for name, new in names.items() if new != name})
 
 

@@ -33,10 +33,9 @@ from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import LARGE_ERROR
-from ertel.runs import workers
-from ertel.runs.courses import METHODS, TransientRun
-from ertel.runs.drive import Observer, Recorder, drive, warn
+from ertel.runs.drive import METHODS, Observer, Recorder, TransientRun, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
+from ertel.runs.workers import check_fork
 from ertel.solvers import steady
 from ertel.solvers.response import RoughnessWave, WaveResponse, tangent_start, tangent_step, wave_response
 from ertel.solvers.steady import Rolling
@@ -170,7 +169,7 @@ def _smooth(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> tuple[Case,
     """The smooth impact up to maximum approach, on a part of the plane that all responses share; and these, scaled."""
     if not case.starts_apart or METHODS[case.solver.method] is not Transient2D:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "2d" for a response to roughness')
-    workers.check_fork()
+    check_fork()
     found = [scaled_all(some, case.scales, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(features) == (True, True) for features in found)
     solver, time = replace(case.solver, fold=fold), replace(case.time or Time(), until="max-approach")
@@ -246,7 +245,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     case = as_case(case)
     if not case.is_steady:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "steady" for the response to passing waves')
-    workers.check_fork()
+    check_fork()
     features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)
     case = replace(case, solver=replace(case.solver, fold=fold))
