@@ -9,7 +9,6 @@ from ertel.apps import running, tables
 from ertel.apps.process import Interrupted, deferred, interruptible
 from ertel.apps.terminal import (
     ASKED,
-    BAD_INPUT,
     FAILED,
     bad_input,
     in_shell,
@@ -28,7 +27,6 @@ from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
-from ertel.runs.directory import Taken
 from ertel.runs.drive import bars
 from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, write_study
 from ertel.runs.tasks import Engine as Engine
@@ -79,10 +77,7 @@ def traction(
 ) -> None:
     """Compute what is left of a traction curve, write and print it."""
     curve = curves.curve_of(case, given, film)
-    try:
-        curves.require_place(directory)
-    except Taken as error:
-        leave(BAD_INPUT, f"--out {error}")
+    curves.require_place(directory, "--out")
     if not quiet:
         running.say_before([max(curve.cases, key=newtonian_stress)])
     prepare_jax()

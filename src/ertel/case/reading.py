@@ -69,12 +69,12 @@ def parse_number(value: Any, bounds: Bounds) -> float:
     return value if bounds.whole else float(value)
 
 
-def check_key(name: object, value: object, known: Sequence[str], place: str = "") -> None:
-    """Raise ConfigError, with a hint, for a key that is not known.  place: the section, empty for the file itself."""
-    if name in known:
+def check_key(name: object, value: object, allowed: Sequence[str], place: str = "") -> None:
+    """Raise ConfigError, with a hint, for a key that is not allowed.  place: the section, empty for the file itself."""
+    if name in allowed:
         return
     where = f"{place}.{show_key(name)}" if place else show_key(name)
-    raise ConfigError(f"{where} = {show(value)}: unknown key; {hint_for(str(name), known)}")
+    raise ConfigError(f"{where} = {show(value)}: unknown key; {hint_for(str(name), allowed)}")
 
 
 def hint_for(name: str, known: Sequence[str]) -> str:
@@ -169,10 +169,10 @@ class Reader:
             if value not in self.maps:
                 raise ValueError("its heights are not given with the case")
             return self.maps[value]
-        for kind, said in ((bool, "true or false"), (str, "a string")):
+        for kind, text in ((bool, "true or false"), (str, "a string")):
             if kind in options:
                 if not isinstance(value, kind):
-                    raise ValueError(f"must be {said}")
+                    raise ValueError(f"must be {text}")
                 return value
         if Ellipsis in options:  # numbers of a law with a table
             if not isinstance(value, list | tuple):
@@ -234,5 +234,5 @@ def _known(data: Data, key: str, records: Mapping[str, Any], place: str) -> str:
     name = data.get(key)
     if isinstance(name, str) and name in records:
         return name
-    said = ": missing" if name is None else f" = {show(name)}"
-    raise ValueError(f"{place}.{key}{said}; allowed: {', '.join(records)}")
+    written = ": missing" if name is None else f" = {show(name)}"
+    raise ValueError(f"{place}.{key}{written}; allowed: {', '.join(records)}")

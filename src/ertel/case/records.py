@@ -33,12 +33,12 @@ OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FL
 
 def data_of(record: Any) -> dict[str, Any]:
     """A record as plain data; what is None or infinite is left out.  Raises ValueError for what cannot be written."""
-    kinds, found = marks(type(record)), {}
+    kinds, data = marks(type(record)), {}
     for item in fields(record):
         value = getattr(record, item.name)
         if not _is_nothing(value):
-            found[item.name] = _plain(value, kinds.get(item.name))
-    return found
+            data[item.name] = _plain(value, kinds.get(item.name))
+    return data
 
 
 def _is_nothing(value: Any) -> bool:
@@ -102,8 +102,8 @@ def with_own_numbers(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     if type(value) is tuple:
-        found = tuple(with_own_numbers(item) for item in value)
-        return found if any(new is not old for new, old in zip(found, value, strict=True)) else value
+        items = tuple(with_own_numbers(item) for item in value)
+        return items if any(new is not old for new, old in zip(items, value, strict=True)) else value
     if not is_dataclass(value) or isinstance(value, type):
         return value
     old = {item.name: getattr(value, item.name) for item in fields(value)}
@@ -271,13 +271,13 @@ def show_key(key: object) -> str:
 
 
 def _joined(items: Iterable[str], room: int) -> str:
-    found: list[str] = []
+    parts: list[str] = []
     for item in items:
-        found.append(item)
+        parts.append(item)
         room -= len(item) + 2
         if room < 0:
             break
-    return ", ".join(found)
+    return ", ".join(parts)
 
 
 def printable(text: str) -> str:
@@ -319,7 +319,7 @@ def _short(value: Any) -> str:
         return f"{{ {_pairs(value)} }}"
     if isinstance(value, float):
         return f"{value:.4g}"
-    return NUMBER.sub(lambda found: f"{float(found[0]):.4g}", value) if isinstance(value, str) else str(value)
+    return NUMBER.sub(lambda match: f"{float(match[0]):.4g}", value) if isinstance(value, str) else str(value)
 
 
 # -- units of the case ------------------------------------------------------------------------------------------------
@@ -350,10 +350,10 @@ def _over(amount: Any, mark: object, scales: Scales | None, place: str) -> float
     if scales is None:
         raise ValueError(f"{place} = {show(amount)}: must be a plain number: a dimensionless case has no {amount.unit}")
     assert isinstance(mark, Unit)
-    found: float = amount.value / getattr(scales, mark.scale)
-    if complaint := mark.complaint(found):
-        raise ValueError(f"{place} = {show(amount)}: is {found:g} {mark.own} in this contact; {complaint}")
-    return found
+    number: float = amount.value / getattr(scales, mark.scale)
+    if complaint := mark.complaint(number):
+        raise ValueError(f"{place} = {show(amount)}: is {number:g} {mark.own} in this contact; {complaint}")
+    return number
 
 
 def scaled_all(records: Sequence[T], scales: Scales | None, place: str) -> tuple[T, ...]:

@@ -90,9 +90,9 @@ def check_rheology(oil: Oil, scales: Scales | None, solver: Solver) -> None:
 
 def check_scales(scales: Scales | None, parameters: Parameters) -> None:
     """The scales and parameters of the contact must be of a sane size, like its values."""
-    found = {**(vars(scales) if scales else {}), **vars(parameters), "M": parameters.M, "L": parameters.L}
+    numbers = {**(vars(scales) if scales else {}), **vars(parameters), "M": parameters.M, "L": parameters.L}
     bounds: Mapping[str, Unit | Bounds] = {"alpha_bar": NOT_NEGATIVE, "R": REDUCED, "M": MOES_M, "L": MOES_L}
-    for name, value in found.items():
+    for name, value in numbers.items():
         complaint = bounds.get(name, ABOVE_ZERO).complaint(value)
         if complaint:
             given = f"its values together give {name} = {show(value)}"
@@ -129,8 +129,8 @@ def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | N
     if solver.method == "steady":
         for name, section in {"time": time, "output": output}.items():
             if section is not None:
-                said = _said(name, section)
-                raise ValueError(f"{said}: a steady contact has no time; leave [{name}] out or use {TRANSIENT}")
+                entry = _first_entry(name, section)
+                raise ValueError(f"{entry}: a steady contact has no time; leave [{name}] out or use {TRANSIENT}")
     if kind == "impact" or time is None:
         return
     if time.start_approach is not None:
@@ -163,7 +163,7 @@ def check_schedule(time: Time, output: Output, solver: Solver, schedule: Schedul
         )
 
 
-def _said(name: str, section: Time | Output) -> str:
+def _first_entry(name: str, section: Time | Output) -> str:
     """The first field of a section that differs from its default, for messages: time.until = 5.0."""
     usual = type(section)()
     for key, value in vars(section).items():

@@ -144,14 +144,14 @@ def suited(circular: Solver, geometry: Geometry) -> Solver:
 
 
 def half_width_y(solver: Solver, geometry: Geometry) -> float | None:
-    """The half width along y in effect, a little more than wanted so that multigrid can coarsen.
+    """The half width along y in effect, a little more than asked for so that multigrid can coarsen.
 
     Left out, the edge has the same distance from the contact along y as along x.  None: left out, and as along x.
     """
     along_x, along_y = geometry.extent
     default = solver.half_width + along_y - along_x
     nodes, usual = (
-        nodes_across(solver.nodes, wanted / solver.half_width) for wanted in (solver.half_width_y or default, default)
+        nodes_across(solver.nodes, width / solver.half_width) for width in (solver.half_width_y or default, default)
     )
     if nodes == usual == solver.nodes:
         return None

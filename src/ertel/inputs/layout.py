@@ -163,8 +163,8 @@ class Key(NamedTuple):
     def kind(self) -> str:
         """The kind of a value in words."""
         if isinstance(self.mark, Unit):
-            said = f"number ({self.mark.own}) or quantity" if self.mark.scale else "quantity"
-            return ", ".join([*self.choices, said])
+            text = f"number ({self.mark.own}) or quantity" if self.mark.scale else "quantity"
+            return ", ".join([*self.choices, text])
         if self.mark is not None:
             return "integer" if self.mark.whole else "number"
         if self.law is not None:
@@ -223,8 +223,8 @@ def shape_keys() -> tuple[Key, ...]:
 
 def shape_place(name: str) -> Place:
     """The table of a shape, with the keys that say how its file is read."""
-    found = _table(f'shape = "{name}"', SHAPES[name])
-    return found._replace(keys=(*found.keys, *keys_of(FILES[name]))) if name in FILES else found
+    place = _table(f'shape = "{name}"', SHAPES[name])
+    return place._replace(keys=(*place.keys, *keys_of(FILES[name]))) if name in FILES else place
 
 
 def _table(title: str, record: Any) -> Place:
@@ -239,12 +239,12 @@ def first_paragraph(record: Any) -> str:
 def keys_of(record: Any) -> tuple[Key, ...]:
     """The keys that stand for the fields of a record (a class)."""
     hints, texts, kinds = hints_of(record), meanings(record), marks(record)
-    found = []
+    keys = []
     for item in fields(record):
         meaning = texts.get(item.name, Meaning(""))
         default = _default(record, item, meaning)
-        found.append(Key(item.name, meaning, hints[item.name], kinds.get(item.name), default))
-    return tuple(found)
+        keys.append(Key(item.name, meaning, hints[item.name], kinds.get(item.name), default))
+    return tuple(keys)
 
 
 def able_names(laws: Registry) -> tuple[str, ...]:

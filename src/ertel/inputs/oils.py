@@ -194,8 +194,8 @@ def oil_at(oil: NamedOil, temperature: Number, rheology: str | Fluidity | None =
 
 @cache
 def _names(folder: str) -> tuple[str, ...]:
-    found = (entry.name for entry in (FOLDER / folder).iterdir())
-    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
+    entries = (entry.name for entry in (FOLDER / folder).iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml")))
 
 
 def _known(noun: str, name: object, names: tuple[str, ...]) -> str:

@@ -5,7 +5,7 @@ of the run, a size of the roughness) is a plain number in the units of the case,
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from inspect import Parameter, Signature
 from typing import Any, TypedDict, Unpack, get_type_hints
 
@@ -223,43 +223,47 @@ def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:
         if name not in keywords.__annotations__:
             hint = hint_for(name, tuple(keywords.__annotations__))
             raise TypeError(f"{kind}() got an unexpected keyword argument '{name}': {hint}")
-    wanted = {key: plain_data(value) for key, value in given.items() if value is not None}
-    if not isinstance(wanted.get("oil"), Oil | str | None):
-        said = show(wanted["oil"])
-        raise ConfigError(f"oil = {said}: must be made by Oil(eta0=..., alpha=...), or be the name of an oil")
-    time = {name: wanted[name] for name in field_names(Time) if name in wanted and name != "tolerance"}
-    if "time_tolerance" in wanted:
-        time["tolerance"] = wanted["time_tolerance"]
-    records, tables = _sorted(wanted.get("roughness", ()))
-    contact = {name: wanted[name] for name in (*field_names(Materials), *field_names(Conditions)) if name in wanted}
+    values = {key: plain_data(value) for key, value in given.items() if value is not None}
+    if not isinstance(values.get("oil"), Oil | str | None):
+        oil = show(values["oil"])
+        raise ConfigError(f"oil = {oil}: must be made by Oil(eta0=..., alpha=...), or be the name of an oil")
+
+    def section(*records: Any) -> dict[str, Any]:
+        names = [name for record in records for name in field_names(record)]
+        return {name: values[name] for name in names if name in values}
+
+    time = {key: value for key, value in section(Time).items() if key != "tolerance"}
+    if "time_tolerance" in values:
+        time["tolerance"] = values["time_tolerance"]
+    records, tables = _sorted(values.get("roughness", ()))
     sections: dict[str, Any] = {
-        "name": wanted.get("name"),
-        "contact": {"kind": kind, **_with_units(contact, Conditions)},
-        "lubricant": _lubricant(wanted),
-        "solver": {item.name: wanted[item.name] for item in fields(Solver) if item.name in wanted},
-        "motion": wanted.get("motion"),
-        "thermal": _with_units(wanted.get("thermal"), Thermal),
+        "name": values.get("name"),
+        "contact": {"kind": kind, **_with_units(section(Materials, Conditions), Conditions)},
+        "lubricant": _lubricant(values),
+        "solver": section(Solver),
+        "motion": values.get("motion"),
+        "thermal": _with_units(values.get("thermal"), Thermal),
         "roughness": tables,
         "time": time or None,
-        "output": {item.name: wanted[item.name] for item in fields(Output) if item.name in wanted} or None,
+        "output": section(Output) or None,
     }
-    case = parse_case({name: section for name, section in sections.items() if section is not None})
+    case = parse_case({name: table for name, table in sections.items() if table is not None})
     try:
         return replace(case, roughness=(*case.roughness, *records)) if records else case
     except ValueError as error:
         raise ConfigError(str(error)) from error
 
 
-def _lubricant(wanted: Mapping[str, Any]) -> dict[str, Any] | None:
+def _lubricant(values: Mapping[str, Any]) -> dict[str, Any] | None:
     """The section [lubricant] of an oil, or of the name of an oil and its temperature."""
-    oil = wanted.get("oil")
+    oil = values.get("oil")
     data = oil_data(oil) if isinstance(oil, Oil) else {} if oil is None else {"oil": oil}
-    if "temperature" in wanted:
-        data["temperature"] = with_unit(wanted["temperature"], TEMPERATURE)
+    if "temperature" in values:
+        data["temperature"] = with_unit(values["temperature"], TEMPERATURE)
     if isinstance(oil, Oil) and oil.is_newtonian:
         del data["rheology"]  # the default of an Oil, not a wish
-    if "rheology" in wanted:
-        law = wanted["rheology"]
+    if "rheology" in values:
+        law = values["rheology"]
         data["rheology"] = law_data(law, FLUIDITY_LAWS) if hasattr(law, "fluidity") else law
     return data or None
 

@@ -60,25 +60,25 @@ def parse_quantity(value: object, unit: Unit) -> float:
     """
     if unit.unit == "K":  # degC has an offset
         return _temperature(value, unit)
-    wanted = f'a quantity {"" if unit.signed else "above zero "}with a unit such as "{unit.example}"'
+    description = f'a quantity {"" if unit.signed else "above zero "}with a unit such as "{unit.example}"'
     if isinstance(value, str) and len(value) > LONGEST:
-        raise ValueError(f"must be {wanted}, of at most {LONGEST} characters")
+        raise ValueError(f"must be {description}, of at most {LONGEST} characters")
     number, written = split(value)
     if not written:
-        raise ValueError(f"must be {wanted}")
-    found = float(Decimal(number) * _factor(written, unit))  # decimal, so that "18.6 mPa*s" is the float 0.0186
-    if not unit.allows(found):
-        raise ValueError(f"must be {wanted}")
-    if complaint := unit.size_complaint(found):
+        raise ValueError(f"must be {description}")
+    number_in_si = float(Decimal(number) * _factor(written, unit))  # decimal, so that "18.6 mPa*s" is the float 0.0186
+    if not unit.allows(number_in_si):
+        raise ValueError(f"must be {description}")
+    if complaint := unit.size_complaint(number_in_si):
         raise ValueError(complaint)
-    return found
+    return number_in_si
 
 
 def _temperature(value: object, unit: Unit) -> float:
-    found = parse_temperature(value if isinstance(value, str) else None)
-    if complaint := unit.size_complaint(found):
+    kelvin = parse_temperature(value if isinstance(value, str) else None)
+    if complaint := unit.size_complaint(kelvin):
         raise ValueError(complaint)
-    return found
+    return kelvin
 
 
 def split(value: object) -> tuple[str, str]:
@@ -131,13 +131,13 @@ def _factor(written: str, unit: Unit) -> Decimal:
         raise ValueError(unknown)
     registry = _registry()
     try:
-        found = registry.Quantity(1.0, registry.parse_units(written))
-        wrong = found.dimensionality != registry.Quantity(1.0, unit.unit).dimensionality
-        factor = 1.0 if wrong else found.to(unit.unit).magnitude
+        one = registry.Quantity(1.0, registry.parse_units(written))
+        wrong = one.dimensionality != registry.Quantity(1.0, unit.unit).dimensionality
+        factor = 1.0 if wrong else one.to(unit.unit).magnitude
     except Exception as error:  # pint raises many kinds, from its own to the tokenizer's
         raise ValueError(unknown) from error
     if wrong:
-        raise ValueError(f'has the wrong dimension {found.dimensionality}; write for example "{unit.example}"')
+        raise ValueError(f'has the wrong dimension {one.dimensionality}; write for example "{unit.example}"')
     return Decimal(f"{factor:.14g}")  # without the round-off of powers of ten
 
 
@@ -185,15 +185,15 @@ def parse_values(name: str, given: Given, mark: Mark) -> tuple[float, ...]:
     (0.1, 1.0, 10.0)
     """
     try:
-        found = _ranged(given, mark) if isinstance(given, str) and ":" in given else _listed(given, mark)
+        values = _ranged(given, mark) if isinstance(given, str) and ":" in given else _listed(given, mark)
     except ValueError as error:
         raise ConfigError(f"{name} = {show(given)}: {error}") from error
-    steps = {(late > early) - (late < early) for early, late in pairwise(found)}
+    steps = {(late > early) - (late < early) for early, late in pairwise(values)}
     if len(steps) > 1 or 0 in steps:
         raise ConfigError(f"{name} = {show(given)}: must rise or fall from value to value")
-    if len(found) > MOST_VALUES:
-        raise ConfigError(f"{name}: has {len(found)} values; must be at most {MOST_VALUES}")
-    return found
+    if len(values) > MOST_VALUES:
+        raise ConfigError(f"{name}: has {len(values)} values; must be at most {MOST_VALUES}")
+    return values
 
 
 def _listed(given: Given, mark: Mark) -> tuple[float, ...]:

@@ -185,13 +185,13 @@ def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
         (start, of_start), (end, of_end) = (_amount(table[key]) for key in RANGE[:2])
         if of_start and of_end and of_start != of_end:
             raise ValueError("both ends must have the same unit")
-        found = spaced(start, end, number, spacing == LOG)
+        values = spaced(start, end, number, spacing == LOG)
     except ValueError as error:
         raise ConfigError(f"{field} = {show(table)}: {error}") from error
     if unit := of_start or of_end:
-        return [f"{value!r} {unit}" for value in found]
-    whole = all(isinstance(table[key], int) for key in RANGE[:2]) and all(value.is_integer() for value in found)
-    return [int(value) for value in found] if whole else list(found)
+        return [f"{value!r} {unit}" for value in values]
+    whole = all(isinstance(table[key], int) for key in RANGE[:2]) and all(value.is_integer() for value in values)
+    return [int(value) for value in values] if whole else list(values)
 
 
 def _amount(written: Any) -> tuple[float, str]:
@@ -209,8 +209,8 @@ def _combinations(axes: Sequence[Axis], mode: str) -> Iterator[tuple[Any, ...]]:
     """The values of each case, one of each axis."""
     numbers = {axis.field: len(axis.values) for axis in axes}
     if mode == "zip" and len(set(numbers.values())) > 1:
-        said = ", ".join(f"{field} {number}" for field, number in numbers.items())
-        raise ConfigError(f'{SWEEP}.{MODE} = "zip": all must have equally many values; there are of {said}')
+        lengths = ", ".join(f"{field} {number}" for field, number in numbers.items())
+        raise ConfigError(f'{SWEEP}.{MODE} = "zip": all must have equally many values; there are of {lengths}')
     runs = prod(numbers.values()) if mode == "product" else len(axes[0].values)
     if runs > MOST_RUNS:
         raise ConfigError(f"the study has {runs} cases; must be at most {MOST_RUNS}")
@@ -247,12 +247,12 @@ def coordinates(study: Study) -> dict[str, Coordinate]:
     What is no number, a law or the name of an oil, is a text.
     """
     short = [str(axis.place[-1]) for axis in study.axes]
-    found = {}
+    by_name = {}
     for axis, name in zip(study.axes, short, strict=True):
         whole = [str(part + 1) if isinstance(part, int) else part for part in axis.place]  # tables count from one
         unique = name if short.count(name) == 1 else "_".join(whole)
-        found[unique] = _coordinate(axis, _records(axis.place, study.data))
-    return found
+        by_name[unique] = _coordinate(axis, _records(axis.place, study.data))
+    return by_name
 
 
 def _coordinate(axis: Axis, records: Sequence[Any]) -> Coordinate:

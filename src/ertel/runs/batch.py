@@ -30,7 +30,7 @@ from jax import Array, tree
 from ertel.case.case import Case
 from ertel.case.derived import grid_of
 from ertel.case.status import Status
-from ertel.equations.contact import traceable, traceable_law
+from ertel.equations.contact import traceable
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, parse_case, written
 from ertel.numerics.programs import double_precision, require_double
 from ertel.results.result import Result
@@ -157,7 +157,7 @@ def shape_of(case: Case) -> dict[str, object]:
         "roughness (axes of symmetry)": tuple(grid.even),
         "lubricant.viscosity": _structure(oil.viscosity_law),
         "lubricant.density": _structure(oil.density_law),
-        "lubricant.rheology": _structure(traceable_law(case.oil.fluidity_law)),
+        "lubricant.rheology": _structure(traceable(case.oil.fluidity_law)),
         "motion.entrainment": "some" if case.motion.flows else "none",
         "motion.inertia": "some" if case.motion.inertia > 0 else "none",
     }

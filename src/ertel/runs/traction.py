@@ -117,7 +117,7 @@ def traction(
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
     if directory:
         place = Path(directory).absolute()
-        require_place(place)
+        require_place(place, "directory")
         return store_curve(curve, place, progress)
     return compute_curve(curve, progress)
 
@@ -255,8 +255,8 @@ def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Co
     return result
 
 
-def require_place(directory: Path) -> None:
-    """Raise Taken where a directory holds files that a curve would overwrite or be mixed with.
+def require_place(directory: Path, option: str) -> None:
+    """Raise Taken, naming the option, where a directory holds files that a curve would overwrite or be mixed with.
 
     The directory of an earlier curve may hold other files as well.
     """
@@ -264,14 +264,13 @@ def require_place(directory: Path) -> None:
         return
     visible = {path.name for path in directory.iterdir() if not path.name.startswith(".")}
     if OLDER in visible:
-        raise Taken(f"{directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
+        raise Taken(f"{option} {directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
     of_a_curve = {studies.RUNS, STOP, *(f"{NAME}.{ending}" for ending in studies.ENDINGS)}
-    begun = studies.RUNS in visible and visible <= of_a_curve
-    if visible and not (begun or f"{NAME}.zarr" in visible):
+    is_curve = f"{NAME}.zarr" in visible or (studies.RUNS in visible and visible <= of_a_curve)
+    if visible and not is_curve:
         some = ", ".join(sorted(visible)[:LISTED])
-        raise Taken(
-            f"{directory}: holds other files ({some}); give a new or empty directory, or that of an earlier curve"
-        )
+        allowed = "give a new or empty directory, or that of an earlier curve"
+        raise Taken(f"{option} {directory}: holds other files ({some}); {allowed}")
 
 
 def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
