@@ -22,7 +22,7 @@ from zarr.storage import LocalStore
 
 import ertel
 from ertel.inputs.case_files import parse_case, to_toml
-from ertel.runs import checked_zarr
+from ertel.runs import arrays
 from ertel.runs.files import sealed
 
 ROLLING = """
@@ -125,7 +125,7 @@ def _made() -> Path:
     atexit.register(shutil.rmtree, place, ignore_errors=True)
     (place / "case.toml").write_text(to_toml(parse_case(CASE)))
     few = dry_impact(CASE, radial=True).isel(frame=slice(None, None, 6))  # files that each test copies
-    checked_zarr.write(LocalStore(place / "run.zarr"), few)
+    arrays.write(LocalStore(place / "run.zarr"), few)
     return place
 
 

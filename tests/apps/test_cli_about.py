@@ -14,8 +14,8 @@ from ertel.apps import arguments
 from ertel.apps.cli import app
 from ertel.inputs.case_files import load_case
 from ertel.runs import directory, drive, store
-from ertel.runs.courses import course_of
 from ertel.runs.directory import PROGRESS, ProgressFile, read_progress
+from ertel.runs.drive import run_of
 
 # -- about ------------------------------------------------------------------------------------------------------------
 
@@ -32,7 +32,7 @@ def test_about_a_run(ball):
 
 def test_about_a_run_that_has_not_ended(ball):
     (ball / "summary.json").unlink()
-    course = course_of(load_case(ball / "case.toml"))
+    course = run_of(load_case(ball / "case.toml"))
     ProgressFile(ball, course).write(course.begin())
     assert re.search(r"end +not yet, 0% done at 20", ertel_("about", "my run").stdout)
     (ball / PROGRESS).unlink()
@@ -109,7 +109,7 @@ def test_progress_of_a_run_that_has_ended(ball):
 
 def test_progress_on_the_way(here, monkeypatch):
     monkeypatch.setattr(directory, "INTERVAL", 0.0)
-    course, seen = course_of(load_case("ball.toml")), []
+    course, seen = run_of(load_case("ball.toml")), []
     watched = ProgressFile(here, course)
     drive.drive(course, [watched, lambda item: seen.append(read_progress(here))])
     done = [found["done"] for found in seen]

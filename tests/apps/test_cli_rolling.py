@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from ertel import plots
 from ertel.inputs.case_files import load_case
-from ertel.runs import courses
+from ertel.runs import drive as drive_module
 from ertel.runs.directory import read_progress
 from ertel.runs.drive import drive, simulate
 from ertel.runs.stepping import StepLimits
@@ -86,7 +86,7 @@ def test_a_run_under_way(here):
     run = RunStore.create(here / "cut", load_case("steady.toml"))
     for command in ("show", "plot"):
         ertel_(command, "cut", code=2)
-    drive(run.course, [run, stop_after(1)], run.resume())
+    drive(run.run, [run, stop_after(1)], run.resume())
     run.flush()
     summary = json.loads(ertel_("show", "cut", "--json").stdout)
     assert (summary["status"], summary["nodes"]) == ("running", 33)
@@ -129,7 +129,7 @@ def test_the_error_of_a_transient_run(here):
 
 
 def test_a_transient_run_that_cannot_begin(here, monkeypatch):
-    monkeypatch.setattr(courses, "StepLimits", partial(StepLimits, smallest=10.0))
+    monkeypatch.setattr(drive_module, "StepLimits", partial(StepLimits, smallest=10.0))
     result = ertel_("run", "transient.toml", code=1)
     assert "failed: " in result.stderr
     assert "No step was taken" in ertel_("show", "runs/transient").stdout

@@ -19,7 +19,7 @@ from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.equations import account
 from ertel.equations.account import Friction, friction, steady_friction
-from ertel.equations.contact import Contact, bare_contact, traceable_law
+from ertel.equations.contact import Contact, bare_contact, traceable
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
@@ -41,7 +41,7 @@ def square(nodes: int = 33, half_width: float = 1.5) -> Grid:
 def contact(grid: Grid, lambda_bar: float, alpha_bar: float, tau0: float | None = None) -> Contact:
     """Barus' oil, Newtonian or Eyring's with tau0 in units p_h a/R."""
     plain = bare_contact(CIRCLE, grid, lambda_bar, Lubricant(Barus(alpha_bar), Incompressible()))
-    return plain if tau0 is None else replace(plain, flow=ThinningFlow(traceable_law(ReeEyring(tau0)), 1.0, 1.0, 0.0))
+    return plain if tau0 is None else replace(plain, flow=ThinningFlow(traceable(ReeEyring(tau0)), 1.0, 1.0, 0.0))
 
 
 def of(grid: Grid, c: Contact, P: Array, H: Array, sliding: float, load: float = 1.0) -> Friction:
@@ -87,7 +87,7 @@ def test_friction_counts_no_stress_above_the_limit(sliding: float):
     """With the flux's law the stress goes on rising above tau_L: by 5 % of it for every factor of e in the rate."""
     grid, P = hertz(33)
     law = Limited(ReeEyring(1.0), Lambda=0.5, ambient=0.1)
-    c = replace(contact(grid, 1.0, 10.0), flow=ThinningFlow(traceable_law(law), 1.0, 1.0, 0.0))
+    c = replace(contact(grid, 1.0, 10.0), flow=ThinningFlow(traceable(law), 1.0, 1.0, 0.0))
     found = of(grid, c, P, jnp.full(grid.shape, 0.01), sliding)
     limit, stress = 0.1 + 0.5 * P, jnp.hypot(*found.stress)
     assert float(jnp.max(stress - limit)) < 1e-12

@@ -17,23 +17,23 @@ from scipy.optimize import root
 
 from ertel.equations import across
 from ertel.equations.across import series_of
-from ertel.equations.contact import traceable_law
+from ertel.equations.contact import traceable
 from ertel.equations.shear import LIMIT, Shear, secant_mobility, shear, tangent_mobility
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
 
 jax.config.update("jax_enable_x64", True)
 FLOW = jax.jit(shear)
 SECANT = jax.jit(secant_mobility)
-EYRING = traceable_law(ReeEyring(1.0))
-CARREAU = traceable_law(Carreau(1.0, 0.5))
-NEWTON = traceable_law(NewtonianOil())
-SQUALANE = traceable_law(Carreau(1.0, 0.42))
-LIMITED = traceable_law(Limited(ReeEyring(1.0), 0.05, ambient=8.0, sharpness=0.1))
+EYRING = traceable(ReeEyring(1.0))
+CARREAU = traceable(Carreau(1.0, 0.5))
+NEWTON = traceable(NewtonianOil())
+SQUALANE = traceable(Carreau(1.0, 0.42))
+LIMITED = traceable(Limited(ReeEyring(1.0), 0.05, ambient=8.0, sharpness=0.1))
 LAWS = {
     "eyring": EYRING,
     "carreau": CARREAU,
     "squalane": SQUALANE,
-    "yasuda": traceable_law(CarreauYasuda(1.0, 0.5, 1.3)),
+    "yasuda": traceable(CarreauYasuda(1.0, 0.5, 1.3)),
     "limited": LIMITED,
 }
 every_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
@@ -330,7 +330,7 @@ def test_heat_is_work(name: str, s: tuple, g: tuple) -> None:
     [
         EYRING,
         pytest.param(CARREAU, marks=pytest.mark.slow),
-        traceable_law(Limited(Carreau(1.0, 0.5), 0.05, 4.0)),
+        traceable(Limited(Carreau(1.0, 0.5), 0.05, 4.0)),
     ],
     ids=str,
 )
@@ -373,6 +373,6 @@ def test_iterations_are_few_in_every_corner(law: Fluidity, most: int) -> None:
 
 def test_a_limit_of_the_stress_needs_more_and_never_fails() -> None:
     for ambient, sharpness in product((1.0, 8.0, 100.0), (0.02, 0.05)):
-        found = flow(traceable_law(Limited(EYRING, 0.05, ambient, sharpness)), *corners(2000, 4))
+        found = flow(traceable(Limited(EYRING, 0.05, ambient, sharpness)), *corners(2000, 4))
         assert np.all(np.isfinite(found.stress)) and np.all(np.isfinite(found.flux))
         assert int(found.iterations) < LIMIT

@@ -1,13 +1,16 @@
 """Case files: what they may say, what they mean, and what is said about the ones that may not."""
 
+import json
 import os
 from datetime import date
 from math import isclose, pi
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
-from case_file_strategies import case_files, outcome
-from hypothesis import HealthCheck, given, settings
+from case_file_strategies import HEIGHTS, case_data, case_files, outcome
+from hypothesis import HealthCheck, given, reject, settings
 
 from ertel.case.case import Case
 from ertel.case.records import show
@@ -356,6 +359,24 @@ def test_true_is_no_number_one():
 
 
 # -- whole files, valid and spoiled -----------------------------------------------------------------------------------
+
+
+@settings(max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=case_data())
+def test_a_case_reads_back_as_the_same_to_the_last_bit(tmp_path: Path, data: dict[str, Any]) -> None:
+    np.save(tmp_path / HEIGHTS, np.sin(np.arange(256.0)).reshape(16, 16))
+    try:
+        case = parse_case(data, tmp_path)
+    except ConfigError:
+        reject()
+    written = case.to_data()
+    again = Case.from_data(written, case.maps)
+    assert again == case
+    assert again.digest == case.digest
+    assert (again.name, again.oil.reference) == (case.name, case.oil.reference)
+    assert again.to_data() == written
+    assert json.loads(json.dumps(written)) == written  # nothing but what JSON and TOML can hold
+    assert (again.motion, again.features, again.lubricant) == (case.motion, case.features, case.lubricant)
 
 
 @settings(max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])

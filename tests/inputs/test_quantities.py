@@ -38,7 +38,7 @@ def test_an_amount_is_a_number_or_a_quantity():
     assert READER.amount("50 um", WIDTH) == Quantity(5e-5, "m")
     assert READER.amount(-1, POSITION) == -1.0
     for value in (0, -1.0, inf, True, [1]):
-        with pytest.raises(ValueError, match="must be a number above zero, in units a, or a quantity such as"):
+        with pytest.raises(ValueError, match="must be a finite number above zero, in units a, or a quantity such as"):
             READER.amount(value, WIDTH)
 
 

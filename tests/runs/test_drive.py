@@ -15,8 +15,7 @@ from ertel.equations.state import Method
 from ertel.physics.motion import constant
 from ertel.results.errors import with_error
 from ertel.results.result import Result
-from ertel.runs.courses import TransientRun, course_of
-from ertel.runs.drive import Recorder, drive, simulate
+from ertel.runs.drive import Recorder, TransientRun, drive, run_of, simulate
 from ertel.runs.stepping import StepLimits
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
@@ -107,7 +106,7 @@ def test_the_summary_has_the_promised_keys() -> None:
 
 def test_progress_goes_from_nothing_to_all() -> None:
     for until in ("max-approach", "rebound", 2.0):
-        course = course_of(impact(200, 10, 65, solver={"method": "radial"}, time={"until": until}))
+        course = run_of(impact(200, 10, 65, solver={"method": "radial"}, time={"until": until}))
         shares: list[float] = []
         drive(course, [lambda step, course=course, shares=shares: shares.append(course.progress(step).done)])
         assert 0 <= shares[0] < 0.05

@@ -223,7 +223,7 @@ def test_mass_is_conserved_along_the_flow() -> None:
     c = discretise.contact_of(case_of(key, 33), s.grid)
     h, P = s.grid.spacing, np.asarray(s.P)
     mass = np.asarray(c.lubricant.density(s.P) * s.H)
-    eps = np.asarray(contact.mobility(c, s.P, s.H).x)
+    eps = np.asarray(c.flow.mobilities(c, s.P, s.H).secant.x)
     carried = (1.5 * mass[:, 1:-1] - 0.5 * mass[:, :-2])[1:-1]
     pressed = (-(eps[:, 2:] + eps[:, 1:-1]) / 2 * (P[:, 2:] - P[:, 1:-1]) / h)[1:-1]
     through = h * np.sum(carried + pressed, axis=0)  # at the faces i + 1/2, i = 1 ...

@@ -83,10 +83,10 @@ def _end(run: RunStore) -> str:
 def devices() -> str:
     """The devices that JAX computes on."""
     try:
-        found = [device.device_kind for device in jax_devices()]
+        kinds = [device.device_kind for device in jax_devices()]
     except (ImportError, NoDevice) as error:
         return f"none: {error}"
-    return ", ".join(f"{kind} ({os.cpu_count()} cores)" if kind == "cpu" else kind for kind in found)
+    return ", ".join(f"{kind} ({os.cpu_count()} cores)" if kind == "cpu" else kind for kind in kinds)
 
 
 def _version(package: str) -> str:

@@ -1,6 +1,7 @@
 """Commands that look at runs: `ertel ls` at many, `compare` at two, `show`, `plot` and `export` at one."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -8,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from ertel.apps.arguments import Json, RunDirectory, figures, path_argument, path_option, run_directories
-from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_json, print_path, say, shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # these take long to import
     import xarray as xr
 
     from ertel.optics import Light, Rig
     from ertel.results.numbers import Compared, Difference
-    from ertel.runs.listing import Listed
+    from ertel.runs.directory import Listed
 
 Lighting = Literal["mono", "two-beam", "white"]
 MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplotlib's name of its writer
@@ -24,22 +25,21 @@ MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplot
 def ls(
     folder: Annotated[
         Path | None,
-        path_argument("[DIR]", "Folder with runs, also in folders below it; default this one.", run_directories),
+        path_argument("DIR", "Folder with runs, also in folders below it; default this one.", run_directories),
     ] = None,
     as_json: Json = False,
 ) -> None:
     """List the runs in a folder: case, status, time and key numbers of each."""
-    from ertel.runs.listing import listed
+    from ertel.runs.directory import listed
 
     folder = folder or Path.cwd()
-    with bad_input():
-        found = listed(folder)
+    runs = listed(folder)
     if as_json:
-        print_json([_as_data(run, folder) for run in found])
-    elif not found:
+        print_json([_as_data(run, folder) for run in runs])
+    elif not runs:
         say(f"no runs in {shown(folder)}")
     else:
-        _print_runs(found, folder)
+        _print_runs(runs, folder)
 
 
 def _as_data(run: "Listed", folder: Path) -> dict[str, Any]:
@@ -55,8 +55,8 @@ def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
     from ertel.results.numbers import SHOWN
     from ertel.results.variables import name_in_si
 
-    known = {name for run in runs for name in run.numbers}
-    names = ["M", "L", *(name for name in SHOWN if known & {name, name_in_si(name)})]
+    there = {name for run in runs for name in run.numbers}
+    names = ["M", "L", *(name for name in SHOWN if there & {name, name_in_si(name)})]
     print_rows([("run", "case", "status", "written", *names), *(_row(run, folder, names) for run in runs)], left=4)
 
 
@@ -125,16 +125,24 @@ def _print_pairs(pairs: "Sequence[Compared]", statuses: Sequence[str]) -> None:
 
 
 def show(directory: RunDirectory, as_json: Json = False) -> None:
-    """Print the summary of a run."""
+    """Print the summary of a run, also of an unfinished one."""
     from ertel.apps import running
+    from ertel.runs.files import Damaged, StoreError
 
-    running.show(directory, as_json)
+    with running.opened(directory) as run:
+        try:
+            summary = run.summary() or run.summary_so_far()
+        except Damaged:
+            raise
+        except StoreError as error:
+            raise StoreError(f"{error}; to start it: ertel resume {in_shell(directory)}") from error
+        running.report(run, summary, as_json)
 
 
 def plot(
     directory: RunDirectory,
     what: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Draw one figure only, such as film.", autocompletion=figures)
+        str | None, typer.Option(metavar="NAME", help="Draw this figure only, such as film.", autocompletion=figures)
     ] = None,
     at: Annotated[
         str | None, typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.")
@@ -142,12 +150,12 @@ def plot(
     interferogram: Annotated[
         Lighting | None,
         typer.Option(
-            help="Draw the fringes that an experimenter sees: of one wavelength, of two beams only, or in white light.",
+            help="Draw the interference fringes instead: monochromatic, of two beams only, or in white light.",
             show_default=False,
         ),
     ] = None,
     wavelength: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Of the fringes; default 532 nm.", show_default=False)
+        str | None, typer.Option(metavar="LENGTH", help="Wavelength of the light; default 532 nm.", show_default=False)
     ] = None,
     format_: Annotated[
         Literal["png", "svg", "pdf", "gif", "webp", "mp4"],
@@ -155,15 +163,15 @@ def plot(
     ] = "png",
     out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
 ) -> None:
-    """Draw the figures of a run, or with --interferogram what an experimenter sees through coated glass.
+    """Draw the figures of a run, or an interferogram of its film.
 
-    An interferogram needs a case in SI. It is that of a steel ball and glass with 8 nm of chromium; from Python other
-    layers and lamps can be chosen, see ertel.optics.
+    An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
+    layers and light sources can be chosen, see ertel.optics.
     """
     from ertel.apps import running
 
     if format_ in MOVIES and interferogram is None:
-        leave(BAD_INPUT, f"--format {format_}: only an interferogram moves; add --interferogram mono")
+        leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
     if format_ in MOVIES and at is not None:
         leave(BAD_INPUT, f"--at {at}: a movie shows all times; leave it out, or use --format png")
     if wavelength is not None and interferogram in (None, "white"):
@@ -173,44 +181,37 @@ def plot(
     with running.opened(directory) as run:
         data = run.dataset()
     with bad_input():
-        if interferogram:
-            drawn = {f"interferogram-{interferogram}": _fringes(data, at, interferogram, wavelength, format_)}
-        else:
-            drawn = _figures(data, what, at)
+        writers = _drawn(data, what, at, interferogram, wavelength, format_)
     target = out or directory / "plots"
     target.mkdir(parents=True, exist_ok=True)
-    for name, save in drawn.items():
+    for name, write in writers.items():
         path = target / f"{name}.{format_}"
-        save(path)
+        write(path)
         print_path(path)
 
 
-def _figures(data: "xr.Dataset", what: str | None, at: str | None) -> dict[str, Callable[[Path], object]]:
-    """The figures of a run, or one of them: by name the function that writes it into a file."""
+def _drawn(
+    data: "xr.Dataset",
+    what: str | None,
+    at: str | None,
+    lighting: Lighting | None,
+    wavelength: str | None,
+    kind: str,
+) -> dict[str, Callable[[Path], object]]:
+    """The figures or the interferogram of a run: by name the function that writes it into a file."""
     from ertel import plots
 
-    names = [what] if what else plots.names_of(data)
-    return {name: plots.draw(data, name, _moment(at)).savefig for name in names}
-
-
-def _fringes(
-    data: "xr.Dataset", at: str | None, lighting: Lighting, wavelength: str | None, format_: str
-) -> Callable[[Path], object]:
-    """The function that writes the interferogram of a run, a picture or a movie, into a file."""
-    from ertel import plots
-
+    moment: float | str | None = at
+    with suppress(ValueError):
+        moment = None if at is None else float(at)
+    if lighting is None:
+        names = [what] if what else plots.names_of(data)
+        return {name: plots.draw(data, name, moment).savefig for name in names}
     light, rig = _optics(lighting, wavelength)
-    if format_ in MOVIES:
-        return partial(plots.animation(data, light, rig).save, writer=MOVIES[format_])
-    return plots.interferogram(data, _moment(at), light, rig).savefig
-
-
-def _moment(at: str | None) -> float | str | None:
-    """The moment as a number where it is one."""
-    try:
-        return None if at is None else float(at)
-    except ValueError:
-        return at
+    name = f"interferogram-{lighting}"
+    if kind in MOVIES:
+        return {name: partial(plots.animation(data, light, rig).save, writer=MOVIES[kind])}
+    return {name: plots.interferogram(data, moment, light, rig).savefig}
 
 
 def _optics(lighting: Lighting, wavelength: str | None) -> tuple["Light", "Rig"]:
@@ -264,9 +265,7 @@ def export(
 
     with running.opened(directory) as run:
         data = run.dataset()
-    target = out or directory / "export"
     with bad_input():
-        shown_data = to_si(data) if in_si else data
-        paths = EXPORTS[to](shown_data, target)
+        paths = EXPORTS[to](to_si(data) if in_si else data, out or directory / "export")
     for path in paths:
         print_path(path)

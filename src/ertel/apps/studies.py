@@ -9,27 +9,26 @@ from ertel.apps import running, tables
 from ertel.apps.process import Interrupted, deferred, interruptible
 from ertel.apps.terminal import (
     ASKED,
-    BAD_INPUT,
     FAILED,
     bad_input,
     in_shell,
     leave,
     print_json,
     print_path,
-    reason_of,
     say,
     shown,
+    writing_to,
 )
 from ertel.case.case import Case
 from ertel.case.derived import newtonian_stress
+from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
-from ertel.runs.directory import Taken
 from ertel.runs.drive import bars
-from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, study_bars, write_study
+from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, write_study
 from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
@@ -37,13 +36,13 @@ LISTED = 5  # failed runs that the last line names
 
 
 def part_of(text: str | None) -> Part:
-    """The part "2/8" as numbers.  Raises ValueError for anything else."""
+    """The part "2/8" as numbers.  Raises ConfigError for anything else."""
     if text is None:
         return EVERY
     number, slash, parts = text.partition("/")
     if slash and number.isdecimal() and parts.isdecimal() and 1 <= int(number) <= int(parts):
         return int(number), int(parts)
-    raise ValueError(f"--part {text}: must be I/N with I from 1 to N, for example 2/8")
+    raise ConfigError(f"--part {text}: must be I/N with I from 1 to N, for example 2/8")
 
 
 def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bool, quiet: bool) -> None:
@@ -54,30 +53,19 @@ def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bo
         in_part = "" if part == EVERY else f" in part {part[0]} of {part[1]}"
         say(f"{len(study.cases)} runs, {len(left)} of them to do{in_part}")
     with interruptible() as stop, ExitStack() as stack:
-        with bad_input():
-            workers = stack.enter_context(engine.workers(len(left)))
+        workers = stack.enter_context(engine.workers(len(left)))
         if part == EVERY:
             stack.enter_context(alone(directory))
-        try:
-            with study_bars(directory, left, not quiet) as shown_bars:
-                said = run_study(study.cases, directory, workers, part, stop, shown_bars.done)
-            result = gather(study, directory, said)
+        with writing_to(directory, GOES_ON):
+            statuses = run_study(study.cases, directory, workers, part, stop, not quiet)
+            result = gather(study, directory, statuses)
             if part == EVERY:
                 write_study(result, directory)
-        except OSError as error:
-            leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {GOES_ON}")
     if part == EVERY:
         _report(result, directory, NAME, as_json, quiet)
-    if stop.code or len(said) < len(left) or Status.INTERRUPTED.value in said.values():
+    if stop.code or len(statuses) < len(left) or Status.INTERRUPTED.value in statuses.values():
         leave(stop.code or ASKED, f"interrupted; {GOES_ON}")
-    _leave_if_failed(said, result, directory, part)
-
-
-def _leave_if_failed(said: Mapping[str, str], result: StudyResult, directory: Path, part: Part) -> None:
-    """Exit with a code where runs failed: in a part those of the part."""
-    failed = result.failed
-    if part != EVERY:
-        failed = [name for name in failed if Path(name).name in said]
+    failed = [name for name in result.failed if part == EVERY or Path(name).name in statuses]
     if failed:
         named = ", ".join(failed[:LISTED]) + (" ..." if len(failed) > LISTED else "")
         advice = f"ertel show {in_shell(directory / failed[0])} tells more"
@@ -88,26 +76,19 @@ def traction(
     case: Case, given: Mapping[str, str | None], film: str | None, directory: Path, as_json: bool, quiet: bool
 ) -> None:
     """Compute what is left of a traction curve, write and print it."""
-    with bad_input():
-        curve = curves.curve_of(case, given, film)
-    try:
-        curves.require_place(directory)
-    except Taken as error:
-        leave(BAD_INPUT, f"--out {error}")
+    curve = curves.curve_of(case, given, film)
+    curves.require_place(directory, "--out")
     if not quiet:
         running.say_before([max(curve.cases, key=newtonian_stress)])
     prepare_jax()
-    with running.within_memory(case), interruptible() as stop:
-        try:
-            found = curves.store_curve(curve, directory, not quiet, stop)
-        except OSError as error:
-            leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {GOES_ON}")
-    _report(found, directory, curves.NAME, as_json, quiet)
-    if not found.complete:
+    with running.within_memory(case), interruptible() as stop, writing_to(directory, GOES_ON):
+        result = curves.store_curve(curve, directory, not quiet, stop)
+    _report(result, directory, curves.NAME, as_json, quiet)
+    if not result.complete:
         leave(stop.code or ASKED, f"interrupted; {GOES_ON}")
-    if found.failed:
-        places = ", ".join(f"{value:.4g}" for value in found.failed)
-        leave(FAILED, f"failed: the film did not converge at {found.axis} = {places}; the other points are there")
+    if result.failed:
+        values = ", ".join(f"{value:.4g}" for value in result.failed)
+        leave(FAILED, f"failed: the film did not converge at {result.axis} = {values}; the other points are there")
 
 
 def _report(result: StudyResult, directory: Path, name: str, as_json: bool, quiet: bool) -> None:
@@ -133,11 +114,10 @@ def paper(figure: str, quick: bool, out: Path, engine: Engine, quiet: bool) -> N
         names = figures.names_of(figure)
         out.mkdir(parents=True, exist_ok=True)
     try:
-        page, missing = _make_page(names, quick, out, engine, quiet)
+        with writing_to(out, GOES_ON):
+            page, missing = _make_page(names, quick, out, engine, quiet)
     except Interrupted as error:
         leave(error.code, f"interrupted; {GOES_ON}")
-    except OSError as error:
-        leave(FAILED, f"cannot write to {shown(out)}: {reason_of(error)}; {GOES_ON}")
     print_path(page)
     if missing:
         leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))

@@ -77,10 +77,10 @@ def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
 
 def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
     """Values with their errors, restitution, what holds of the whole run, and the film formulas at that moment."""
-    found = {name: number for name, number in numbers(summary).items() if name in values_of(summary)}
-    if found:
+    computed = {name: number for name, number in numbers(summary).items() if name in values_of(summary)}
+    if computed:
         heading = "at the last time" if "T" in summary else moment(summary)
-        print_rows(value_rows(heading, list(found.values())), left=2)
+        print_rows(value_rows(heading, list(computed.values())), left=2)
     else:
         out.print(f"{moment(summary).capitalize()}.")
     estimate = summary.get("error_estimate") or {}
@@ -91,24 +91,24 @@ def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
         out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
     for line in more_lines(summary):
         out.print(f"{line[0].upper()}{line[1:]}")
-    T = found["T"].value if "T" in found else 0.0
-    formulas = formula_films(case, case.motion.load(T), case.motion.entrainment(T)) if found else ()
+    T = computed["T"].value if "T" in computed else 0.0
+    formulas = formula_films(case, case.motion.load(T), case.motion.entrainment(T)) if computed else ()
     if formulas:
         out.print()
-        print_films(case, formulas, found)
+        print_films(case, formulas, computed)
 
 
-def value_rows(heading: str, found: Sequence[Number]) -> list[list[str]]:
+def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
     """Numbers with their value in SI, error and extrapolated value, also in SI, as far as these are known."""
-    in_si = ["in SI"] if any(each.factor is not None for each in found) else []
-    estimated = ["error", "extrapolated", *in_si] if any(each.error is not None for each in found) else []
+    in_si = ["in SI"] if any(each.factor is not None for each in values) else []
+    estimated = ["error", "extrapolated", *in_si] if any(each.error is not None for each in values) else []
     rows = [[heading, "", "value", *in_si, *estimated]]
-    for each in found:
+    for each in values:
         row = [each.long_name, each.name, *_with_si(each, each.value, in_si)]
         if each.error is not None and each.extrapolated is not None:
             row += [f"{each.error / abs(each.value):.2%}" if each.value else "-"]
             row += _with_si(each, each.extrapolated, in_si)
-        rows.append(_filled(row, len(rows[0])))
+        rows.append(row + [""] * (len(rows[0]) - len(row)))
     return rows
 
 
@@ -118,28 +118,24 @@ def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
     return [f"{value:.5g}", *(with_prefix(value * factor, number.si_units) for _ in in_si)]
 
 
-def _filled(row: list[str], columns: int) -> list[str]:
-    return row + [""] * (columns - len(row))
-
-
 # -- film formulas ----------------------------------------------------------------------------------------------------
 
 
-def print_films(case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[str, Number] = NOTHING) -> None:
+def print_films(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[str, Number] = NOTHING) -> None:
     """The films by the formulas, beside the computed ones if there are some."""
-    print_rows(film_rows(case, found, computed))
+    print_rows(film_rows(case, films, computed))
     console().print("(in brackets: the contact is outside the range of the formula)")
 
 
-def film_rows(case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[str, Number]) -> list[list[str]]:
+def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[str, Number]) -> list[list[str]]:
     """Film thicknesses by the formulas, with their deviation from a computed film thickness if there is one.
 
     computed: H_c and H_min.  With estimated errors the deviation is from the extrapolated film.  A formula that is not
     made for such a contact is in brackets.
     """
-    names = [f.name if f.inside is not False else f"({f.name})" for f in found]
+    names = [f.name if f.inside is not False else f"({f.name})" for f in films]
     if not computed:
-        rows = [[name, _film(case, f.central), _film(case, f.minimum)] for name, f in zip(names, found, strict=True)]
+        rows = [[name, _film(case, f.central), _film(case, f.minimum)] for name, f in zip(names, films, strict=True)]
         return [["film", "central", "minimum"], *rows]
     both = [computed[name] for name in FILMS]
     best = [each.value if each.extrapolated is None else each.extrapolated for each in both]
@@ -147,9 +143,9 @@ def film_rows(case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[st
     rows.append(["computed", *(cell for each in both for cell in (_film(case, each.value), _uncertainty(each)))])
     if any(each.error is not None for each in both):
         rows.append(["computed, extrapolated", _film(case, best[0]), "", _film(case, best[1]), ""])
-    for name, f in zip(names, found, strict=True):
+    for name, f in zip(names, films, strict=True):
         pairs = zip((f.central, f.minimum), best, strict=True)
-        rows.append([name, *(cell for film, known in pairs for cell in (_film(case, film), _deviation(film, known)))])
+        rows.append([name, *(cell for film, ours in pairs for cell in (_film(case, film), _deviation(film, ours)))])
     return rows
 
 
@@ -167,18 +163,18 @@ def _deviation(film: float | None, computed: float) -> str:
     return f"{film / computed - 1:+.1%}" if film is not None and computed else ""
 
 
-def print_sources(found: "Sequence[FormulaFilm]") -> None:
+def print_sources(films: "Sequence[FormulaFilm]") -> None:
     """Sources and ranges of the formulas."""
     sources: dict[str, list[str]] = {}
-    for f in found:
+    for f in films:
         sources.setdefault(f.source, []).append(f"{f.name}: {f.valid}")
     for source, formulas in sources.items():
         console().print(f"\n{source}", *(f"  {line}" for line in formulas), sep="\n")
 
 
-def films_as_data(case: "Case", found: "Sequence[FormulaFilm]") -> dict[str, Any]:
+def films_as_data(case: "Case", films: "Sequence[FormulaFilm]") -> dict[str, Any]:
     """The parameters of a case and its film thicknesses by the formulas, as data for JSON."""
-    rows = [film._asdict() for film in found]
+    rows = [film._asdict() for film in films]
     if case.scales:
         for row in rows:
             row["si"] = values_in_si({"H_c": row["central"], "H_min": row["minimum"]}, case.scales)
@@ -221,8 +217,11 @@ def print_entry(entry: NamedOil | Material) -> None:
     out.print(f"{entry.name}: {entry.text}", style="bold")
     for title, part in _parts(entry):
         out.print(f"\n{title}, {_range(part.coldest, part.hottest)}: {part.data.title}")
-        for key, text in _values(part.data):
-            out.print(f"  {key} = {text}")
+        marks_of = marks(type(part.data))
+        for item in fields(part.data):
+            value = getattr(part.data, item.name)
+            if value is not None:
+                out.print(f"  {item.name} = {_in_unit(value, marks_of.get(item.name))}")
         out.print(f"  source: {part.source}")
         if part.note:
             out.print(f"  note: {' '.join(part.note.split())}")
@@ -252,15 +251,7 @@ def _parts(entry: NamedOil | Material) -> Iterator[tuple[str, Sourced[Any]]]:
             yield TITLES.get(name, name), part
 
 
-def _values(data: Any) -> Iterator[tuple[str, str]]:
-    kinds: Mapping[str, object] = marks(type(data))
-    for item in fields(data):
-        value = getattr(data, item.name)
-        if value is not None:
-            yield item.name, _text(value, kinds.get(item.name))
-
-
-def _text(value: float, mark: object) -> str:
+def _in_unit(value: float, mark: object) -> str:
     if mark is TEMPERATURE:
         return celsius(value)
     if mark is KINEMATIC_VISCOSITY:

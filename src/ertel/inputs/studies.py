@@ -24,11 +24,12 @@ from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.records import OIL_LAWS, ConfigError, field_name, show
+from ertel.case.reading import check_key
+from ertel.case.records import OIL_LAWS, ConfigError, field_name, is_number, show
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
 from ertel.inputs.layout import SECTIONS, DataSheet
-from ertel.inputs.quantities import LOG, MOST_VALUES, parse_quantity, plain_data, spaced, unit_in
+from ertel.inputs.quantities import LOG, MOST_VALUES, parse_quantity, plain_data, spaced, split
 from ertel.physics.motion import Oscillation
 from ertel.physics.registry import SHAPES
 from ertel.physics.units import Mark, Unit, marks, meanings
@@ -102,7 +103,8 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
     plain = {key: value for key, value in data.items() if key != SWEEP}
     axes = tuple(_axes(plain))
     for axis in axes if mode == "product" else ():
-        _check_differing(axis.field, axis.values)
+        if len({_hashable(value) for value in axis.values}) < len(axis.values):
+            raise ConfigError(f"{axis.field} = {show(list(axis.values))}: the values must differ from each other")
     if not axes:
         parse_case(plain, folder)  # a misspelled section or range is named first
         raise ConfigError(
@@ -117,9 +119,8 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
 def _mode(section: Any) -> str:
     if not isinstance(section, Mapping):
         raise ConfigError(f"{SWEEP} = {show(section)}: must be a section, [{SWEEP}]")
-    for key in section:
-        if key != MODE:
-            raise ConfigError(f"{SWEEP}.{key} = {show(section[key])}: unknown key; allowed: {MODE}")
+    for key, value in section.items():
+        check_key(key, value, (MODE,), SWEEP)
     mode = section.get(MODE, MODES[0])
     if mode not in MODES:
         raise ConfigError(f"{SWEEP}.{MODE} = {show(mode)}: allowed: {', '.join(MODES)}")
@@ -159,11 +160,6 @@ def _is_signal(place: Place, value: Sequence[Any]) -> bool:
     )
 
 
-def _check_differing(what: str, values: Sequence[Any]) -> None:
-    if len({_hashable(value) for value in values}) < len(values):
-        raise ConfigError(f"{what} = {show(list(values))}: the values must differ from each other")
-
-
 def _hashable(value: Any) -> Any:
     """A key that is equal for equal values, so that a set finds it at once."""
     if isinstance(value, Mapping):
@@ -175,10 +171,8 @@ def _hashable(value: Any) -> Any:
 
 def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
     """The values of a range, written like its ends."""
-    said = f"{field} = {show(table)}"
-    for key in table:
-        if key not in RANGE:
-            raise ConfigError(f"{field}.{key} = {show(table[key])}: unknown key; a range has {', '.join(RANGE)}")
+    for key, value in table.items():
+        check_key(key, value, RANGE, field)
     for key in RANGE[:3]:
         if key not in table:
             raise ConfigError(f"{field}.{key}: missing; a range has {', '.join(RANGE)}")
@@ -191,24 +185,21 @@ def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
         (start, of_start), (end, of_end) = (_amount(table[key]) for key in RANGE[:2])
         if of_start and of_end and of_start != of_end:
             raise ValueError("both ends must have the same unit")
-        found = spaced(start, end, number, spacing == LOG)
+        values = spaced(start, end, number, spacing == LOG)
     except ValueError as error:
-        raise ConfigError(f"{said}: {error}") from error
+        raise ConfigError(f"{field} = {show(table)}: {error}") from error
     if unit := of_start or of_end:
-        return [f"{value!r} {unit}" for value in found]
-    whole = all(isinstance(table[key], int) for key in RANGE[:2]) and all(value.is_integer() for value in found)
-    return [int(value) for value in found] if whole else list(found)
+        return [f"{value!r} {unit}" for value in values]
+    whole = all(isinstance(table[key], int) for key in RANGE[:2]) and all(value.is_integer() for value in values)
+    return [int(value) for value in values] if whole else list(values)
 
 
 def _amount(written: Any) -> tuple[float, str]:
     """The number and the unit of one end of a range."""
-    if isinstance(written, bool) or not isinstance(written, int | float | str):
-        raise ValueError('its ends must be numbers, or quantities such as "0.1 m/s"')
-    unit = unit_in(written.strip()) if isinstance(written, str) else ""
-    try:
-        return float(written.strip().removesuffix(unit) if isinstance(written, str) else written), unit
-    except ValueError as error:
-        raise ValueError(f"{show(written)} must be a number, with or without a unit") from error
+    number, unit = (written, "") if is_number(written) else split(written)
+    if number == "":
+        raise ValueError(f"{show(written)} must be a number, with or without a unit")
+    return float(number), unit
 
 
 # -- the cases --------------------------------------------------------------------------------------------------------
@@ -218,8 +209,8 @@ def _combinations(axes: Sequence[Axis], mode: str) -> Iterator[tuple[Any, ...]]:
     """The values of each case, one of each axis."""
     numbers = {axis.field: len(axis.values) for axis in axes}
     if mode == "zip" and len(set(numbers.values())) > 1:
-        said = ", ".join(f"{field} {number}" for field, number in numbers.items())
-        raise ConfigError(f'{SWEEP}.{MODE} = "zip": all must have equally many values; there are of {said}')
+        lengths = ", ".join(f"{field} {number}" for field, number in numbers.items())
+        raise ConfigError(f'{SWEEP}.{MODE} = "zip": all must have equally many values; there are of {lengths}')
     runs = prod(numbers.values()) if mode == "product" else len(axes[0].values)
     if runs > MOST_RUNS:
         raise ConfigError(f"the study has {runs} cases; must be at most {MOST_RUNS}")
@@ -256,12 +247,12 @@ def coordinates(study: Study) -> dict[str, Coordinate]:
     What is no number, a law or the name of an oil, is a text.
     """
     short = [str(axis.place[-1]) for axis in study.axes]
-    found = {}
+    by_name = {}
     for axis, name in zip(study.axes, short, strict=True):
         whole = [str(part + 1) if isinstance(part, int) else part for part in axis.place]  # tables count from one
         unique = name if short.count(name) == 1 else "_".join(whole)
-        found[unique] = _coordinate(axis, _records(axis.place, study.data))
-    return found
+        by_name[unique] = _coordinate(axis, _records(axis.place, study.data))
+    return by_name
 
 
 def _coordinate(axis: Axis, records: Sequence[Any]) -> Coordinate:

@@ -188,12 +188,12 @@ def _bands(elastic: DeformationOperator, c: Coefficients, by_spread: Array, flow
     """The operator's three bands on each line; each node has its own kind of change."""
     p = extended(by_spread, elastic.even)
     pattern = _Pattern(*(-0.25 * by_spread * near for near in (p[1:-1, :-2], p[1:-1, 2:], p[:-2, 1:-1] + p[2:, 1:-1])))
-    own, upstream = _diffusion(elastic, c)
+    centre, upstream = _diffusion(elastic, c)
 
     def diffused(k: int) -> Array:
         """By a change k nodes upstream."""
         change, before, after = (_shifted(pattern.at(j) * c.free, k) for j in (k, k - 1, k + 1))
-        return own * change - upstream * before - _downstream(upstream) * after
+        return centre * change - upstream * before - _downstream(upstream) * after
 
     def coupling(k: int) -> Array:
         """The entry in row i, column i - k: the change is k nodes upstream."""
@@ -201,15 +201,15 @@ def _bands(elastic: DeformationOperator, c: Coefficients, by_spread: Array, flow
         beyond = diffused(2 * k) if k else 0.0
         return diffused(k) + beyond + _carried(elastic, c, pattern, k, flow)
 
-    across = 0.5 * (own - upstream - _downstream(upstream)) * pattern.beside  # from the neighbours on other lines
+    across = 0.5 * (centre - upstream - _downstream(upstream)) * pattern.beside  # from the neighbours on other lines
     diagonal = jnp.where(c.free > 0.0, coupling(0) - across, 1.0)
     return coupling(1) * c.free, diagonal, coupling(-1) * c.free
 
 
 def _diffusion(elastic: DeformationOperator, c: Coefficients) -> tuple[Array, Array]:
     """The diagonal coefficient of - div(eps grad e), and the coefficient of the upstream face."""
-    own, upstream = face_sum(c.eps, elastic.even), 0.5 * (c.eps.x + _upstream(c.eps.x))
-    return own / elastic.spacing**2, upstream / elastic.spacing**2
+    centre, upstream = face_sum(c.eps, elastic.even), 0.5 * (c.eps.x + _upstream(c.eps.x))
+    return centre / elastic.spacing**2, upstream / elastic.spacing**2
 
 
 def _carried(elastic: DeformationOperator, c: Coefficients, pattern: _Pattern, k: int, flow: _Flow) -> Array:

@@ -21,7 +21,7 @@ from ertel.case.case import Case
 from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
 from ertel.results.dataset import largest_of, with_units
 from ertel.results.numbers import SHOWN, Scalar, aligned, html_columns, html_image
-from ertel.results.variables import PREFIXES, exponent, name_in_si, to_si_by, variable_attributes
+from ertel.results.variables import PREFIXES, exponent, name_in_si, value_in_si, variable_attributes
 from ertel.version import installed_version
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
@@ -238,14 +238,13 @@ WARM = (
 def point_scalars(case: Case, values: Mapping[str, float]) -> dict[str, Scalar]:
     """The numbers of a point from dimensionless values by name; nan where there is none.
 
-    Those of a physical case are in SI under SI names (h_c for H_c): each point has its own scales.
+    Those of a physical case are in SI under SI names (h_c for H_c), by the scales of the point itself.
     """
     scalars = {}
     for name in CURVE_NUMBERS if case.thermal is None else (*CURVE_NUMBERS, *WARM_NUMBERS):
         value, attributes = values.get(name, nan), variable_attributes(name, case.scales)
         if "si_factor" in attributes:
-            factor, attributes = to_si_by(attributes)
-            name, value = attributes["symbol"], value * factor
+            name, value, attributes = value_in_si(value, attributes)
         scalars[name] = Scalar(value, attributes)
     return scalars
 

@@ -246,6 +246,15 @@ def variable_attributes(name: str, scales: Scales | None) -> dict[str, Any]:
     return attributes
 
 
+def value_in_si(value: Any, attributes: Mapping[str, Any]) -> tuple[str, Any, dict[str, Any]]:
+    """The SI name, value and attributes of a variable of a physical case, from its own, which have an si_factor."""
+    attributes = dict(attributes)
+    factor, attributes["units"] = attributes.pop("si_factor"), attributes.pop("si_units")
+    attributes["symbol"] = attributes.pop("si_name")
+    attributes.pop("in_units_of", None)
+    return attributes["symbol"], value * factor, attributes
+
+
 def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     """The run of a physical case in SI units; its variables have their SI names (h_c for H_c, t for time, ...).
 
@@ -270,17 +279,10 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     names = {}
     for name, variable in dataset.variables.items():
         if "si_factor" in variable.attrs:
-            factor, attributes = to_si_by(variable.attrs)
-            converted[name] = (variable.dims, variable.values * factor, attributes)
-            names[name] = attributes["symbol"] if name != "frame" else name
+            new, values, attributes = value_in_si(variable.values, variable.attrs)
+            converted[name] = (variable.dims, values, attributes)
+            names[name] = new if name != "frame" else name
     return converted.rename({name: new for name, new in names.items() if new != name})
-
-
-def to_si_by(attributes: Mapping[str, Any]) -> tuple[float, dict[str, Any]]:
-    """The factor of a variable to SI and its attributes there, from its attributes; `symbol` is its name there."""
-    kept = {key: value for key, value in attributes.items() if not key.startswith("si_") and key != "in_units_of"}
-    in_si = {"units": attributes["si_units"], "symbol": attributes["si_name"]}
-    return attributes["si_factor"], {**kept, **in_si}
 
 
 def exponent(size: float) -> int:

@@ -40,14 +40,13 @@ from ertel.results.study_result import (
     study_dataset,
 )
 from ertel.results.variables import with_coefficients
-from ertel.runs import studies, workers
+from ertel.runs import studies
 from ertel.runs.compile import check_jax
-from ertel.runs.courses import GridStep, course_of
 from ertel.runs.directory import STOP, Taken
-from ertel.runs.drive import bars, drive, warn
+from ertel.runs.drive import GridStep, bars, drive, run_of, warn
 from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
-from ertel.runs.workers import Condition, LocalWorker, never
+from ertel.runs.workers import Condition, LocalWorker, check_fork, never
 from ertel.solvers.heat import Heated, heated
 from ertel.solvers.steady import Rolling
 
@@ -118,7 +117,7 @@ def traction(
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
     if directory:
         place = Path(directory).absolute()
-        require_place(place)
+        require_place(place, "directory")
         return store_curve(curve, place, progress)
     return compute_curve(curve, progress)
 
@@ -165,20 +164,19 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
             f'solver.method = "{case.solver.method}": a traction curve is of a steady contact; use contact.kind = '
             '"rolling" and solver.method = "steady"'
         )
-    wanted = {name: values for name, values in given.items() if values is not None}
-    if len(wanted) != 1:
-        said = " and ".join(wanted) or "none"
-        raise ConfigError(f"give exactly one of {', '.join(CURVE_AXES)}; got {said}")
-    [(axis, values)] = wanted.items()
+    axes = {name: values for name, values in given.items() if values is not None}
+    if len(axes) != 1:
+        raise ConfigError(f"give exactly one of {', '.join(CURVE_AXES)}; got {' and '.join(axes) or 'none'}")
+    [(axis, values)] = axes.items()
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
-    found = parse_values(axis, values, CURVE_AXES[axis].mark)
+    in_si = parse_values(axis, values, CURVE_AXES[axis].mark)
     try:
-        cases = tuple(_at(case, axis, value) for value in found)
+        cases = tuple(_at(case, axis, value) for value in in_si)
     except ValueError as error:
         raise ConfigError(str(error)) from error
-    return Curve(case, axis, found, cases, _film(case, axis, film))
+    return Curve(case, axis, in_si, cases, _film(case, axis, film))
 
 
 def _film(case: Case, axis: str, film: str | None) -> FilmChoice:
@@ -224,7 +222,7 @@ def compute_curve(curve: Curve, progress: bool = False) -> TractionCurve:
         bar = shown.add_task(curve.case.name or curve.case.kind, total=total, message="")
 
         def film_of(case: Case) -> FilmRun:
-            number, run = next(numbers), course_of(case)
+            number, run = next(numbers), run_of(case)
 
             def show(item: GridStep) -> None:
                 now = run.progress(item)
@@ -243,24 +241,22 @@ def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Co
 
     asked: whether to stop, see `studies.run_study`.  Raises StoreError.
     """
-    workers.check_fork()
+    check_fork()
     with studies.alone(directory):
-        left = studies.left_of(curve.films, directory)
-        with studies.study_bars(directory, left, progress) as shown:
-            said = studies.run_study(curve.films, directory, LocalWorker(), asked=asked, on_done=shown.done)
+        statuses = studies.run_study(curve.films, directory, LocalWorker(), asked=asked, progress=progress)
 
         def film_of(case: Case) -> FilmRun:
-            run = studies.study_run(case, directory, said)
+            run = studies.study_run(case, directory, statuses)
             film = RunStore.open(directory / run.directory).item() if run.status == DONE else None
             return run, film
 
-        found = replace(_curve(curve, film_of), directory=directory)
-        studies.write_study(found, directory, NAME)
-    return found
+        result = replace(_curve(curve, film_of), directory=directory)
+        studies.write_study(result, directory, NAME)
+    return result
 
 
-def require_place(directory: Path) -> None:
-    """Raise Taken where a directory holds files that a curve would overwrite or be mixed with.
+def require_place(directory: Path, option: str) -> None:
+    """Raise Taken, naming the option, where a directory holds files that a curve would overwrite or be mixed with.
 
     The directory of an earlier curve may hold other files as well.
     """
@@ -268,14 +264,13 @@ def require_place(directory: Path) -> None:
         return
     visible = {path.name for path in directory.iterdir() if not path.name.startswith(".")}
     if OLDER in visible:
-        raise Taken(f"{directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
+        raise Taken(f"{option} {directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
     of_a_curve = {studies.RUNS, STOP, *(f"{NAME}.{ending}" for ending in studies.ENDINGS)}
-    begun = studies.RUNS in visible and visible <= of_a_curve
-    if visible and not (begun or f"{NAME}.zarr" in visible):
+    is_curve = f"{NAME}.zarr" in visible or (studies.RUNS in visible and visible <= of_a_curve)
+    if visible and not is_curve:
         some = ", ".join(sorted(visible)[:LISTED])
-        raise Taken(
-            f"{directory}: holds other files ({some}); give a new or empty directory, or that of an earlier curve"
-        )
+        allowed = "give a new or empty directory, or that of an earlier curve"
+        raise Taken(f"{option} {directory}: holds other files ({some}); {allowed}")
 
 
 def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
@@ -300,8 +295,8 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
     fresh: whether the film was solved for this point, so that its work counts here.  directory: of the film's run.
     """
     grids = Rolling(film.solutions)
-    found = steady_friction(case, grids.finest)
-    numbers = with_coefficients(coefficients(found), case.scales)
+    friction = steady_friction(case, grids.finest)
+    numbers = with_coefficients(coefficients(friction), case.scales)
     sliding, rolling = numbers["mu_sliding"], numbers["mu_rolling"]
     work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), grids.convolutions
     values = {
@@ -309,7 +304,7 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
         **numbers,
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
-        "tau_max": float(np.hypot(*np.asarray(found.stress)).max()),
+        "tau_max": float(np.hypot(*np.asarray(friction.stress)).max()),
         **dict(zip(CURVE_WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
     warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status

@@ -133,8 +133,8 @@ def eliminate_approach(problem: Problem, P: Array, approach: Number) -> ClosedSy
     """Eliminate Delta, for a closure in which Delta has a weight."""
     c, line = problem.contact, problem.line
 
-    def of(P: Array) -> Array:
-        return (line.value - line.load_weight * contact.pressure_load(c, P)) / line.approach_weight
+    def of(P: Array) -> Any:
+        return line.approach(contact.pressure_load(c, P))
 
     def film_change(dP: Array) -> Array:
         rise = line.load_weight * contact.pressure_load(c, dP) / line.approach_weight

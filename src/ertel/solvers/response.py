@@ -140,16 +140,16 @@ def _solve_step(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
     )
     closed = nonlinear.eliminate_approach(problem, P, 0.0)
     inverse = point_preconditioner(problem, P, H, free)
-    known = -line.value / line.approach_weight - p.shape  # the part of dH that no pressure makes
+    given = -line.value / line.approach_weight - p.shape  # the part of dH that no pressure makes
     dP, iterations = gcr(
         lambda d: free * change_of_r(d, closed.film_change(d), jnp.zeros_like(d)),
         lambda k, r: inverse(r),
-        -free * change_of_r(jnp.zeros_like(P), known, past),
+        -free * change_of_r(jnp.zeros_like(P), given, past),
         REDUCTION,
         STEP_LIMIT,
     )
-    approach = (line.value - line.load_weight * contact.pressure_load(c, dP)) / line.approach_weight
-    return {"P": dP, "H": closed.film_change(dP) + known}, approach, iterations
+    approach = line.approach(contact.pressure_load(c, dP))
+    return {"P": dP, "H": closed.film_change(dP) + given}, approach, iterations
 
 
 # -- waves through a steady film --------------------------------------------------------------------------------------

@@ -103,7 +103,7 @@ class GridSolution:
     @property
     def maps(self) -> dict[str, Floats]:
         """Its fields on the whole plane by name: those of `account.whole_maps`, and the temperatures."""
-        maps = whole_maps(self, self.P, self.H, self.account[1])
+        maps = whole_maps(self.whole, self.P, self.H, self.account[1])
         heat = self.heat
         if heat is not None:
             maps |= {name: np.asarray(self.whole(getattr(heat, name))) for name in ("T_1", "T_2", "T_film")}
@@ -214,8 +214,8 @@ def check_steady_motion(case: Case) -> None:
 def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, float]:
     """Pressure and approach of the dry contact under a load in units F*; the pressure is scaled to carry it exactly."""
     P = geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None])
-    wanted = load * geometry.hertz_load / grid.spacing**2
-    return P * (wanted / unfolded(P, grid.even).sum()), geometry.dry_approach(load)
+    needed = load * geometry.hertz_load / grid.spacing**2
+    return P * (needed / unfolded(P, grid.even).sum()), geometry.dry_approach(load)
 
 
 def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:

@@ -218,19 +218,19 @@ class Transient2D(Method):
             *((nonlinear.eliminate_approach, FALLING) if falls else (nonlinear.approach_as_unknown, ROLLING)),
         )
         numbers = np.asarray(solution.numbers).tolist()
-        found = dict(zip(NUMBERS, numbers, strict=False))
+        named = dict(zip(NUMBERS, numbers, strict=False))
         measured = self._named(state.named_numbers(self.grid, numbers[len(NUMBERS) :]), around.load)
-        approach, n, k = found["approach"], int(found["newton"]), int(found["krylov"])
+        approach, n, k = named["approach"], int(named["newton"]), int(named["krylov"])
         velocity = self.closure.velocity(T, rates, approach, approaches)
         load = measured.pop("load")
         load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
-        beyond = around.load + load - found["load"]  # half a cell around the grid counts as outside
-        terms = account.terms(found, velocity, Around(beyond, around.uplift, load_rate), self.geometry.hertz_load)
-        record = {**measured, **terms, **{name: found[name] for name in account.FRICTION}}
-        status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED
+        beyond = around.load + load - named["load"]  # half a cell around the grid counts as outside
+        terms = account.terms(named, velocity, Around(beyond, around.uplift, load_rate), self.geometry.hertz_load)
+        record = {**measured, **terms, **{name: named[name] for name in account.FRICTION}}
+        status = Status.CONVERGED if named["converged"] else Status.NEWTON_STALLED
         work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
         fields = solution.fields
-        return State(T, approach, velocity, fields, status, work, around.load, load, found["error"], record)
+        return State(T, approach, velocity, fields, status, work, around.load, load, named["error"], record)
 
     def motion(self, levels: Sequence[State], T: float) -> ContactMotion:
         """The predicted motion of the new level, for the oil outside.
@@ -238,9 +238,8 @@ class Transient2D(Method):
         The squeeze of a rolling contact is left out there: with little or no inertia V follows from the film of the
         same step, and extrapolating it from earlier steps is unstable.
         """
-        loads = [(level.load + level.outside) / self.geometry.hertz_load for level in levels[: outside.NEWEST]]
-        found = outside.predicted(levels, T, loads, self.case.motion.entrainment(T))
-        return found if self.case.starts_apart else found._replace(velocity=0.0)
+        motion = outside.predicted(levels, T, self.geometry.hertz_load, self.case.motion.entrainment(T))
+        return motion if self.case.starts_apart else motion._replace(velocity=0.0)
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
@@ -312,7 +311,7 @@ def solve_step(p: StepProblem) -> StepSolution:
     P, P_old, H_old = _weighted(known.predict, [level["P"] for level in p.past]), p.past[0]["P"], p.past[0]["H"]
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # So the prediction limits the fall.
-    P = stencils.edged(jnp.maximum(P, (1.0 - MAX_PRESSURE_DROP) * P_old), jnp.asarray(p.edge), p.contact.even)
+    P = stencils.inside(jnp.maximum(P, (1.0 - MAX_PRESSURE_DROP) * P_old), p.contact.even) + jnp.asarray(p.edge)
     # a residual r leaves the mass r/rate.new over in this step
     allowed = s.tolerance * rate.new * (s.film_scale + jnp.abs(H_old))
     problem = Problem(
@@ -343,14 +342,12 @@ def _numbers(
     load = (contact.pressure_load(c, s.P) + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
     moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
-    found = account.account(setting.space, c, s.P, s.H, moment, rate.of(mass, c.spacing))
+    balance = account.account(setting.space, c, s.P, s.H, moment, rate.of(mass, c.spacing))
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     error = film_error(mass, predicted, s.P, THIN * setting.film_scale, c.even, setting.coarsenings)
-    values = approach, s.converged, s.newton, s.krylov, error, *(found.terms[name] for name in account.INTEGRALS)
-    plain = [*values, *account.friction_numbers(found.friction)]
-    return jnp.concatenate(
-        [jnp.stack([jnp.asarray(v, s.P.dtype) for v in plain]), state.extreme_numbers(setting.axes, s.P, s.H)]
-    )
+    values = approach, s.converged, s.newton, s.krylov, error, *balance.numbers
+    stepped = jnp.stack([jnp.asarray(value, s.P.dtype) for value in values])
+    return jnp.concatenate([stepped, state.extreme_numbers(setting.axes, s.P, s.H)])
 
 
 def _weighted(weights: Weights, fields: Sequence[Array]) -> Array:
