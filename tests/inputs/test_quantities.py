@@ -105,7 +105,7 @@ def test_any_text_as_a_length_is_a_length_or_refused(text):
     assert value is not None and 0 < value < inf
 
 
-# -- several values -----------------------------------------------------------------------------------------------------
+# -- several values ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
