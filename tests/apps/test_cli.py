@@ -195,11 +195,6 @@ def test_show_si(here):
     assert all(words in said for words in ("in SI", "GPa", "µm"))
 
 
-def test_show_of_a_run_under_way(small):
-    (small / "summary.json").unlink()
-    assert json.loads(ertel_("show", "runs/small", "--json").stdout)["status"] == "running"
-
-
 # -- plot -------------------------------------------------------------------------------------------------------------
 
 

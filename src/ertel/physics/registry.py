@@ -12,7 +12,7 @@ record.
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -81,6 +81,15 @@ VISCOSITY_LAWS = Registry("viscosity law", "ertel.viscosity_laws")
 DENSITY_LAWS = Registry("density law", "ertel.density_laws")
 FLUIDITY_LAWS = Registry("fluidity law", "ertel.fluidity_laws")
 SHAPES = Registry("shape", "ertel.shapes")
+
+
+class OfAnyOil:
+    """A law that needs no data of the oil, so that its name alone is enough."""
+
+    @classmethod
+    def of(cls, oil: object) -> Self:
+        """The law of an oil."""
+        return cls()
 
 
 def arrays_of(values: Any) -> Any:

@@ -186,15 +186,13 @@ def meanings(record: Any) -> Mapping[str, Meaning]:
 @cache
 def _parts(record: Any, kind: Any) -> Mapping[str, Any]:
     """The marks or meanings in the annotations of the fields, by name of the field."""
-    hints = get_type_hints(record, include_extras=True)
-    parts = {name: _part(hint, kind) for name, hint in hints.items()}
-    return {name: part for name, part in parts.items() if part is not None}
-
-
-def _part(hint: Any, kind: Any) -> Any:
-    if get_origin(hint) is Annotated:
-        return next((part for part in get_args(hint)[1:] if isinstance(part, kind)), None)
-    return None
+    parts: dict[str, Any] = {}
+    for name, hint in get_type_hints(record, include_extras=True).items():
+        if get_origin(hint) is Annotated:
+            for part in get_args(hint)[1:]:
+                if isinstance(part, kind):
+                    parts[name] = part
+    return parts
 
 
 def require_positive(name: str, value: float) -> None:
