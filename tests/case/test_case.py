@@ -434,13 +434,6 @@ def test_the_default_domain_of_an_impact_widens_at_low_loads(M: float, expected:
     assert half_width({"M": M, "L": 5}, method="radial") == pytest.approx(2 * expected, abs=0.26)
 
 
-@pytest.mark.parametrize(("M", "wider"), [(1e4, 1.0), (5, 1.0), (2, 2.5 ** (4 / 3)), (1, 5 ** (4 / 3))])
-def test_the_default_domain_of_rolling_widens_at_low_loads(M: float, wider: float) -> None:
-    """As lambda_bar: the share of the load outside stays the same."""
-    assert half_width({"kind": "rolling", "M": M, "L": 5}) == pytest.approx(3.0 * wider, abs=0.13)
-    assert half_width({"kind": "rolling", "M": M, "L": 5}, half_width=9.0) == 9.0
-
-
 @pytest.mark.parametrize("across", [None, 2.00001, 2.11])
 def test_the_side_along_y_of_an_ellipse_reads_back(across: float | None) -> None:
     """A side that ends as long as that along x is not the default, which follows the ellipse."""

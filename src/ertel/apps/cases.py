@@ -20,7 +20,7 @@ def params(case_file: OptionalCase = None, set_: Set = None, as_json: Json = Fal
 
     Give a case file, or the contact alone: --set contact.M=1000 --set contact.L=10, or quantities such as
     --set "contact.radius=10 mm". Without a file the contact is an impact unless --set contact.kind=rolling, and its oil
-    follows Barus. A message names what is missing; ertel run --help-keys explains all keys.
+    follows the Barus law. A message names what is missing; ertel run --help-keys explains all keys.
     """
     from ertel.results.parameters import parameter_summary
 
@@ -69,7 +69,7 @@ def _case_asked_for(case_file: Path | None, settings: list[str] | None, kind: st
 
 def new(
     kind: Annotated[Literal["impact", "rolling"], typer.Argument(help="Kind of contact.")],
-    file: Annotated[Path | None, path_argument("[FILE]", "New case file; default KIND.toml.")] = None,
+    file: Annotated[Path | None, path_argument("FILE", "New case file; default KIND.toml.")] = None,
 ) -> None:
     """Write a new case file that runs, with all keys and their meanings.
 
@@ -182,7 +182,7 @@ def _needs(content: dict[str, Any]) -> dict[str, str]:
 
 
 def oils(
-    name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="An oil or a material.")] = None,
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="An oil or a material.")] = None,
     as_json: Json = False,
 ) -> None:
     """Print the oils and materials that case files know by name, or all data of one with their sources."""

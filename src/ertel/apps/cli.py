@@ -103,9 +103,9 @@ def run(
 def resume(
     directory: RunDirectory, as_json: Json = False, error: Estimate = False, quiet: Quiet = False, flush: Flush = None
 ) -> None:
-    """Continue a run that was interrupted, or with --error estimate the error of a finished one.
+    """Continue an interrupted run.
 
-    Nothing is computed again; of a run that is done the summary is printed.
+    Of a finished run the summary is printed; with --error its error is estimated. No step is computed twice.
     """
     from ertel.apps import running
 
@@ -115,9 +115,9 @@ def resume(
 @app.command()
 def traction(
     case_file: CaseFile,
-    slide_to_roll: Annotated[str | None, values_option("0:0.5:15", "The slide-to-roll ratio varies.")] = None,
-    mean_speed: Annotated[str | None, values_option("0.1 m/s:10 m/s:12:log", "The mean speed varies.")] = None,
-    load: Annotated[str | None, values_option("10 N:100 N:5", "The load varies.")] = None,
+    slide_to_roll: Annotated[str | None, values_option("slide-to-roll ratio", "0:0.5:15")] = None,
+    mean_speed: Annotated[str | None, values_option("mean speed", "0.1 m/s:10 m/s:12:log")] = None,
+    load: Annotated[str | None, values_option("load", "10 N:100 N:5")] = None,
     film: Annotated[
         str | None, typer.Option(metavar="each|once", help="Solve the film at each point, or once.")
     ] = None,
@@ -185,9 +185,7 @@ def sweep(
 
 @app.command("warm-up")
 def warm_up(
-    case_files: Annotated[
-        list[Path] | None, path_argument("[CASE.toml]...", "Case files; default the usual grids.")
-    ] = None,
+    case_files: Annotated[list[Path] | None, path_argument("CASE.toml", "Case files; default the usual grids.")] = None,
     set_: Set = None,
 ) -> None:
     """Compile ahead what runs need, once per machine: then they start at once.
@@ -227,7 +225,14 @@ def paper(
     studies.paper(figure, quick, out, studies.Engine(jobs, scheduler, scheduler_file, tls), quiet)
 
 
-# -- answers at once --------------------------------------------------------------------------------------------------
+for command in (
+    *(looking.show, looking.plot, looking.ls, looking.compare, looking.export),
+    *(cases.params, cases.film, cases.new, cases.check, cases.schema, cases.oils),
+):
+    app.command()(command)
+
+
+# -- ertel itself -----------------------------------------------------------------------------------------------------
 
 
 @app.command()
@@ -250,7 +255,7 @@ def about(
 
 @app.command("app")
 def browse(
-    folder: Annotated[Path, path_argument("[DIR]", "Folder with case files and runs; default here.")] = Path(),
+    folder: Annotated[Path, path_argument("DIR", "Folder with case files and runs; default here.")] = Path(),
     port: Annotated[int, typer.Option(min=1024, max=65535, help="Port on this machine.")] = 8642,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the app in the browser.")] = True,
 ) -> None:
@@ -272,19 +277,3 @@ def browse(
         )
     for name in going:
         say(f"{in_shell(folder.absolute() / name)} goes on without the app; to watch it open the app again")
-
-
-for command in (
-    cases.params,
-    cases.film,
-    cases.new,
-    cases.check,
-    cases.schema,
-    cases.oils,
-    looking.show,
-    looking.plot,
-    looking.ls,
-    looking.compare,
-    looking.export,
-):
-    app.command()(command)

@@ -25,7 +25,7 @@ MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplot
 def ls(
     folder: Annotated[
         Path | None,
-        path_argument("[DIR]", "Folder with runs, also in folders below it; default this one.", run_directories),
+        path_argument("DIR", "Folder with runs, also in folders below it; default this one.", run_directories),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -125,7 +125,7 @@ def _print_pairs(pairs: "Sequence[Compared]", statuses: Sequence[str]) -> None:
 
 
 def show(directory: RunDirectory, as_json: Json = False) -> None:
-    """Print the summary of a run, also of one that is not finished."""
+    """Print the summary of a run, also of an unfinished one."""
     from ertel.apps import running
     from ertel.runs.files import Damaged, StoreError
 
@@ -163,7 +163,7 @@ def plot(
     ] = "png",
     out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
 ) -> None:
-    """Draw the figures of a run, or its interferogram as an optical test rig shows it.
+    """Draw the figures of a run, or an interferogram of its film.
 
     An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
     layers and light sources can be chosen, see ertel.optics.

@@ -159,6 +159,16 @@ class Key(NamedTuple):
         """The laws one of which the value is."""
         return next((LAWS[option] for option in self.options if option in LAWS), None)
 
+    def keys_in(self, table: Mapping[str, Any]) -> tuple["Key", ...]:
+        """The keys of a table that is the value: of a signal, a data sheet or a law."""
+        if Signal in self.options:
+            return keys_of(Oscillation)
+        if DataSheet in self.options:
+            return keys_of(DataSheet)
+        laws: Mapping[str, Any] = self.law or {}
+        law = table.get("law")
+        return keys_of(laws[law]) if isinstance(law, str) and law in laws else ()
+
     @property
     def kind(self) -> str:
         """The kind of a value in words."""

@@ -81,8 +81,8 @@ NAMES = tuple(dict.fromkeys((*IN_TIME, *STEADY)))
 
 def names_of(dataset: xr.Dataset) -> tuple[str, ...]:
     """The names of the figures that together show all of a run."""
-    known, parts = (STEADY, PARTS_STEADY) if is_steady(dataset) else (IN_TIME, PARTS_IN_TIME)
-    return tuple(name for name in known if name not in parts)
+    figures, parts = (STEADY, PARTS_STEADY) if is_steady(dataset) else (IN_TIME, PARTS_IN_TIME)
+    return tuple(name for name in figures if name not in parts)
 
 
 def draw(dataset: xr.Dataset, name: str, at: At = None) -> Figure:
@@ -102,11 +102,11 @@ def draw(dataset: xr.Dataset, name: str, at: At = None) -> Figure:
     NoFigure
         The run does not have this figure or this moment, or there is nothing to draw yet.
     """
-    known = STEADY if is_steady(dataset) else IN_TIME
-    if name not in known:
+    figures = STEADY if is_steady(dataset) else IN_TIME
+    if name not in figures:
         run = "a steady contact" if is_steady(dataset) else "a run in time"
-        raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(known)}")
-    view, rows = View.of(dataset, at), known[name]
+        raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(figures)}")
+    view, rows = View.of(dataset, at), figures[name]
     outcome = view.friction if name == "friction" and view.frame is None else view.outcome
     return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome])
 

@@ -33,11 +33,13 @@ from ertel.results.variables import (
     SCALARS,
     TEMPERATURES,
     is_steady,
+    named_with_unit,
     variable_attributes,
     with_coefficients,
 )
 from ertel.version import installed_version
 
+Arrays = dict[str, tuple[tuple[str, ...], Any]]  # dimensions and values by the name of the variable
 FILE = "file"  # the attribute of measured heights with the name that the plain data of the case use
 
 
@@ -74,10 +76,10 @@ class Heat(Protocol):
 class SteadyGrid(Protocol):
     """The steady contact on one grid: what results take from it.
 
-    residual, history: its maximum, at the end, and before the first and after each Newton iteration.  newton, krylov:
-    iterations.  convolutions: in units of one on this grid.  outside: the load that the oil outside the grid carries.
-    record: its numbers by name, those of `MEASURED`, `BUDGET` and `FRICTION`, and its work.  maps: `FIELDS` on the
-    whole plane by name, with the section [thermal] also `TEMPERATURES`.  heat: None without it.
+    residual, history: its maximum, at the end, and before the first and after each Newton iteration.  outside: the load
+    that the oil outside the grid carries.  measure: the numbers of `MEASURED`.  record: these, those of `BUDGET` and
+    `FRICTION`, and the work, convolutions in units of one on this grid.  maps: `FIELDS` on the whole plane by name,
+    with the section [thermal] also `TEMPERATURES`.  heat: None without it.
     """
 
     @property
@@ -88,12 +90,6 @@ class SteadyGrid(Protocol):
     def residual(self) -> float: ...
     @property
     def history(self) -> Sequence[float]: ...
-    @property
-    def newton(self) -> int: ...
-    @property
-    def krylov(self) -> int: ...
-    @property
-    def convolutions(self) -> float: ...
     @property
     def outside(self) -> float: ...
     @property
@@ -121,13 +117,6 @@ def maps(frames: Sequence[StoredFields]) -> dict[str, np.ndarray]:
     }
 
 
-def dimensions(name: str, coordinates: Mapping[str, Any]) -> tuple[str, ...]:
-    """Dimensions of a variable of a run in time; the space axes are those of `coordinates`, in order."""
-    if name in FIELDS:
-        return ("frame", *coordinates)
-    return (name,) if name in AXES else ("frame",) if name == "event" else ("time",)
-
-
 def assemble(
     case: Case,
     records: Sequence[Mapping[str, float]],
@@ -151,16 +140,12 @@ def assemble(
         More attributes of the Dataset.
     """
     space = {name: np.asarray(axis) for name, axis in coordinates.items()}
-    stacks = maps(frames)
-    for name in FIELDS:  # no maps at all still have their shape
-        stacks[name] = stacks[name].reshape(len(frames), *(len(axis) for axis in space.values()))
-    arrays = {**columns(records, case.scales), **stacks, **space}
-    variables = {
-        name: (dimensions(name, coordinates), values, variable_attributes(name, case.scales))
-        for name, values in arrays.items()
-    }
-    axes = {name: variables.pop(name) for name in AXES if name in variables}
-    return xr.Dataset({**variables, **variables_of(case)}, axes, {**provenance(case), **(attributes or {})})
+    shape = len(frames), *(len(axis) for axis in space.values())  # which no maps at all have, too
+    arrays: Arrays = {name: (("time",), values) for name, values in columns(records, case.scales).items()}
+    for name, values in maps(frames).items():
+        arrays[name] = (("frame", *space), values.reshape(shape)) if name in FIELDS else (("frame",), values)
+    arrays |= {name: ((name,), axis) for name, axis in space.items()}
+    return _dataset(case, arrays, attributes)
 
 
 def assemble_steady(
@@ -188,23 +173,25 @@ def assemble_steady(
     history = np.full((len(solutions), longest), np.nan)
     for row, s in zip(history, solutions, strict=True):
         row[: len(s.history)] = s.history
-    axes = {
-        "Y": grid.y,
-        "X": grid.x,
-        "grid": np.array([s.grid.nodes for s in solutions], dtype=np.int64),
-        "iteration": np.arange(longest),
-    }
-    arrays: dict[str, tuple[tuple[str, ...], Any]] = {
+    arrays: Arrays = {
         **{name: (("Y", "X"), maps[name]) for name in fields},
         **{name: (("grid",), np.array([row[name] for row in rows], dtype=float)) for name in names},
         "history": (("grid", "iteration"), history),
-        **{name: ((name,), axis) for name, axis in axes.items()},
+        "Y": (("Y",), grid.y),
+        "X": (("X",), grid.x),
+        "grid": (("grid",), np.array([s.grid.nodes for s in solutions], dtype=np.int64)),
+        "iteration": (("iteration",), np.arange(longest)),
     }
+    return _dataset(case, arrays, attributes)
+
+
+def _dataset(case: Case, arrays: Arrays, attributes: Mapping[str, object] | None) -> xr.Dataset:
+    """The Dataset of a run from its arrays, with the attributes of its variables and its own."""
     variables = {
         name: (dims, values, variable_attributes(name, case.scales)) for name, (dims, values) in arrays.items()
     }
-    coordinates = {name: variables.pop(name) for name in axes}
-    return xr.Dataset({**variables, **variables_of(case)}, coordinates, {**provenance(case), **(attributes or {})})
+    axes = {name: variables.pop(name) for name in AXES if name in variables}
+    return xr.Dataset({**variables, **variables_of(case)}, axes, {**provenance(case), **(attributes or {})})
 
 
 # -- provenance -------------------------------------------------------------------------------------------------------
@@ -278,8 +265,7 @@ PLANE = (("Y", "X"), ("y", "x"))  # the axes of maps: dimensionless, and in SI
 def with_units(dataset: xr.Dataset) -> xr.Dataset:
     """The dataset with the unit at the end of every name in SI: h_c_m, mean_speed_m_per_s."""
     units = {str(name): str(v.attrs.get("units", "1")) for name, v in dataset.variables.items()}
-    spelled = {name: unit.replace("/", "_per_").replace("*", "_") for name, unit in units.items() if unit != "1"}
-    return dataset.rename({name: f"{name}_{unit}" for name, unit in spelled.items()})
+    return dataset.rename({name: named_with_unit(name, unit) for name, unit in units.items()})
 
 
 def largest_of(values: xr.DataArray) -> float:
@@ -296,13 +282,9 @@ def to_netcdf(dataset: xr.Dataset, directory: Path) -> list[Path]:
     directory.mkdir(parents=True, exist_ok=True)
     path = directory / RUN
     short = {name: v.astype(np.int32) for name, v in dataset.variables.items() if v.dtype == np.int64}
-    dataset.assign(short).assign_attrs(_plain(dataset.attrs)).to_netcdf(path, engine="scipy")
+    numbers = {key: int(value) for key, value in dataset.attrs.items() if isinstance(value, bool)}  # 0 or 1
+    dataset.assign(short).assign_attrs(numbers).to_netcdf(path, engine="scipy")
     return [path]
-
-
-def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Attributes as NetCDF has them: a truth value is 0 or 1."""
-    return {key: int(value) if isinstance(value, bool) else value for key, value in attributes.items()}
 
 
 def to_csv(dataset: xr.Dataset, directory: Path) -> list[Path]:

@@ -5,7 +5,7 @@ versions.  Below it are the outcome as text and as HTML for a notebook.  This mo
 """
 
 from base64 import b64encode
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from html import escape
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -225,19 +225,18 @@ class Difference(NamedTuple):
 
 def differences(first: Case, second: Case) -> list[Difference]:
     """The keys of two cases that differ, names and references apart."""
-    one, two = (dict(_flat(case.to_data())) for case in (first, second))
+    one, two = (dict(_values_by_place(case.to_data())) for case in (first, second))
     return [Difference(key, one.get(key), two.get(key)) for key in {**one, **two} if one.get(key) != two.get(key)]
 
 
-def _flat(data: Any, place: str = "") -> Iterator[tuple[str, Any]]:
+def _values_by_place(data: Any, place: str = "") -> Iterator[tuple[str, Any]]:
     """Every value with its place: contact.speed, roughness[1].amplitude."""
     if isinstance(data, Mapping):
-        for key, value in data.items():
-            if key not in FREE:
-                yield from _flat(value, f"{place}.{key}".removeprefix("."))
+        for key in (key for key in data if key not in FREE):
+            yield from _values_by_place(data[key], f"{place}.{key}".removeprefix("."))
     elif isinstance(data, list) and data and all(isinstance(item, Mapping) for item in data):
         for position, item in enumerate(data, 1):
-            yield from _flat(item, f"{place}[{position}]")
+            yield from _values_by_place(item, f"{place}[{position}]")
     else:
         yield place, data
 
@@ -293,12 +292,15 @@ def _conditions(summary: Outcome) -> str:
 
 def more_lines(summary: Outcome) -> Iterator[str]:
     """The rest of a summary, besides its key numbers, a line each: extremes, temperatures, balances."""
-    yield from extreme_lines(summary)
-    yield from thermal_lines(summary)
-    yield from balance_lines(summary)
+    yield from _extreme_lines(summary)
+    yield from _thermal_lines(summary)
+    imbalances = {name: terms["imbalance"] for name, terms in summary.get("budgets", {}).items()}
+    shown = ", ".join(f"{name} {share:.2%}" for name, share in imbalances.items() if share is not None)
+    if shown:
+        yield f"imbalance: {shown}"
 
 
-def extreme_lines(summary: Outcome) -> Iterator[str]:
+def _extreme_lines(summary: Outcome) -> Iterator[str]:
     """The extremes of a run in time, one a line: value, time, place, and a note on the value."""
     table, scales = numbers(summary), scales_in(summary)
     for name, one in summary.get("extremes", {}).items():
@@ -312,7 +314,7 @@ def extreme_lines(summary: Outcome) -> Iterator[str]:
         yield f"{extreme.long_name} {name}: {extreme.full_text} at {where}{note}"
 
 
-def thermal_lines(summary: Outcome) -> Iterator[str]:
+def _thermal_lines(summary: Outcome) -> Iterator[str]:
     """Film, traction and temperatures with the heat of the contact, a line each; none without a section [thermal]."""
     thermal = summary.get("thermal")
     if not thermal:
@@ -323,14 +325,6 @@ def thermal_lines(summary: Outcome) -> Iterator[str]:
     names = ("T_1_max", "T_2_max", "T_film_max", "T_film_mean")
     surface_1, surface_2, film, mean = (f"{thermal[f'{name}_K'] - ZERO_CELSIUS:.1f} degC" for name in names)
     yield f"highest temperatures: surface 1 {surface_1}, surface 2 {surface_2}, film {film}; mean of the film {mean}"
-
-
-def balance_lines(summary: Outcome) -> Iterator[str]:
-    """The imbalance of every balance, in one line; none where there are none yet."""
-    imbalances = {name: terms["imbalance"] for name, terms in summary.get("budgets", {}).items()}
-    shown = ", ".join(f"{name} {share:.2%}" for name, share in imbalances.items() if share is not None)
-    if shown:
-        yield f"imbalance: {shown}"
 
 
 def html_table(summary: Outcome, heading: str = "") -> str:
@@ -364,8 +358,12 @@ def html_columns(columns: Sequence[Sequence[str]]) -> str:
     return f"<table>{table}</table>"
 
 
-def html_image(figure: "Figure", name: str) -> str:
-    """A figure as an image that the page contains."""
+def html_image(draw: "Callable[[], Figure]", name: str) -> str:
+    """A figure as an image that the page contains; empty where there is nothing to draw yet."""
+    try:
+        figure = draw()
+    except ValueError:
+        return ""
     png = BytesIO()
     figure.savefig(png, format="png", dpi=DOTS_PER_INCH)
     return f'<img alt="{escape(name)}" src="data:image/png;base64,{b64encode(png.getvalue()).decode()}">'

@@ -131,19 +131,9 @@ class Result:
 
     def __repr__(self) -> str:
         stored = [f"  stored in {self.directory}"] if self.directory else []
-        return "\n".join([f"Result: {self._title}{self.status.value}", *lines(self.summary), *stored])
-
-    @property
-    def _title(self) -> str:
-        return f"{self.case.name}, " if self.case.name else ""
+        title = f"{self.case.name}, " if self.case.name else ""
+        return "\n".join([f"Result: {title}{self.status.value}", *lines(self.summary), *stored])
 
     def _repr_html_(self) -> str:
         heading = f"<b>{escape(self.case.name)}</b> " if self.case.name else ""
-        return html_table(self.summary, heading) + self._picture()
-
-    def _picture(self) -> str:
-        """The overview as an HTML image; empty where there is nothing to draw yet."""
-        try:
-            return html_image(self.plot.overview(), "overview")
-        except ValueError:
-            return ""
+        return html_table(self.summary, heading) + html_image(self.plot.overview, "overview")

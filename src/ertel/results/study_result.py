@@ -177,10 +177,7 @@ class StudyResult:
     def _repr_html_(self) -> str:
         table = html_columns(self.table())
         remarks = "".join(f"<div>{escape(line)}</div>" for line in self.remarks)
-        try:
-            picture = html_image(self.plot(), self.heading)
-        except ValueError:  # there is nothing to draw yet
-            picture = ""
+        picture = html_image(self.plot, self.heading)
         return f"<div><b>{escape(self.heading)}</b>{table}{remarks}</div>{picture}"
 
 

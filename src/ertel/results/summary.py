@@ -102,9 +102,12 @@ def rolling_summary(case: Case, data: xr.Dataset, work: Mapping[str, float], sta
     F = values.pop("F", None)
     values["load"] = None if F is None else F * case.geometry.hertz_load
     parts = _over_time(case, data, status)
-    said = [diagnostics.no_film(case)] if vanished == inf and not is_film else diagnostics.rolling_warnings(case, data)
-    said += _account_warnings(case, data, parts["budgets"]) if is_film else []
-    return _rolling_summary(case, _without_zero(values), {}, {**parts, **work}, status, said)
+    warnings = diagnostics.rolling_warnings(case, data)
+    if is_film:
+        warnings += _account_warnings(case, data, parts["budgets"])
+    elif vanished == inf:
+        warnings = [diagnostics.no_film(case)]
+    return _rolling_summary(case, _without_zero(values), {}, {**parts, **work}, status, warnings)
 
 
 def steady_summary(
@@ -137,24 +140,24 @@ def steady_summary(
     nodes = {"nodes": grid.nodes_x, **({} if grid.nodes_y == grid.nodes_x else {"nodes_y": grid.nodes_y})}
     counts = {
         "residual": finest.residual,
-        "newton_iterations": sum(s.newton for s in solutions),
-        "krylov_iterations": sum(s.krylov for s in solutions),
-        "convolutions": round(sum(s.convolutions * s.grid.size / grid.size for s in solutions), 1),
+        "newton_iterations": sum(s.record["newton_iterations"] for s in solutions),
+        "krylov_iterations": sum(s.record["krylov_iterations"] for s in solutions),
+        "convolutions": round(sum(s.record["convolutions"] * s.grid.size / grid.size for s in solutions), 1),
         **work,
     }
-    said = diagnostics.steady_warnings(case, solutions)
+    warnings = diagnostics.steady_warnings(case, solutions)
     if diagnostics.steady_failure(case, finest):
         values = {**nodes, **_without_zero(dict.fromkeys((*MEASURED, *FRICTION)))}
-        return _rolling_summary(case, values, {}, {"budgets": {}, **counts}, status, said)
+        return _rolling_summary(case, values, {}, {"budgets": {}, **counts}, status, warnings)
     record = with_coefficients(finest.record, case.scales)
     terms = balances.steady(case, record, record["load"] / case.geometry.hertz_load)
-    said += [*diagnostics.balance_warnings(case, terms), *diagnostics.friction_warnings(case, record["mu_sliding"])]
+    warnings += [*diagnostics.balance_warnings(case, terms), *diagnostics.friction_warnings(case, record["mu_sliding"])]
     parts: dict[str, Any] = {"budgets": terms}
     if finest.heat is not None:
         parts["thermal"] = thermal_summary(case, finest)
-        said += diagnostics.thermal_warnings(case, finest.heat)
+        warnings += diagnostics.thermal_warnings(case, finest.heat)
     values = {**nodes, **_without_zero({name: record[name] for name in (*MEASURED, *FRICTION)})}
-    return _rolling_summary(case, values, _estimates(solutions), {**parts, **counts}, status, said)
+    return _rolling_summary(case, values, _estimates(solutions), {**parts, **counts}, status, warnings)
 
 
 def thermal_summary(case: Case, solution: SteadyGrid) -> dict[str, Any]:
@@ -228,11 +231,11 @@ def _rolling_summary(
     estimates: Mapping[str, float],
     parts: Mapping[str, Any],
     status: Status,
-    said: list[str],
+    warnings: list[str],
 ) -> dict[str, Any]:
     names = [f"{name}_{ending}" for ending in ("error", "extrapolated") for name in FILMS]
     content = {**_heading(case), **values, **parts, "status": status.value}
-    return with_si(case, {**content, **{name: estimates.get(name) for name in names}, "warnings": said})
+    return with_si(case, {**content, **{name: estimates.get(name) for name in names}, "warnings": warnings})
 
 
 # -- in SI ------------------------------------------------------------------------------------------------------------

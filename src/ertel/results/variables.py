@@ -228,10 +228,10 @@ def one_number(dataset: "xr.Dataset") -> "xr.Dataset":
     return dataset.assign(converted) if converted else dataset
 
 
-def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
+def variable_attributes(name: str, scales: Scales | None) -> dict[str, Any]:
     """CF attributes of a variable: units, long_name, symbol, what 1 stands for, and its SI factor if there is one."""
     variable = VARIABLES[name]
-    attributes: dict[str, object] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
+    attributes: dict[str, Any] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
     if variable.unit == KELVIN:
         attributes["units"] = KELVIN
     elif variable.unit != "1" and not (scales and variable.scale == COEFFICIENT):
@@ -307,13 +307,11 @@ def values_in_si(values: Mapping[str, float | None], scales: Scales) -> dict[str
     for name, value in values.items():
         base = name.removesuffix("_error").removesuffix("_extrapolated")
         variable = VARIABLES["time" if base == "T" else base]
-        converted[key_in_si(variable, name.removeprefix(base))] = (
-            None if value is None else value * variable.factor(scales)
-        )
+        key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
+        converted[key] = None if value is None else value * variable.factor(scales)
     return converted
 
 
-def key_in_si(variable: Variable, what: str = "") -> str:
-    """The name of a value in SI: h_c_m, or h_c_error_m of its error; of a coefficient without a unit."""
-    unit = "" if variable.si_units == "1" else "_" + variable.si_units.replace("/", "_per_")
-    return f"{variable.si_name}{what}{unit}"
+def named_with_unit(name: str, unit: str) -> str:
+    """A name with its unit at the end: h_c_m, mean_speed_m_per_s; a plain number keeps its name."""
+    return name if unit == "1" else f"{name}_{unit.replace('/', '_per_').replace('*', '_')}"

@@ -79,10 +79,11 @@ def write(store: LocalStore, data: xr.Dataset) -> None:
     with _writing():
         group = zarr.create_group(store, zarr_format=FORMAT, attributes=data.attrs)
         for name, variable in data.variables.items():
+            rows = ROWS if variable.ndim == 1 else 1
             array = group.create_array(
                 str(name),
                 shape=variable.shape,
-                chunks=_chunks(variable),
+                chunks=tuple(rows if dim in GROWING else max(n, 1) for dim, n in variable.sizes.items()),
                 dtype=variable.dtype,
                 fill_value=nan if variable.dtype.kind == "f" else NO_NUMBER,
                 compressors=[ZstdCodec(), Crc32cCodec()],
@@ -93,11 +94,6 @@ def write(store: LocalStore, data: xr.Dataset) -> None:
                 array[...] = variable.values
         zarr.consolidate_metadata(store, zarr_format=FORMAT)
     write_root(store.root, json.loads((store.root / ROOT).read_bytes()))
-
-
-def _chunks(variable: xr.Variable) -> tuple[int, ...]:
-    rows = ROWS if variable.ndim == 1 else 1
-    return tuple(rows if dim in GROWING else max(n, 1) for dim, n in variable.sizes.items())
 
 
 def append(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -142,8 +138,8 @@ def update_attributes(path: Path, attributes: Mapping[str, Any], advice: str) ->
 
 
 def _metadata(root: Root) -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = root["consolidated_metadata"]["metadata"]
-    return found
+    metadata: dict[str, dict[str, Any]] = root["consolidated_metadata"]["metadata"]
+    return metadata
 
 
 def rows_of(root: Root) -> dict[str, int]:
@@ -262,8 +258,8 @@ class AppendedData:
         if any(rows[dimension] > count for dimension, count in present.items()):
             raise Damaged(path, "holds fewer rows than the checkpoint counts", self.advice)
         read(path, self.advice)  # nothing is computed on damaged data
-        known = provenance(self._run.case)
-        attributes = {name: value for name, value in root["attributes"].items() if name in known}
+        first = provenance(self._run.case)
+        attributes = {name: value for name, value in root["attributes"].items() if name in first}
         root = {**with_rows(root, rows), "attributes": {**attributes, "status": Status.RUNNING.value}}
         write_root(path, root)
         delete_uncounted(path, root)

@@ -182,8 +182,8 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
     """The results of `transient.solve_step` for problems of one shape, by one call with this number of lanes."""
     require_double()
     filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
-    own = tree.map(_stacked, *(_own(problem) for problem in filled))
-    fields, numbers = _solve_lanes(problems[0], own)
+    separate = tree.map(_stacked, *(_without_shared(problem) for problem in filled))
+    fields, numbers = _solve_lanes(problems[0], separate)
     numbers = np.asarray(numbers)
     return [
         StepSolution({name: each[lane] for name, each in fields.items()}, numbers[lane])
@@ -191,7 +191,7 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
     ]
 
 
-def _own(problem: StepProblem) -> Any:
+def _without_shared(problem: StepProblem) -> Any:
     """The problem without the large parts that all cases share."""
     setting = replace(problem.setting, elastic=(), space=(), axes=(), gap_slope=())  # type: ignore[arg-type]
     contact = replace(problem.contact, kernel=(), spacing=())  # type: ignore[arg-type]
@@ -208,16 +208,18 @@ def _stack(fields: Sequence[Array]) -> Array:
 
 
 @jax.jit
-def _solve_lanes(one: StepProblem, own: Any) -> tuple[dict[str, list[Array]], Array]:
+def _solve_lanes(one: StepProblem, separate: Any) -> tuple[dict[str, list[Array]], Array]:
     """The fields of each lane separately; the numbers with the lanes along their first axis."""
 
-    def solve(own: Any) -> StepSolution:
-        contact = replace(own.contact, kernel=one.contact.kernel, spacing=one.contact.spacing)
+    def solve(separate: Any) -> StepSolution:
+        contact = replace(separate.contact, kernel=one.contact.kernel, spacing=one.contact.spacing)
         shared = {name: getattr(one.setting, name) for name in ("elastic", "space", "axes", "gap_slope")}
-        solution: StepSolution = solve_step(replace(own, setting=replace(own.setting, **shared), contact=contact))
+        solution: StepSolution = solve_step(
+            replace(separate, setting=replace(separate.setting, **shared), contact=contact)
+        )
         return solution
 
-    solution = jax.vmap(solve)(own)
+    solution = jax.vmap(solve)(separate)
     return {name: list(lanes) for name, lanes in solution.fields.items()}, solution.numbers
 
 

@@ -124,8 +124,8 @@ def read_case(directory: Path) -> Case:
 def require_same(directory: Path, digest: str, data: Mapping[str, Any], case: Case) -> None:
     """Raise StoreError unless the case with this digest and data is the case of the directory's file."""
     if digest != case.digest:
-        said = changes(data, case.to_data())
-        raise StoreError(f"{directory}: {CASE} was changed ({said}); put it back, or run it as a new case")
+        changed = changes(data, case.to_data())
+        raise StoreError(f"{directory}: {CASE} was changed ({changed}); put it back, or run it as a new case")
 
 
 def changes(before: Any, now: Any, field: str = "") -> str:
@@ -300,14 +300,14 @@ def find_runs(folder: Path, most_folders: float = inf) -> Iterator[Path]:
 
     A run directory is itself one, and is not looked into.
     """
-    left, looked = deque([(folder, DEEPEST)]), 0
-    while left:
-        path, levels = left.popleft()
+    waiting, looked = deque([(folder, DEEPEST)]), 0
+    while waiting:
+        path, levels = waiting.popleft()
         if is_run(path):
             yield path
         elif levels and looked < most_folders:
             looked += 1
-            left.extend((inside, levels - 1) for inside in _folders_in(path))
+            waiting.extend((inside, levels - 1) for inside in _folders_in(path))
 
 
 def _folders_in(folder: Path) -> list[Path]:

@@ -12,7 +12,7 @@ import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -43,20 +43,6 @@ Arrays = Mapping[str, NDArray[Any]]
 Observer = Callable[[Any], object]
 
 
-class StepResult(Protocol):
-    """One result of a run: an accepted time step, or the solution on a grid.
-
-    record: scalars by name.  frames: the maps that fell due.  status: of the run after it.
-    """
-
-    @property
-    def record(self) -> Mapping[str, float]: ...
-    @property
-    def frames(self) -> Sequence[Frame]: ...
-    @property
-    def status(self) -> Status: ...
-
-
 class Progress(NamedTuple):
     """The progress of a run.
 
@@ -71,7 +57,10 @@ class Progress(NamedTuple):
 
 
 class Run(ABC):
-    """A run of a case: one `StepResult` after the other."""
+    """A run of a case: one `StepResult` after the other.
+
+    Each has a record, scalars by name; frames, the maps that fell due; and the status of the run after it.
+    """
 
     case: Case
 
@@ -212,6 +201,9 @@ class GridStep:
         s = self.solutions[-1]
         work = {"newton_iterations": s.newton, "krylov_iterations": s.krylov, "residual": s.residual}
         return {**s.measure(), **work, "nodes": s.grid.nodes_x, "nodes_y": s.grid.nodes_y}
+
+
+StepResult = Step | GridStep  # an accepted time step, or the solution on a grid
 
 
 class SteadyRun(Run):

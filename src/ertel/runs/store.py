@@ -8,7 +8,7 @@ they are read.
 
 import json
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from io import BytesIO
@@ -81,14 +81,14 @@ class RunStore:
         self._alone = False  # whether this object holds the lock
 
     @classmethod
-    def create(cls, directory: Path, case: Case, run: Run | None = None) -> "RunStore":
-        """The store of a new run in a directory that does not exist or is empty.
+    def create(cls, directory: Path, case: Case, run: Run | None = None, others: Iterable[Path] = ()) -> "RunStore":
+        """The store of a new run in a directory that does not exist or is empty; if it is taken, in one of the others.
 
-        Raises Taken where it is not empty, StoreError where it cannot be made, ValueError where the case cannot be
+        Raises Taken where there is no place, StoreError where it cannot be made, ValueError where the case cannot be
         written.
         """
         store = cls(directory, case, run)
-        make(directory, case, lambda draft: store._arrays.create(draft / DATA))
+        store.directory = make(directory, case, lambda draft: store._arrays.create(draft / DATA), others)
         return store
 
     @classmethod
@@ -98,9 +98,7 @@ class RunStore:
         Other processes may take names at the same time.  Raises as `create`.
         """
         unused = (path for path in numbered(parent / (case.name or case.kind)) if not path.exists())
-        store = cls(next(unused), case, run)
-        store.directory = make(store.directory, case, lambda draft: store._arrays.create(draft / DATA), unused)
-        return store
+        return cls.create(next(unused), case, run, unused)
 
     @classmethod
     def open(cls, directory: Path) -> "RunStore":

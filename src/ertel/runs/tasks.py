@@ -56,7 +56,7 @@ def run_tasks(
         The directory in which results are kept.  A kept result is used again, so that what was interrupted goes on
         where it was.  It must come from the same function, arguments, version and source code of ertel.  The source
         code of functions outside ertel is not compared.  Arguments and results must be plain data, see
-        above; a tuple comes back as a list.
+        `ertel.tasks`; a tuple comes back as a list.
     on_done : callable
         Is called with each task and its result as soon as it is there.
 
@@ -78,23 +78,24 @@ def run_tasks(
     if len(by_name) < len(tasks):
         raise ValueError(f"tasks = {[task.name for task in tasks]}: their names must differ")
     if directory:
-        _require_writable(directory)
-    found = kept(tasks, directory)
-    for name, result in found.items():
+        directory.mkdir(parents=True, exist_ok=True)
+        TemporaryFile(dir=directory).close()  # raises before anything is computed where results cannot be kept
+    results = kept(tasks, directory)
+    for name, result in results.items():
         on_done(by_name[name], result)
-    for name, result in workers.outcomes([task for task in tasks if task.name not in found]):
-        found[name] = result
+    for name, result in workers.outcomes([task for task in tasks if task.name not in results]):
+        results[name] = result
         if directory and not isinstance(result, Failure):
             _keep(directory, by_name[name], result)
         on_done(by_name[name], result)
-    return [found[task.name] for task in tasks]
+    return [results[task.name] for task in tasks]
 
 
 def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
     """Task name -> kept result, for the tasks that have a valid one."""
-    found = {}
+    results = {}
     for task in tasks if directory else ():
-        wanted = _stamp(task)
+        present = _stamp(task)
         try:
             stamp, result = read_plain(_file(directory, task))
         except FileNotFoundError:
@@ -102,15 +103,9 @@ def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
         except (ValueError, LookupError, OSError) as error:  # damaged, or written by another version
             _log.warning("the kept result of %s cannot be read and is computed again: %s", task.name, error)
             continue
-        if stamp == wanted:
-            found[task.name] = result
-    return found
-
-
-def _require_writable(directory: Path) -> None:
-    """Raise OSError before anything is computed where results cannot be kept."""
-    directory.mkdir(parents=True, exist_ok=True)
-    TemporaryFile(dir=directory).close()
+        if stamp == present:
+            results[task.name] = result
+    return results
 
 
 def _keep(directory: Path, task: Task, result: object) -> None:
@@ -173,9 +168,9 @@ class Engine:
             return
         from ertel.runs import cluster  # imports dask
 
-        there = self.scheduler, self.scheduler_file, self.tls
-        with cluster.existing(*there) if elsewhere else cluster.local(jobs) as found:
-            yield found
+        where = self.scheduler, self.scheduler_file, self.tls
+        with cluster.existing(*where) if elsewhere else cluster.local(jobs) as workers:
+            yield workers
 
 
 # -- plain data in files ----------------------------------------------------------------------------------------------
