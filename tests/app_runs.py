@@ -101,6 +101,11 @@ def refused(*arguments: str, code: int = 2) -> str:
     return str(result.stderr)
 
 
+def given(*settings: str) -> list[str]:
+    """Settings as the options of a command."""
+    return [word for setting in settings for word in ("--set", setting)]
+
+
 def until(there: Callable[[], object], seconds: float = 20.0) -> None:
     """Wait for something to become true."""
     deadline = time.monotonic() + seconds

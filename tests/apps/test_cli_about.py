@@ -1,6 +1,5 @@
 """`ertel about DIR`, `--cite`, shell completion, `--flush` and progress.json."""
 
-import json
 import re
 from pathlib import Path
 
@@ -101,9 +100,9 @@ def test_flush(here, monkeypatch, seconds, flushes):
 
 
 def test_progress_of_a_run_that_has_ended(ball):
-    found = json.loads((ball / PROGRESS).read_text())
-    assert (found["status"], found["done"], found["seconds_left"]) == ("converged", 1.0, 0.0)
-    assert found["T"] == pytest.approx(0.06) and found["step"] == 6
+    progress = read_progress(ball)
+    assert (progress["status"], progress["done"], progress["seconds_left"]) == ("converged", 1.0, 0.0)
+    assert progress["T"] == pytest.approx(0.06) and progress["step"] == 6
     assert not list(ball.glob("*.partial"))
 
 

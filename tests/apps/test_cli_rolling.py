@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from app_runs import given
 from cases import ertel_, physics, stop_after
 from matplotlib.figure import Figure
 
@@ -58,8 +59,7 @@ def test_run_show_and_plot(here, empty_figures):
 
 def test_traction_without_meaning_is_warned_of(here):
     values = ('contact.load="40 N"', "contact.slide_to_roll=0.1", "lubricant.viscosity=barus", "solver.tolerance=0.01")
-    more = [argument for value in values for argument in ("--set", value)]
-    assert "lubricant.viscosity" in ertel_("run", "steady.toml", *more).stdout
+    assert "lubricant.viscosity" in ertel_("run", "steady.toml", *given(*values)).stdout
     warnings = json.loads(ertel_("show", "runs/steady", "--json").stdout)["warnings"]
     assert any(said.startswith('lubricant.viscosity = "barus"') for said in warnings)
 

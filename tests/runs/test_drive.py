@@ -23,9 +23,9 @@ from ertel.solvers.transient import Transient2D
 
 def simulated(case: Case, method: Method) -> Result:
     """A run in memory with a method that is not the case's own."""
-    course = course_with(case, method)
-    gathering = Recorder(course)
-    return gathering.result(drive(course, [gathering]))
+    run = course_with(case, method)
+    recorder = Recorder(run)
+    return recorder.result(drive(run, [recorder]))
 
 
 @cache
@@ -53,9 +53,9 @@ def test_values_at_maximum_approach_come_from_the_turning_point() -> None:
 
 def test_a_run_that_must_give_up_keeps_what_it_has() -> None:
     case = impact(200, 10, 33, time={"until": 1.2})
-    course = TransientRun(case, Transient2D(case), StepLimits(first=0.03, smallest=0.02))
-    gathering = Recorder(course)
-    result = gathering.result(drive(course, [gathering]))
+    run = TransientRun(case, Transient2D(case), StepLimits(first=0.03, smallest=0.02))
+    recorder = Recorder(run)
+    result = recorder.result(drive(run, [recorder]))
     assert result.status is Status.STEP_TOO_SMALL
     assert result.status.advice
     assert (result.summary["status"], result.summary["max_approach"]) == ("the time step became too small", None)
@@ -106,9 +106,9 @@ def test_the_summary_has_the_promised_keys() -> None:
 
 def test_progress_goes_from_nothing_to_all() -> None:
     for until in ("max-approach", "rebound", 2.0):
-        course = run_of(impact(200, 10, 65, solver={"method": "radial"}, time={"until": until}))
+        run = run_of(impact(200, 10, 65, solver={"method": "radial"}, time={"until": until}))
         shares: list[float] = []
-        drive(course, [lambda step, course=course, shares=shares: shares.append(course.progress(step).done)])
+        drive(run, [lambda step, run=run, shares=shares: shares.append(run.progress(step).done)])
         assert 0 <= shares[0] < 0.05
         assert shares[-1] > 0.75
         assert all(a <= b for a, b in itertools.pairwise(shares))

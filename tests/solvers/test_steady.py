@@ -89,9 +89,9 @@ def rolling(
 def test_the_discrete_solution_is_the_references(key, nodes) -> None:
     """To four digits on every grid."""
     found = {s.grid.nodes: s.measure() for s in rolling(key, nodes).solutions}
-    known = {n: values for n, values in GRIDS[key].items() if n <= nodes}
-    assert known
-    for n, values in known.items():
+    published = {n: values for n, values in GRIDS[key].items() if n <= nodes}
+    assert published
+    for n, values in published.items():
         assert [found[n][name] for name in NAMES] == pytest.approx(values, rel=1e-4), n
 
 

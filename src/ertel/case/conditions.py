@@ -71,13 +71,13 @@ PHYSICAL: Mapping[Kind, Keys] = {
 FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and what to use instead
     "impact": {
         "load": "its load follows from mass and speed; a load that is applied to the ball is motion.load",
-        "speed_1": "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll",
-        "speed_2": "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll",
+        **dict.fromkeys(
+            ("speed_1", "speed_2"), "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll"
+        ),
     },
-    "rolling": {
-        "speed": "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2",
-        "drop_height": "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2",
-    },
+    "rolling": dict.fromkeys(
+        ("speed", "drop_height"), "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2"
+    ),
 }
 
 

@@ -28,6 +28,18 @@ T = TypeVar("T")
 OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}  # by field of an oil
 
 
+@cache
+def hints_of(record: Any) -> Mapping[str, Any]:
+    """The annotations of the fields of a record (a class), without marks and meanings."""
+    return get_type_hints(record)
+
+
+def choices_of(hint: Any) -> tuple[Any, ...]:
+    """The values that an annotation enumerates."""
+    options = (hint, *get_args(hint))
+    return tuple(value for option in options if get_origin(option) is Literal for value in get_args(option))
+
+
 # -- writing ----------------------------------------------------------------------------------------------------------
 
 
@@ -133,24 +145,6 @@ def checked(record: T, place: str) -> T:
     return record
 
 
-@cache
-def hints_of(record: Any) -> Mapping[str, Any]:
-    """The annotations of the fields of a record (a class), without marks and meanings."""
-    return get_type_hints(record)
-
-
-def choices_of(hint: Any) -> tuple[Any, ...]:
-    """The values that an annotation enumerates."""
-    options = (hint, *get_args(hint))
-    return tuple(value for option in options if get_origin(option) is Literal for value in get_args(option))
-
-
-def alternatives(texts: Iterable[str]) -> str:
-    """Some texts as alternatives: a, b or c."""
-    *others, last = texts
-    return f"{', '.join(others)} or {last}" if others else last
-
-
 def _check_points(signal: Polyline, place: str) -> None:
     try:
         for T, value in signal.points:
@@ -252,6 +246,12 @@ def _shown(value: object, room: int) -> str:
         return f"(an integer of about {int(value.bit_length() * log10(2))} digits)"
     part = value[:room] if isinstance(value, str | bytes) else str(value) if isinstance(value, Quantity) else value
     return printable(json.dumps(part, default=str, ensure_ascii=False))
+
+
+def alternatives(texts: Iterable[str]) -> str:
+    """Some texts as alternatives: a, b or c."""
+    *others, last = texts
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def shortened(text: str) -> str:

@@ -159,7 +159,7 @@ def friction_of_details(
 
 def shear_force(plane: Plane, stress: Array) -> Array:
     """The double integral of the stress, shape (2,); along Y it is odd about an axis Y = 0."""
-    return jnp.stack([plane.total(stress[0]), 0.0 if plane.even.y else plane.total(stress[1])])
+    return jnp.stack([plane.total(stress[0]), jnp.zeros(()) if plane.even.y else plane.total(stress[1])])
 
 
 def friction_numbers(friction: Friction) -> tuple[Array, ...]:

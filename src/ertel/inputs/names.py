@@ -152,7 +152,8 @@ def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> Com
     inside = {key: completed(table[key], oil, T, f"{place}.{key}") for key in law_fields(record) if key in table}
     sources = tuple(source for law_inside in inside.values() for source in law_inside.sources)
     table = {**table, **{key: law_inside.law for key, law_inside in inside.items()}}
-    missing = [key for key in _needed(record) if key not in table]
+    needed = (item.name for item in fields(record) if item.default is MISSING)
+    missing = [key for key in needed if key not in table and key not in law_fields(record)]
     if not missing:
         return Completed(table, sources)
     part: Sourced[Any] | None = getattr(oil, field)
@@ -163,11 +164,6 @@ def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> Com
         raise ConfigError(f"{place} = {show(law)}: {complaint}; {advice}")
     data = data_of(part.data)
     return Completed({**table, **{key: data[key] for key in missing}}, (*sources, part.source.rstrip(".")))
-
-
-def _needed(record: Any) -> list[str]:
-    """The numbers that a law must be given."""
-    return [item.name for item in fields(record) if item.default is MISSING and item.name not in law_fields(record)]
 
 
 # -- temperatures: [thermal] completed from the oil and the materials that the case names -----------------------------
