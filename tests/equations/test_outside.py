@@ -51,7 +51,9 @@ def test_a_guess_is_zero_near_the_contact() -> None:
 
 
 def test_motion_is_predicted_from_two_levels() -> None:
-    levels = [State(T, 2 * T, 1 - T, {}) for T in (0.3, 0.2, -5.0)]
-    motion = outside.predicted(levels, 0.4, [0.5, 0.4, 9.0], 0.7)
+    """Their loads on the grid and outside it, in units F*."""
+    loads = {0.3: 0.5, 0.2: 0.4, -5.0: 9.0}
+    levels = [State(T, 2 * T, 1 - T, {}, load=2.0 * load - 0.1, outside=0.1) for T, load in loads.items()]
+    motion = outside.predicted(levels, 0.4, 2.0, 0.7)
     assert motion == pytest.approx(ContactMotion(0.8, 0.6, 0.6, 0.7))
-    assert outside.predicted(levels[:1], 0.4, [0.5], 0.0) == ContactMotion(0.6, 0.7, 0.5, 0.0)
+    assert outside.predicted(levels[:1], 0.4, 2.0, 0.0) == pytest.approx(ContactMotion(0.6, 0.7, 0.5, 0.0))

@@ -6,7 +6,6 @@ from math import ceil
 from typing import Annotated, Literal, NamedTuple
 
 from ertel.case.conditions import Kind
-from ertel.case.records import show
 from ertel.numerics.grid import allowed_nodes, nodes_across
 from ertel.physics import hertz
 from ertel.physics.geometry import CIRCLE, Geometry
@@ -38,10 +37,9 @@ from ertel.physics.units import (
 
 Method = Literal["2d", "radial", "steady", "transient"]
 Stop = Literal["max-approach", "rebound"]
-STOPS: tuple[Stop, ...] = ("max-approach", "rebound")
 METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
 ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length for M >= 5
-MOST_NODES, WIDEST_HALF_WIDTH = 4097, 1000.0
+FEWEST_NODES, MOST_NODES, WIDEST_HALF_WIDTH = 17, 4097, 1000.0
 CENTRED_HALF_WIDTH = 4.5  # half width of a grid for reversing flow
 
 
@@ -62,7 +60,7 @@ class Solver:
     ] = "2d"
     nodes: Annotated[
         int,
-        Bounds(gt=0, le=MOST_NODES, whole=True),
+        Bounds(ge=FEWEST_NODES, le=MOST_NODES, whole=True),
         Meaning("nodes per side of the grid, 2^k c + 1 with a small c, or along the radius"),
     ] = 257
     half_width: Annotated[
@@ -86,7 +84,7 @@ class Solver:
     fold: Annotated[bool, Meaning("whether a symmetric case is computed on a half or a quarter of the plane")] = True
     half_width_y: Annotated[
         float | None,
-        Bounds(gt=0, le=1000),
+        Bounds(gt=0, le=WIDEST_HALF_WIDTH),
         Meaning("half_width along y; left out: the edge is as far from the contact as along x", 3.0),
     ] = None
 
@@ -146,14 +144,14 @@ def suited(circular: Solver, geometry: Geometry) -> Solver:
 
 
 def half_width_y(solver: Solver, geometry: Geometry) -> float | None:
-    """The half width along y in effect, a little more than wanted so that multigrid can coarsen.
+    """The half width along y in effect, a little more than asked for so that multigrid can coarsen.
 
     Left out, the edge has the same distance from the contact along y as along x.  None: left out, and as along x.
     """
     along_x, along_y = geometry.extent
     default = solver.half_width + along_y - along_x
     nodes, usual = (
-        nodes_across(solver.nodes, wanted / solver.half_width) for wanted in (solver.half_width_y or default, default)
+        nodes_across(solver.nodes, width / solver.half_width) for width in (solver.half_width_y or default, default)
     )
     if nodes == usual == solver.nodes:
         return None
@@ -290,10 +288,6 @@ class Thermal:
     inlet_factor: Annotated[InletName, Meaning("formula of the film with inlet shear heating")] = "gupta"
 
     def __post_init__(self) -> None:
-        allowed: dict[str, list[str]] = {"viscosity": [*WARM_VISCOSITIES], "inlet_factor": [*INLET_FACTORS]}
-        for name, known in allowed.items():
-            if getattr(self, name) not in known:
-                raise ValueError(f"{name} = {show(getattr(self, name))}: allowed: {', '.join(known)}")
         for name in ("temperature_1", "temperature_2"):
             if getattr(self, name) is None:
                 object.__setattr__(self, name, self.temperature)

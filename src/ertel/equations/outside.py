@@ -15,7 +15,9 @@ from ertel.physics.geometry import CIRCLE, NEAREST, ContactMotion, Geometry, far
 
 Floats = NDArray[np.float64]
 
-POINTS = 8  # of the quadrature along each piece of the edge, and outwards
+# Gauss points from 0 to 1 and their weights, along each piece of the edge and outwards
+_points, _weights = np.polynomial.legendre.leggauss(8)
+PLACES, WEIGHTS = (_points + 1) / 2, _weights / 2
 NEWEST = 2  # levels from which the motion of the new level is predicted: with more, the oil outside overshoots
 
 
@@ -85,9 +87,8 @@ def around_grid(grid: Grid, lambda_bar: float, geometry: Geometry = CIRCLE) -> O
 
 def around_circle(r: Floats, lambda_bar: float) -> Outside:
     """The oil outside a radial grid with nodes r."""
-    u, weight = _gauss(0.0, 1.0)
-    far = r[-1] / u
-    area = 2 * np.pi * far**3 * weight / r[-1]
+    far = r[-1] / PLACES
+    area = 2 * np.pi * far**3 * WEIGHTS / r[-1]
     return Outside(
         r, np.zeros_like(r), np.arange(len(r)) == len(r) - 1, np.stack([far, 0 * far, area]), lambda_bar, CIRCLE
     )
@@ -101,27 +102,25 @@ def beyond_rectangle(left: float, right: float, low: float, high: float) -> Floa
     """
     pieces = [((side, low), (side, high)) for side in (left, right)]
     pieces += [((start, side), (end, side)) for side in (low, high) for start, end in ((left, 0.0), (0.0, right))]
-    u, outwards = _gauss(0.0, 1.0)
-    s, along = _gauss(0.0, 1.0)
-    found = []
+    s = u = PLACES  # along the piece, and outwards
+    points = []
     for (x0, y0), (x1, y1) in pieces:
         X, Y = ((1 - s) * x0 + s * x1)[:, None] / u, ((1 - s) * y0 + s * y1)[:, None] / u
-        area = abs(x0 * y1 - x1 * y0) * along[:, None] * outwards / u**3
-        found.append(np.stack([X.ravel(), Y.ravel(), area.ravel()]))
-    return np.concatenate(found, axis=1)
+        area = abs(x0 * y1 - x1 * y0) * WEIGHTS[:, None] * WEIGHTS / u**3
+        points.append(np.stack([X.ravel(), Y.ravel(), area.ravel()]))
+    return np.concatenate(points, axis=1)
 
 
-def predicted(levels: Sequence[State], T: float, loads: Sequence[float], entrainment: float) -> ContactMotion:
-    """The motion at the next level, from the last levels (newest first) and their loads in units F*."""
-    known = levels[:NEWEST]
-    weights = bdf.interpolation_weights(T, [level.T for level in known])
+def predicted(levels: Sequence[State], T: float, hertz_load: float, entrainment: float) -> ContactMotion:
+    """The motion at the next level, from the last levels (newest first); hertz_load: F* in a^2 p_h."""
+    newest = levels[:NEWEST]
+    weights = bdf.interpolation_weights(T, [level.T for level in newest])
     approach, velocity, load = (
-        float(combined(weights, values[:NEWEST]))
-        for values in ([level.approach for level in known], [level.velocity for level in known], loads)
+        float(combined(weights, values))
+        for values in (
+            [level.approach for level in newest],
+            [level.velocity for level in newest],
+            [(level.load + level.outside) / hertz_load for level in newest],
+        )
     )
     return ContactMotion(approach, velocity, load, entrainment)
-
-
-def _gauss(start: float, end: float) -> tuple[Floats, Floats]:
-    x, weight = np.polynomial.legendre.leggauss(POINTS)
-    return start + (end - start) * (x + 1) / 2, (end - start) * weight / 2

@@ -202,7 +202,7 @@ def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[s
 
 def _toml_or_text(text: str) -> object:
     try:
-        found = tomllib.loads(f"value = {text}")
+        data = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         return text
-    return found["value"] if len(found) == 1 else text  # not what follows in further lines
+    return data["value"] if len(data) == 1 else text  # not what follows in further lines

@@ -76,8 +76,8 @@ def with_maps(read: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], di
     for number, table in enumerate(roughness, 1):
         if isinstance(table, Mapping) and table.get("shape") == "measured" and isinstance(table.get("file"), str):
             place = f"roughness[{number}]"
-            table, found = named(place, _with_map, table, folder, place)
-            maps[found.name] = found
+            table, heights = named(place, _with_map, table, folder, place)
+            maps[heights.name] = heights
         tables.append(table)
     return {**read, "roughness": tables}, maps
 
@@ -95,19 +95,19 @@ def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dic
     if OWN_NAME.fullmatch(path.name):
         for key in READING & table.keys():
             raise ValueError(f"{key} = {show(table[key])}: was already applied when ertel wrote this file; remove it")
-        found = _named(table["file"], HeightMap.from_bytes, content)
-        if found.name != path.name:
+        heights = _named(table["file"], HeightMap.from_bytes, content)
+        if heights.name != path.name:
             raise ValueError(f"file = {show(table['file'])}: was changed since ertel wrote it; put the run's own back")
-        return placed, found
+        return placed, heights
     if "filled" in table:
         raise ValueError(f"filled = {show(table['filled'])}: is counted as the file is read; leave it out")
     if path.suffix == ".npz":
         raise ValueError(f"file = {show(table['file'])}: may hold many arrays; write one with numpy.save")
     is_array = path.suffix == ".npy" or content.startswith(MAGIC_PREFIX)
     raw = (_array if is_array else _of_instrument)(table, content)
-    found = _named(table["file"], HeightMap, _smoothed(table, raw))
+    heights = _named(table["file"], HeightMap, _smoothed(table, raw))
     filled = {"filled": gaps} if (gaps := int(np.ma.getmaskarray(raw.heights).sum())) else {}
-    return {**placed, **_sizes(table, raw, found), **filled, "file": found.name}, found
+    return {**placed, **_sizes(table, raw, heights), **filled, "file": heights.name}, heights
 
 
 def _content(path: Path, written: str) -> bytes:
@@ -186,8 +186,8 @@ def _reading(written: str) -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        said = shortened(" ".join(str(error).split()) or type(error).__name__)
-        raise ValueError(f"file = {written}: SurfaceTopography cannot read it, {said}") from error
+        reason = shortened(" ".join(str(error).split()) or type(error).__name__)
+        raise ValueError(f"file = {written}: SurfaceTopography cannot read it, {reason}") from error
 
 
 def _channel(table: Mapping[str, Any], channels: Any) -> Any:
@@ -233,16 +233,16 @@ def _smoothed(table: Mapping[str, Any], raw: _Raw) -> NDArray[np.float64]:
         raise ValueError(f"file = {show(table['file'])}: {gaps:.0%} of its points are gaps; at most {MOST_GAPS:.0%}")
     _named(table["file"], check_size, heights)
     if heights.ndim == 2 and (gaps or detrend != "none"):
-        wanted = f'detrend = "{detrend}"' if detrend != "none" else f"file = {show(table['file'])}"
+        entry = f'detrend = "{detrend}"' if detrend != "none" else f"file = {show(table['file'])}"
         sizes = raw.sizes or tuple(map(float, heights.shape[::-1]))
-        found = _surface_topography(wanted).Topography(heights.T, sizes)
-        found = found if detrend == "none" else found.detrend(DETRENDS[detrend])
+        topography = _surface_topography(entry).Topography(heights.T, sizes)
+        topography = topography if detrend == "none" else topography.detrend(DETRENDS[detrend])
         if gaps:
-            found = found.interpolate_undefined_data_with_harmonic_function()
-        heights = np.asarray(found.heights()).T
+            topography = topography.interpolate_undefined_data_with_harmonic_function()
+        heights = np.asarray(topography.heights()).T
         if detrend != "none" and np.abs(heights).max() < ROUND_OFF * np.abs(raw.heights).max():
             raise ValueError(
-                f"{wanted}: leaves nothing but round-off of file = {show(table['file'])}; leave the map out"
+                f"{entry}: leaves nothing but round-off of file = {show(table['file'])}; leave the map out"
             )
     return np.asarray(heights, dtype=np.float64)
 
@@ -290,8 +290,8 @@ def _check_numbers(stream: IO[bytes]) -> None:
     words = numbers = 0
     with TextIOWrapper(stream, encoding="latin-1") as text:
         while part := text.readline(PART):
-            numeric, found = not part.strip(NUMERIC), len(part.replace(",", " ").replace(";", " ").split())
-            words, numbers = words + found, numbers + found * numeric
+            numeric, count = not part.strip(NUMERIC), len(part.replace(",", " ").replace(";", " ").split())
+            words, numbers = words + count, numbers + count * numeric
             if words > (MOST if numeric else MOST_WORDS):
                 what = "numbers" if numeric else "words"
                 raise ValueError(f"has more than {MOST if numeric else MOST_WORDS} {what} in a line; {_allowed()}")

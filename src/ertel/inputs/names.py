@@ -86,16 +86,16 @@ def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str,
     if not isinstance(temperature, str):
         raise ConfigError(f'temperature = {show(temperature)}: must be a temperature with its unit, such as "40 degC"')
     reason = _only_newtonian(data)
-    known = oil_data(oils.oil_at(oil, temperature, "newtonian" if reason or "rheology" in given else None))
+    numbers = oil_data(oils.oil_at(oil, temperature, "newtonian" if reason or "rheology" in given else None))
     if reason and "rheology" not in given:
-        known["reference"] += f"{RHEOLOGY}Newtonian, {reason}."
-    law = completed(given.get("rheology", known["rheology"]), oil, parse_temperature(temperature))
-    if any(key in given for key in OF_PRESSURE) and not isinstance(known["viscosity"], str):
-        known["viscosity"] = "roelands"
+        numbers["reference"] += f"{RHEOLOGY}Newtonian, {reason}."
+    law = completed(given.get("rheology", numbers["rheology"]), oil, parse_temperature(temperature))
+    if any(key in given for key in OF_PRESSURE) and not isinstance(numbers["viscosity"], str):
+        numbers["viscosity"] = "roelands"
     if given and "reference" not in given:
-        known["reference"] += f" Given: {', '.join(given)}."
-        known["reference"] += "".join(f"{RHEOLOGY}{source}." for source in law.sources)
-    return {**known, **given, "rheology": law.law}
+        numbers["reference"] += f" Given: {', '.join(given)}."
+        numbers["reference"] += "".join(f"{RHEOLOGY}{source}." for source in law.sources)
+    return {**numbers, **given, "rheology": law.law}
 
 
 def oil_of(written: Any) -> NamedOil:
@@ -107,7 +107,7 @@ def oil_of(written: Any) -> NamedOil:
 
 def _contact(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, Any]:
     given = {key: value for key, value in written.items() if key not in MATERIAL_KEYS}
-    known: dict[str, Any] = {}
+    numbers: dict[str, Any] = {}
     for number, key in enumerate(MATERIAL_KEYS, 1):
         if key not in written:
             continue
@@ -118,10 +118,10 @@ def _contact(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, A
         except ConfigError as error:
             raise ConfigError(str(error).replace("material = ", f"{key} = ", 1)) from error
         if "E_prime" not in given:
-            known |= {f"E{number}": f"{body.E!r} {STRESS.unit}", f"nu{number}": body.nu}
+            numbers |= {f"E{number}": f"{body.E!r} {STRESS.unit}", f"nu{number}": body.nu}
         if key == "material_1" and given.get("kind", "impact") == "impact" and "mass" not in given:
-            known["ball_density"] = f"{body.density!r} {DENSITY.unit}"
-    return {**known, **given}
+            numbers["ball_density"] = f"{body.density!r} {DENSITY.unit}"
+    return {**numbers, **given}
 
 
 # -- laws of shear thinning whose data come from a named oil ----------------------------------------------------------
@@ -150,24 +150,20 @@ def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> Com
         return Completed(law)
     record, field = OF_OILS[name]
     inside = {key: completed(table[key], oil, T, f"{place}.{key}") for key in law_fields(record) if key in table}
-    sources = tuple(source for found in inside.values() for source in found.sources)
-    table = {**table, **{key: found.law for key, found in inside.items()}}
-    missing = [key for key in _needed(record) if key not in table]
+    sources = tuple(source for law_inside in inside.values() for source in law_inside.sources)
+    table = {**table, **{key: law_inside.law for key, law_inside in inside.items()}}
+    needed = (item.name for item in fields(record) if item.default is MISSING)
+    missing = [key for key in needed if key not in table and key not in law_fields(record)]
     if not missing:
         return Completed(table, sources)
     part: Sourced[Any] | None = getattr(oil, field)
-    wanted = " and ".join(missing)
-    complaint = part.missing_at(T, wanted, oil.name) if part else f"the library has no {wanted} of {oil.name}"
+    names = " and ".join(missing)
+    complaint = part.missing_at(T, names, oil.name) if part else f"the library has no {names} of {oil.name}"
     if part is None or complaint:
         advice = f'give {{ law = "{name}", {", ".join(f"{key} = ..." for key in missing)} }}'
         raise ConfigError(f"{place} = {show(law)}: {complaint}; {advice}")
     data = data_of(part.data)
     return Completed({**table, **{key: data[key] for key in missing}}, (*sources, part.source.rstrip(".")))
-
-
-def _needed(record: Any) -> list[str]:
-    """The numbers that a law must be given."""
-    return [item.name for item in fields(record) if item.default is MISSING and item.name not in law_fields(record)]
 
 
 # -- temperatures: [thermal] completed from the oil and the materials that the case names -----------------------------

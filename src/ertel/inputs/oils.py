@@ -17,15 +17,14 @@ source is left out of the file.
 
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, fields
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from ertel.case.reading import Reader
 from ertel.case.records import ConfigError, show
-from ertel.inputs.layout import DataSheet
-from ertel.inputs.quantities import number_or_quantity, parse_quantity, parse_temperature
+from ertel.inputs.layout import READER, DataSheet
+from ertel.inputs.quantities import number_or_quantity, parse_temperature
 from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.materials import Elasticity, LimitingStress, Material, NamedOil, Sourced, Strength, ThermalData
@@ -39,7 +38,6 @@ from ertel.physics.temperature_laws import (
     Vogel,
     Walther,
 )
-from ertel.physics.units import Unit, marks
 
 __all__ = ["at", "data_sheet", "get", "names"]
 
@@ -69,6 +67,9 @@ MATERIAL_TABLES: Mapping[str, tuple[str, Any]] = {
 }
 
 
+RECORDS = {"oils": (NamedOil, OIL_TABLES), "materials": (Material, MATERIAL_TABLES)}  # by folder of the library
+
+
 def names() -> tuple[str, ...]:
     """The names of the oils of the library."""
     return _names("oils")
@@ -81,24 +82,14 @@ def material_names() -> tuple[str, ...]:
 
 def get(name: str) -> NamedOil:
     """An oil of the library.  Raises ConfigError for a name that is not there."""
-    return _oil(_known("oil", name, names()))
+    oil: NamedOil = _read("oils", _known("oil", name, names()))
+    return oil
 
 
 def material(name: str) -> Material:
     """A material of the library.  Raises ConfigError for a name that is not there."""
-    return _material(_known("material", name, material_names()))
-
-
-@cache
-def _oil(name: str) -> NamedOil:
-    text, tables = _read("oils", name, OIL_TABLES)
-    return NamedOil(name, text, **tables)
-
-
-@cache
-def _material(name: str) -> Material:
-    text, tables = _read("materials", name, MATERIAL_TABLES)
-    return Material(name, text, **tables)
+    body: Material = _read("materials", _known("material", name, material_names()))
+    return body
 
 
 def at(name: str, temperature: Number, rheology: str | Fluidity | None = None) -> Oil:
@@ -203,8 +194,8 @@ def oil_at(oil: NamedOil, temperature: Number, rheology: str | Fluidity | None =
 
 @cache
 def _names(folder: str) -> tuple[str, ...]:
-    found = (entry.name for entry in (FOLDER / folder).iterdir())
-    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
+    entries = (entry.name for entry in (FOLDER / folder).iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml")))
 
 
 def _known(noun: str, name: object, names: tuple[str, ...]) -> str:
@@ -213,28 +204,19 @@ def _known(noun: str, name: object, names: tuple[str, ...]) -> str:
     return name
 
 
-def _read(folder: str, name: str, known: Mapping[str, tuple[str, Any]]) -> tuple[str, dict[str, Any]]:
-    """The text of a data file and its tables, by field of the record."""
+@cache
+def _read(folder: str, name: str) -> Any:
+    """The oil or the material in a data file."""
+    record, tables = RECORDS[folder]
     data = tomllib.loads((FOLDER / folder / f"{name}.toml").read_text(encoding="utf-8"))
     text = data.pop("text")
-    return text, {known[key][0]: _sourced(table, known[key][1]) for key, table in data.items()}
+    parts = {tables[key][0]: _sourced(table, tables[key][1], f"{name}.{key}") for key, table in data.items()}
+    return record(name, text, **parts)
 
 
-def _sourced(table: dict[str, Any], record: Any) -> Sourced[Any]:
+def _sourced(table: dict[str, Any], record: Any, place: str) -> Sourced[Any]:
     """A table with its source and range; its keys are the fields of the record, or of the law that it names."""
     source, note = table.pop("source"), table.pop("note", "").strip()
     coldest, hottest = (parse_temperature(table.pop(key)) for key in ("coldest", "hottest"))
-    made = record or LAWS[table.pop("law")]
-    return Sourced(_record(made, table), source, coldest, hottest, note)
-
-
-def _record(record: Any, table: Mapping[str, Any]) -> Any:
-    kinds, names = marks(record), [item.name for item in fields(record)]
-    needed = [item.name for item in fields(record) if item.default is MISSING]
-    if set(table) - set(names) or set(needed) - set(table):
-        raise ValueError(f"{record.__name__}: has {', '.join(table)}; needs {', '.join(names)}")
-    return record(**{key: _value(value, kinds.get(key)) for key, value in table.items()})
-
-
-def _value(value: Any, mark: object) -> float:
-    return parse_quantity(value, mark) if isinstance(mark, Unit) else float(value)
+    law = record or LAWS[table.pop("law")]
+    return Sourced(READER.record(law, table, place), source, coldest, hottest, note)

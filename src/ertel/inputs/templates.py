@@ -125,25 +125,20 @@ def _line(text: str, meaning: str) -> Iterator[str]:
 # -- the table of all keys --------------------------------------------------------------------------------------------
 
 
-def table(found: Iterable[Place]) -> str:
+def table(sections: Iterable[Place]) -> str:
     """The table of the keys of some places in Markdown."""
     lines = ["| section | key | value | meaning | default |", "| --- | --- | --- | --- | --- |"]
-    for title, text, keys in found:
+    for title, text, keys in sections:
         lines.append(f"| `{title}` | | | {_cell(text)} | |")
         for key in keys:
-            lines.append(
-                f"| | `{key.name}` | {key.kind} | {_cell(key.meaning.text)} | {_code(key.default)} |".replace("  ", " ")
-            )
+            default = key.default if key.default in ("", NEEDED) or "(" in key.default else f"`{key.default}`"
+            lines.append(f"| | `{key.name}` | {key.kind} | {_cell(key.meaning.text)} | {default} |".replace("  ", " "))
     return "\n".join(lines) + "\n"
 
 
 def _cell(text: str) -> str:
     """A text in a table, where a line between bars would end its cell."""
     return text.replace("|", "\\|")
-
-
-def _code(default: str) -> str:
-    return default if default in ("", NEEDED) or "(" in default else f"`{default}`"
 
 
 # -- the JSON schema --------------------------------------------------------------------------------------------------
@@ -158,13 +153,13 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 def json_schema() -> Schema:
     """The JSON schema of a case file, with the laws and shapes that are registered now."""
-    found = {place.title: place for place in places()}
-    sections = {name: _table_schema(part.text, found[f"[{name}]"].keys) for name, part in SECTIONS.items()}
+    by_title = {place.title: place for place in places()}
+    sections = {name: _table_schema(part.text, by_title[f"[{name}]"].keys) for name, part in SECTIONS.items()}
     shapes = []
     for name in SHAPES:
-        place = found[f'shape = "{name}"']
+        place = by_title[f'shape = "{name}"']
         shapes.append(_table_schema(place.text, (*place.keys, shape_keys()[1]), shape=name))
-    top = {key.name: _explained(key) for key in found["(top)"].keys}
+    top = {key.name: _explained(key) for key in by_title["(top)"].keys}
     roughness = {"type": "array", "items": {"oneOf": shapes}, "description": TOP["roughness"].text}
     return {
         "$schema": DIALECT,
@@ -180,8 +175,8 @@ def json_schema_text() -> str:
 
 def _object_schema(text: str, properties: Schema, required: Sequence[str]) -> Schema:
     """The schema of a table that has no other keys."""
-    found = {"type": "object", "description": text, "properties": properties, "additionalProperties": False}
-    return {**found, "required": list(required)} if required else found
+    schema = {"type": "object", "description": text, "properties": properties, "additionalProperties": False}
+    return {**schema, "required": list(required)} if required else schema
 
 
 def _table_schema(text: str, keys: Sequence[Key], **name: str) -> Schema:

@@ -208,11 +208,11 @@ class White:
         """
         path = np.asarray(film) * np.asarray(index)
         shape = np.broadcast_shapes(path.shape, np.shape(index))
-        found = np.zeros((*shape, 3))
+        light = np.zeros((*shape, 3))
         for wavelength, weight in zip(*weights(self.lamp), strict=True):
             bright = rig.fringes(wavelength, index).reflectance(path, _triangular(wavelength))
-            found += bright[..., None] * weight
-        return found
+            light += bright[..., None] * weight
+        return light
 
     def mean(self, rig: Rig, index: ArrayLike) -> Array:
         """The mean where fringes have faded, of the shape of the index with a last axis of 3."""

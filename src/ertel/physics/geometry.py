@@ -234,8 +234,8 @@ def squeeze(r: Floats, motion: ContactMotion, geometry: Geometry = CIRCLE) -> Fl
     The deformation is that of a dry contact at this Delta: its load, proportional to Delta^(3/2), as a point force.
     """
     full = geometry.dry_approach(1.0)
-    share = (max(motion.approach, 0.0) / full) ** 0.5
-    rate = 1.5 * share / full * geometry.compliance * geometry.hertz_load / r  # of the deformation, per V
+    radius = (max(motion.approach, 0.0) / full) ** 0.5
+    rate = 1.5 * radius / full * geometry.compliance * geometry.hertz_load / r  # of the deformation, per V
     acting: Floats = motion.velocity * (1 - SHARE_OF_DEFORMATION * rate)
     return acting
 

@@ -49,12 +49,12 @@ class Sourced(Generic[Data]):
         if not 0 < self.coldest <= self.hottest:
             raise ValueError(f"coldest = {self.coldest} K: must be above zero and not above hottest = {self.hottest} K")
 
-    def missing_at(self, T: float, wanted: str, name: str) -> str:
+    def missing_at(self, T: float, quantity: str, name: str) -> str:
         """A sentence that these data of an oil are not known at T (K); empty if they are."""
         if self.coldest <= T <= self.hottest:
             return ""
         ends = dict.fromkeys((celsius(self.coldest), celsius(self.hottest)))
-        return f"the library has {wanted} of {name} at {' to '.join(ends)}, not at {celsius(T)}"
+        return f"the library has {quantity} of {name} at {' to '.join(ends)}, not at {celsius(T)}"
 
 
 @dataclass(frozen=True)
@@ -143,9 +143,9 @@ class NamedOil:
                 f"data ({self.name})"
             )
         laws = self.pressure_laws_at(T)
-        law, said = self._own_rheology(T) if rheology is None else (rheology, "")
+        law, rheology_source = self._own_rheology(T) if rheology is None else (rheology, "")
         source = f"{self.name} at {celsius(T)}. Viscosity: {self.viscosity.source} Pressure: {self.pressure.source}"
-        reference = f"{source}{said}"
+        reference = f"{source}{rheology_source}"
         return Oil(self.viscosity_at(T), laws.alpha, laws.viscosity, laws.density, reference=reference, rheology=law)
 
     def _own_rheology(self, T: float) -> tuple[str | Fluidity, str]:

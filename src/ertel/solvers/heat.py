@@ -47,14 +47,15 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.derived import grid_of
 from ertel.case.sections import Inlet
-from ertel.equations.contact import opened, traceable, traceable_law
+from ertel.equations.account import shear_force
+from ertel.equations.contact import opened, traceable
 from ertel.equations.shear import shear
 from ertel.numerics import halfspace
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.integrals import Plane
 from ertel.numerics.newton import gcr
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
-from ertel.numerics.stencils import central_slopes, extended, inside
+from ertel.numerics.stencils import inside, node_slopes
 from ertel.physics.fluidity import Fluidity, limited_stress
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.thermal import AT_REST, Exponential, Houpert, Solid, WarmViscosity, peclet_number, response
@@ -115,8 +116,7 @@ class _Film:
         """tau_m in Pa along X and Y in a film that is so much warmer (K) than the inlet; zero where P = 0."""
         log_ratio = jnp.log(self.oil.viscosity(self.P))
         viscosity = self.eta0 * jnp.exp(log_ratio + self.warm.change(log_ratio, warmer))
-        slopes = central_slopes(extended(self.P, self.even), self.spacing)
-        gradient = self.p_h * self.H * jnp.stack([slope[1:-1, 1:-1] for slope in slopes])
+        gradient = self.p_h * self.H * node_slopes(self.P, self.spacing, self.even)
         sliding = viscosity * self.speed / self.H
         pressure = self.p_h * self.P
         sheared = shear(self.law, pressure, jnp.stack([sliding, jnp.zeros_like(sliding)]), gradient)
@@ -175,7 +175,7 @@ def heated(
         T_film=thermal.temperature + warm.film,
         heat=warm.x[0],
         stress=stress,
-        sliding=_force(grid, stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
+        sliding=shear_force(Plane.of(grid), stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
         peclet=peclet,
         iterations=int(warm.iterations),
         applications=int(warm.applications),
@@ -186,14 +186,8 @@ def heated(
 def _sheared(case: Case, grid: Grid, warm: WarmViscosity, P: Any, film: Array, speed: float) -> _Film:
     s, eta0 = case.scales, case.oil.eta0
     assert s is not None and eta0 is not None  # `heated`
-    law, oil = traceable_law(case.oil.fluidity_law), traceable(case.lubricant)
+    law, oil = traceable(case.oil.fluidity_law), traceable(case.lubricant)
     return _Film(law, warm, oil, eta0, s.p_h, jnp.asarray(P), film * s.film, speed, grid.spacing * s.a, grid.even)
-
-
-def _force(grid: Grid, stress: Array) -> Array:
-    """The double integral of the stress, shape (2,); along Y it is odd about an axis Y = 0."""
-    plane = Plane.of(grid)
-    return jnp.stack([plane.total(stress[0]), jnp.zeros(()) if grid.even.y else plane.total(stress[1])])
 
 
 def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid) -> "Rise":
@@ -273,8 +267,8 @@ def warmed(
         q from which the iteration starts; a film that releases none if it is left out.
     """
     q = np.zeros_like(resistance) if heat is None else heat
-    found: Warmed = jax.device_get(_program(_Balance(release, tuple(rises), resistance, tuple(bodies)), q))
-    return found
+    solution: Warmed = jax.device_get(_program(_Balance(release, tuple(rises), resistance, tuple(bodies)), q))
+    return solution
 
 
 @register_dataclass

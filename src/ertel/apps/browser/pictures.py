@@ -35,7 +35,7 @@ IN_TIME = ("maps", "profiles", "history", "front", "friction", INTERFEROGRAM, "o
 STEADY = ("maps", "midlines", "friction", INTERFEROGRAM, "convergence", "overview")
 STRESSES = ("tau_x", "tau_y", "loss")  # only one figure needs them
 LATEST = ("H_c", "H_min", "P_max", "F", "mu_sliding")  # shown of a run that goes on
-HEAVY = ("ertel.plots", "ertel.runs.checked_zarr")  # imported before they are needed
+HEAVY = ("ertel.plots", "ertel.runs.arrays")  # imported before they are needed
 PICTURES = "/pictures"  # where pages get them
 KEPT = 60  # pictures, of some 0.2 MB each
 KEPT_OPEN = 3  # Datasets
@@ -156,7 +156,7 @@ def _opened(run: Path, stamp: int, left_out: Sequence[str]) -> "xr.Dataset":
     """The data of a run as they were at a moment; arrays are read when they are needed."""
     import xarray as xr
 
-    from ertel.runs.checked_zarr import RegularStore
+    from ertel.runs.arrays import RegularStore
 
     if not stamp:
         raise ValueError("nothing is written yet")
