@@ -56,13 +56,12 @@ def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
 
     from ertel.equations import contact
     from ertel.numerics import multigrid
-    from ertel.runs.courses import course_of
-    from ertel.runs.drive import drive
+    from ertel.runs.drive import drive, run_of
 
     p, nodes = method.case.parameters, min(65, method.grid.nodes_x)
     coarse = impact(p.M, nodes, p.L, time={"until": until})
     levels = []
-    for level in drive(course_of(coarse)).state.levels:
+    for level in drive(run_of(coarse)).state.levels:
         P = jnp.asarray(level.P)
         while P.shape[0] < method.grid.shape[0]:
             P = multigrid.prolong(P)

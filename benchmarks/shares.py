@@ -129,7 +129,7 @@ def measure_outside(nodes: int) -> tuple[float, float]:
 def _run_of_steps(nodes: int) -> tuple[Any, Any]:
     """A course of fixed steps of an impact, and its item in the middle of the impact."""
     from ertel.case.status import Status
-    from ertel.runs.courses import TransientRun
+    from ertel.runs.drive import TransientRun
     from ertel.runs.stepping import RunState, Step
     from ertel.solvers.transient import Transient2D
 
@@ -147,9 +147,9 @@ def measure_impact(nodes: int) -> dict[str, float]:
     from ertel.case.status import Status
     from ertel.equations.approach import balanced
     from ertel.equations.flow import Rate
-    from ertel.runs.courses import TransientRun
+    from ertel.runs.drive import TransientRun
     from ertel.runs.stepping import RunState, Step
-    from ertel.solvers import nonlinear, preconditioner, transient
+    from ertel.solvers import nonlinear, transient
 
     keep_compiled()
     on_device: list[float] = []
@@ -178,7 +178,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     newton, krylov = (statistics.mean(getattr(level.work, name) for level in found) for name in ("newton", "krylov"))
     now = levels[0]
     rate, line = Rate(1.5 / STEP, 0.0 * now.H), balanced()
-    how = nonlinear.approach_as_unknown, preconditioner.point_preconditioner, transient.FALLING
+    how = nonlinear.approach_as_unknown, nonlinear.point_preconditioner, transient.FALLING
     problem = nonlinear.Problem(method.contact, method.setting.elastic, rate, line, 1.0, 1.0, *how)
     parts = _parts(problem, now.P, now.H)
     return {
@@ -216,7 +216,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     from ertel.equations.flow import steady_rate
     from ertel.numerics import multigrid
     from ertel.physics.geometry import CIRCLE
-    from ertel.solvers import nonlinear, preconditioner, steady
+    from ertel.solvers import nonlinear, steady
 
     keep_compiled()
     case = rolling(1000, nodes)
@@ -231,8 +231,8 @@ def measure_rolling(nodes: int) -> dict[str, float]:
         walls, solutions = zip(*_each(steady.nested(case)), strict=True)
     last = solutions[-1]
     c = discretise.contact_of(case, last.grid)
-    elastic = multigrid.deformation_operators(last.grid, CIRCLE.compliance, preconditioner.PRECISION)
-    how = nonlinear.approach_as_unknown, preconditioner.line_preconditioner, steady.OPTIONS
+    elastic = multigrid.deformation_operators(last.grid, CIRCLE.compliance, nonlinear.PRECISION)
+    how = nonlinear.approach_as_unknown, nonlinear.line_preconditioner, steady.OPTIONS
     problem = nonlinear.Problem(c, elastic, steady_rate(1.0), balanced(), 1.0, 1.0, *how)
     parts = _parts(problem, last.P, last.H)
     return {

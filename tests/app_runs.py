@@ -22,7 +22,7 @@ from zarr.storage import LocalStore
 
 import ertel
 from ertel.inputs.case_files import parse_case, to_toml
-from ertel.runs import checked_zarr
+from ertel.runs import arrays
 from ertel.runs.files import sealed
 
 ROLLING = """
@@ -101,6 +101,11 @@ def refused(*arguments: str, code: int = 2) -> str:
     return str(result.stderr)
 
 
+def given(*settings: str) -> list[str]:
+    """Settings as the options of a command."""
+    return [word for setting in settings for word in ("--set", setting)]
+
+
 def until(there: Callable[[], object], seconds: float = 20.0) -> None:
     """Wait for something to become true."""
     deadline = time.monotonic() + seconds
@@ -125,7 +130,7 @@ def _made() -> Path:
     atexit.register(shutil.rmtree, place, ignore_errors=True)
     (place / "case.toml").write_text(to_toml(parse_case(CASE)))
     few = dry_impact(CASE, radial=True).isel(frame=slice(None, None, 6))  # files that each test copies
-    checked_zarr.write(LocalStore(place / "run.zarr"), few)
+    arrays.write(LocalStore(place / "run.zarr"), few)
     return place
 
 

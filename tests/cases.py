@@ -23,8 +23,7 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature
 from ertel.runs import files
-from ertel.runs.courses import TransientRun
-from ertel.runs.drive import drive
+from ertel.runs.drive import TransientRun, drive
 from ertel.runs.stepping import Step
 
 OIL = Oil()  # where the laws do not matter: others on the same grid are programs of their own, five seconds each

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ertel.physics.fluidity import Array, Fluidity
 from ertel.physics.scales import Parameters
+from ertel.physics.thermal import Solid, response
 
 Real = NDArray[np.float64]
 
@@ -126,6 +127,14 @@ def middle_rise(stress: float, sliding: float, film: float, conductivity: float)
 def mean_rise(stress: float, sliding: float, film: float, conductivity: float) -> float:
     """Mean rise across the film above the mean of its walls, tau |u1 - u2| h/(12 k), in K; see `middle_rise`."""
     return stress * sliding * film / (12.0 * conductivity)
+
+
+def flash_temperature(heat: Real, solid: Solid, speed: float, spacing: float) -> Real:
+    """Temperature rise of a moving surface, in K.
+
+    heat: flux into the body in W/m^2, shape (..., n), index along X last.  The rest as in `thermal.response`.
+    """
+    return np.asarray(heat @ response(solid, speed, heat.shape[-1], spacing).T)
 
 
 class Nahme(NamedTuple):

@@ -83,7 +83,7 @@ def _memory_is_bounded() -> Iterator[None]:
 @pytest.fixture
 def nothing_outside(monkeypatch: pytest.MonkeyPatch) -> None:
     """P = 0 at the edge of every grid, as in the reference computations: the oil outside resists nothing."""
-    from ertel.physics import far_field  # not above: what it imports reads the environment
+    from ertel.equations import outside  # not above: what it imports reads the environment
 
     for name in ("far_pressure", "rigid_pressure"):
-        monkeypatch.setattr(far_field, name, lambda X, Y, *_: 0.0 * X * Y)
+        monkeypatch.setattr(outside, name, lambda X, Y, *_: 0.0 * X * Y)

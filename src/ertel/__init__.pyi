@@ -28,7 +28,7 @@ from ertel.results import fronts as fronts
 from ertel.results import waves as waves
 from ertel.results.result import Result as Result
 from ertel.results.study_result import StudyResult as StudyResult
-from ertel.results.traction_curve import TractionCurve as TractionCurve
+from ertel.results.study_result import TractionCurve as TractionCurve
 from ertel.results.variables import to_si as to_si
 from ertel.runs import tasks as tasks
 from ertel.runs.batch import simulate_batch as simulate_batch

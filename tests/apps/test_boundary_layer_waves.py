@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from ertel.apps.boundary_layers import others, reduction, runs
+from ertel.apps.boundary_layers import ratios, reduction, runs
 from ertel.apps.boundary_layers.figures import FIGURES
-from ertel.apps.boundary_layers.page import Drawn
-from ertel.apps.boundary_layers.plans import QUICK, BeyondPlan, SmoothPlan, WavesPlan
+from ertel.apps.boundary_layers.plans import QUICK, BeyondPlan, Drawn, SmoothPlan, WavesPlan
 from ertel.apps.boundary_layers.ratios import Extrapolated, over_film
 from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
@@ -68,7 +67,7 @@ def fading(amplitude: float) -> xr.Dataset:
 
 def test_marks_of_other_shapes():
     results = {runs.shapes_task(SMALL, (M, L), nodes).name: fading(A) for nodes, A in ((65, 0.5), (33, 0.6))}
-    across, rings, along = others.impacts_on_shapes(results, SMALL)
+    across, rings, along = ratios.impacts_on_shapes(results, SMALL)
     assert [mark.kind for mark in (across, rings, along)] == ["transverse", "rings", "longitudinal"]
     assert across.ratio == pytest.approx((0.6, 0.5), rel=1e-3)
     assert rings.ratio == pytest.approx((0.3, 0.25), rel=1e-3)

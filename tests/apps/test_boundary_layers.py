@@ -17,10 +17,9 @@ from cases import ertel_
 from matplotlib.figure import Figure
 
 from ertel.apps import boundary_layers
-from ertel.apps.boundary_layers import figures, front, page, runs
+from ertel.apps.boundary_layers import figures, front, runs
 from ertel.apps.boundary_layers.figures import PaperFigure
-from ertel.apps.boundary_layers.page import Drawn
-from ertel.apps.boundary_layers.plans import FULL, LOADS, QUICK, SHOWN_LOAD, L, Plan, SmoothPlan
+from ertel.apps.boundary_layers.plans import FULL, LOADS, QUICK, SHOWN_LOAD, Drawn, L, Plan, SmoothPlan
 from ertel.apps.boundary_layers.runs import Results
 from ertel.results import fronts
 from ertel.runs.tasks import Task, run_tasks
@@ -83,8 +82,8 @@ def test_what_it_takes_is_known_before(small, tmp_path):
 
 
 def test_columns_of_different_length_stand_side_by_side():
-    table = page.side_by_side({"a": np.array([1.0, 2.5, np.nan]), "b": np.array([1 / 3])})
-    assert page.to_csv(table) == "a,b\n1,0.333333333\n2.5,\n,\n"
+    table = front.side_by_side({"a": np.array([1.0, 2.5, np.nan]), "b": np.array([1 / 3])})
+    assert figures.to_csv(table) == "a,b\n1,0.333333333\n2.5,\n,\n"
 
 
 def test_command_and_a_full_disk(small, tmp_path, monkeypatch):

@@ -12,7 +12,7 @@ from app_runs import CASE, CHILD, make_run, stand_in, until, write_progress
 from cases import ertel_
 
 from ertel.apps import browser
-from ertel.apps.browser import answer, drawing
+from ertel.apps.browser import form, pictures
 from ertel.apps.browser.folder import Folder, Outside
 from ertel.apps.browser.form import Form, field_of
 from ertel.apps.browser.pictures import PlotRequest, PlotWorker, stamp_of
@@ -49,16 +49,16 @@ def test_files_of_a_case_outside_the_folder(tmp_path):
     folder = Folder.at(tmp_path)
     data = {**CASE, "roughness": [{"shape": "measured", "file": "/etc/passwd"}]}
     with pytest.raises(Outside, match="/etc/passwd"):
-        answer.at_once(data, folder)
+        form.at_once(data, folder)
     data["roughness"][0]["file"] = "disc.npz"
-    assert answer.at_once(data, folder) is None  # it is not read here
+    assert form.at_once(data, folder) is None  # it is not read here
 
 
 def test_files_of_a_case_keep_their_place(tmp_path):
     data = {"roughness": [{"shape": "spot"}, {"shape": "measured", "file": "disc.npz"}]}
-    moved = answer.moved(data, tmp_path / "runs" / "a", tmp_path)
+    moved = form.relocated(data, tmp_path / "runs" / "a", tmp_path)
     assert moved["roughness"] == [{"shape": "spot"}, {"shape": "measured", "file": "runs/a/disc.npz"}]
-    assert answer.moved(moved, tmp_path)["roughness"][1]["file"] == str(tmp_path / "runs" / "a" / "disc.npz")
+    assert form.relocated(moved, tmp_path)["roughness"][1]["file"] == str(tmp_path / "runs" / "a" / "disc.npz")
     assert data["roughness"][1]["file"] == "disc.npz"
 
 
@@ -171,9 +171,9 @@ def test_a_run_that_does_not_hear_is_ended(tmp_path):
 @pytest.mark.parametrize("kind", ["impact", "rolling"])
 @pytest.mark.parametrize("given", ["si", "moes"])
 def test_the_form_begins_with_a_case(kind, given):
-    form = Form(given=given)
-    form.choose("kind", kind)
-    assert parse_case(form.data()).kind == kind
+    filled = Form(given=given)
+    filled.choose("kind", kind)
+    assert parse_case(filled.data()).kind == kind
 
 
 def test_a_named_oil_takes_a_temperature():
@@ -203,7 +203,7 @@ def test_messages_name_their_field():
 
 
 def test_the_outlook_is_that_of_ertel_check(tmp_path):
-    found = asyncio.run(answer.outlook(Form(M="500", given="moes").data(), Folder.at(tmp_path)))
+    found = asyncio.run(form.outlook_of(Form(M="500", given="moes").data(), Folder.at(tmp_path)))
     assert found["parameters"]["M"] == pytest.approx(500.0)
     assert found["grid"]["nodes"] == 257
 
@@ -250,7 +250,7 @@ def test_pictures_are_drawn_once(tmp_path, plots, monkeypatch):
     request = PlotRequest(run, "front", "max-approach", kind="svg", stamp=stamp_of(run))
     first = asyncio.run(plots.draw(request))
     assert first.startswith(b"<?xml")
-    monkeypatch.setattr(drawing, "draw", None)
+    monkeypatch.setattr(pictures, "draw_picture", None)
     assert asyncio.run(plots.draw(request)) is first
 
 
@@ -272,9 +272,8 @@ LIGHT = """
 import asyncio, json, sys
 from pathlib import Path
 from ertel.apps.browser import server
-from ertel.apps.browser.answer import at_once
 from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.form import Form
+from ertel.apps.browser.form import Form, at_once
 from ertel.apps.browser.processes import Processes
 from ertel.apps.browser.folder import summary_of
 from ertel.results.numbers import key_numbers
@@ -285,11 +284,10 @@ at_once(Form().data(), folder)
 key_numbers(summary_of(run))
 Processes(folder).status(run)
 heavy = [[name for name in ("jax", "matplotlib", "xarray") if name in sys.modules]]
-from ertel.apps.browser import drawing
-from ertel.apps.browser.pictures import PlotRequest, stamp_of
-drawing.info(run, stamp_of(run))
+from ertel.apps.browser.pictures import PlotRequest, draw_picture, run_info, stamp_of
+run_info(run, stamp_of(run))
 for figure in ("front", "interferogram"):
-    drawing.draw(PlotRequest(run, figure, "max-approach", dots=20, stamp=stamp_of(run)))
+    draw_picture(PlotRequest(run, figure, "max-approach", dots=20, stamp=stamp_of(run)))
 print(json.dumps([*heavy, [name for name in ("jax",) if name in sys.modules]]))
 """
 

@@ -13,7 +13,7 @@ from app_runs import make_run, stand_in
 from nicegui import ElementFilter, app, ui
 from nicegui.testing import user_simulation
 
-from ertel.apps.browser import answer, drawing, new_page, server
+from ertel.apps.browser import form, new_page, pictures, server
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.pictures import PlotWorker
 from ertel.apps.browser.processes import Phase, Processes
@@ -39,10 +39,12 @@ def site(tmp_path, monkeypatch):
     """The app in a folder with one run; ertel check, ertel run and the pictures are stand-ins."""
 
     async def outlook(data, folder):
-        return {**FOUND, "parameters": answer.at_once(data, folder)}
+        return {**FOUND, "parameters": form.at_once(data, folder)}
 
-    monkeypatch.setattr(answer, "outlook", outlook)
-    monkeypatch.setattr(drawing, "draw", lambda request: f"{request.kind} {request.figure} at {request.at}".encode())
+    monkeypatch.setattr(form, "outlook_of", outlook)
+    monkeypatch.setattr(
+        pictures, "draw_picture", lambda request: f"{request.kind} {request.figure} at {request.at}".encode()
+    )
     folder = tmp_path / "folder"
     make_run(folder / "runs" / "ball")
     (tmp_path / "aside").mkdir()
@@ -250,9 +252,9 @@ def checks(monkeypatch):
         began.append(len(going))
         await leave.wait()
         going.pop()
-        return {**FOUND, "parameters": answer.at_once(data, folder)}
+        return {**FOUND, "parameters": form.at_once(data, folder)}
 
-    monkeypatch.setattr(answer, "outlook", outlook)
+    monkeypatch.setattr(form, "outlook_of", outlook)
     monkeypatch.setattr(new_page, "PAUSE", 0.0)
     return began, going, leave
 

@@ -6,7 +6,7 @@ import signal
 from pathlib import Path
 
 import pytest
-from app_runs import CASE_FILES, raising, refused
+from app_runs import CASE_FILES, given, raising, refused
 from cases import LEFT, ertel_, names
 from matplotlib.figure import Figure
 
@@ -87,16 +87,15 @@ def test_run_json_is_json_and_nothing_else(here):
 
 
 def test_a_second_run_gets_its_own_directory_and_is_as_quiet_unless_jax_computes_wrongly(here, monkeypatch):
+    command = ("run", "ball.toml", "--quiet", *given("time.until=0.02", "contact.mass=30 g"))
     for _ in range(2):
-        assert (
-            ertel_("run", "ball.toml", "--quiet", "--set", "time.until=0.02", "--set", "contact.mass=30 g").output == ""
-        )
+        assert ertel_(*command).output == ""
     assert names(here / "runs") == {"ball", "ball-2"}
     case = RunStore.open(here / "runs" / "ball").case
     assert (case.contact.mass, case.time.until) == (pytest.approx(0.03), 0.02)
     monkeypatch.setattr(compile, "version", lambda package: "0.10.2")
     compile.check_jax.cache_clear()
-    said = refused("run", "ball.toml", "--quiet", "--set", "time.until=0.02", code=0)
+    said = refused(*command, code=0)
     assert said == f"ertel: warning: {compile.wrong_version('0.10.2')}\n"
 
 
@@ -195,11 +194,6 @@ def test_show_si(here):
     assert all(words in said for words in ("in SI", "GPa", "µm"))
 
 
-def test_show_of_a_run_under_way(small):
-    (small / "summary.json").unlink()
-    assert json.loads(ertel_("show", "runs/small", "--json").stdout)["status"] == "running"
-
-
 # -- plot -------------------------------------------------------------------------------------------------------------
 
 
@@ -244,22 +238,13 @@ def test_plot_of_a_run_with_one_map_only(here):
 
 
 OIL = ["lubricant.eta0=0.1 Pa*s", "lubricant.alpha=22 / GPa"]
-FALLING = [
-    "contact.radius=10 mm",
-    "contact.mass=32.6726 g",
-    "contact.speed=0.1 m/s",
-    "contact.E_prime=226.37 GPa",
-    *OIL,
-]
+BALL = ["contact.radius=10 mm", "contact.mass=32.6726 g", "contact.speed=0.1 m/s", "contact.E_prime=226.37 GPa"]
+FALLING = [*BALL, *OIL]
 ROLLED = [  # the dimensional case of reference/rolling.json
     *("contact.radius=10 mm", "contact.load=38.885237 N", "contact.E_prime=219.7802 GPa"),
     *("lubricant.eta0=40 mPa*s", "lubricant.alpha=22 / GPa"),
 ]
 MEAN = "contact.mean_speed=0.502636 m/s"
-
-
-def given(*settings):
-    return [word for setting in settings for word in ("--set", setting)]
 
 
 def numbers(*arguments):

@@ -1,6 +1,5 @@
 """`ertel about DIR`, `--cite`, shell completion, `--flush` and progress.json."""
 
-import json
 import re
 from pathlib import Path
 
@@ -14,8 +13,8 @@ from ertel.apps import arguments
 from ertel.apps.cli import app
 from ertel.inputs.case_files import load_case
 from ertel.runs import directory, drive, store
-from ertel.runs.courses import course_of
 from ertel.runs.directory import PROGRESS, ProgressFile, read_progress
+from ertel.runs.drive import run_of
 
 # -- about ------------------------------------------------------------------------------------------------------------
 
@@ -32,7 +31,7 @@ def test_about_a_run(ball):
 
 def test_about_a_run_that_has_not_ended(ball):
     (ball / "summary.json").unlink()
-    course = course_of(load_case(ball / "case.toml"))
+    course = run_of(load_case(ball / "case.toml"))
     ProgressFile(ball, course).write(course.begin())
     assert re.search(r"end +not yet, 0% done at 20", ertel_("about", "my run").stdout)
     (ball / PROGRESS).unlink()
@@ -101,15 +100,15 @@ def test_flush(here, monkeypatch, seconds, flushes):
 
 
 def test_progress_of_a_run_that_has_ended(ball):
-    found = json.loads((ball / PROGRESS).read_text())
-    assert (found["status"], found["done"], found["seconds_left"]) == ("converged", 1.0, 0.0)
-    assert found["T"] == pytest.approx(0.06) and found["step"] == 6
+    progress = read_progress(ball)
+    assert (progress["status"], progress["done"], progress["seconds_left"]) == ("converged", 1.0, 0.0)
+    assert progress["T"] == pytest.approx(0.06) and progress["step"] == 6
     assert not list(ball.glob("*.partial"))
 
 
 def test_progress_on_the_way(here, monkeypatch):
     monkeypatch.setattr(directory, "INTERVAL", 0.0)
-    course, seen = course_of(load_case("ball.toml")), []
+    course, seen = run_of(load_case("ball.toml")), []
     watched = ProgressFile(here, course)
     drive.drive(course, [watched, lambda item: seen.append(read_progress(here))])
     done = [found["done"] for found in seen]

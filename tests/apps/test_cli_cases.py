@@ -1,4 +1,4 @@
-"""`ertel new`, `ertel schema`, `ertel check` and `ertel run --help-keys`."""
+"""`ertel new`, `ertel schema`, `ertel check`, `ertel oils` and `ertel run --help-keys`."""
 
 import json
 import re
@@ -11,10 +11,10 @@ from app_runs import refused
 from cases import ertel_, names
 
 from ertel.case.sections import SOLVERS
+from ertel.inputs import materials, oils
 from ertel.inputs.case_files import load_case, parse_case
-from ertel.inputs.json_schema import json_schema
 from ertel.inputs.layout import places
-from ertel.inputs.templates import SCHEMA_FILE, template
+from ertel.inputs.templates import SCHEMA_FILE, json_schema, template
 from ertel.runs import outlook
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -43,7 +43,7 @@ def test_new_overwrites_nothing(here):
     (here / SCHEMA_FILE).write_text("mine")
     assert ertel_("new", "impact", "mine.toml").stdout == "mine.toml\n"
     (here / "mine.toml").write_text("mine")
-    assert "mine.toml is there already" in refused("new", "rolling", "mine.toml")
+    assert "mine.toml exists already" in refused("new", "rolling", "mine.toml")
     assert [(here / name).read_text() for name in ("mine.toml", SCHEMA_FILE)] == ["mine", "mine"]
 
 
@@ -169,6 +169,25 @@ def test_both_radii_together_may_be_absurd(here):
 @pytest.mark.parametrize("changes", REAL, ids=str)
 def test_real_contacts_are_not_refused(changes):
     load_case(EXAMPLES / "steel_ball_impact.toml", changes)
+
+
+# -- oils -------------------------------------------------------------------------------------------------------------
+
+
+def test_the_library_of_oils():
+    text, data = ertel_("oils").output, json.loads(ertel_("oils", "--json").output)
+    assert all(name in text for name in (*oils.names(), *materials.names()))
+    assert "…" not in text
+    assert "14.9" in next(line for line in text.splitlines() if line.startswith("squalane"))
+    assert [oil["name"] for oil in data["oils"]] == list(oils.names())
+    one = json.loads(ertel_("oils", "squalane", "--json").output)
+    assert one in data["oils"]
+    assert one["viscosity"]["nu40"] == 18.73e-6
+    for name in (*oils.names(), *materials.names()):
+        entry = ertel_("oils", name).output
+        assert entry.startswith(f"{name}: ")
+        assert entry.count("source: ") >= 2
+    assert 'NAME = "wood": allowed: iso-vg-100' in refused("oils", "wood")
 
 
 # -- how long a run takes ---------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ import pytest
 from app_runs import CASE_FILES, raising, refused
 from cases import ertel_, names
 
-from ertel.apps import running
+from ertel.apps import running, tables, terminal
 from ertel.apps.process import SIGNALS, raised
 from ertel.inputs import case_files
 from ertel.runs import outlook, store
@@ -65,6 +65,24 @@ def test_messages_are_short_and_without_control_characters(here, arguments):
         sentence = refused(*arguments.replace("{}", long).split(" "))
         assert len(sentence) < 3000
         assert all(c.isprintable() for c in sentence.rstrip("\n"))
+
+
+def test_tables_show_no_control_characters(capsys):
+    tables.console().print("a\x1b[31mb")
+    assert capsys.readouterr().out == "a\\x1b[31mb\n"
+
+
+def test_json_reads_back_in_any_terminal(capsys):
+    content = {"name": "Öl\x1b µ"}
+    terminal.print_json(content)
+    printed = capsys.readouterr().out
+    assert printed.isascii()
+    assert json.loads(printed) == content
+
+
+@pytest.mark.parametrize(("name", "word"), [("a b", "'a b'"), ("-x", "./-x"), ("plain", "plain")])
+def test_a_path_in_advice_is_one_word_of_a_command(here, name, word):
+    assert terminal.in_shell(here / name) == word
 
 
 def test_usage_errors_are_sentences(here):
@@ -200,7 +218,7 @@ def test_out_of_memory(here, monkeypatch, error):
 
 def test_a_grid_beyond_the_memory_is_told_before(here, monkeypatch):
     monkeypatch.setattr(outlook, "memory_available", lambda: 1e9)
-    monkeypatch.setattr(running, "course_of", lambda case: 1 / 0)
+    monkeypatch.setattr(running, "run_of", lambda case: 1 / 0)
     result = ertel_("run", "ball.toml", "--set", "solver.nodes=2049", "--set", "output.interval=0.05", code=1)
     assert "warning: solver.nodes = 2049 needs about" in result.stderr
     assert "the machine has 1 GB; solver.nodes = 513 needs" in result.stderr

@@ -63,7 +63,7 @@ def test_mp4_needs_its_extra(runs, monkeypatch):
 @pytest.mark.parametrize(
     ("directory", "flags", "said"),
     [
-        ("ball", "--format gif", "--format gif: only an interferogram moves; add --interferogram mono"),
+        ("ball", "--format gif", "--format gif: only an interferogram can be a movie; add --interferogram mono"),
         ("ball", "--format gif --interferogram mono --at end", "--at end: a movie shows all times"),
         ("ball", "--wavelength 532nm", "--wavelength 532nm: only for --interferogram mono or two-beam"),
         ("ball", "--wavelength 532nm --interferogram white", "only for --interferogram mono or two-beam"),

@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from app_runs import given
 from cases import ertel_, physics, stop_after
 from matplotlib.figure import Figure
 
 from ertel import plots
 from ertel.inputs.case_files import load_case
-from ertel.runs import courses
+from ertel.runs import drive as drive_module
 from ertel.runs.directory import read_progress
 from ertel.runs.drive import drive, simulate
 from ertel.runs.stepping import StepLimits
@@ -58,8 +59,7 @@ def test_run_show_and_plot(here, empty_figures):
 
 def test_traction_without_meaning_is_warned_of(here):
     values = ('contact.load="40 N"', "contact.slide_to_roll=0.1", "lubricant.viscosity=barus", "solver.tolerance=0.01")
-    more = [argument for value in values for argument in ("--set", value)]
-    assert "lubricant.viscosity" in ertel_("run", "steady.toml", *more).stdout
+    assert "lubricant.viscosity" in ertel_("run", "steady.toml", *given(*values)).stdout
     warnings = json.loads(ertel_("show", "runs/steady", "--json").stdout)["warnings"]
     assert any(said.startswith('lubricant.viscosity = "barus"') for said in warnings)
 
@@ -86,7 +86,7 @@ def test_a_run_under_way(here):
     run = RunStore.create(here / "cut", load_case("steady.toml"))
     for command in ("show", "plot"):
         ertel_(command, "cut", code=2)
-    drive(run.course, [run, stop_after(1)], run.resume())
+    drive(run.run, [run, stop_after(1)], run.resume())
     run.flush()
     summary = json.loads(ertel_("show", "cut", "--json").stdout)
     assert (summary["status"], summary["nodes"]) == ("running", 33)
@@ -129,7 +129,7 @@ def test_the_error_of_a_transient_run(here):
 
 
 def test_a_transient_run_that_cannot_begin(here, monkeypatch):
-    monkeypatch.setattr(courses, "StepLimits", partial(StepLimits, smallest=10.0))
+    monkeypatch.setattr(drive_module, "StepLimits", partial(StepLimits, smallest=10.0))
     result = ertel_("run", "transient.toml", code=1)
     assert "failed: " in result.stderr
     assert "No step was taken" in ertel_("show", "runs/transient").stdout

@@ -94,6 +94,12 @@ def test_a_curve_with_other_values_keeps_the_films_that_it_shares(here: Path) ->
     assert len(names(here / "curve" / "runs")) == 3
     for row in rows(here / "curve"):
         assert ertel.open(here / "curve" / row["directory"]).case.contact.load == float(row["load_N"])
+    (here / "curve" / "notes.txt").write_text("beside a curve there may be other files")
+    before = (here / "curve" / "traction.csv").read_text()
+    ertel_("traction", "ball.toml", "--load", "30,40", "--out", "curve", "-q")
+    assert [float(row["load_N"]) for row in rows(here / "curve")] == [30.0, 40.0]  # the table is of the last request
+    assert all(line in before for line in (here / "curve" / "traction.csv").read_text().splitlines())
+    assert len(names(here / "curve" / "runs")) == 3  # and the films are kept
 
 
 def test_a_curve_of_an_earlier_version_is_left_alone(here: Path) -> None:
@@ -102,6 +108,15 @@ def test_a_curve_of_an_earlier_version_is_left_alone(here: Path) -> None:
     result = ertel_("traction", "ball.toml", "--slide-to-roll", "0:0.04:3", code=2)
     assert "earlier version (traction.json); choose another directory" in result.stderr
     assert names(here / "traction" / "ball") == {"traction.json"}
+
+
+@pytest.mark.parametrize("name", ["case.toml", "traction.csv", "traction.png"])
+def test_files_of_the_user_are_left_alone(here: Path, name: str) -> None:
+    (here / "mine").mkdir()
+    (here / "mine" / name).write_text("mine")
+    said = refused("traction", "ball.toml", "--slide-to-roll", "0:0.04:3", "--out", "mine")
+    assert f"--out {here / 'mine'}: holds other files ({name}); give a new or empty directory" in said
+    assert names(here / "mine") == {name} and (here / "mine" / name).read_text() == "mine"
 
 
 def test_a_film_that_does_not_converge_fails(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:

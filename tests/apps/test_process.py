@@ -93,9 +93,9 @@ def test_figures_for_nobody(ball):
 def test_a_cache_that_cannot_be_written(here):
     """As for a home directory that may only be read; the programs are compiled in silence."""
     code = """
-from ertel.apps import faults
+from ertel.apps import process
 from ertel.runs.compile import prepare_jax
-with faults.warnings_said():
+with process.warnings_as_sentences():
     prepare_jax()
     import jax
     print(jax.jit(lambda x: x + 1)(1))

@@ -1,23 +1,17 @@
 """A case writes itself, knows its digest, and refuses what makes no sense, whichever way it was made."""
 
-import json
-import tomllib
 from copy import deepcopy
 from dataclasses import dataclass, fields, replace
 from math import inf, nan
 from typing import Annotated, Any
 
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
 from ertel.case.sections import SOLVERS, Drive, Output, Solver, Time
-from ertel.case.thermal import Thermal
-from ertel.inputs.case_files import parse_case, to_toml
-from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Isoviscous, Oil, Roelands
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, Signal, constant
+from ertel.physics.lubricant import Barus, Oil
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, constant
 from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
@@ -35,191 +29,6 @@ def impact(**sections: Any) -> Case:
 
 def rolling(method: str = "steady", **sections: Any) -> Case:
     return Case(Conditions("rolling", **MOES), solver=SOLVERS[method], **sections)  # type: ignore[index]
-
-
-# -- any case at all --------------------------------------------------------------------------------------------------
-
-
-def sizes(low: float = 0.01, high: float = 10.0) -> st.SearchStrategy[float]:
-    return st.floats(low, high)
-
-
-number = st.floats(-10, 10)
-
-
-def amounts(physical: bool, plain: st.SearchStrategy[float], unit: str) -> st.SearchStrategy[Amount]:
-    """Numbers in the units of the case; where it has any, quantities too."""
-    quantities = plain.map(lambda value: Quantity(1e-4 * value, unit))
-    return st.one_of(plain, quantities) if physical else plain
-
-
-def one_of_ways(*ways: dict[str, st.SearchStrategy[Any]]) -> st.SearchStrategy[dict[str, Any]]:
-    return st.one_of(*(st.fixed_dictionaries(way) for way in ways))
-
-
-RADII = one_of_ways({"radius": sizes()}, {"radius_1": sizes(), "radius_2": sizes()})
-NU = st.floats(-0.9, 0.5)
-MODULI = st.floats(1e9, 1e12)
-ELASTICITY = one_of_ways({"E_prime": MODULI}, {"E1": MODULI, "nu1": NU, "E2": MODULI, "nu2": NU})
-MASS = one_of_ways({"mass": sizes()}, {"ball_density": sizes(1e3, 1e4)})
-FALL = one_of_ways({"speed": sizes()}, {"drop_height": sizes()})
-MEAN = {"mean_speed": st.one_of(sizes(), sizes().map(lambda u: -u))}
-SPEEDS = one_of_ways(MEAN, {**MEAN, "slide_to_roll": number}, {"speed_1": sizes(), "speed_2": sizes()})
-NONE: st.SearchStrategy[dict[str, Any]] = st.just({})
-
-
-def merged(*parts: st.SearchStrategy[dict[str, Any]]) -> st.SearchStrategy[dict[str, Any]]:
-    return st.tuples(*parts).map(lambda found: {key: value for part in found for key, value in part.items()})
-
-
-CONTACTS = {
-    "impact": merged(RADII, MASS, FALL, ELASTICITY, st.one_of(NONE, one_of_ways(MEAN))),
-    "rolling": merged(RADII, st.fixed_dictionaries({"load": sizes(1, 100)}), SPEEDS, ELASTICITY, st.one_of(NONE, MASS)),
-}
-DIMENSIONLESS = one_of_ways({"M": sizes(1, 1e4), "L": sizes()}, {"lambda_bar": sizes(1e-4, 1.0), "alpha_bar": sizes()})
-ISOVISCOUS = one_of_ways({"M": sizes(1, 1e4)}, {"lambda_bar": sizes(1e-4, 1.0), "alpha_bar": st.just(0.0)})
-DENSITIES = st.sampled_from(["dowson-higginson", "incompressible", DowsonHigginson(6e8), Incompressible()])
-OILS = st.builds(
-    Oil,
-    viscosity=st.sampled_from(["roelands", "barus", Barus(2e-8), Roelands(2e-8, 0.6), Roelands(2e-8, 0.6, 2e8)]),
-    density=DENSITIES,
-    eta0=sizes(1e-3, 1.0),
-    alpha=sizes(1e-9, 1e-7),
-    p0=sizes(1e8, 1e9),
-    z=st.one_of(st.none(), sizes(0.1, 1.0)),
-    reference=st.sampled_from(["", "a data sheet"]),
-)
-THERMALS = st.builds(
-    Thermal,
-    *[sizes(250.0, 450.0), sizes(0.1, 0.2), sizes(0.01, 0.1), *[sizes(1.0, 1000.0)] * 6],
-    *[st.one_of(st.none(), sizes(250.0, 450.0))] * 2,
-    inlet_factor=st.sampled_from(["wilson-sheu", "none"]),
-)
-THIN_OILS = st.builds(Oil, viscosity=st.sampled_from(["isoviscous", Isoviscous()]), density=st.just("incompressible"))
-
-
-def signals(physical: bool, values: st.SearchStrategy[float]) -> st.SearchStrategy[Signal]:
-    """All three forms: a number, points, an oscillation about a mean that it does not reach."""
-
-    def points(times: list[float], value: float) -> Polyline:
-        return Polyline(tuple((T, value * (1 + i)) for i, T in enumerate(sorted(times))))
-
-    def in_seconds(line: Polyline) -> Polyline:
-        return Polyline(tuple((Quantity(1e-4 * T, "s"), value) for T, value in line.points))  # type: ignore[operator]
-
-    times = st.lists(st.integers(-100, 1000).map(lambda T: T / 100), min_size=1, max_size=4, unique=True)
-    lines = st.builds(points, times, values)
-    swings = st.tuples(values, st.floats(-0.9, 0.9), amounts(physical, sizes(), "s"), st.one_of(st.just(0.0), number))
-    oscillations = swings.map(lambda s: Oscillation(s[0], s[0] * s[1], s[2], s[3]))
-    in_units = lines.map(in_seconds) if physical else lines
-    return st.one_of(values.map(constant), lines, in_units, oscillations)
-
-
-def roughnesses(physical: bool) -> st.SearchStrategy[tuple[Feature, ...]]:
-    height, width, place = (amounts(physical, plain, "m") for plain in (number, sizes(), st.floats(-5, 5)))
-    waves = st.builds(Waviness, height, width, st.one_of(st.just(inf), width), number, number)
-    fronts = st.builds(Waviness, height, width, front=place, ramp=st.one_of(st.none(), width))
-    ridges = st.builds(Waviness, height, wavelength_y=width, phase_y=number)
-    rings = st.builds(RingWaviness, height, width, number, place, place)
-    spots = st.one_of(
-        st.builds(Spot, width, height, x=place, y=place), st.builds(Spot, width, depth=height, x=place, y=place)
-    )
-    shapes = st.one_of(waves, fronts, ridges, rings, spots)
-    return st.lists(st.builds(Feature, shapes, st.sampled_from([1, 2])), max_size=3).map(tuple)
-
-
-def still(feature: Feature) -> bool:
-    return getattr(feature.shape, "is_ridges_along_x", False)
-
-
-@st.composite
-def cases(draw: st.DrawFn) -> Case:
-    """Cases of every kind, method and form of input."""
-    kind, method = draw(
-        st.sampled_from([("impact", "2d"), ("impact", "radial"), ("rolling", "steady"), ("rolling", "transient")])
-    )
-    physical, thin = draw(st.booleans()), draw(st.integers(0, 4)) == 0
-    contact = draw(CONTACTS[kind] if physical else ISOVISCOUS if thin else DIMENSIONLESS)
-    if method == "radial":
-        contact.pop("mean_speed", None)
-    oil = replace(draw(THIN_OILS), eta0=0.04, alpha=2e-8) if thin else draw(OILS)
-    half_width = draw(sizes(1.2, 6.0))
-    free = method != "radial"
-    inlets = st.one_of(st.none(), st.just(half_width), st.floats(1.01, 2 * half_width - 1.01))
-    solver = Solver(
-        method,
-        draw(st.sampled_from([17, 33, 65, 129, 257])),
-        half_width,
-        draw(inlets) if free else None,
-        draw(st.floats(1e-9, 0.9)),
-        draw(st.booleans()),
-    )
-    drive = draw(drives(kind, method, physical, contact))
-    features = draw(roughnesses(physical)) if free else ()
-    timed = method != "steady"
-    try:
-        return Case(
-            Conditions(kind=kind, **contact),
-            oil,
-            solver,
-            drive,
-            features if timed else tuple(filter(still, features)),
-            draw(times(kind, physical, drive)) if timed else None,
-            draw(st.one_of(st.none(), st.builds(Output, amounts(physical, sizes(2.0), "s")))) if timed else None,
-            draw(st.sampled_from(["", "a name"])),
-            draw(st.one_of(st.none(), THERMALS)) if physical and not timed else None,
-        )
-    except ValueError as error:  # random values may give sizes that no contact has, or oil outside the domain
-        assume(not any(said in str(error) for said in ("of the load", "carries the load", "its values together give")))
-        raise
-
-
-@st.composite
-def drives(draw: st.DrawFn, kind: str, method: str, physical: bool, contact: dict[str, Any]) -> Drive | None:
-    said: dict[str, Any] = {}
-    values = sizes(0.1, 3.0)
-    if method in ("2d", "transient"):
-        forms = signals(physical, values)
-        said["load"] = draw(st.one_of(st.none(), forms))
-        if kind == "rolling" or "mean_speed" not in contact:
-            said["entrainment"] = draw(st.one_of(st.none(), forms))
-    elif method == "steady":
-        said["load"] = draw(st.one_of(st.none(), values.map(constant)))
-        said["entrainment"] = draw(st.one_of(st.none(), values.map(constant)))
-    if not physical:
-        said["slide_to_roll"] = draw(st.one_of(st.none(), number))
-        said["inertia"] = draw(st.one_of(st.none(), sizes())) if kind == "rolling" else None
-    return draw(st.sampled_from([None, Drive(**said)]))
-
-
-@st.composite
-def times(draw: st.DrawFn, kind: str, physical: bool, drive: Drive | None) -> Time | None:
-    moments = amounts(physical, sizes(), "s")
-    ends: list[Any] = [st.none(), moments]
-    if kind == "impact":
-        ends += [st.just("max-approach")] + ([st.just("rebound")] if drive is None or drive.load is None else [])
-    time = Time(
-        draw(st.one_of(st.none(), st.floats(-3, -0.1))) if kind == "impact" else None,
-        draw(st.one_of(*ends)),
-        draw(st.floats(1e-9, 0.9)),
-        draw(st.one_of(st.none(), amounts(physical, sizes(0.1), "s"))),
-    )
-    return draw(st.sampled_from([None, time]))
-
-
-@settings(max_examples=300)
-@given(cases())
-def test_a_case_reads_back_as_the_same_to_the_last_bit(case: Case) -> None:
-    data = case.to_data()
-    again = Case.from_data(data)
-    assert again == case
-    assert again.digest == case.digest
-    assert (again.name, again.oil.reference) == (case.name, case.oil.reference)
-    assert again.to_data() == data
-    assert json.loads(json.dumps(data)) == data  # nothing but what JSON and TOML can hold
-    assert (again.motion, again.features, again.lubricant) == (case.motion, case.features, case.lubricant)
-    file = parse_case(tomllib.loads(to_toml(case)))  # for a run resumed from its resolved case equals the run
-    assert file == case and file.digest == case.digest
 
 
 # -- equality and digest ----------------------------------------------------------------------------------------------
@@ -467,12 +276,12 @@ HUGE = Quantity(1e30, "m")
 NANOMETRES = Feature(Spot(0.3, Quantity(1e-8, "m")))
 NO_NAMES = {
     **{name: f'"{name}"' for name in ("../../evil", "/tmp/evil", "run::1", ".", "..", ".hidden", "µ" * 51)},
-    **{"a\\b": '"a\\\\b"', "two\nlines": '"two\\nlines"', 5: "5"},
+    **{"a\\b": '"a\\\\b"', "two\nlines": '"two\\nlines"'},
     **{"\x1b[31mred": '"\\u001b[31mred"', "\u202etxt": '"\\u202etxt"'},
 }
 
 
-def drive_to(value: float, at: float = 1.0) -> Drive:
+def drive_to(value: float, at: Amount = 1.0) -> Drive:
     """A load that goes from 1 to a value."""
     return Drive(load=Polyline(((0.0, 1.0), (at, value))))
 
@@ -489,7 +298,7 @@ REFUSED: list[Refusal] = [
     (impact(), {"solver": replace(RADIAL, inlet=2.0)}, "solver.inlet = 2.0: a radial grid has none"),
     (impact(), {"solver": replace(RADIAL, half_width=1.1)}, "solver.half_width = 1.1: must be at least 1.2"),
     # grid
-    (impact(), {"solver": Solver(nodes=9)}, "solver.nodes = 9: must be at least 17"),
+    (impact(), {"solver": Solver(nodes=9)}, "solver.nodes = 9: must be greater than or equal to 17"),
     (impact(), {"solver": Solver(nodes=39)}, "solver.nodes = 39: "),
     (impact(), {"solver": Solver(nodes=8193)}, "solver.nodes = 8193: must be less than or equal to 4097"),
     (impact(), {"solver": Solver(half_width=1.0)}, "solver.half_width = 1.0: must be greater than 1"),
@@ -513,26 +322,44 @@ REFUSED: list[Refusal] = [
     (IN_TIME, {"solver": SOLVERS["steady"]}, "time.until = 6.0: a steady contact has no time"),
     (IN_TIME, {"time": Time(-1.0)}, "time.start_approach = -1.0: not for a rolling contact"),
     (IN_TIME, {"time": Time(until="rebound")}, 'time.until = "rebound": is an event of an impact'),
-    (impact(), {"time": Time(until="later")}, 'time.until = "later": must be "max-approach", "rebound" or a time'),
-    (impact(), {"time": Time(until=0.0)}, "time.until = 0.0: must be finite and above zero"),
+    (
+        impact(),
+        {"time": Time(until="later")},
+        'time.until = "later": must be a finite number above zero, in',
+    ),
+    (impact(), {"time": Time(until=0.0)}, "time.until = 0.0: must be a finite number above zero"),
     (impact(), {"time": Time(start_approach=1.0)}, "time.start_approach = 1.0: must be less than 0"),
     (impact(), {"time": Time(-1e9)}, "time.start_approach = -1000000000.0: must be greater than or equal to -1000"),
     (impact(), {"time": Time(until=Quantity(1.0, "s"))}, 'time.until = "1.0 s": must be a plain number'),
     (impact(time=Time(until="rebound")), {"drive": LOADED}, 'time.until = "rebound": a ball under a load may never'),
     (impact(), {"time": Time(until=1e9)}, "time.until = 1000000000.0: is 1e+09 t0; must be at most 100000 t0"),
     (IN_TIME, {"time": Time(until=10.0, step=1e-9)}, "time.step = 1e-09: needs 1e+10 steps; must be at least 1e-06 t0"),
-    (impact(), {"output": Output(-1.0)}, "output.interval = -1.0: must be finite and above zero"),
+    (impact(), {"output": Output(-1.0)}, "output.interval = -1.0: must be a finite number above zero"),
     (impact(), {"output": Output(1e-9)}, "output.interval = 1e-09: gives 2.47e+09 maps with 6.53e+06 GB; at most"),
     (FINE, {"output": Output(0.005)}, "output.interval = 0.005: gives 494 maps with 332 GB"),
     (PHYSICAL, {"output": Output(Quantity(1e-10, "s"))}, 'output.interval = "1e-10 s": gives 9.39e+05 maps'),
     # name and source
     *[(impact(), {"name": name}, f"name = {shown}: must be a plain file name: ") for name, shown in NO_NAMES.items()],
+    (impact(), {"name": 5}, "name = 5: must be a string"),
     (impact(), {"oil": replace(OIL, reference="\x1b]0;title")}, 'lubricant.reference = "\\u001b]0;title": must be one'),
     # sizes
     (impact(), {"contact": Conditions(lambda_bar=1e-29, alpha_bar=10.0)}, "contact: its values together give M = "),
     (PHYSICAL, {"contact": replace(PHYSICAL.contact, radius=1e-6, speed=1e4, mass=1e12)}, "contact: its values"),
     (impact(), {"roughness": (Feature(Spot(1e-300, 0.1)),)}, "roughness[1].radius = 1e-300: must be between 1e-06 and"),
     (PHYSICAL, {"roughness": (Feature(Spot(HUGE, 0.1)),)}, 'roughness[1].radius = "1e+30 m": is 5.13076e+33 a in this'),
+    # units
+    (PHYSICAL, {"roughness": (Feature(Spot(Quantity(1e-3, "s"), 0.1)),)}, 'roughness[1].radius = "0.001 s": must be a'),
+    (
+        PHYSICAL,
+        {"time": Time(until=Quantity(1e-3, "m"))},
+        'time.until = "0.001 m": must be a finite number above zero, in',
+    ),
+    (PHYSICAL, {"time": Time(tolerance=Quantity(1e-3, "m"))}, 'time.tolerance = "0.001 m": must be a number'),
+    (
+        PHYSICAL,
+        {"drive": drive_to(2.0, at=Quantity(1.0, "m"))},
+        'motion.load = [[0.0, 1.0], ["1.0 m", 2.0]]: must be a',
+    ),
     # motion
     (STEADY, {"drive": Drive(load=constant(0.0))}, "motion.load: is 0 at T = 0; must be above zero there"),
     (STEADY, {"drive": Drive(entrainment=constant(0.0))}, "motion.entrainment: is 0 at T = 0"),
@@ -541,8 +368,8 @@ REFUSED: list[Refusal] = [
     (STEADY, {"drive": Drive(inertia=-1.0)}, "motion.inertia = -1.0: must be greater than or equal to 0"),
     (STEADY, {"drive": Drive(slide_to_roll=inf)}, "motion.slide_to_roll = Infinity: must be a finite number"),
     (IN_TIME, {"drive": Drive(Oscillation(1.0, inf, 1.0))}, "motion.load.amplitude = Infinity: must be a finite numb"),
-    (IN_TIME, {"drive": Drive(constant(nan))}, "motion.load = NaN: must be finite numbers"),
-    (IN_TIME, {"drive": drive_to(2.0, at=inf)}, "motion.load = [[0.0, 1.0], [Infinity, 2.0]]: must be finite numbers"),
+    (IN_TIME, {"drive": Drive(constant(nan))}, "motion.load = NaN: must be a finite number"),
+    (IN_TIME, {"drive": drive_to(2.0, at=inf)}, "motion.load = [[0.0, 1.0], [Infinity, 2.0]]: must be a finite"),
     (impact(), {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; for an"),
     (ON_TRACK, {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; give"),
     (ON_TRACK, {"drive": Drive(slide_to_roll=1.0)}, "motion.slide_to_roll = 1.0: belongs to dimensionless cases; with"),
@@ -554,7 +381,7 @@ REFUSED: list[Refusal] = [
     # roughness
     (STEADY, {"roughness": ROUGH}, "roughness[1].surface = 1: moves, so that its film is not steady"),
     (RESTING, {"drive": None}, "roughness[1].surface = 1: moves, so that its film is not steady"),
-    (impact(), {"roughness": (Feature(Spot(-1.0, 0.1)),)}, "roughness[1].radius = -1.0: must be finite and above zero"),
+    (impact(), {"roughness": (Feature(Spot(-1.0, 0.1)),)}, "roughness[1].radius = -1.0: must be a finite number above"),
     (impact(), {"roughness": (*ROUGH, NANOMETRES)}, 'roughness[2].height = "1e-08 m": must be a plain number'),
 ]
 
@@ -605,13 +432,6 @@ def test_the_default_domain_of_an_impact_widens_at_low_loads(M: float, expected:
     assert half_width({"M": M, "L": 5}) == expected
     assert half_width({"M": M, "L": 5}, half_width=2.5) == 2.5
     assert half_width({"M": M, "L": 5}, method="radial") == pytest.approx(2 * expected, abs=0.26)
-
-
-@pytest.mark.parametrize(("M", "wider"), [(1e4, 1.0), (5, 1.0), (2, 2.5 ** (4 / 3)), (1, 5 ** (4 / 3))])
-def test_the_default_domain_of_rolling_widens_at_low_loads(M: float, wider: float) -> None:
-    """As lambda_bar: the share of the load outside stays the same."""
-    assert half_width({"kind": "rolling", "M": M, "L": 5}) == pytest.approx(3.0 * wider, abs=0.13)
-    assert half_width({"kind": "rolling", "M": M, "L": 5}, half_width=9.0) == 9.0
 
 
 @pytest.mark.parametrize("across", [None, 2.00001, 2.11])

@@ -27,14 +27,14 @@ def dry_impact(step: float, end: float = 3.2, start: float = 0.0) -> tuple[np.nd
     for k in range(1, round((end - start) / step) + 1):
         T.append(start + k * step)
         rates = derivative_weights(T[:-4:-1])
-        known = Delta[::-1][: len(rates) - 1]
-        line = law.line(T[-1], rates, known, V[::-1][: len(rates) - 1])
+        earlier = Delta[::-1][: len(rates) - 1]
+        line = law.line(T[-1], rates, earlier, V[::-1][: len(rates) - 1])
 
         def misfit(new, line=line):
             return line.approach_weight * new + line.load_weight * HERTZ_LOAD * float(hertz.load(new)) - line.value
 
         new = brentq(misfit, -3.0, 3.0, xtol=1e-15, rtol=1e-14)
-        V.append(law.velocity(T[-1], rates, new, known))
+        V.append(law.velocity(T[-1], rates, new, earlier))
         Delta.append(new)
     return np.array(T), np.array(Delta), np.array(V)
 
@@ -141,8 +141,8 @@ def test_prescribed_approach_is_the_motion_whatever_the_load():
     rates = derivative_weights(times)
     line = law.line(0.5, rates, [], [])
     assert (line.approach_weight, line.load_weight, line.value) == (1.0, 0.0, -1 + 0.5 + 0.025)
-    known = [law.motion(T) for T in times[1:]]
-    assert law.velocity(0.5, rates, line.value, known) == pytest.approx(1 + 0.2 * 0.5, rel=1e-13)
+    earlier = [law.motion(T) for T in times[1:]]
+    assert law.velocity(0.5, rates, line.value, earlier) == pytest.approx(1 + 0.2 * 0.5, rel=1e-13)
 
 
 @given(TIMES, st.floats(0.01, 10.0), st.floats(0.1, 2.0))

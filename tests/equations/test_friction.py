@@ -19,7 +19,7 @@ from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.equations import account
 from ertel.equations.account import Friction, friction, steady_friction
-from ertel.equations.contact import Contact, bare_contact, traceable_law
+from ertel.equations.contact import Contact, bare_contact, traceable
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
@@ -41,12 +41,12 @@ def square(nodes: int = 33, half_width: float = 1.5) -> Grid:
 def contact(grid: Grid, lambda_bar: float, alpha_bar: float, tau0: float | None = None) -> Contact:
     """Barus' oil, Newtonian or Eyring's with tau0 in units p_h a/R."""
     plain = bare_contact(CIRCLE, grid, lambda_bar, Lubricant(Barus(alpha_bar), Incompressible()))
-    return plain if tau0 is None else replace(plain, flow=ThinningFlow(traceable_law(ReeEyring(tau0)), 1.0, 1.0, 0.0))
+    return plain if tau0 is None else replace(plain, flow=ThinningFlow(traceable(ReeEyring(tau0)), 1.0, 1.0, 0.0))
 
 
 def of(grid: Grid, c: Contact, P: Array, H: Array, sliding: float, load: float = 1.0) -> Friction:
-    found: Friction = FRICTION(Plane.of(grid), c, P, H, sliding, load, HERTZ_LOAD)
-    return found
+    result: Friction = FRICTION(Plane.of(grid), c, P, H, sliding, load, HERTZ_LOAD)
+    return result
 
 
 def test_couette_flow_in_a_uniform_film():
@@ -55,31 +55,31 @@ def test_couette_flow_in_a_uniform_film():
     P = jnp.full(grid.shape, 0.5)
     H = jnp.full(grid.shape, 0.2)
     tau = 0.03 * exp(2.0) * 0.7 / (12 * 0.2)
-    found = of(grid, contact(grid, 0.03, 4.0), P, H, 0.7, load=0.8)
-    assert_allclose(found.stress[0], tau, rtol=1e-12)
-    assert_allclose(found.stress[1], 0.0)
-    assert_allclose(found.loss, 0.7 * tau, rtol=1e-12)
-    assert_allclose(found.sliding, [9 * tau / (0.8 * HERTZ_LOAD), 0.0], rtol=1e-12)
-    assert_allclose(found.rolling, 0.0, atol=1e-15)
-    assert float(found.power) == pytest.approx(9 * 0.7 * tau / HERTZ_LOAD, rel=1e-12)
+    result = of(grid, contact(grid, 0.03, 4.0), P, H, 0.7, load=0.8)
+    assert_allclose(result.stress[0], tau, rtol=1e-12)
+    assert_allclose(result.stress[1], 0.0)
+    assert_allclose(result.loss, 0.7 * tau, rtol=1e-12)
+    assert_allclose(result.sliding, [9 * tau / (0.8 * HERTZ_LOAD), 0.0], rtol=1e-12)
+    assert_allclose(result.rolling, 0.0, atol=1e-15)
+    assert float(result.power) == pytest.approx(9 * 0.7 * tau / HERTZ_LOAD, rel=1e-12)
 
 
 def test_poiseuille_flow_in_a_uniform_film():
     """Loss h^3 (grad p)^2/(12 eta): H^3 (grad P)^2/lambda_bar; each surface is pulled by h/2 grad p."""
     grid = square()
     P = 3.0 + jnp.asarray(0.4 * grid.x[None, :] + 0.3 * grid.y[:, None])
-    found = of(grid, contact(grid, 0.03, 0.0), P, jnp.full(grid.shape, 0.2), 0.0, load=0.8)
-    assert_allclose(found.loss, 0.2**3 * 0.25 / 0.03, rtol=1e-11)
-    assert_allclose(found.rolling, [0.5 * 0.2 * slope * 9 / (0.8 * HERTZ_LOAD) for slope in (0.4, 0.3)], rtol=1e-11)
-    assert_allclose(found.stress, 0.0)
+    result = of(grid, contact(grid, 0.03, 0.0), P, jnp.full(grid.shape, 0.2), 0.0, load=0.8)
+    assert_allclose(result.loss, 0.2**3 * 0.25 / 0.03, rtol=1e-11)
+    assert_allclose(result.rolling, [0.5 * 0.2 * slope * 9 / (0.8 * HERTZ_LOAD) for slope in (0.4, 0.3)], rtol=1e-11)
+    assert_allclose(result.stress, 0.0)
 
 
 def test_no_stress_is_counted_where_the_film_cavitates():
     grid = square()
     P = jnp.asarray(np.where(grid.x[None, :] < 0, 1.0, 0.0) + 0 * grid.y[:, None])
-    found = of(grid, contact(grid, 0.03, 0.0), P, jnp.full(grid.shape, 0.2), 0.7)
-    assert float(jnp.abs(jnp.where(P > 0, 0.0, found.stress)).max()) == 0.0
-    assert float(found.stress[0, 16, 3]) > 0.0
+    result = of(grid, contact(grid, 0.03, 0.0), P, jnp.full(grid.shape, 0.2), 0.7)
+    assert float(jnp.abs(jnp.where(P > 0, 0.0, result.stress)).max()) == 0.0
+    assert float(result.stress[0, 16, 3]) > 0.0
 
 
 @pytest.mark.parametrize("sliding", [1e-4, 1e4])
@@ -87,9 +87,9 @@ def test_friction_counts_no_stress_above_the_limit(sliding: float):
     """With the flux's law the stress goes on rising above tau_L: by 5 % of it for every factor of e in the rate."""
     grid, P = hertz(33)
     law = Limited(ReeEyring(1.0), Lambda=0.5, ambient=0.1)
-    c = replace(contact(grid, 1.0, 10.0), flow=ThinningFlow(traceable_law(law), 1.0, 1.0, 0.0))
-    found = of(grid, c, P, jnp.full(grid.shape, 0.01), sliding)
-    limit, stress = 0.1 + 0.5 * P, jnp.hypot(*found.stress)
+    c = replace(contact(grid, 1.0, 10.0), flow=ThinningFlow(traceable(law), 1.0, 1.0, 0.0))
+    result = of(grid, c, P, jnp.full(grid.shape, 0.01), sliding)
+    limit, stress = 0.1 + 0.5 * P, jnp.hypot(*result.stress)
     assert float(jnp.max(stress - limit)) < 1e-12
     if sliding > 1.0:  # all of the pressurised film is at its limit
         assert_allclose(stress, jnp.where(P > 0.0, limit, 0.0), rtol=1e-12)
@@ -98,8 +98,8 @@ def test_friction_counts_no_stress_above_the_limit(sliding: float):
 def test_without_a_load_the_coefficients_are_zero():
     grid = square()
     nothing = jnp.zeros(grid.shape)
-    found = of(grid, contact(grid, 0.03, 0.0), nothing, nothing + 0.2, 0.7, load=0.0)
-    assert_allclose([*found.sliding, *found.rolling, found.power], 0.0)
+    result = of(grid, contact(grid, 0.03, 0.0), nothing, nothing + 0.2, 0.7, load=0.0)
+    assert_allclose([*result.sliding, *result.rolling, result.power], 0.0)
 
 
 # -- a film of uniform thickness under Hertz pressure -----------------------------------------------------------------
@@ -114,8 +114,8 @@ def eyring_mean(alpha_bar: float, ln_S_c: float, film: float = 1e-5) -> float:
     """The mean of tau/tau0 over the contact.  tau0 = 1, so that pressure in a film so thin does not shear the oil."""
     grid, P = hertz(129)
     speed = exp(ln_S_c - 2 / 3 * alpha_bar) * 12 * film  # with lambda_bar = 1 the shear stress at p = 0 is speed/(12 H)
-    found = of(grid, contact(grid, 1.0, alpha_bar, tau0=1.0), P, jnp.full(grid.shape, film), speed)
-    return float(found.sliding[0]) * HERTZ_LOAD / pi
+    result = of(grid, contact(grid, 1.0, alpha_bar, tau0=1.0), P, jnp.full(grid.shape, film), speed)
+    return float(result.sliding[0]) * HERTZ_LOAD / pi
 
 
 @pytest.mark.parametrize("alpha_bar", [10.0, 20.0, 30.0])
@@ -181,8 +181,8 @@ def finest(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[Case, GridSo
 @pressure_only_inside
 def test_all_power_is_that_of_sliding_and_of_the_pressure():
     """To round-off: the loss at the nodes takes the flow between them as the budget does."""
-    terms, found = account.steady_account(*finest())
-    assert float(found.power) == pytest.approx(0.3 * float(found.sliding[0]) + terms["dissipation"], rel=1e-12)
+    terms, result = account.steady_account(*finest())
+    assert float(result.power) == pytest.approx(0.3 * float(result.sliding[0]) + terms["dissipation"], rel=1e-12)
 
 
 @pressure_only_inside
@@ -193,12 +193,12 @@ def test_the_surfaces_spend_what_heats_the_oil(motion: tuple[float, float]):
     speed, ratio = motion
     errors = []
     for s in solutions:
-        terms, found = account.steady_account(case, s)
-        of_sliding, of_rolling = float(found.sliding[0]) * ratio * speed, 2 * float(found.rolling[0]) * speed
+        terms, result = account.steady_account(case, s)
+        of_sliding, of_rolling = float(result.sliding[0]) * ratio * speed, 2 * float(result.rolling[0]) * speed
         assert of_sliding > 0 and of_rolling > 0
         assert of_rolling == pytest.approx(terms["power_from_surfaces"] - terms["power_to_surfaces"], rel=1e-9)
-        errors.append(float(found.power) / (of_sliding + of_rolling - terms["outside_power"]) - 1)
-        assert found.sliding[1] == found.rolling[1] == 0.0
+        errors.append(float(result.power) / (of_sliding + of_rolling - terms["outside_power"]) - 1)
+        assert result.sliding[1] == result.rolling[1] == 0.0
     assert abs(errors[-1]) < 0.01
     assert errors[0] / errors[1] > 3.5, errors
 

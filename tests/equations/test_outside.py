@@ -6,7 +6,7 @@ import pytest
 from ertel.equations import outside
 from ertel.equations.state import State
 from ertel.numerics.grid import Grid, Symmetry
-from ertel.physics.far_field import ContactMotion
+from ertel.physics.geometry import ContactMotion, far_pressure
 
 LAMBDA_BAR = 0.05
 APPROACHING, ROLLING = ContactMotion(-0.5, 1.0, 0.0, 0.0), ContactMotion(0.9, 0.0, 1.0, 1.0)
@@ -27,11 +27,11 @@ def test_load_outside_a_circle_is_that_of_the_closed_form() -> None:
 def test_load_outside_a_square_differs_from_that_of_a_circle_by_the_oil_between(motion: ContactMotion) -> None:
     n, w = 800, 3.0
     X, Y = np.meshgrid(*[(np.arange(n) + 0.5) * 2 * w / n - w] * 2)
-    between = outside.far_field.far_pressure(X, Y, motion, LAMBDA_BAR)[np.hypot(X, Y) > w].sum() * (2 * w / n) ** 2
+    between = far_pressure(X, Y, motion, LAMBDA_BAR)[np.hypot(X, Y) > w].sum() * (2 * w / n) ** 2
     X, Y, area = outside.beyond_rectangle(-w, w, -w, w)
-    square = area @ outside.far_field.far_pressure(X, Y, motion, LAMBDA_BAR)
+    square = area @ far_pressure(X, Y, motion, LAMBDA_BAR)
     theta, u = (np.arange(400) + 0.5) * np.pi / 200, ((np.arange(400) + 0.5) / 400)[:, None]
-    P = outside.far_field.far_pressure(w / u * np.cos(theta), w / u * np.sin(theta), motion, LAMBDA_BAR)
+    P = far_pressure(w / u * np.cos(theta), w / u * np.sin(theta), motion, LAMBDA_BAR)
     circle = (P * w**2 / u**3).sum() * np.pi / 200 / 400
     assert circle - between == pytest.approx(square, rel=2e-3)
 
@@ -51,7 +51,9 @@ def test_a_guess_is_zero_near_the_contact() -> None:
 
 
 def test_motion_is_predicted_from_two_levels() -> None:
-    levels = [State(T, 2 * T, 1 - T, {}) for T in (0.3, 0.2, -5.0)]
-    motion = outside.predicted(levels, 0.4, [0.5, 0.4, 9.0], 0.7)
+    """Their loads on the grid and outside it, in units F*."""
+    loads = {0.3: 0.5, 0.2: 0.4, -5.0: 9.0}
+    levels = [State(T, 2 * T, 1 - T, {}, load=2.0 * load - 0.1, outside=0.1) for T, load in loads.items()]
+    motion = outside.predicted(levels, 0.4, 2.0, 0.7)
     assert motion == pytest.approx(ContactMotion(0.8, 0.6, 0.6, 0.7))
-    assert outside.predicted(levels[:1], 0.4, [0.5], 0.0) == ContactMotion(0.6, 0.7, 0.5, 0.0)
+    assert outside.predicted(levels[:1], 0.4, 2.0, 0.0) == pytest.approx(ContactMotion(0.6, 0.7, 0.5, 0.0))

@@ -17,23 +17,23 @@ from scipy.optimize import root
 
 from ertel.equations import across
 from ertel.equations.across import series_of
-from ertel.equations.contact import traceable_law
+from ertel.equations.contact import traceable
 from ertel.equations.shear import LIMIT, Shear, secant_mobility, shear, tangent_mobility
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
 
 jax.config.update("jax_enable_x64", True)
 FLOW = jax.jit(shear)
 SECANT = jax.jit(secant_mobility)
-EYRING = traceable_law(ReeEyring(1.0))
-CARREAU = traceable_law(Carreau(1.0, 0.5))
-NEWTON = traceable_law(NewtonianOil())
-SQUALANE = traceable_law(Carreau(1.0, 0.42))
-LIMITED = traceable_law(Limited(ReeEyring(1.0), 0.05, ambient=8.0, sharpness=0.1))
+EYRING = traceable(ReeEyring(1.0))
+CARREAU = traceable(Carreau(1.0, 0.5))
+NEWTON = traceable(NewtonianOil())
+SQUALANE = traceable(Carreau(1.0, 0.42))
+LIMITED = traceable(Limited(ReeEyring(1.0), 0.05, ambient=8.0, sharpness=0.1))
 LAWS = {
     "eyring": EYRING,
     "carreau": CARREAU,
     "squalane": SQUALANE,
-    "yasuda": traceable_law(CarreauYasuda(1.0, 0.5, 1.3)),
+    "yasuda": traceable(CarreauYasuda(1.0, 0.5, 1.3)),
     "limited": LIMITED,
 }
 every_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
@@ -48,9 +48,9 @@ def column(vectors: object) -> jax.Array:
 def flow(law: Fluidity, sliding: object, gradient: object) -> Shear:
     """The flow at ambient pressure in points given as (points, 2)."""
     s, g = column(sliding), column(gradient)
-    found = FLOW(law, jnp.zeros(s.shape[1:]), s, g)
+    film = FLOW(law, jnp.zeros(s.shape[1:]), s, g)
     points = len(np.atleast_2d(np.asarray(sliding)))
-    return found._replace(stress=found.stress[:, :points], flux=found.flux[:, :points])
+    return film._replace(stress=film.stress[:, :points], flux=film.flux[:, :points])
 
 
 def twin(law: Fluidity, sliding: np.ndarray, gradient: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -67,8 +67,8 @@ def twin(law: Fluidity, sliding: np.ndarray, gradient: np.ndarray) -> tuple[np.n
     def misfit(stress: np.ndarray) -> np.ndarray:
         return np.arcsinh(across(stress, 0)) - np.arcsinh(sliding)
 
-    found = root(misfit, np.asarray(law.stress(np.abs(sliding), 0.0)) * np.sign(sliding), tol=1e-13)
-    return found.x, across(found.x, 1)
+    solution = root(misfit, np.asarray(law.stress(np.abs(sliding), 0.0)) * np.sign(sliding), tol=1e-13)
+    return solution.x, across(solution.x, 1)
 
 
 # -- the tables of the design -----------------------------------------------------------------------------------------
@@ -79,10 +79,10 @@ SIGMA = [0.5, 1.0, 2.0, 4.0, 8.0]
 @pytest.mark.parametrize("B", [0, 1, 10, 100])
 def test_eyring_in_one_dimension(B: float) -> None:
     """Against the closed forms, whose table is in the tests of `closed_forms`."""
-    found = flow(EYRING, [[B, 0.0]] * 5, [[2.0 * S, 0.0] for S in SIGMA])
-    assert_allclose(6.0 * found.flux[0] / np.array(SIGMA), eyring_flow_factor(B, SIGMA), rtol=6e-7)
-    assert_allclose(found.stress[0], eyring_stress(B, SIGMA), rtol=1e-6, atol=1e-15)
-    assert np.all(found.flux[1] == 0) and np.all(found.stress[1] == 0)
+    film = flow(EYRING, [[B, 0.0]] * 5, [[2.0 * S, 0.0] for S in SIGMA])
+    assert_allclose(6.0 * film.flux[0] / np.array(SIGMA), eyring_flow_factor(B, SIGMA), rtol=6e-7)
+    assert_allclose(film.stress[0], eyring_stress(B, SIGMA), rtol=1e-6, atol=1e-15)
+    assert np.all(film.flux[1] == 0) and np.all(film.stress[1] == 0)
 
 
 @pytest.mark.parametrize(
@@ -98,9 +98,9 @@ def test_eyring_in_one_dimension(B: float) -> None:
     ],
 )
 def test_eyring_in_two_dimensions(p_x: float, p_y: float, B: float, stress: tuple, factors: tuple) -> None:
-    found = flow(EYRING, [B, 0.0], [p_x, p_y])
-    assert_allclose(found.stress[:, 0], stress, atol=6e-7)
-    for flux, slope, factor in zip(found.flux[:, 0], (p_x, p_y), factors, strict=True):
+    film = flow(EYRING, [B, 0.0], [p_x, p_y])
+    assert_allclose(film.stress[:, 0], stress, atol=6e-7)
+    for flux, slope, factor in zip(film.flux[:, 0], (p_x, p_y), factors, strict=True):
         if factor is not None:
             assert 12.0 * flux / slope == pytest.approx(factor, abs=6e-7)
 
@@ -120,20 +120,20 @@ def test_carreau_in_one_dimension(B: float, factors: list, stresses: list, monke
     quick = flow(CARREAU, *args)
     monkeypatch.setattr(sys.modules[__name__], "FLOW", jax.jit(lambda *arguments: shear(*arguments, across=40)))
     exact = flow(CARREAU, *args)
-    for found, near in ((exact, 0.0), (quick, np.array([0.0, 0.0, 3e-6, 6e-5, 4e-4]))):
-        assert np.all(np.abs(6.0 * np.asarray(found.flux[0]) / Sigma / factors - 1.0) <= near + 6e-7)
-        assert np.all(np.abs(np.asarray(found.stress[0]) - stresses) <= near + 6e-7)
+    for film, near in ((exact, 0.0), (quick, np.array([0.0, 0.0, 3e-6, 6e-5, 4e-4]))):
+        assert np.all(np.abs(6.0 * np.asarray(film.flux[0]) / Sigma / factors - 1.0) <= near + 6e-7)
+        assert np.all(np.abs(np.asarray(film.stress[0]) - stresses) <= near + 6e-7)
 
 
 @pytest.mark.parametrize(("law", "error"), [("eyring", 1e-5), ("carreau", 6e-4), ("squalane", 6e-4), ("yasuda", 6e-4)])
 def test_the_error_of_the_flux_in_pure_rolling(law: str, error: float) -> None:
     """As the docstring of `model.shear` says it; most of it is there above ten times the law's stress."""
     gradient = [10.0, 12.0, 15.0, 20.0, 30.0, 50.0, 80.0, 100.0, 150.0, 200.0]
-    found = flow(LAWS[law], [[0.0, 0.0]] * 10, [[g, 0.0] for g in gradient])
+    rolling = flow(LAWS[law], [[0.0, 0.0]] * 10, [[g, 0.0] for g in gradient])
     z, weight = np.polynomial.legendre.leggauss(20)
     zeta = (np.arange(150)[:, None] + (z + 1.0) / 2.0) / 300.0  # 150 layers of half of the film
     weight = weight / 600.0
-    for flux, g in zip(found.flux[0], gradient, strict=True):
+    for flux, g in zip(rolling.flux[0], gradient, strict=True):
         true = 2.0 * g * np.sum(weight * zeta**2 * LAWS[law].fluidity(zeta * g, np.zeros_like(zeta)))
         assert flux == pytest.approx(true, rel=error)
 
@@ -152,19 +152,19 @@ POINTS = [
 @pytest.mark.parametrize("point", POINTS, ids=str)
 @every_law
 def test_the_slow_twin_agrees(law: Fluidity, point: tuple) -> None:
-    found = flow(law, *point)
+    film = flow(law, *point)
     stress, flux = twin(law, np.array(point[0]), np.array(point[1]))
     close = 2e-4 if law is not EYRING else 1e-7  # the laws that bend sharply need more nodes than 8 for more
-    assert_allclose(found.stress[:, 0], stress, rtol=close, atol=close * np.linalg.norm(stress) + 1e-9)
-    assert_allclose(found.flux[:, 0], flux, rtol=close, atol=close * np.linalg.norm(flux))
+    assert_allclose(film.stress[:, 0], stress, rtol=close, atol=close * np.linalg.norm(stress) + 1e-9)
+    assert_allclose(film.flux[:, 0], flux, rtol=close, atol=close * np.linalg.norm(flux))
 
 
 @pytest.mark.parametrize("Sigma", [10.0, 30.0, 100.0])
 def test_steep_gradients_do_not_overflow(Sigma: float) -> None:
     """sinh(100) = 1e43: the nodes move to the walls, and 8 of them give the closed form to 1e-5."""
     B = np.array([0.0, 1.0, 1e3, 1e6])
-    found = flow(EYRING, np.stack([B, 0 * B], 1), [[2.0 * Sigma, 0.0]] * 4)
-    assert_allclose(6.0 * found.flux[0] / Sigma, eyring_flow_factor(B, Sigma), rtol=1e-5)
+    film = flow(EYRING, np.stack([B, 0 * B], 1), [[2.0 * Sigma, 0.0]] * 4)
+    assert_allclose(6.0 * film.flux[0] / Sigma, eyring_flow_factor(B, Sigma), rtol=1e-5)
 
 
 # -- derivatives ------------------------------------------------------------------------------------------------------
@@ -181,8 +181,8 @@ def test_derivatives_are_those_of_the_slow_twin(law: Fluidity) -> None:
     more, less = (twin(law, s + sign * step * ds, g + sign * step * dg) for sign in (1, -1))
     columns = (jnp.asarray(v)[:, None] for v in (s, g, ds, dg))
     s, g, ds, dg = columns
-    _, found = jax.jvp(partial(values, law, jnp.zeros(1)), (s, g), (ds, dg))
-    for change, up, down in zip(found, more, less, strict=True):
+    _, changes = jax.jvp(partial(values, law, jnp.zeros(1)), (s, g), (ds, dg))
+    for change, up, down in zip(changes, more, less, strict=True):
         assert_allclose(change[:, 0], (up - down) / (2 * step), rtol=1e-5)
 
 
@@ -201,8 +201,8 @@ def test_derivatives_are_those_of_differences(law: Fluidity) -> None:
 
     step = 1e-5
     _, change = jax.jvp(along, (0.0,), (1.0,))
-    for found, up, down in zip(change, along(step), along(-step), strict=True):
-        assert_allclose(found, (up - down) / (2 * step), rtol=2e-6, atol=2e-6 * float(jnp.max(jnp.abs(found))))
+    for slope, up, down in zip(change, along(step), along(-step), strict=True):
+        assert_allclose(slope, (up - down) / (2 * step), rtol=2e-6, atol=2e-6 * float(jnp.max(jnp.abs(slope))))
 
 
 def test_reverse_is_the_transpose_of_forward() -> None:
@@ -242,31 +242,31 @@ def test_newtonian_to_round_off(law: Fluidity) -> None:
     """To the round-off of the stress at the walls; of the gradient, where the fluidity is one to the last bit."""
     draw = np.random.default_rng(2)
     s, g = 10.0 ** draw.uniform(-3, 3, (50, 2)), 10.0 ** draw.uniform(-3, 1, (50, 2))
-    found = flow(law, s, g)
+    film = flow(law, s, g)
     at_walls = np.linalg.norm(s, axis=1) + np.linalg.norm(g, axis=1)
-    assert np.all(np.linalg.norm(found.stress.T - s, axis=1) <= 1e-15 * at_walls)
-    assert np.all(np.linalg.norm(found.flux.T - g / 12.0, axis=1) <= 1e-15 * at_walls)
+    assert np.all(np.linalg.norm(film.stress.T - s, axis=1) <= 1e-15 * at_walls)
+    assert np.all(np.linalg.norm(film.flux.T - g / 12.0, axis=1) <= 1e-15 * at_walls)
     if law in (NEWTON, Carreau(1.0, 1.0)):
-        assert_allclose(12.0 * found.flux.T, g, rtol=1e-14)
+        assert_allclose(12.0 * film.flux.T, g, rtol=1e-14)
 
 
 def test_a_film_at_rest_is_at_rest() -> None:
     for law in LAWS.values():
-        found = flow(law, [0.0, 0.0], [0.0, 0.0])
-        assert np.all(found.stress == 0) and np.all(found.flux == 0)
-        found = flow(law, [0.0, 0.0], [2.0, 1.0])
-        assert np.all(found.stress == 0)
+        film = flow(law, [0.0, 0.0], [0.0, 0.0])
+        assert np.all(film.stress == 0) and np.all(film.flux == 0)
+        film = flow(law, [0.0, 0.0], [2.0, 1.0])
+        assert np.all(film.stress == 0)
 
 
 @every_law
 def test_small_gradients_see_two_viscosities(law: Fluidity) -> None:
     """d(phi tau)/dtau along the sliding and phi across; for Eyring's law at B = 10 (1 + B^2)^(1/2) and B/asinh B."""
-    found = flow(law, [[10.0, 0.0]] * 2, [[1e-4, 0.0], [0.0, 1e-4]])
-    tau, step = float(found.stress[0, 0]), 1e-5
+    film = flow(law, [[10.0, 0.0]] * 2, [[1e-4, 0.0], [0.0, 1e-4]])
+    tau, step = float(film.stress[0, 0]), 1e-5
     phi = float(law.fluidity(tau, 0.0))
     along = (law.fluidity(tau + step, 0.0) * (tau + step) - law.fluidity(tau - step, 0.0) * (tau - step)) / (2 * step)
-    assert 12e4 * found.flux[0, 0] == pytest.approx(along, rel=1e-6)
-    assert 12e4 * found.flux[1, 1] == pytest.approx(phi, rel=1e-6)
+    assert 12e4 * film.flux[0, 0] == pytest.approx(along, rel=1e-6)
+    assert 12e4 * film.flux[1, 1] == pytest.approx(phi, rel=1e-6)
     if law is EYRING:
         assert (along, phi) == pytest.approx((10.049876, 10.0 / np.arcsinh(10.0)), rel=1e-7)
 
@@ -279,48 +279,48 @@ ANY_LAW = st.sampled_from(sorted(LAWS))
 @given(ANY_LAW, VECTOR, SLOPE, st.floats(0.0, 6.3))
 def test_no_direction_is_special(name: str, s: tuple, g: tuple, angle: float) -> None:
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    found = flow(LAWS[name], [s, turn @ s], [g, turn @ g])
-    for field in found[:2]:
+    film = flow(LAWS[name], [s, turn @ s], [g, turn @ g])
+    for field in film[:2]:
         assert_allclose(field[:, 1], turn @ field[:, 0], rtol=1e-7, atol=1e-7 * (np.linalg.norm(field[:, 0]) + 1e-3))
 
 
 @given(ANY_LAW, VECTOR, SLOPE)
 def test_reversed_gradients_reverse_the_flux_and_keep_the_stress(name: str, s: tuple, g: tuple) -> None:
-    found = flow(LAWS[name], [s, s, (-s[0], -s[1])], [g, (-g[0], -g[1]), g])
-    size = 1e-9 * (np.abs(found.stress).max() + 1e-3)
-    assert_allclose(found.stress[:, 1], found.stress[:, 0], atol=size)
-    assert_allclose(found.flux[:, 1], -found.flux[:, 0], atol=1e-9)
-    assert_allclose(found.stress[:, 2], -found.stress[:, 0], atol=size)
-    assert_allclose(found.flux[:, 2], found.flux[:, 0], atol=1e-9)
+    film = flow(LAWS[name], [s, s, (-s[0], -s[1])], [g, (-g[0], -g[1]), g])
+    size = 1e-9 * (np.abs(film.stress).max() + 1e-3)
+    assert_allclose(film.stress[:, 1], film.stress[:, 0], atol=size)
+    assert_allclose(film.flux[:, 1], -film.flux[:, 0], atol=1e-9)
+    assert_allclose(film.stress[:, 2], -film.stress[:, 0], atol=size)
+    assert_allclose(film.flux[:, 2], film.flux[:, 0], atol=1e-9)
 
 
 @given(ANY_LAW, VECTOR, SLOPE)
 def test_mobilities_are_positive_and_the_secant_gives_the_flux(name: str, s: tuple, g: tuple) -> None:
     law, pressure, gradient = LAWS[name], jnp.zeros(10), column([g] * 10)
-    found = FLOW(law, pressure, column([s] * 10), gradient)
-    secant = SECANT(law, pressure, found.stress, gradient)
-    for xx, xy, yy in (secant, tangent_mobility(found)):
+    film = FLOW(law, pressure, column([s] * 10), gradient)
+    secant = SECANT(law, pressure, film.stress, gradient)
+    for xx, xy, yy in (secant, tangent_mobility(film)):
         assert np.all(xx >= 1.0 - 1e-9) and np.all(yy >= 1.0 - 1e-9) and np.all(xx * yy - xy**2 > 0.9)
     xx, xy, yy = secant
     by_secant = np.stack([xx * g[0] + xy * g[1], xy * g[0] + yy * g[1]]) / 12.0
-    assert_allclose(by_secant[:, :1], found.flux[:, :1], rtol=1e-3, atol=1e-6)
+    assert_allclose(by_secant[:, :1], film.flux[:, :1], rtol=1e-3, atol=1e-6)
 
 
 @given(ANY_LAW, VECTOR, SLOPE, VECTOR, SLOPE)
 def test_flow_is_monotone(name: str, s1: tuple, g1: tuple, s2: tuple, g2: tuple) -> None:
     """(ds, dtau_m) and (dQ, dg) never point against each other where only one of s and g differs."""
-    found = flow(LAWS[name], [s1, s2, s1], [g1, g1, g2])
-    sliding = np.dot(np.subtract(s2, s1), found.stress[:, 1] - found.stress[:, 0])
-    flux = np.dot(np.subtract(g2, g1), found.flux[:, 2] - found.flux[:, 0])
+    film = flow(LAWS[name], [s1, s2, s1], [g1, g1, g2])
+    sliding = np.dot(np.subtract(s2, s1), film.stress[:, 1] - film.stress[:, 0])
+    flux = np.dot(np.subtract(g2, g1), film.flux[:, 2] - film.flux[:, 0])
     assert sliding >= -1e-6 and flux >= -1e-6
 
 
 @given(ANY_LAW, VECTOR, SLOPE)
 def test_heat_is_work(name: str, s: tuple, g: tuple) -> None:
-    law, found = LAWS[name], flow(LAWS[name], s, g)
-    heat = float(np.dot(s, found.stress[:, 0]) + np.dot(g, found.flux[:, 0]))  # over h/eta
+    law, film = LAWS[name], flow(LAWS[name], s, g)
+    heat = float(np.dot(s, film.stress[:, 0]) + np.dot(g, film.flux[:, 0]))  # over h/eta
     z, w = np.polynomial.legendre.leggauss(200)
-    tau = np.asarray(found.stress) + 0.5 * z * np.asarray(g)[:, None]
+    tau = np.asarray(film.stress) + 0.5 * z * np.asarray(g)[:, None]
     square = tau[0] ** 2 + tau[1] ** 2
     assert heat == pytest.approx(np.sum(0.5 * w * law.fluidity(np.sqrt(square), 0.0) * square), rel=1e-3, abs=1e-12)
 
@@ -330,7 +330,7 @@ def test_heat_is_work(name: str, s: tuple, g: tuple) -> None:
     [
         EYRING,
         pytest.param(CARREAU, marks=pytest.mark.slow),
-        traceable_law(Limited(Carreau(1.0, 0.5), 0.05, 4.0)),
+        traceable(Limited(Carreau(1.0, 0.5), 0.05, 4.0)),
     ],
     ids=str,
 )
@@ -341,15 +341,15 @@ def test_the_series_agrees_with_the_nodes(law: Fluidity, monkeypatch: pytest.Mon
     s, g = jnp.asarray(sizes * draw.normal(size=(2, 2, 400)))
     pressure, one = jnp.ones(400), jnp.ones(400)
 
-    def found() -> list[jax.Array]:
+    def with_derivatives() -> list[jax.Array]:
         return jax.tree.leaves(jax.jit(lambda *p: jax.jvp(partial(values, law), p, (one, s, g)))(pressure, s, g))
 
-    by_series = found()
+    by_series = with_derivatives()
     share = float(jnp.mean(series_of(law, pressure, s, g).holds))
     monkeypatch.setattr(across, "SERIES_END", -1.0)
     assert 0.3 < share < 0.9 and not jnp.any(series_of(law, pressure, s, g).holds)
     walls = jnp.linalg.norm(s, axis=0) + jnp.linalg.norm(g, axis=0)
-    for ours, by_nodes, error in zip(by_series, found(), (2e-9, 2e-9, 4e-8, 4e-8), strict=True):
+    for ours, by_nodes, error in zip(by_series, with_derivatives(), (2e-9, 2e-9, 4e-8, 4e-8), strict=True):
         assert float(jnp.max(jnp.abs(ours - by_nodes) / walls)) <= error
 
 
@@ -366,13 +366,13 @@ def corners(points: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize(("law", "most"), [(EYRING, 9), *((Carreau(1.0, n), 7) for n in (0.2, 0.42, 0.8))], ids=str)
 def test_iterations_are_few_in_every_corner(law: Fluidity, most: int) -> None:
-    found = flow(law, *corners(20000, 3))
-    assert np.all(np.isfinite(found.stress)) and np.all(np.isfinite(found.flux))
-    assert int(found.iterations) <= most
+    film = flow(law, *corners(20000, 3))
+    assert np.all(np.isfinite(film.stress)) and np.all(np.isfinite(film.flux))
+    assert int(film.iterations) <= most
 
 
 def test_a_limit_of_the_stress_needs_more_and_never_fails() -> None:
     for ambient, sharpness in product((1.0, 8.0, 100.0), (0.02, 0.05)):
-        found = flow(traceable_law(Limited(EYRING, 0.05, ambient, sharpness)), *corners(2000, 4))
-        assert np.all(np.isfinite(found.stress)) and np.all(np.isfinite(found.flux))
-        assert int(found.iterations) < LIMIT
+        film = flow(traceable(Limited(EYRING, 0.05, ambient, sharpness)), *corners(2000, 4))
+        assert np.all(np.isfinite(film.stress)) and np.all(np.isfinite(film.flux))
+        assert int(film.iterations) < LIMIT

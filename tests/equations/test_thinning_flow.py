@@ -11,7 +11,7 @@ import pytest
 from jax import Array
 from numpy.testing import assert_allclose
 
-from ertel.equations.contact import NEWTONIAN_FLOW, Contact, bare_contact, traceable_law
+from ertel.equations.contact import NEWTONIAN_FLOW, Contact, bare_contact, traceable
 from ertel.equations.shear import NODES
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics import stencils
@@ -33,7 +33,7 @@ DETAILS = jax.jit(lambda c, P, H, sliding, plane: c.flow.details(c, P, H, slidin
 
 def thinning(grid: Grid, law: Fluidity = EYRING, sliding: float = 1.0) -> Contact:
     """A contact with stresses in the units of the film, in which sliding and gradient thin the oil by several times."""
-    return replace(bare_contact(CIRCLE, grid, 0.4, OIL), flow=ThinningFlow(traceable_law(law), 1.0, 1.0, sliding))
+    return replace(bare_contact(CIRCLE, grid, 0.4, OIL), flow=ThinningFlow(traceable(law), 1.0, 1.0, sliding))
 
 
 def fields(grid: Grid) -> tuple[Array, Array]:

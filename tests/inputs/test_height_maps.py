@@ -310,7 +310,7 @@ def test_a_line_of_many_numbers_is_refused_before_it_is_read(tmp_path, separator
 
 
 def test_many_lines_of_numbers_are_refused_before_they_are_read(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("ertel.inputs.declared.MOST_NUMBERS", 5000)
+    monkeypatch.setattr("ertel.inputs.height_maps.MOST_NUMBERS", 5000)
     np.savetxt(tmp_path / "long.txt", np.ones((51, 100)))
     refused(tmp_path, "long.txt", "has more than 5000 numbers; a map has at most 4096 points a side")
     np.savetxt(tmp_path / "fits.txt", np.random.default_rng(0).normal(size=(50, 100)), header="some words")

@@ -353,9 +353,6 @@ def test_refused_shape(shape, expected):
     ("sections", "expected"),
     [
         ({"contact": C1, "solver": IN_TIME, "time": {"until": "5 mm"}}, ["time.until", "5 ms"]),
-        ({"solver": {"inlet": 0.5}}, ["solver.inlet = 0.5", "above 1"]),
-        ({"motion": {"entrainment": {"mean": 1, "amplitude": 1, "period": 1}}}, ["motion.entrainment", "transient"]),
-        ({"motion": {"entrainment": [[0, 0], [1, 1]]}, "solver": IN_TIME}, ["motion.entrainment", "must not be zero"]),
         ({"motion": {"speed": 1}}, ["motion.speed = 1", "unknown key", "entrainment"]),
         ({"roughness": [{**SPOT, "surface": 2}], "motion": {"slide_to_roll": -2}}, ["roughness[1].surface = 2"]),
         ({"roughness": SPOT}, ["roughness = ", "array of tables", "[[roughness]]"]),

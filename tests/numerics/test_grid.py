@@ -64,10 +64,10 @@ def test_a_rectangle_that_multigrid_cannot_coarsen_is_refused(nodes_x: int, node
 
 @given(st.sampled_from([33, 65, 129, 161, 257, 641]), st.floats(0.14, 6.7))
 def test_a_side_that_can_be_coarsened_as_often_as_the_other(nodes: int, ratio: float) -> None:
-    """A little longer than wanted; the middle is a node; the half grid has the same sides."""
+    """A little longer than asked for; the middle is a node; the half grid has the same sides."""
     across = nodes_across(nodes, ratio)
-    wanted = ratio * (nodes - 1)
-    assert -1e-4 <= (across - 1) - wanted < max(8, 0.25 * wanted) and across % 2 == 1
+    exact = ratio * (nodes - 1)
+    assert -1e-4 <= (across - 1) - exact < max(8, 0.25 * exact) and across % 2 == 1
     grid = Grid(nodes, across, 0.1, even=Symmetry(True, False))
     check_coarsening(grid)
     assert min(grid.hierarchy()[-1].shape) >= 3

@@ -2,10 +2,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import solve_banded
 
 from ertel.numerics import multigrid
 from ertel.numerics.grid import Grid
-from ertel.numerics.line_smoother import line_smoother
+from ertel.numerics.line_smoother import SHORT, factorise, line_smoother, solve_lines
 from ertel.numerics.multigrid import Coefficients, DeformationOperator
 from ertel.numerics.stencils import Pair
 from ertel.physics.geometry import CIRCLE
@@ -64,10 +67,8 @@ def test_a_uniform_change_has_no_slope() -> None:
     one = jnp.ones((5, 5))
     smoother = line_smoother(elastic, Coefficients(Pair(0 * one), 0 * one, one, one), 0.0, 1.0)
     assert not smoother.factors.halvings  # the matrix as it is
-    row_sums = ((1.0 + sum(smoother.factors.rest)) / smoother.factors.scale)[
-        2, 2
-    ]  # rows were scaled to a diagonal of one
-    assert float(row_sums) == pytest.approx(0.0, abs=1e-12)
+    row_sums = (1.0 + sum(smoother.factors.rest)) / smoother.factors.scale  # rows were scaled to a diagonal of one
+    assert float(row_sums[2, 2]) == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(np.asarray(smoother.balance(one)), 0.0, atol=1e-12)
 
 
@@ -78,3 +79,56 @@ def test_a_v_cycle_contracts_where_sliding_thins_the_oil_in_the_contact(share: f
     inside = share * (6.0 / 64) ** 2
     pair = Pair(jnp.maximum(c.eps.x, inside), jnp.maximum(c.eps.x, inside / 12))
     assert contraction(65, c._replace(eps=pair)) < 0.8
+
+
+# -- the systems of the lines ------------------------------------------------------------------------------------------
+
+Bands = tuple[jax.Array, jax.Array, jax.Array]  # lower, diagonal, upper
+
+
+@jax.jit
+def solved(bands: Bands, b: jax.Array) -> jax.Array:
+    return solve_lines(factorise(*bands), b)
+
+
+def dominant(seed: int, lines: int, n: int) -> Bands:
+    """Random matrices whose diagonal outweighs the rest of its row."""
+    rng = np.random.default_rng(seed)
+    lower, upper = rng.uniform(-1, 1, (2, lines, n))
+    diagonal = rng.choice([-1, 1], (lines, n)) * (np.abs(lower) + np.abs(upper) + rng.uniform(0.1, 1, (lines, n)))
+    return jnp.asarray(lower), jnp.asarray(diagonal), jnp.asarray(upper)
+
+
+def reference(bands: Bands, b: np.ndarray) -> np.ndarray:
+    rows = []
+    for lower, diagonal, upper, right in zip(*(np.asarray(band) for band in bands), b, strict=True):
+        banded = np.stack([np.r_[0.0, upper[:-1]], diagonal, np.r_[lower[1:], 0.0]])
+        rows.append(solve_banded((1, 1), banded, right))
+    return np.array(rows)
+
+
+@settings(max_examples=12, deadline=None)  # each length is compiled
+@given(st.integers(0, 10**6), st.integers(2, 300))
+def test_lines_of_any_length_are_solved(seed: int, n: int) -> None:
+    bands, b = dominant(seed, 3, n), np.random.default_rng(seed).standard_normal((3, n))
+    x = solved(bands, jnp.asarray(b))
+    np.testing.assert_allclose(np.asarray(x), reference(bands, b), rtol=1e-9, atol=1e-9)
+
+
+def test_lines_of_the_grids_are_halved_until_they_are_short() -> None:
+    factors = factorise(*dominant(1, 2, 513))
+    assert [h.odd.lower.shape[1] for h in factors.halvings] == [256, 128, 64, 32]
+    assert factors.rest.lower.shape[1] == SHORT
+
+
+@pytest.mark.parametrize("size", [1e-30, 1e30])
+def test_single_precision_is_kept_whatever_the_size(size: float) -> None:
+    """Diagonals that differ by twelve orders, as diffusion inside and outside a contact does."""
+    bands = dominant(3, 4, 129)
+    rows = 10.0 ** np.random.default_rng(4).uniform(-6, 6, (4, 129))
+    b = np.random.default_rng(5).standard_normal((4, 129)) * rows
+    single = tuple(jnp.asarray(band * rows, "float32") for band in bands)
+    x = solved(single, jnp.asarray(b * size, "float32"))
+    assert x.dtype == jnp.float32
+    expected = reference(bands, b / rows)
+    np.testing.assert_allclose(np.asarray(x, float) / size, expected, atol=2e-5 * np.abs(expected).max())

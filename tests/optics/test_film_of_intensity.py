@@ -106,13 +106,13 @@ def noisy_profile(seed, points, noise):
         coarse = np.interp(np.linspace(0, 1, 200), np.linspace(0, 1, points), film)
         if np.abs(np.diff(coarse)).max() > GREEN / (2 * rig.index(1.0)) / 8:
             continue
-        with warnings.catch_warnings(record=True) as said:
+        with warnings.catch_warnings(record=True) as given:
             warnings.simplefilter("always")
             try:
                 found = film_of_intensity(intensity, rig, GREEN, film[0])
             except ValueError:
                 continue  # begins on a fringe
-        return film, found, any(warning.category is DoubtfulFilm for warning in said)
+        return film, found, any(warning.category is DoubtfulFilm for warning in given)
 
 
 def campaign(seeds, points, noise):
@@ -146,9 +146,9 @@ def test_a_film_that_may_pass_or_turn_is_said_to_be_doubtful():
     period = GREEN / (2 * TwoBeams().index(1.0))
     fringe = period * (1.0 - np.angle(TwoBeams().fringes(GREEN, TwoBeams().index(1.0)).first) / (2 * np.pi))
     film = fringe + np.where(X < 0, 1.0, -1.0) * slope**2 * 1e-6
-    with pytest.warns(DoubtfulFilm, match="doubtful at .* of 401 points") as said:
+    with pytest.warns(DoubtfulFilm, match="doubtful at .* of 401 points") as given:
         film_of_intensity(seen(TwoBeams(), film), TwoBeams(), GREEN, film[0])
-    warning = said[0].message
+    warning = given[0].message
     assert warning.points.shape == X.shape and warning.points[-1] and not warning.points[0]
 
 
@@ -169,7 +169,7 @@ def test_films_that_turn_on_fringes(noise):
 
 
 @pytest.mark.parametrize(
-    ("intensity", "limits", "said"),
+    ("intensity", "limits", "message"),
     [
         (np.ones((4, 4)), None, r"intensity of shape \(4, 4\)"),
         (np.array([0.2, np.nan, 0.3]), None, "cut the gaps out"),
@@ -177,6 +177,6 @@ def test_films_that_turn_on_fringes(noise):
         (np.array([0.2, 0.1, 0.2]), (0.5, 0.1), r"limits = \(0.5, 0.1\)"),
     ],
 )
-def test_profiles_that_say_nothing_are_refused(intensity, limits, said):
-    with pytest.raises(ValueError, match=said):
+def test_profiles_that_say_nothing_are_refused(intensity, limits, message):
+    with pytest.raises(ValueError, match=message):
         film_of_intensity(intensity, Rig(), GREEN, 0.0, limits=limits)

@@ -50,7 +50,7 @@ def test_oil_under_pressure():
 
 
 @pytest.mark.parametrize(
-    ("made", "said"),
+    ("made", "message"),
     [
         (lambda: Layer(CHROMIUM, 8.0), "thickness = 8 m"),
         (lambda: Rig(oil_index=0.9), "oil_index = 0.9"),
@@ -58,8 +58,8 @@ def test_oil_under_pressure():
         (lambda: Monochromatic(coherence=0), "coherence = 0 m"),
     ],
 )
-def test_impossible_parameters_are_refused(made, said):
-    with pytest.raises(ValueError, match=said):
+def test_impossible_parameters_are_refused(made, message):
+    with pytest.raises(ValueError, match=message):
         made()
 
 

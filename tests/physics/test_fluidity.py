@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ertel.equations.contact import traceable_law
+from ertel.equations.contact import traceable
 from ertel.equations.shear import shear
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring, cut_off
 from ertel.physics.registry import FLUIDITY_LAWS
@@ -46,7 +46,7 @@ def test_the_stress_is_nearly_the_inverse(law: Fluidity) -> None:
 
 @every_law
 def test_numpy_and_jax_agree_and_derivatives_are_finite(law: Fluidity) -> None:
-    traceable_law(law)
+    traceable(law)
     for method in ("fluidity", "stress"):
         of = getattr(law, method)
         assert_allclose(jax.jit(of)(jnp.asarray(TAU), jnp.full(6, 1e9)), of(TAU, np.full(6, 1e9)), rtol=1e-12)
@@ -93,9 +93,9 @@ def test_the_exponential_part_joins_with_value_slope_and_curvature() -> None:
 @pytest.mark.parametrize("rate", [1e9, 1e11, 1e13])
 def test_the_limit_holds_within_what_the_sharpness_says(rate: float) -> None:
     """Shear rates of 20 to 2e5 times tau_L: the stress exceeds tau_L by sharpness per factor e of the rate."""
-    law = Limited(traceable_law(NewtonianOil()), 0.05, sharpness=0.02)
+    law = Limited(traceable(NewtonianOil()), 0.05, sharpness=0.02)
     s = jnp.asarray([[rate], [0.0]])
-    stress = shear(traceable_law(law), jnp.full(1, 1e9), s, 0.0 * s).stress[0, 0]
+    stress = shear(traceable(law), jnp.full(1, 1e9), s, 0.0 * s).stress[0, 0]
     excess = float(stress) / law.limit(1e9) - 1.0
     assert -0.02 < excess < 0.02 * np.log(rate / law.limit(1e9))
 
@@ -122,7 +122,7 @@ class Rabinowitsch:
 
 def test_a_users_own_law_takes_its_place() -> None:
     """For phi = 1 + x^2 the flow along the gradient has a closed form: S_0 t + S_1 g = t + t^3 + t g^2/4."""
-    law = traceable_law(Rabinowitsch(1.0))
+    law = traceable(Rabinowitsch(1.0))
     t, g = 1.7, 0.9
     s = t + t**3 + t * g**2 / 4
     found = shear(law, jnp.zeros(1), jnp.asarray([[s], [0.0]]), jnp.asarray([[g], [0.0]]))

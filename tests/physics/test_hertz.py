@@ -229,9 +229,9 @@ def test_asymptotes_end():
 def test_all_functions_are_vectorised_and_silent():
     values = np.linspace(-3.0, 3.0, 12).reshape(3, 4)
     names = [name for name in dir(hertz) if callable(getattr(hertz, name)) and not name.startswith("_")]
-    own = [name for name in names if getattr(getattr(hertz, name), "__module__", "") == "ertel.physics.hertz"]
-    assert len(own) == 16
-    for name in own:
+    functions = [name for name in names if getattr(getattr(hertz, name), "__module__", "") == "ertel.physics.hertz"]
+    assert len(functions) == 16
+    for name in functions:
         result = getattr(hertz, name)(values)
         assert (result.shape, result.dtype) == (values.shape, np.float64)
         each = [float(getattr(hertz, name)(value)) for value in values.flat]

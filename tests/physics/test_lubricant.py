@@ -226,6 +226,7 @@ def test_data_that_a_law_needs_are_asked_for(oil, missing):
     ("law", "message"),
     [
         ({"viscosity": "tar"}, r"^viscosity = \"tar\": allowed: 'isoviscous', 'barus' or 'roelands'"),
+        ({"viscosity": "µ" + "x" * 80}, rf'^viscosity = "µ{"x" * 59}": allowed: '),
         ({"density": "lead"}, r"^density = \"lead\": allowed: 'incompressible' or 'dowson-higginson'"),
         ({"viscosity": PowerLaw(1.0, 2.0)}, r"^PowerLaw: .*registered viscosity.*ertel\.viscosity_laws\.register"),
         ({"density": Barus(1.0)}, r"^Barus: .*registered density.*ertel\.density_laws\.register"),
@@ -309,5 +310,5 @@ def test_doolittles_law_is_the_one_of_free_volume():
     """eta/eta0 = exp(B V_occ/(V - V_occ) - B V_occ/(V0 - V_occ)), Doolittle's own form."""
     p = np.linspace(0.0, 1e9, 7)
     V, occupied = Tait(1.312e9, 11.74).volume(p), 0.6633
-    own = np.exp(5.258 * (occupied / (V - occupied) - occupied / (1 - occupied)))
-    np.testing.assert_allclose(SQUALANE.viscosity(p), own, rtol=1e-12)
+    by_hand = np.exp(5.258 * (occupied / (V - occupied) - occupied / (1 - occupied)))
+    np.testing.assert_allclose(SQUALANE.viscosity(p), by_hand, rtol=1e-12)

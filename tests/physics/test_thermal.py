@@ -5,17 +5,20 @@ from math import log, pi, sqrt
 
 import numpy as np
 import pytest
-from closed_forms import mean_rise, middle_rise
+from closed_forms import flash_temperature, mean_rise, middle_rise
 from numpy.testing import assert_allclose
 
-from ertel.physics.flash import AT_REST, flash_temperature, moving_source_weights, peclet_number, response
 from ertel.physics.lubricant import Roelands, roelands_exponent
 from ertel.physics.thermal import (
+    AT_REST,
     INLET_FACTORS,
     Exponential,
     Houpert,
     Solid,
     gupta_factor,
+    moving_source_weights,
+    peclet_number,
+    response,
     thermal_loading,
     wilson_sheu_factor,
 )
@@ -79,9 +82,11 @@ def test_the_coefficient_of_temperature_grows_with_the_logarithm_of_the_viscosit
     assert Exponential.of(0.04, 0.045, 313.0).change(20.0, 10.0) == pytest.approx(-0.45)
 
 
-@pytest.mark.parametrize(("bad", "said"), [((6e-5, 0.04, 313.0), "eta0 = 6e-05"), ((0.04, 0.04, 138.0), "temperature")])
-def test_where_houperts_law_has_no_meaning(bad: tuple[float, float, float], said: str) -> None:
-    with pytest.raises(ValueError, match=f"^{said}.*: Houpert's law needs"):
+@pytest.mark.parametrize(
+    ("bad", "message"), [((6e-5, 0.04, 313.0), "eta0 = 6e-05"), ((0.04, 0.04, 138.0), "temperature")]
+)
+def test_where_houperts_law_has_no_meaning(bad: tuple[float, float, float], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}.*: Houpert's law needs"):
         Houpert.of(*bad)
 
 

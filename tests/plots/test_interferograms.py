@@ -70,7 +70,7 @@ def test_rings_of_a_paraboloid_on_a_coarse_grid(ball, every):
     assert crossings(outwards) == pytest.approx(2 * orders, abs=1)
 
 
-def test_picture_is_the_film_of_the_run(rolls, few_pixels):
+def test_picture_is_the_film_of_the_run(ball, rolls, few_pixels):
     """Each pixel has the grey of the film and of the oil's density at its place."""
     light, rig = Monochromatic(coherence=np.inf), TwoBeams()
     view = View.of(rolls)
@@ -82,11 +82,8 @@ def test_picture_is_the_film_of_the_run(rolls, few_pixels):
     (grey, _) = images(plots.interferogram(rolls, light=light, rig=rig))
     expected = page.Chart(rig, light, seen.film.max()).picture(seen.film, seen.density)[..., 0]
     np.testing.assert_allclose(grey, expected, atol=0.01)
-
-
-def test_oil_under_pressure_is_denser(ball, few_pixels):
     view = View(ball, 48)
-    density = page.Seen.of(view, page.Window.around([view]), 1e-6).density
+    density = page.Seen.of(view, page.Window.around([view]), 1e-6).density  # of oil under pressure
     assert density[0, 0] == 1.0
     assert density.max() == pytest.approx(1.24, abs=0.01)  # Dowson and Higginson's at 1.4 GPa
 

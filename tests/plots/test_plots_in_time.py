@@ -67,14 +67,14 @@ def test_labels_have_si_units_or_those_of_the_paper(ball, moes):
      if name != "front" or "rolls" not in run],
 )  # fmt: skip
 def test_every_panel_says_what_it_shows(runs, name, run):
-    figure = plots.draw(runs[run], name)
+    figure = getattr(plots, name)(runs[run], at=2.0 if run == "moes" else None)
     for axes in panels(figure):
         assert axes.get_xlabel() and axes.get_ylabel()
         assert axes.get_title() or axes.get_legend()
+    assert {"ball": "maximum approach at", "moes": "chosen map at"}.get(run, "last map at") in figure.get_suptitle()
     if "rolls" in run:
-        said = " ".join(word for axes in panels(figure) for word in words(axes))
-        assert "last map at" in figure.get_suptitle()
-        assert "dry" not in said and "rebound" not in said
+        legends = " ".join(word for axes in panels(figure) for word in words(axes))
+        assert "dry" not in legends and "rebound" not in legends
 
 
 def test_heading_says_the_conditions(runs):
@@ -132,11 +132,6 @@ def test_a_moment_that_the_run_does_not_have_is_refused(moes, at):
         plots.overview(moes, at=at)
 
 
-@pytest.mark.parametrize("name", plots.IN_TIME)
-def test_every_picture_takes_a_moment(moes, name):
-    assert "chosen map at" in getattr(plots, name)(moes, at=2.0).get_suptitle()
-
-
 def test_a_figure_that_the_run_does_not_have(ball):
     with pytest.raises(plots.NoFigure, match="convergence: a run in time has no such figure"):
         plots.convergence(ball)
@@ -192,19 +187,14 @@ def test_rebound_is_dashed(moes, at):
     dashed = [candidate for candidate in axes.get_lines() if candidate.get_linestyle() == "--"]
     assert line(axes, "rebound") in dashed
     assert len(dashed) == pytest.approx(8, abs=1)
-
-
-def test_one_map_after_the_maximum_is_no_rebound(moes):
-    """A run until maximum approach may end with a map just after it."""
-    maximum = frame_of_maximum(moes)
+    maximum = frame_of_maximum(moes)  # a run until maximum approach may end with a map just after it: no rebound
     kept = [*range(maximum - 20, maximum + 1, 5), maximum + 1]  # so few that each has its line
     assert "rebound" not in words(panels(plots.profiles(moes.isel(frame=kept)))[0])
 
 
 @pytest.mark.parametrize("flow", [1.0, -1.0, 0.0])
 def test_arrow_shows_the_flow(flow):
-    for axes in panels(plots.maps(in_time(MOES_ROLLS, flow))):
-        assert flow_arrows(axes) == ([flow] if flow else [])
+    assert [flow_arrows(axes) for axes in panels(plots.maps(in_time(MOES_ROLLS, flow)))] == 2 * [[flow] if flow else []]
 
 
 # -- histories --------------------------------------------------------------------------------------------------------

@@ -70,10 +70,10 @@ def test_heading_gives_films_with_their_errors(ball, moes):
 def test_error_bars_are_those_of_the_run(moes):
     """The same rule as in the summary."""
     for name in ("H_c", "H_min"):
-        found = estimate_of(moes, name)
-        known = [Rolling(solutions(MOES)[:count]).extrapolate(name) for count in (2, 3)]  # type: ignore[arg-type]
-        np.testing.assert_allclose(found.errors, [np.nan, *(one.error for one in known)])
-        assert found.extrapolated == pytest.approx(known[-1].extrapolated)
+        estimate = estimate_of(moes, name)
+        expected = [Rolling(solutions(MOES)[:count]).extrapolate(name) for count in (2, 3)]  # type: ignore[arg-type]
+        np.testing.assert_allclose(estimate.errors, [np.nan, *(one.error for one in expected)])
+        assert estimate.extrapolated == pytest.approx(expected[-1].extrapolated)
 
 
 def test_horseshoe(ball):
@@ -146,18 +146,14 @@ def test_maps_of_an_ellipse_have_equal_axes_and_show_all_of_it(ellipse):
         assert -left > along and -low > across and high > across and right > along
 
 
-def test_heading_and_grids_of_an_ellipse(ellipse):
+def test_heading_grids_and_hertz_pressure_of_an_ellipse(ellipse):
     figure = plots.overview(ellipse)
-    heading = figure.get_suptitle()
-    assert "$R_x/R_y$ = 0.2" in heading and "angle 30°" in heading
-    ticks = [text.get_text() for axes in figure.axes for text in axes.get_xticklabels()]
+    assert "$R_x/R_y$ = 0.2" in figure.get_suptitle() and "angle 30°" in figure.get_suptitle()
     grid = solutions(OBLIQUE)[-1].grid
+    ticks = [text.get_text() for axes in figure.axes for text in axes.get_xticklabels()]
     assert f"{grid.nodes_x} x {grid.nodes_y}" in ticks
-
-
-def test_dashed_is_the_hertz_pressure_of_the_ellipse(ellipse):
-    axes = panels(plots.midlines(ellipse))[1]  # across the flow
-    (dry,) = [each for each in right_of(axes).get_lines() if each.get_linestyle() == "--"]
+    across = panels(plots.midlines(ellipse))[1]
+    (dry,) = [each for each in right_of(across).get_lines() if each.get_linestyle() == "--"]
     y, P = dry.get_data()
     load = float(ellipse["load"][-1]) / Geometry(0.2).hertz_load
     assert P == pytest.approx(Geometry(0.2, 30.0).dry_pressure(load, 0 * y, y))

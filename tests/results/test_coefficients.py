@@ -9,7 +9,7 @@ from ertel.apps.tables import film_rows, value_rows
 from ertel.physics.film_formulas import FormulaFilm
 from ertel.results.numbers import as_now, key_numbers, number, scalars
 from ertel.results.variables import one_number, to_si, with_coefficients
-from ertel.runs.checked_zarr import has_old_coefficients
+from ertel.runs.arrays import has_old_coefficients
 
 PHYSICAL = {"radius": "10 mm", "load": "20 N", "mean_speed": 1.0, "E_prime": "226 GPa", "slide_to_roll": 0.01}
 OIL = ertel.Oil(eta0="20 mPa*s", alpha="15 / GPa", rheology=ertel.fluidity_laws["ree-eyring"](5e6))

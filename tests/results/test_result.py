@@ -58,8 +58,7 @@ def test_repr_of_a_physical_impact():
 
 
 def test_repr_carries_the_warnings():
-    case = {**MOES_FALLS, "solver": {"nodes": 81}}
-    result = impact(case)
+    result = impact({**MOES_FALLS, "solver": {"nodes": 81}})
     (warning,) = [warning for warning in result.warnings if "not resolved at the front" in warning]
     assert f"warning: {warning}" in repr(result)
     assert warning in result._repr_html_().replace("&#x27;", "'").replace("&gt;", ">")
@@ -71,11 +70,6 @@ def test_repr_of_a_steady_contact(tmp_path: Path):
     assert text.startswith("Result: steel_ball, converged\n  rolling (steady), M = 200, L = 10\n  on 129 x 129 nodes")
     assert f"{0.095 * C1.film * 1e9:.4g} nm (0.095 a^2/R), error 1.8%" in text
     assert f"stored in {tmp_path}" in text
-
-
-def test_repr_of_a_dimensionless_run_in_time():
-    text = repr(rolling_in_time(MOES_ROLLS))
-    assert "at T = 4" in text and "0.08486 a^2/R" in text and "nm" not in text
 
 
 def test_what_is_missing_is_not_shown():
@@ -99,7 +93,12 @@ def test_a_notebook_gets_a_table_and_a_picture():
     assert "<b>steel_ball</b>" in html
     assert "<td>H_min</td>" in html and "<th>in SI</th>" in html and "<th>error</th>" in html
     assert 'src="data:image/png;base64,iVBOR' in html
-    html = rolling_in_time(MOES_ROLLS)._repr_html_()
+
+
+def test_a_dimensionless_run_in_time_has_no_column_in_si():
+    result = rolling_in_time(MOES_ROLLS)
+    text, html = repr(result), result._repr_html_()
+    assert "at T = 4" in text and "0.08486 a^2/R" in text and "nm" not in text
     assert "<th>in SI</th>" not in html and "<th>error</th>" not in html
 
 

@@ -9,12 +9,12 @@ import pytest
 
 import ertel
 from ertel.case.derived import grid_of
-from ertel.case.thermal import Inlet
+from ertel.case.sections import Inlet
 from ertel.inputs.case_files import parse_case
-from ertel.physics.flash import AT_REST, SLOWEST, slow_excess
+from ertel.physics.thermal import AT_REST, SLOWEST, slow_excess
 from ertel.results.dataset import assemble_steady
-from ertel.results.report import html_table, lines
-from ertel.results.steady import thermal_warnings
+from ertel.results.diagnostics import thermal_warnings
+from ertel.results.numbers import html_table, lines
 from ertel.results.variables import TEMPERATURES, to_si
 from ertel.runs.arrays import ReplacedData
 from ertel.solvers import steady

@@ -8,7 +8,7 @@ from made_up import BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impa
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.results import parameters, variables
-from ertel.results.report import extreme_lines, lines
+from ertel.results.numbers import lines, more_lines
 from ertel.results.summary import extremes, impact_summary, rolling_summary
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
@@ -22,17 +22,12 @@ OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
 
 def test_si_summary_has_units_in_its_names():
     case = parse_case({"contact": BALL, "lubricant": OIL})
-    assert case.scales is not None
-    assert variables.values_in_si(dict.fromkeys(variables.AT_MAXIMUM, 1.0), case.scales) == {
-        "t_s": case.scales.t0,
-        "delta_m": case.scales.film,
-        "f_N": case.scales.load,
-        "p_c_Pa": case.scales.p_h,
-        "p_max_Pa": case.scales.p_h,
-        "h_c_m": case.scales.film,
-        "h_min_m": case.scales.film,
-        "x_min_m": case.scales.a,
-        "y_min_m": case.scales.a,
+    scales = case.scales
+    assert scales is not None
+    film, pressure, place = scales.film, scales.p_h, scales.a
+    assert variables.values_in_si(dict.fromkeys(variables.AT_MAXIMUM, 1.0), scales) == {
+        **{"t_s": scales.t0, "delta_m": film, "f_N": scales.load, "p_c_Pa": pressure, "p_max_Pa": pressure},
+        **{"h_c_m": film, "h_min_m": film, "x_min_m": place, "y_min_m": place},
     }
     dimensionless = impact_summary(parse_case(MOES_FALLS), dry_impact(MOES_FALLS), None, {}, Status.CONVERGED)
     assert "si" not in dimensionless
@@ -64,12 +59,12 @@ def with_a_peak(data: xr.Dataset, fall: float) -> xr.Dataset:
 
 def test_the_extremes_of_the_whole_run() -> None:
     data = with_a_peak(in_time(MOES_ROLLS), 0.02)
-    found = extremes(data)
+    both = extremes(data)
     thin = int(np.argmin(data["H_min"].values))
-    assert found["H_min"]["value"] == float(data["H_min"].values.min()) < float(data["H_min"].values[0])
-    assert found["H_min"]["T"] == float(data["time"].values[thin])
-    assert (found["H_min"]["X"], found["H_min"]["Y"], found["H_min"]["note"]) == (0.2, 0.8, "")
-    assert found["P_max"] == {"value": 3.2, "T": pytest.approx(0.7), "X": 0.9, "Y": -0.1, "note": ""}
+    assert both["H_min"]["value"] == float(data["H_min"].values.min()) < float(data["H_min"].values[0])
+    assert both["H_min"]["T"] == float(data["time"].values[thin])
+    assert (both["H_min"]["X"], both["H_min"]["Y"], both["H_min"]["note"]) == (0.2, 0.8, "")
+    assert both["P_max"] == {"value": 3.2, "T": pytest.approx(0.7), "X": 0.9, "Y": -0.1, "note": ""}
     assert extremes(data.isel(time=slice(0, 0))) == {}
 
 
@@ -91,5 +86,5 @@ def test_the_extremes_in_si() -> None:
         "x_m": pytest.approx(0.9 * C1.a),
         "y_m": pytest.approx(-0.1 * C1.a),
     }
-    thinnest, highest = extreme_lines(summary)
+    thinnest, highest = list(more_lines(summary))[:2]
     assert "nm (" in thinnest and "GPa (3.2 p_h) at t = " in highest and "µm" in highest

@@ -56,8 +56,8 @@ def test_the_version_is_known_without_jax():
 
 COMMAND = """
 from ertel.runs import compile
-from ertel.apps.faults import warnings_said
-with warnings_said():
+from ertel.apps.process import warnings_as_sentences
+with warnings_as_sentences():
     compile.prepare_jax()
     import jax
     hits = []

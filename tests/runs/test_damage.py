@@ -21,7 +21,7 @@ from cases import physics, stop_after
 import ertel
 from ertel.case.case import Case
 from ertel.inputs.case_files import parse_case
-from ertel.runs import checked_zarr
+from ertel.runs import arrays
 from ertel.runs.files import LOCK, Damaged, StoreError, with_checksum
 from ertel.runs.store import RunStore, compute
 
@@ -303,15 +303,15 @@ def test_data_older_than_the_checkpoint_are_refused(impact, copy):
 
 def test_data_that_are_replaced_while_they_are_read(steady, copy, monkeypatch):
     """By the process that computes them, grid by grid."""
-    data, read, attempts = copy(steady.finished) / "run.zarr", checked_zarr._read, itertools.count()
+    data, read, attempts = copy(steady.finished) / "run.zarr", arrays._read, itertools.count()
 
     def replaced(path, advice):
         if next(attempts) == 0:
-            checked_zarr.update_attributes(data, {"title": "the next grid"}, advice)
+            arrays.update_attributes(data, {"title": "the next grid"}, advice)
             raise Damaged(path, "chunks are missing", advice)
         return read(path, advice)
 
-    monkeypatch.setattr(checked_zarr, "_read", replaced)
+    monkeypatch.setattr(arrays, "_read", replaced)
     assert RunStore.open(data.parent).dataset().attrs["title"] == "the next grid"
     assert next(attempts) == 2
 

@@ -15,8 +15,7 @@ from ertel.equations.state import Method
 from ertel.physics.motion import constant
 from ertel.results.errors import with_error
 from ertel.results.result import Result
-from ertel.runs.courses import TransientRun, course_of
-from ertel.runs.drive import Recorder, drive, simulate
+from ertel.runs.drive import Recorder, TransientRun, drive, run_of, simulate
 from ertel.runs.stepping import StepLimits
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
@@ -24,9 +23,9 @@ from ertel.solvers.transient import Transient2D
 
 def simulated(case: Case, method: Method) -> Result:
     """A run in memory with a method that is not the case's own."""
-    course = course_with(case, method)
-    gathering = Recorder(course)
-    return gathering.result(drive(course, [gathering]))
+    run = course_with(case, method)
+    recorder = Recorder(run)
+    return recorder.result(drive(run, [recorder]))
 
 
 @cache
@@ -54,9 +53,9 @@ def test_values_at_maximum_approach_come_from_the_turning_point() -> None:
 
 def test_a_run_that_must_give_up_keeps_what_it_has() -> None:
     case = impact(200, 10, 33, time={"until": 1.2})
-    course = TransientRun(case, Transient2D(case), StepLimits(first=0.03, smallest=0.02))
-    gathering = Recorder(course)
-    result = gathering.result(drive(course, [gathering]))
+    run = TransientRun(case, Transient2D(case), StepLimits(first=0.03, smallest=0.02))
+    recorder = Recorder(run)
+    result = recorder.result(drive(run, [recorder]))
     assert result.status is Status.STEP_TOO_SMALL
     assert result.status.advice
     assert (result.summary["status"], result.summary["max_approach"]) == ("the time step became too small", None)
@@ -107,9 +106,9 @@ def test_the_summary_has_the_promised_keys() -> None:
 
 def test_progress_goes_from_nothing_to_all() -> None:
     for until in ("max-approach", "rebound", 2.0):
-        course = course_of(impact(200, 10, 65, solver={"method": "radial"}, time={"until": until}))
+        run = run_of(impact(200, 10, 65, solver={"method": "radial"}, time={"until": until}))
         shares: list[float] = []
-        drive(course, [lambda step, course=course, shares=shares: shares.append(course.progress(step).done)])
+        drive(run, [lambda step, run=run, shares=shares: shares.append(run.progress(step).done)])
         assert 0 <= shares[0] < 0.05
         assert shares[-1] > 0.75
         assert all(a <= b for a, b in itertools.pairwise(shares))

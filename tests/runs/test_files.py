@@ -27,26 +27,19 @@ CASE = parse_case({**DATA, "time": {"tolerance": 0.01, "until": 0.15}})
 
 
 def test_the_lock_keeps_others_out_and_is_given_back(tmp_path):
+    """Also where case.toml is replaced, as an editor does when it saves."""
     run = RunStore.create(tmp_path / "run", CASE)
     with run.alone(), run.alone():
         second = RunStore.open(tmp_path / "run")
         with pytest.raises(StoreError, match="run: another process is computing this run"), second.alone():
             pytest.fail("two at once")
-        with pytest.raises(StoreError, match="another process is computing this run"):
-            compute(second)
-    with second.alone():
-        pass
-
-
-def test_replacing_the_case_file_does_not_open_the_lock(tmp_path):
-    """As an editor does when it saves."""
-    run = RunStore.create(tmp_path / "run", CASE)
-    with run.alone():
         path = tmp_path / "run" / "case.toml"
         (tmp_path / "new").write_text(path.read_text())
         (tmp_path / "new").replace(path)
         with pytest.raises(StoreError, match="another process is computing this run"):
             compute(RunStore.open(tmp_path / "run"))
+    with second.alone():
+        pass
 
 
 def test_those_who_ask_for_the_lock_are_in_nobodys_way(tmp_path):
@@ -86,13 +79,18 @@ def locking(path):
 
 
 def test_a_file_is_locked(tmp_path):
-    """NFS does not pass the lock of a directory to the server, so that other machines did not see it."""
+    """NFS does not pass the lock of a directory to the server, so that other machines did not see it.
+
+    Asking keeps the lock of this process; one of `lockf` would be lost here.
+    """
     run = RunStore.create(tmp_path / "run", CASE)
-    assert not (tmp_path / "run" / files.LOCK).exists()
+    file = tmp_path / "run" / files.LOCK
+    assert not file.exists()
     with run.alone():
-        assert locking(tmp_path / "run" / files.LOCK) == "refused"
-        assert locking(tmp_path / "run") == "taken"
-    assert locking(tmp_path / "run" / files.LOCK) == "taken"
+        assert files.is_locked(tmp_path / "run")
+        file.read_bytes()
+        assert (locking(file), locking(tmp_path / "run")) == ("refused", "taken")
+    assert locking(file) == "taken"
 
 
 def test_a_locked_directory_is_in_nobodys_way(tmp_path):
@@ -116,14 +114,6 @@ def test_the_file_is_not_the_lock(tmp_path):
     with files.locked(copy):
         assert files.is_locked(copy)
     assert (copy / files.LOCK).stat().st_ino == inode and (copy / files.LOCK).read_bytes() == b""
-
-
-def test_asking_keeps_the_lock_of_this_process(tmp_path):
-    """A lock of `lockf` would be lost here."""
-    with files.locked(tmp_path):
-        assert files.is_locked(tmp_path)
-        (tmp_path / files.LOCK).read_bytes()
-        assert locking(tmp_path / files.LOCK) == "refused"
 
 
 @pytest.mark.parametrize("make", [os.mkfifo, os.mkdir, lambda path: path.symlink_to("other")])

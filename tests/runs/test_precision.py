@@ -132,7 +132,7 @@ def test_a_run_is_that_of_double_precision(name, names):
 SINGLE = """
 import ertel, sys
 import numpy as np
-from ertel.numerics.arrays import double_precision
+from ertel.numerics.programs import double_precision
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D

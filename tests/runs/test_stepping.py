@@ -119,10 +119,10 @@ def test_a_short_period_bounds_the_step() -> None:
 @pytest.mark.parametrize("step", [None, 0.05])
 def test_the_last_map_is_kept_once(interval: float, step: float | None) -> None:
     case = rolling(Time(until=1.5, step=step), Output(interval=interval))
-    course = course_with(case, LikeTheLoad(case))
-    gathering = Recorder(course)
-    drive(course, [gathering])
-    frames = gathering.frames
+    run = course_with(case, LikeTheLoad(case))
+    recorder = Recorder(run)
+    drive(run, [recorder])
+    frames = recorder.frames
     assert [frame.event for frame in frames][-2:] == ["", "end"]
     assert frames[-1].T == pytest.approx(1.5, rel=1e-12)
     assert len(frames) == round(1.5 / interval) + 1

@@ -19,10 +19,10 @@ from ertel.inputs.studies import load_study, parse_study
 from ertel.results.numbers import scalars
 from ertel.results.study_result import StudyResult
 from ertel.runs import directory, studies
+from ertel.runs.batch import STEPS, program_of
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
-from ertel.runs.studies import left_of, run_directory, run_study, study_bars, write_study
-from ertel.runs.warm_up import STEPS, has_compiled, program_of
+from ertel.runs.studies import has_compiled, left_of, run_directory, run_study, write_study
 from ertel.runs.workers import LocalWorker, StopSignal
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "E_prime": "226.37 GPa"}
@@ -183,8 +183,7 @@ def test_the_bars_say_what_the_runs_write_of_their_progress(tmp_path, monkeypatc
         original(self, item)
 
     monkeypatch.setattr(RunStore, "__call__", take)
-    with study_bars(tmp_path, left_of(study.cases, tmp_path), True) as shown:
-        run_study(study.cases, tmp_path, LocalWorker(), on_done=shown.done)
+    run_study(study.cases, tmp_path, LocalWorker(), progress=True)
     runs = [said.messages[case.digest[:8]] for case in study.cases]
     assert all(0 <= done <= 1 and text.startswith("T 0.") for messages in runs for done, text in messages) and all(runs)
     assert [text.split()[1] for _, text in said.messages["runs"]] == ["converged", "converged"]

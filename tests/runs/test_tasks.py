@@ -11,10 +11,9 @@ import pytest
 import xarray as xr
 from cases import names
 
-from ertel.runs import plain
 from ertel.runs import tasks as tasks_module
 from ertel.runs.files import with_checksum
-from ertel.runs.tasks import Failure, Task, kept, run_tasks
+from ertel.runs.tasks import Failure, Task, kept, read_plain, run_tasks, write_plain
 from ertel.runs.workers import LocalWorker, never
 from ertel.version import source_digest
 
@@ -123,8 +122,8 @@ def test_datasets_numbers_and_lists_come_back_exactly(tmp_path: Path):
         {"wave": ["rings, 0.4", "µ"], "X": [0.5, 1 / 3], "frame": 1.0},
         {"M": 200.0, "title": "ball"},
     )
-    plain.write_plain(tmp_path / "file", [data, (1, 2.5e-300, None, True), {"list": {"dict": "array"}}])
-    again, numbers, names = plain.read_plain(tmp_path / "file")
+    write_plain(tmp_path / "file", [data, (1, 2.5e-300, None, True), {"list": {"dict": "array"}}])
+    again, numbers, names = read_plain(tmp_path / "file")
     assert again.identical(data) and again["event"].dtype == "int8"
     assert np.signbit(again["H"].values[1, 1])
     assert numbers == [1, 2.5e-300, None, True] and names == {"list": {"dict": "array"}}

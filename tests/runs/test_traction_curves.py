@@ -86,7 +86,7 @@ def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str) -> None:
     at = replace(base, contact=replace(base.contact, **{axis: value}))
     film = steady.steady_film(at).finest
     found = account.steady_friction(at, film)
-    data = traction(base, **{axis: [value]}).dataset.isel({axis: 0})
+    data = traction(base, **{axis: [0.5 * value, value]}).dataset.isel({axis: 1})  # each with scales of its own
     assert float(data[axis]) == value
     assert at.scales is not None
     assert float(data["mu_sliding"]) == pytest.approx(float(found.sliding[0]) * at.scales.a_over_R, rel=1e-9)

@@ -9,7 +9,7 @@ import pytest
 from cases import ertel_, python
 
 import ertel
-from ertel.runs import warm_up
+from ertel.runs.batch import usual_cases
 from ertel.runs.drive import watch
 
 ROLLING = '[contact]\nkind = "rolling"\nM = 100\nL = 5\n[solver]\nnodes = 17\n'
@@ -53,7 +53,7 @@ def test_a_run_after_the_warm_up_compiles_nothing_and_traces_no_solver(tmp_path)
 
 
 def test_the_usual_grids_are_those_of_the_documents():
-    cases = list(warm_up.usual_cases())
+    cases = list(usual_cases())
     assert [(case.kind, case.solver.method, case.solver.nodes) for case in cases] == [
         ("rolling", "steady", 257),
         ("impact", "2d", 129),

@@ -151,9 +151,9 @@ def _resistance(s: GridSolution) -> float:
 def test_runs_for_the_error_keep_the_spacing_and_widen_the_domain(angle: float) -> None:
     case = rolled(65, angle)
     found = {name: grid_of(other) for name, other in comparisons(case).items()}
-    own, half, wide = grid_of(case), found["grid"], found["domain"]
-    assert (half.spacing, wide.spacing) == pytest.approx((2 * own.spacing, 2 * own.spacing))
-    assert (half.x[0], half.x[-1], half.y[-1]) == pytest.approx((own.x[0], own.x[-1], own.y[-1]))
+    grid, half, wide = grid_of(case), found["grid"], found["domain"]
+    assert (half.spacing, wide.spacing) == pytest.approx((2 * grid.spacing, 2 * grid.spacing))
+    assert (half.x[0], half.x[-1], half.y[-1]) == pytest.approx((grid.x[0], grid.x[-1], grid.y[-1]))
     assert wide.x[0] < 1.3 * half.x[0] and wide.x[-1] > half.x[-1] and wide.y[-1] > 1.3 * half.y[-1]
 
 

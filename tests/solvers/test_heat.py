@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from closed_forms import flash_temperature
 from numpy.testing import assert_allclose
 
 from ertel.case.case import Case
@@ -17,7 +18,6 @@ from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.inputs.case_files import parse_case
 from ertel.numerics.integrals import Plane
-from ertel.physics.flash import flash_temperature
 from ertel.physics.thermal import gupta_factor
 from ertel.solvers.heat import Heated, heated
 
@@ -62,23 +62,23 @@ def usual() -> tuple[Case, Heated]:
 
 def test_the_balance_of_heat() -> None:
     """Both fluxes that the temperatures of the film imply heat the surfaces to just these temperatures."""
-    case, found = usual()
+    case, warm = usual()
     thermal, s, grid = case.thermal, case.scales, grid_of(case)
-    assert thermal and s and found.converged
-    film = np.asarray(found.film) * s.film
-    heat = np.asarray(found.stress[0]) * s.shear_stress * 0.4 * 2.0
-    assert_allclose(found.heat, heat, rtol=1e-4, atol=1e-6 * heat.max())
-    crossing = thermal.conductivity * (found.T_2 - found.T_1) / film
+    assert thermal and s and warm.converged
+    film = np.asarray(warm.film) * s.film
+    heat = np.asarray(warm.stress[0]) * s.shear_stress * 0.4 * 2.0
+    assert_allclose(warm.heat, heat, rtol=1e-4, atol=1e-6 * heat.max())
+    crossing = thermal.conductivity * (warm.T_2 - warm.T_1) / film
     for T, flux, body, speed in zip(
-        (found.T_1, found.T_2), (heat / 2 + crossing, heat / 2 - crossing), thermal.bodies, (2.4, 1.6), strict=True
+        (warm.T_1, warm.T_2), (heat / 2 + crossing, heat / 2 - crossing), thermal.bodies, (2.4, 1.6), strict=True
     ):
         assert_allclose(T - BATH, flash_temperature(flux, body, speed, grid.spacing * s.a), atol=1e-3)
     above = heat * film / (12 * thermal.conductivity)
-    assert_allclose(found.T_film, (found.T_1 + found.T_2) / 2 + above, atol=1e-3)
-    assert found.T_2.max() > found.T_1.max() > BATH + 1.0  # the glass is the warmer one
-    assert found.inlet.L_t == pytest.approx(case.oil.eta0 * thermal.beta * 4.0 / 0.14)
-    assert found.inlet.factor == gupta_factor(found.inlet.L_t, 0.4, s.p_h / s.E_prime)
-    assert_allclose(found.film, found.inlet.factor * film_of(case)[1])
+    assert_allclose(warm.T_film, (warm.T_1 + warm.T_2) / 2 + above, atol=1e-3)
+    assert warm.T_2.max() > warm.T_1.max() > BATH + 1.0  # the glass is the warmer one
+    assert warm.inlet.L_t == pytest.approx(case.oil.eta0 * thermal.beta * 4.0 / 0.14)
+    assert warm.inlet.factor == gupta_factor(warm.inlet.L_t, 0.4, s.p_h / s.E_prime)
+    assert_allclose(warm.film, warm.inlet.factor * film_of(case)[1])
 
 
 @pytest.mark.parametrize("rheology", ["newtonian", pytest.param(OIL["rheology"], marks=pytest.mark.slow)], ids=str)
@@ -86,15 +86,15 @@ def test_without_heat_the_friction_is_the_isothermal_one(rheology: Any) -> None:
     case = case_of(beta="1e-8 / K", viscosity="exponential", inlet_factor="none")
     case = parse_case({**case.to_data(), "lubricant": {**OIL, "rheology": rheology}})
     P, H = film_of(case)
-    found, grid = heated(case, P, H), grid_of(case)
+    warm, grid = heated(case, P, H), grid_of(case)
     c, load = discretise.contact_of(case, grid), case.geometry.hertz_load
     cold = jax.jit(friction)(Plane.of(grid), c, jnp.asarray(P), jnp.asarray(H), 0.4, 1.0, load)
     assert case.thermal is not None
-    hotter = float(np.max(found.T_film)) - case.thermal.temperature
+    hotter = float(np.max(warm.T_film)) - case.thermal.temperature
     left = 1.01e-8 * hotter  # of the viscosity, by the least beta that is allowed
     assert left < 1e-4
-    assert_allclose(found.stress, cold.stress, rtol=left, atol=1e-12)
-    assert_allclose(found.sliding, cold.sliding, rtol=left)
+    assert_allclose(warm.stress, cold.stress, rtol=left, atol=1e-12)
+    assert_allclose(warm.sliding, cold.sliding, rtol=left)
 
 
 def test_heat_reduces_the_traction_and_more_so_with_sliding() -> None:
@@ -120,17 +120,17 @@ def test_exchange_of_the_bodies() -> None:
 def test_pure_rolling_has_no_heat_of_sliding(law: Any) -> None:
     """The stress is zero everywhere, where the length of a vector, which a limit asks for, has no derivative."""
     case = parse_case({**case_of().to_data(), "lubricant": {**OIL, "rheology": law}})
-    found = heated(case, *film_of(case), slide_to_roll=0.0)
-    assert found.converged
-    assert_allclose([found.T_1, found.T_2, found.T_film], BATH, rtol=1e-12)
-    assert_allclose(found.sliding, 0.0, atol=1e-12)
+    warm = heated(case, *film_of(case), slide_to_roll=0.0)
+    assert warm.converged
+    assert_allclose([warm.T_1, warm.T_2, warm.T_film], BATH, rtol=1e-12)
+    assert_allclose(warm.sliding, 0.0, atol=1e-12)
 
 
 def test_warm_bodies_warm_the_film() -> None:
-    found = heated_at(0.0, temperature_1="60 degC", temperature_2="50 degC")
-    inside = np.asarray(found.stress[0]).shape[1] * 3 // 4
-    assert 323.15 < found.T_film[0, inside] < 333.15
-    assert found.converged
+    warm = heated_at(0.0, temperature_1="60 degC", temperature_2="50 degC")
+    inside = np.asarray(warm.stress[0]).shape[1] * 3 // 4
+    assert 323.15 < warm.T_film[0, inside] < 333.15
+    assert warm.converged
     sliding, cold = heated_at(0.2, temperature_1="60 degC", temperature_2="60 degC"), heated_at(0.2)
     assert float(sliding.sliding[0]) < float(cold.sliding[0])
 
@@ -138,10 +138,10 @@ def test_warm_bodies_warm_the_film() -> None:
 @pytest.mark.parametrize("slide_to_roll", [2.0, -2.0])
 def test_a_surface_at_rest(slide_to_roll: float) -> None:
     """Its highest temperature continues that of a surface that hardly moves either way."""
-    found, before, after = (heated_at(slide_to_roll * share) for share in (1.0, 0.98, 1.02))
+    warm, before, after = (heated_at(slide_to_roll * share) for share in (1.0, 0.98, 1.02))
     resting = 1 if slide_to_roll > 0 else 0
-    assert found.converged and found.peclet[resting] == pytest.approx(0.0)
-    hottest = [(heat.T_1, heat.T_2)[resting].max() - BATH for heat in (before, found, after)]
+    assert warm.converged and warm.peclet[resting] == pytest.approx(0.0)
+    hottest = [(heat.T_1, heat.T_2)[resting].max() - BATH for heat in (before, warm, after)]
     assert hottest[1] == pytest.approx((hottest[0] + hottest[2]) / 2, rel=0.1)
 
 
@@ -158,11 +158,11 @@ def test_temperature_of_a_body_at_rest_under_hertzian_heat() -> None:
 
 
 def test_the_start_does_not_matter() -> None:
-    case, found = usual()
-    again = heated(case, *film_of(case), heat=30.0 * found.heat)
+    case, warm = usual()
+    again = heated(case, *film_of(case), heat=30.0 * warm.heat)
     assert again.converged
-    assert_allclose(again.T_film, found.T_film, atol=1e-3)
-    assert_allclose(again.sliding, found.sliding, rtol=1e-6)
+    assert_allclose(again.T_film, warm.T_film, atol=1e-3)
+    assert_allclose(again.sliding, warm.sliding, rtol=1e-6)
 
 
 def test_a_case_without_thermal_data_has_no_temperatures() -> None:

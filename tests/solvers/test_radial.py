@@ -30,8 +30,7 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
 from ertel.results.result import Result
-from ertel.runs.courses import TransientRun
-from ertel.runs.drive import Recorder, drive, simulate
+from ertel.runs.drive import Recorder, TransientRun, drive, simulate
 from ertel.solvers import radial
 from ertel.solvers.radial import RadialImpact
 

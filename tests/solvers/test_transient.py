@@ -47,7 +47,7 @@ def test_mass_what_leaves_and_what_is_stored_balance() -> None:
     rates = bdf.derivative_weights([now.T, before.T, earlier.T])
     masses = [oil.density(level.P) * level.H for level in (now, before, earlier)]
     stored = sum(w * float(jnp.sum(m[1:-1, 1:-1])) * h**2 for w, m in zip(rates, masses, strict=True))
-    eps = np.asarray(contact.mobility(c, now.P, now.H).x)
+    eps = np.asarray(c.flow.mobilities(c, now.P, now.H).secant.x)
     P = np.asarray(now.P)
     outflow = 0.0
     for e, p in ((eps, P), (eps[::-1], P[::-1]), (eps.T, P.T), (eps.T[::-1], P.T[::-1])):

@@ -11,8 +11,7 @@ from jax.tree_util import register_dataclass
 from numpy.testing import assert_allclose
 from scipy.special import lambertw
 
-from ertel.physics.flash import response
-from ertel.physics.thermal import Solid
+from ertel.physics.thermal import Solid, response
 from ertel.solvers.heat import Moving, Real, Warmed, warmed
 
 STEEL, GLASS = Solid(7850.0, 460.0, 47.0), Solid(2510.0, 858.0, 1.114)
@@ -60,30 +59,30 @@ def test_the_equations_hold(speed: float) -> None:
     draw = np.random.default_rng(5)
     film = draw.uniform(5e-8, 5e-7, (3, NODES))
     first, second = moving(STEEL, 0.7), moving(GLASS, speed)
-    found = warmed(
+    warm = warmed(
         Exponential(draw.uniform(1e8, 1e9, (3, NODES)), 0.05), (first, second), film / CONDUCTIVITY, (5.0, 2.0)
     )
-    crossing = CONDUCTIVITY * (found.surface_2 - found.surface_1) / film
-    assert found.converged
-    assert_allclose(found.surface_1, 5.0 + first(found.x[0] / 2 + crossing), rtol=1e-6)
-    assert_allclose(found.surface_2, 2.0 + second(found.x[0] / 2 - crossing), rtol=1e-6)
-    middle = (found.surface_1 + found.surface_2) / 2 + found.x[0] * film / (12 * CONDUCTIVITY)
-    assert_allclose(found.film, middle, rtol=1e-12)
+    crossing = CONDUCTIVITY * (warm.surface_2 - warm.surface_1) / film
+    assert warm.converged
+    assert_allclose(warm.surface_1, 5.0 + first(warm.x[0] / 2 + crossing), rtol=1e-6)
+    assert_allclose(warm.surface_2, 2.0 + second(warm.x[0] / 2 - crossing), rtol=1e-6)
+    middle = (warm.surface_1 + warm.surface_2) / 2 + warm.x[0] * film / (12 * CONDUCTIVITY)
+    assert_allclose(warm.film, middle, rtol=1e-12)
 
 
 def test_equal_surfaces_take_half_each() -> None:
     heat, into = np.full((2, NODES), 1e8), moving(STEEL, 1.0)
-    found = warmed(Constant(heat), (into, into), np.full_like(heat, 1e-7))
-    assert_allclose(found.surface_1, into(heat / 2), rtol=1e-12)
-    assert_allclose(found.surface_2, found.surface_1, rtol=1e-12)
+    warm = warmed(Constant(heat), (into, into), np.full_like(heat, 1e-7))
+    assert_allclose(warm.surface_1, into(heat / 2), rtol=1e-12)
+    assert_allclose(warm.surface_2, warm.surface_1, rtol=1e-12)
 
 
 def test_thin_films_leave_the_partition_to_the_solids() -> None:
     """h -> 0: both surfaces have one temperature, and uniform heat is shared by the effusivities."""
     slow, fast, heat = moving(STEEL, 1.0), moving(STEEL, 4.0), np.full((1, NODES), 1e8)
-    found = warmed(Constant(heat), (slow, fast), np.full_like(heat, 1e-12))
-    assert_allclose(found.surface_1, slow(heat / 3), rtol=1e-3)
-    assert_allclose(found.surface_2, found.surface_1, rtol=1e-3)
+    warm = warmed(Constant(heat), (slow, fast), np.full_like(heat, 1e-12))
+    assert_allclose(warm.surface_1, slow(heat / 3), rtol=1e-3)
+    assert_allclose(warm.surface_2, warm.surface_1, rtol=1e-3)
 
 
 # -- the film between cold walls --------------------------------------------------------------------------------------
@@ -93,17 +92,17 @@ def between_cold_walls(Na: float) -> float:
     beta, speed, film = 0.04, 1.0, 1e-7
     stress = Na * CONDUCTIVITY / (beta * speed * film)
     heat, wall = np.array([stress * speed]), Moving(np.zeros((1, 1)))  # it stays cold
-    found = warmed(Exponential(heat, beta), (wall, wall), np.array([film / CONDUCTIVITY]))
-    assert found.converged
-    return float(found.x[0][0] / heat[0])
+    warm = warmed(Exponential(heat, beta), (wall, wall), np.array([film / CONDUCTIVITY]))
+    assert warm.converged
+    return float(warm.x[0][0] / heat[0])
 
 
 @pytest.mark.parametrize(("Na", "excess"), [(0.1, 2e-5), (1, 1.69e-3), (8, 0.0411), (50, 0.201), (1000, 0.572)])
 def test_one_temperature_for_the_film_against_nahme(Na: float, excess: float) -> None:
     """eta(T_mean) exceeds Nahme's exact viscosity: by 0.2 % at Na = 1, 4 % at 8, 20 % at 50, 57 % at 1000."""
-    found = between_cold_walls(Na)
-    assert found == pytest.approx(float(np.exp(-lambertw(Na / 12).real)), rel=1e-9)  # theta e^theta = Na/12
-    assert found / nahme(Na).viscosity - 1 == pytest.approx(excess, rel=0.02)
+    viscosity = between_cold_walls(Na)
+    assert viscosity == pytest.approx(float(np.exp(-lambertw(Na / 12).real)), rel=1e-9)  # theta e^theta = Na/12
+    assert viscosity / nahme(Na).viscosity - 1 == pytest.approx(excess, rel=0.02)
     assert between_cold_walls(0.01) == pytest.approx(nahme(0.01).viscosity, abs=0.01**2 / 400)
 
 
@@ -148,13 +147,13 @@ def test_a_film_that_is_absurdly_stiff_when_cold() -> None:
     """Barus' law far above its range: each iteration takes a factor of e off the viscosity."""
     heat = np.exp(40.0) * hertzian()
     into = moving(STEEL, 1.5), moving(STEEL, 0.5)
-    found = warmed(Exponential(heat, 0.08), into, np.full_like(heat, 1e-7 / CONDUCTIVITY))
-    assert found.converged
-    assert_allclose(found.x[0], heat * np.exp(-0.08 * found.film), rtol=1e-4)
+    warm = warmed(Exponential(heat, 0.08), into, np.full_like(heat, 1e-7 / CONDUCTIVITY))
+    assert warm.converged
+    assert_allclose(warm.x[0], heat * np.exp(-0.08 * warm.film), rtol=1e-4)
 
 
 def test_work() -> None:
     """Few Newton iterations, each with some ten convolutions for both surfaces."""
-    found = strongly_heated()
-    assert found.iterations <= 14
-    assert found.applications <= 25 * found.iterations
+    warm = strongly_heated()
+    assert warm.iterations <= 14
+    assert warm.applications <= 25 * warm.iterations

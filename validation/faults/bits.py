@@ -15,8 +15,8 @@ from kinds import Kind
 
 from ertel.apps.browser.folder import Folder, fault_of, summary_of
 from ertel.apps.browser.processes import Processes
-from ertel.runs.checked_zarr import ROOT
-from ertel.runs.listing import listed
+from ertel.runs.arrays import ROOT
+from ertel.runs.directory import listed
 
 SUMMARY = "summary.json"
 WAYS = {"bit flipped": 0.8, "cut short": 0.05, "deleted": 0.05, "replaced": 0.1}

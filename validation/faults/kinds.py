@@ -24,8 +24,7 @@ from ertel.inputs.case_files import load_case
 from ertel.inputs.studies import load_study
 from ertel.numerics.programs import Program
 from ertel.runs import arrays, workers
-from ertel.runs.courses import course_of
-from ertel.runs.drive import drive
+from ertel.runs.drive import drive, run_of
 from ertel.runs.store import RunStore, compute, open_run
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
@@ -153,7 +152,7 @@ def record(chosen: dict[str, Kind]) -> None:
 
 
 def _compute(case: Case, directory: Path, with_error: bool) -> None:
-    course = course_of(case)
+    course = run_of(case)
     store = RunStore.create(directory, course.case, course)
     compute(store, [lambda item: True])
     compute(RunStore.open(directory))

@@ -21,14 +21,13 @@ from ertel.case.derived import grid_of
 from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.numerics.integrals import Plane
-from ertel.physics.flash import flash_temperature, peclet_number
-from ertel.physics.thermal import Solid, gupta_factor, wilson_sheu_factor
+from ertel.physics.thermal import Solid, gupta_factor, peclet_number, wilson_sheu_factor
 from ertel.solvers import heat, steady
 from ertel.solvers.heat import Heated, Moving, warmed
 from ertel.solvers.steady import GridSolution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
-from closed_forms import mean_rise, nahme
+from closed_forms import flash_temperature, mean_rise, nahme
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 

@@ -18,7 +18,7 @@ import numpy as np
 
 import ertel
 from ertel import Case, Result, parse_case, simulate
-from ertel.physics import far_field
+from ertel.equations import outside
 from ertel.results.fronts import at_max_approach
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
@@ -102,7 +102,7 @@ def nothing(X: Any, Y: Any, *_: Any) -> Any:
     return 0.0 * X * Y
 
 
-@mock.patch.multiple(far_field, far_pressure=nothing, rigid_pressure=nothing)
+@mock.patch.multiple(outside, far_pressure=nothing, rigid_pressure=nothing)
 def reference() -> str:
     """Every case of the reference, by the 2-D method (M <= 1000) and by the radial twin, on two grids each."""
     text = "## Reference numbers\n\n"

@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 import ertel
 from ertel import Case, Parameters, amplitude_reduction, load_case, parse_case, simulate
 from ertel.apps.boundary_layers.runs import marched_rolling, rolling_response
-from ertel.physics import far_field, film_formulas
+from ertel.equations import outside
+from ertel.physics import film_formulas
 from ertel.solvers import steady
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
@@ -57,7 +58,7 @@ def reference(nodes: int) -> str:
     """Every case of rolling.json: the discrete solutions, the extrapolated film, its order, and the error estimate."""
     rows = []
     for entry in json.loads((REFERENCE / "rolling.json").read_text())["cases"]:
-        with mock.patch.object(far_field, "far_pressure", lambda X, Y, *_: 0.0 * X * Y):  # P = 0 at the edge, as there
+        with mock.patch.object(outside, "far_pressure", lambda X, Y, *_: 0.0 * X * Y):  # P = 0 at the edge, as there
             rows.append(_compare(entry, nodes))
         print(rows[-1], flush=True)
     head = [

@@ -41,7 +41,7 @@ def about() -> dict[str, str]:
         "Python": f"{platform.python_version()} on {platform.system()} {platform.machine()}",
         **{name: _version(package) for name, package in PACKAGES.items()},
         "known faults": wrong_version(_version("jaxlib")) or "none in this version of JAX",
-        "devices": devices(),
+        "devices": _devices(),
         "compile cache": str(cache_directory() or "none: there is no home directory"),
         "citation": CITATION.format(version=ertel.__version__),
     }
@@ -80,13 +80,13 @@ def _end(run: RunStore) -> str:
     return f"{status.value}, after {summary['wall_s']:.1f} s{advice}"
 
 
-def devices() -> str:
+def _devices() -> str:
     """The devices that JAX computes on."""
     try:
-        found = [device.device_kind for device in jax_devices()]
+        kinds = [device.device_kind for device in jax_devices()]
     except (ImportError, NoDevice) as error:
         return f"none: {error}"
-    return ", ".join(f"{kind} ({os.cpu_count()} cores)" if kind == "cpu" else kind for kind in found)
+    return ", ".join(f"{kind} ({os.cpu_count()} cores)" if kind == "cpu" else kind for kind in kinds)
 
 
 def _version(package: str) -> str:

@@ -27,8 +27,8 @@ def settings(incomplete: str) -> list[str]:
     """section.key= for the keys of case files that begin so."""
     from ertel.inputs.layout import SECTIONS, section
 
-    found = [f"{name}.{key.name}=" for name in SECTIONS for key in section(name).keys]
-    return [text for text in found if text.startswith(incomplete)]
+    keys = [f"{name}.{key.name}=" for name in SECTIONS for key in section(name).keys]
+    return [key for key in keys if key.startswith(incomplete)]
 
 
 def figures(incomplete: str) -> list[str]:
@@ -46,10 +46,10 @@ def _entries(incomplete: str) -> Iterator[tuple[Path, str]]:
     folder, slash, start = incomplete.rpartition("/")
     place = Path(f"{folder}{slash}").expanduser() if slash else Path()
     try:
-        found = sorted(place.iterdir())
+        entries = sorted(place.iterdir())
     except OSError:
         return
-    for path in found:
+    for path in entries:
         if path.name.startswith(start) and (start or not path.name.startswith(".")):
             is_open = path.is_dir() and not (path / CASE).exists()
             yield path, f"{folder}{slash}{path.name}{'/' if is_open else ''}"
@@ -70,22 +70,25 @@ def path_option(text: str, metavar: str = "DIR") -> Any:
 
 CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.", case_files)]
 OptionalCase = Annotated[
-    Path | None, path_argument("[CASE.toml]", "Case file; without one --set gives the contact.", case_files)
+    Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.", case_files)
 ]
 StudyFile = Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.", case_files)]
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
-OptionalRun = Annotated[Path | None, path_argument("[DIR]", "Directory of a run.", run_directories)]
+OptionalRun = Annotated[Path | None, path_argument("DIR", "Directory of a run.", run_directories)]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
 Estimate = Annotated[
-    bool, typer.Option("--error", help="Run also on the half grid, in smaller steps and on a wider domain: the error.")
+    bool,
+    typer.Option(
+        "--error", help="Estimate the error by runs on the half grid, in smaller steps and on a wider domain."
+    ),
 ]
 Flush = Annotated[
     float | None,
     typer.Option(
         min=0.0,
         metavar="SECONDS",
-        help="Write at least so far apart; default 5 s, and each grid of a steady run. A killed run loses this much.",
+        help="Least time between two writes; default 5 s, and each grid of a steady run. A killed run loses this much.",
     ),
 ]
 Jobs = Annotated[
@@ -94,7 +97,8 @@ Jobs = Annotated[
 Scheduler = Annotated[
     str | None,
     typer.Option(
-        metavar="ADDRESS", help="Use the workers of a dask scheduler that runs. Who reaches it can run programs as you."
+        metavar="ADDRESS",
+        help="Use the workers of a running dask scheduler. Who reaches it can run programs as you.",
     ),
 ]
 SchedulerFile = Annotated[Path | None, path_option("The same, by the file that the scheduler wrote.", "FILE")]
@@ -112,6 +116,6 @@ Set = Annotated[
 ]
 
 
-def values_option(example: str, text: str) -> Any:
-    """An option for what varies along a curve."""
-    return typer.Option(metavar="VALUES", help=f"{text} Such as {example}.")
+def values_option(quantity: str, example: str) -> Any:
+    """An option for the quantity that varies along a curve."""
+    return typer.Option(metavar="VALUES", help=f"Values of the {quantity}, for example {example}.")

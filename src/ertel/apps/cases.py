@@ -1,4 +1,4 @@
-"""Cases before they are run: `ertel params`, `film`, `new`, `schema` and `check`."""
+"""Commands that need no run: `ertel params`, `film`, `new`, `schema`, `check` and `oils`."""
 
 from pathlib import Path
 from textwrap import wrap
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from ertel.apps.arguments import CaseFile, Json, OptionalCase, Set, path_argument
-from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, rough_time, shown
+from ertel.apps.terminal import BAD_INPUT, in_shell, leave, print_json, print_path, rough_time, shown
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -20,12 +20,11 @@ def params(case_file: OptionalCase = None, set_: Set = None, as_json: Json = Fal
 
     Give a case file, or the contact alone: --set contact.M=1000 --set contact.L=10, or quantities such as
     --set "contact.radius=10 mm". Without a file the contact is an impact unless --set contact.kind=rolling, and its oil
-    follows Barus. What is missing is said; ertel run --help-keys explains all keys.
+    follows the Barus law. A message names what is missing; ertel run --help-keys explains all keys.
     """
     from ertel.results.parameters import parameter_summary
 
-    with bad_input():
-        case = _case_asked_for(case_file, set_, "impact")
+    case = _case_asked_for(case_file, set_, "impact")
     content = parameter_summary(case)
     if as_json:
         print_json(content)
@@ -43,16 +42,15 @@ def film(case_file: OptionalCase = None, set_: Set = None, as_json: Json = False
     from ertel.apps import tables
     from ertel.results.parameters import formula_films
 
-    with bad_input():
-        case = _case_asked_for(case_file, set_, "rolling")
-        if case.starts_apart:
-            raise ValueError(f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
-    found = formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
+    case = _case_asked_for(case_file, set_, "rolling")
+    if case.starts_apart:
+        leave(BAD_INPUT, f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
+    films = formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if as_json:
-        print_json(tables.films_as_data(case, found))
+        print_json(tables.films_as_data(case, films))
     else:
-        tables.print_films(case, found)
-        tables.print_sources(found)
+        tables.print_films(case, films)
+        tables.print_sources(films)
 
 
 def _case_asked_for(case_file: Path | None, settings: list[str] | None, kind: str) -> "Case":
@@ -71,25 +69,23 @@ def _case_asked_for(case_file: Path | None, settings: list[str] | None, kind: st
 
 def new(
     kind: Annotated[Literal["impact", "rolling"], typer.Argument(help="Kind of contact.")],
-    file: Annotated[Path | None, path_argument("[FILE]", "New case file; default KIND.toml.")] = None,
+    file: Annotated[Path | None, path_argument("FILE", "New case file; default KIND.toml.")] = None,
 ) -> None:
     """Write a new case file that runs, with all keys and their meanings.
 
     Beside it the file ertel.schema.json is written, unless it is there: from it editors with TOML support show meanings
     and complete keys.
     """
-    from ertel.inputs.json_schema import json_schema_text
-    from ertel.inputs.templates import SCHEMA_FILE, template
+    from ertel.inputs.templates import SCHEMA_FILE, json_schema_text, template
 
     path = file or Path(f"{kind}.toml").absolute()
-    with bad_input():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if not _write_new(path, template(kind, in_shell(path))):
-            leave(BAD_INPUT, f"{shown(path)} is there already and is left as it is; give another FILE")
-        schema = path.with_name(SCHEMA_FILE)
-        written = [path, schema] if _write_new(schema, json_schema_text()) else [path]
-    for each in written:
-        print_path(each)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not _write_new(path, template(kind, in_shell(path))):
+        leave(BAD_INPUT, f"{shown(path)} exists already and is left as it is; give another FILE")
+    print_path(path)
+    schema = path.with_name(SCHEMA_FILE)
+    if _write_new(schema, json_schema_text()):
+        print_path(schema)
 
 
 def _write_new(path: Path, text: str) -> bool:
@@ -110,9 +106,8 @@ def schema(
     With ertel schema > ertel.schema.json and the line #:schema ./ertel.schema.json at the head of a case file editors
     show what keys mean, complete them, and mark what is wrong. Units are known to it in their usual spellings only.
     """
-    from ertel.inputs.json_schema import json_schema_text
     from ertel.inputs.layout import places
-    from ertel.inputs.templates import table
+    from ertel.inputs.templates import json_schema_text, table
 
     print(table(places()) if as_table else json_schema_text(), end="")
 
@@ -123,9 +118,9 @@ def print_keys(requested: bool) -> None:
         return
     from ertel.inputs.layout import places
 
-    for title, text, found in places():
+    for title, text, keys in places():
         print(f"\n{title}  {text}" if title != "(top)" else "Keys of case files")
-        for key in found:
+        for key in keys:
             default = f"; default {key.default}" if key.default else ""
             print(f"  {key.name}  ({key.kind}{default})")
             for line in wrap(key.meaning.text, WIDTH):
@@ -141,47 +136,62 @@ def check(case_file: CaseFile, set_: Set = None, as_json: Json = False) -> None:
     from ertel.inputs.case_files import load_case
     from ertel.runs.outlook import outlook
 
-    with bad_input():
-        case = load_case(case_file, set_ or [])
-    found = outlook(case)
+    case = load_case(case_file, set_ or [])
+    content = outlook(case)
     if as_json:
-        print_json(found)
+        print_json(content)
     else:
-        _print_outlook(case, found)
+        _print_outlook(case, content)
 
 
-def _print_outlook(case: "Case", found: dict[str, Any]) -> None:
+def _print_outlook(case: "Case", content: dict[str, Any]) -> None:
     from ertel.apps import tables
     from ertel.results.parameters import formula_films
 
     out = tables.console()
     out.print(f"{case.name or case.kind}: {case.kind}, {case.solver.method}", style="bold")
-    tables.print_parameters(found["parameters"])
+    tables.print_parameters(content["parameters"])
     formulas = formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
     if formulas:
         out.print()
         tables.print_films(case, formulas)
     out.print()
-    tables.print_names(_needs(found))
-    for warning in found["warnings"]:
+    tables.print_names(_needs(content))
+    for warning in content["warnings"]:
         out.print(f"Warning: {warning}", style="yellow")
 
 
-def _needs(found: dict[str, Any]) -> dict[str, str]:
+def _needs(content: dict[str, Any]) -> dict[str, str]:
     """Grid, memory and time in words."""
     from ertel.results.variables import with_prefix
 
-    grid, memory, time = found["grid"], found["memory"], found["time"]
+    grid, memory, time = content["grid"], content["memory"], content["time"]
     size = f"{grid['nodes']} nodes along the radius"
-    if found["method"] != "radial":
+    if content["method"] != "radial":
         size = f"{grid['nodes']} x {grid['nodes_across']} nodes"
     in_si = f" = {with_prefix(grid['spacing_m'], 'm')}" if "spacing_m" in grid else ""
     there = f" of {memory['available'] / 1e9:.3g} GB" if memory["available"] else ""
     steps = f", {time['steps']} time steps" if time["steps"] else ""
     return {
-        "rheology": found["rheology"],
+        "rheology": content["rheology"],
         "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
         "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
         "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",
         "time": f"roughly {rough_time(time['seconds'])}{steps}",
     }
+
+
+def oils(
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="An oil or a material.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Print the oils and materials that case files know by name, or all data of one with their sources."""
+    from ertel.apps import tables
+
+    entry = tables.oil_or_material(name) if name else None
+    if as_json:
+        print_json(tables.entry_as_data(entry) if entry else tables.library_as_data())
+    elif entry:
+        tables.print_entry(entry)
+    else:
+        tables.print_library()

@@ -9,7 +9,7 @@ Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing wr
 import os
 import sys
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -28,18 +28,14 @@ from ertel.apps.arguments import (
     Set,
     StudyFile,
     Tls,
-    figures,
     path_argument,
     path_option,
     values_option,
 )
-from ertel.apps.faults import Commands
-from ertel.apps.paper import paper
-from ertel.apps.plotting import Interferogram, PlotOptions, Wavelength
-from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, say
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, say
 
 app = typer.Typer(
-    cls=Commands,
+    cls=process.Commands,
     help="Elastohydrodynamic lubrication of point contacts: a ball hits an oiled surface, or rolls and slides on it.",
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -91,14 +87,13 @@ def run(
     from ertel.inputs.case_files import load_case
     from ertel.runs.compile import jax_prepared
 
-    with bad_input():
-        case = load_case(case_file, set_ or [])
+    case = load_case(case_file, set_ or [])
 
-    def tell() -> None:
+    def before_compiling() -> None:
         if not quiet:
             say("The run is done; compiling faster programs for later runs, which Ctrl-C ends")
 
-    with jax_prepared(case, tell):
+    with jax_prepared(case, before_compiling):
         from ertel.apps import running  # while programs are loaded
 
         running.run(case, out, running.RunOptions(as_json, error, quiet, flush))
@@ -108,7 +103,10 @@ def run(
 def resume(
     directory: RunDirectory, as_json: Json = False, error: Estimate = False, quiet: Quiet = False, flush: Flush = None
 ) -> None:
-    """Continue a run that was interrupted."""
+    """Continue an interrupted run.
+
+    Of a finished run the summary is printed; with --error its error is estimated. No step is computed twice.
+    """
     from ertel.apps import running
 
     running.resume(directory, running.RunOptions(as_json, error, quiet, flush))
@@ -117,9 +115,9 @@ def resume(
 @app.command()
 def traction(
     case_file: CaseFile,
-    slide_to_roll: Annotated[str | None, values_option("0:0.5:15", "The slide-to-roll ratio varies.")] = None,
-    mean_speed: Annotated[str | None, values_option("0.1 m/s:10 m/s:12:log", "The mean speed varies.")] = None,
-    load: Annotated[str | None, values_option("10 N:100 N:5", "The load varies.")] = None,
+    slide_to_roll: Annotated[str | None, values_option("slide-to-roll ratio", "0:0.5:15")] = None,
+    mean_speed: Annotated[str | None, values_option("mean speed", "0.1 m/s:10 m/s:12:log")] = None,
+    load: Annotated[str | None, values_option("load", "10 N:100 N:5")] = None,
     film: Annotated[
         str | None, typer.Option(metavar="each|once", help="Solve the film at each point, or once.")
     ] = None,
@@ -136,13 +134,13 @@ def traction(
     The film of a Newtonian oil does not depend on the slide-to-roll ratio and is solved once. That of an oil that thins
     is solved at each point; --film once takes the one of the smallest slide-to-roll ratio, in the time of one point.
 
-    After an interruption the same command continues.
+    DIR is a new or empty directory, or that of an earlier curve. Films that it holds are used again, the table and the
+    picture are those of this curve. After an interruption the same command continues.
     """
     from ertel.apps import studies
     from ertel.inputs.case_files import load_case
 
-    with bad_input():
-        case = load_case(case_file, set_ or [])
+    case = load_case(case_file, set_ or [])
     given = {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}
     name = case.name or case.kind
     studies.traction(case, given, film, out or Path("traction").absolute() / name, as_json, quiet)
@@ -179,17 +177,15 @@ def sweep(
     from ertel.apps import studies
     from ertel.inputs.studies import load_study
 
-    with bad_input():
-        engine, chosen = studies.Engine(jobs, scheduler, scheduler_file, tls), studies.part_of(part)
-        study = load_study(study_file, set_ or [])
+    engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
+    chosen = studies.part_of(part)
+    study = load_study(study_file, set_ or [])
     studies.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
 
 
 @app.command("warm-up")
 def warm_up(
-    case_files: Annotated[
-        list[Path] | None, path_argument("[CASE.toml]...", "Case files; default the usual grids.")
-    ] = None,
+    case_files: Annotated[list[Path] | None, path_argument("CASE.toml", "Case files; default the usual grids.")] = None,
     set_: Set = None,
 ) -> None:
     """Compile ahead what runs need, once per machine: then they start at once.
@@ -201,72 +197,42 @@ def warm_up(
     """
     from ertel.apps import running
     from ertel.inputs.case_files import load_case
-    from ertel.runs.warm_up import usual_cases
+    from ertel.runs.batch import usual_cases
 
-    with bad_input():
-        if set_ and not case_files:
-            raise ValueError(f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")
-        cases = [load_case(path, set_ or []) for path in case_files or []] or list(usual_cases())
+    if set_ and not case_files:
+        leave(BAD_INPUT, f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")
+    cases = [load_case(path, set_ or []) for path in case_files or []] or list(usual_cases())
     running.warm_up_all(cases)
 
 
 @app.command()
-def show(directory: RunDirectory, as_json: Json = False) -> None:
-    """Print the summary of a run."""
-    from ertel.apps import running
-
-    running.show(directory, as_json)
-
-
-@app.command()
-def plot(
-    directory: RunDirectory,
-    what: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Draw one figure only, such as film.", autocompletion=figures)
-    ] = None,
-    at: Annotated[
-        str | None, typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.")
-    ] = None,
-    interferogram: Interferogram = None,
-    wavelength: Wavelength = None,
-    format_: Annotated[
-        Literal["png", "svg", "pdf", "gif", "webp", "mp4"],
-        typer.Option("--format", help="File format; gif, webp and mp4 are movies of an interferogram."),
-    ] = "png",
-    out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
+def paper(
+    figure: Annotated[str, typer.Argument(metavar="all|fig1|fig2|...", help="Figure to reproduce.")] = "all",
+    quick: Annotated[bool, typer.Option("--quick", help="Use coarse grids: seven minutes on one core.")] = False,
+    out: Annotated[Path, path_option("Directory for the page; results kept in it are used again.")] = Path("paper"),
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+    scheduler_file: SchedulerFile = None,
+    tls: Tls = None,
+    quiet: Quiet = False,
 ) -> None:
-    """Draw the figures of a run, or with --interferogram what an experimenter sees through coated glass.
+    """Reproduce the figures of the paper, with their data, on one page.
 
-    An interferogram needs a case in SI. It is that of a steel ball and glass with 8 nm of chromium; from Python other
-    layers and lamps can be chosen, see ertel.optics.
+    After an interruption the same command continues.
     """
-    from ertel.apps import plotting, running
+    from ertel.apps import studies
 
-    options = PlotOptions(what, at, interferogram, wavelength, format_)
-    options.check()
-    with running.opened(directory) as run:
-        plotting.write(run.dataset(), options, out or directory / "plots")
+    studies.paper(figure, quick, out, studies.Engine(jobs, scheduler, scheduler_file, tls), quiet)
 
 
-# -- answers at once --------------------------------------------------------------------------------------------------
+for command in (
+    *(looking.show, looking.plot, looking.ls, looking.compare, looking.export),
+    *(cases.params, cases.film, cases.new, cases.check, cases.schema, cases.oils),
+):
+    app.command()(command)
 
 
-@app.command()
-def oils(
-    name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="An oil or a material.")] = None,
-    as_json: Json = False,
-) -> None:
-    """Print the oils and materials that case files know by name, or all data of one with their sources."""
-    from ertel.apps import oils
-
-    with bad_input():
-        entry = oils.find(name) if name else None
-    if as_json:
-        print_json(oils.as_data(entry) if entry else oils.library_data())
-    elif entry:
-        oils.print_entry(entry)
-    else:
-        oils.print_library()
+# -- ertel itself -----------------------------------------------------------------------------------------------------
 
 
 @app.command()
@@ -274,24 +240,22 @@ def about(
     directory: OptionalRun = None,
     cite: Annotated[bool, typer.Option("--cite", help="Print BibTeX entries of ertel and of the paper.")] = False,
 ) -> None:
-    """Print versions, devices and how to cite ertel; or of a run with what and where it was computed, and its end."""
+    """Print versions, devices and how to cite ertel; or the versions and the machine of a run, and how it ended."""
     from ertel.apps import about, running, tables
 
-    if directory is None:
-        found, version = {} if cite else about.about(), None
-    else:
+    content = {}
+    if directory:
         with running.opened(directory) as run:
-            found = about.of_run(run)
-        version = found["ertel"]
+            content = about.of_run(run)
     if cite:
-        print(about.bibtex(version), end="")
+        print(about.bibtex(content.get("ertel")), end="")
     else:
-        tables.print_names(found)
+        tables.print_names(content or about.about())
 
 
 @app.command("app")
 def browse(
-    folder: Annotated[Path, path_argument("[DIR]", "Folder with case files and runs; default here.")] = Path(),
+    folder: Annotated[Path, path_argument("DIR", "Folder with case files and runs; default here.")] = Path(),
     port: Annotated[int, typer.Option(min=1024, max=65535, help="Port on this machine.")] = 8642,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the app in the browser.")] = True,
 ) -> None:
@@ -313,17 +277,3 @@ def browse(
         )
     for name in going:
         say(f"{in_shell(folder.absolute() / name)} goes on without the app; to watch it open the app again")
-
-
-for command in (
-    cases.params,
-    cases.film,
-    cases.new,
-    cases.check,
-    cases.schema,
-    paper,
-    looking.ls,
-    looking.compare,
-    looking.export,
-):
-    app.command()(command)

@@ -1,38 +1,45 @@
-"""`ertel ls`, `ertel compare` and `ertel export`: many runs, two, or one for other programs."""
+"""Commands that look at runs: `ertel ls` at many, `compare` at two, `show`, `plot` and `export` at one."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from ertel.apps.arguments import Json, RunDirectory, path_argument, path_option, run_directories
-from ertel.apps.terminal import bad_input, print_json, print_path, say, shown
+from ertel.apps.arguments import Json, RunDirectory, figures, path_argument, path_option, run_directories
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, say, shown
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # these take long to import
+    import xarray as xr
+
+    from ertel.optics import Light, Rig
     from ertel.results.numbers import Compared, Difference
-    from ertel.runs.listing import Listed
+    from ertel.runs.directory import Listed
+
+Lighting = Literal["mono", "two-beam", "white"]
+MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplotlib's name of its writer
 
 
 def ls(
     folder: Annotated[
         Path | None,
-        path_argument("[DIR]", "Folder with runs, also in folders below it; default this one.", run_directories),
+        path_argument("DIR", "Folder with runs, also in folders below it; default this one.", run_directories),
     ] = None,
     as_json: Json = False,
 ) -> None:
     """List the runs in a folder: case, status, time and key numbers of each."""
-    from ertel.runs.listing import listed
+    from ertel.runs.directory import listed
 
     folder = folder or Path.cwd()
-    with bad_input():
-        found = listed(folder)
+    runs = listed(folder)
     if as_json:
-        print_json([_as_data(run, folder) for run in found])
-    elif not found:
+        print_json([_as_data(run, folder) for run in runs])
+    elif not runs:
         say(f"no runs in {shown(folder)}")
     else:
-        _print_runs(found, folder)
+        _print_runs(runs, folder)
 
 
 def _as_data(run: "Listed", folder: Path) -> dict[str, Any]:
@@ -48,8 +55,8 @@ def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
     from ertel.results.numbers import SHOWN
     from ertel.results.variables import name_in_si
 
-    known = {name for run in runs for name in run.numbers}
-    names = ["M", "L", *(name for name in SHOWN if known & {name, name_in_si(name)})]
+    there = {name for run in runs for name in run.numbers}
+    names = ["M", "L", *(name for name in SHOWN if there & {name, name_in_si(name)})]
     print_rows([("run", "case", "status", "written", *names), *(_row(run, folder, names) for run in runs)], left=4)
 
 
@@ -117,6 +124,125 @@ def _print_pairs(pairs: "Sequence[Compared]", statuses: Sequence[str]) -> None:
     print_rows(rows, left=2)
 
 
+def show(directory: RunDirectory, as_json: Json = False) -> None:
+    """Print the summary of a run, also of an unfinished one."""
+    from ertel.apps import running
+    from ertel.runs.files import Damaged, StoreError
+
+    with running.opened(directory) as run:
+        try:
+            summary = run.summary() or run.summary_so_far()
+        except Damaged:
+            raise
+        except StoreError as error:
+            raise StoreError(f"{error}; to start it: ertel resume {in_shell(directory)}") from error
+        running.report(run, summary, as_json)
+
+
+def plot(
+    directory: RunDirectory,
+    what: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Draw this figure only, such as film.", autocompletion=figures)
+    ] = None,
+    at: Annotated[
+        str | None, typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.")
+    ] = None,
+    interferogram: Annotated[
+        Lighting | None,
+        typer.Option(
+            help="Draw the interference fringes instead: monochromatic, of two beams only, or in white light.",
+            show_default=False,
+        ),
+    ] = None,
+    wavelength: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Wavelength of the light; default 532 nm.", show_default=False)
+    ] = None,
+    format_: Annotated[
+        Literal["png", "svg", "pdf", "gif", "webp", "mp4"],
+        typer.Option("--format", help="File format; gif, webp and mp4 are movies of an interferogram."),
+    ] = "png",
+    out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
+) -> None:
+    """Draw the figures of a run, or an interferogram of its film.
+
+    An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
+    layers and light sources can be chosen, see ertel.optics.
+    """
+    from ertel.apps import running
+
+    if format_ in MOVIES and interferogram is None:
+        leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
+    if format_ in MOVIES and at is not None:
+        leave(BAD_INPUT, f"--at {at}: a movie shows all times; leave it out, or use --format png")
+    if wavelength is not None and interferogram in (None, "white"):
+        leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
+    if format_ == "mp4":
+        _find_ffmpeg()
+    with running.opened(directory) as run:
+        data = run.dataset()
+    with bad_input():
+        writers = _drawn(data, what, at, interferogram, wavelength, format_)
+    target = out or directory / "plots"
+    target.mkdir(parents=True, exist_ok=True)
+    for name, write in writers.items():
+        path = target / f"{name}.{format_}"
+        write(path)
+        print_path(path)
+
+
+def _drawn(
+    data: "xr.Dataset",
+    what: str | None,
+    at: str | None,
+    lighting: Lighting | None,
+    wavelength: str | None,
+    kind: str,
+) -> dict[str, Callable[[Path], object]]:
+    """The figures or the interferogram of a run: by name the function that writes it into a file."""
+    from ertel import plots
+
+    moment: float | str | None = at
+    with suppress(ValueError):
+        moment = None if at is None else float(at)
+    if lighting is None:
+        names = [what] if what else plots.names_of(data)
+        return {name: plots.draw(data, name, moment).savefig for name in names}
+    light, rig = _optics(lighting, wavelength)
+    name = f"interferogram-{lighting}"
+    if kind in MOVIES:
+        return {name: partial(plots.animation(data, light, rig).save, writer=MOVIES[kind])}
+    return {name: plots.interferogram(data, moment, light, rig).savefig}
+
+
+def _optics(lighting: Lighting, wavelength: str | None) -> tuple["Light", "Rig"]:
+    """The light and the rig of an interferogram.  Raises ValueError for an impossible wavelength."""
+    from ertel.inputs.quantities import parse_quantity
+    from ertel.optics import Monochromatic, Rig, TwoBeams, White
+    from ertel.physics.units import Unit
+
+    if lighting == "white":
+        return White(), Rig()
+    rig = TwoBeams() if lighting == "two-beam" else Rig()
+    if not wavelength:
+        return Monochromatic(), rig
+    try:
+        metres = parse_quantity(wavelength, Unit("m", "532 nm"))
+    except ValueError as error:
+        raise ValueError(f"--wavelength {wavelength}: {error}") from error
+    return Monochromatic(metres or 0.0), rig
+
+
+def _find_ffmpeg() -> None:
+    """Tell matplotlib where the program is that writes mp4."""
+    from matplotlib import rcParams
+
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+    except ImportError:
+        leave(BAD_INPUT, "--format mp4: needs imageio-ffmpeg, pip install 'ertel[movie]'; gif and webp do not")
+    rcParams["animation.ffmpeg_path"] = get_ffmpeg_exe()
+
+
 def export(
     directory: RunDirectory,
     to: Annotated[
@@ -134,15 +260,12 @@ def export(
     Values are dimensionless, with their factors to SI in the attributes; --si converts them.
     """
     from ertel.apps import running
-    from ertel.results import export as exports
+    from ertel.results.dataset import EXPORTS
     from ertel.results.variables import to_si
 
     with running.opened(directory) as run:
         data = run.dataset()
-    target = out or directory / "export"
     with bad_input():
-        shown_data = to_si(data) if in_si else data
-        target.mkdir(parents=True, exist_ok=True)
-        paths = exports.EXPORTS[to](shown_data, target)
+        paths = EXPORTS[to](to_si(data) if in_si else data, out or directory / "export")
     for path in paths:
         print_path(path)

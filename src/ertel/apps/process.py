@@ -1,4 +1,6 @@
-"""The process of a command: its memory, its standard streams, and the signals that end it.
+"""The process of a command: its memory, its standard streams, and the signals and errors that end it.
+
+Every error is one sentence on stderr and an exit code; a traceback goes into a file only.
 
 The signals are Ctrl-C, SIGTERM, and SIGHUP when the terminal is closed; the exit code is 128 + the number of the
 signal.
@@ -10,14 +12,22 @@ import errno
 import os
 import signal
 import sys
+import tempfile
 import threading
+import traceback
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from io import TextIOWrapper
 from types import FrameType
 from typing import Any, TextIO, cast
 
-from ertel.apps.terminal import FAILED, reason_of, say
+import typer
+from typer.core import TyperGroup
+
+from ertel.apps.terminal import BAD_INPUT, FAILED, leave, reason_of, say
+
+WrongUsage: Any = typer.BadParameter.__base__  # of all errors in flags and arguments
 
 # what mallopt(3) calls each setting, its number there, and its value: one arena, and no limit on what is kept
 MALLOC = (("ARENA_MAX", -8, 1), ("MMAP_THRESHOLD_", -3, 2**30), ("TRIM_THRESHOLD_", -1, 2**31 - 1))
@@ -191,3 +201,85 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
     finally:
         for number, old in ours.items():
             signal.signal(number, old)
+
+
+# -- errors -----------------------------------------------------------------------------------------------------------
+
+
+class Commands(TyperGroup):
+    """The commands; no error leaves them as a traceback."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; typer would end it with 130 and no message after any signal."""
+        try:
+            return super().invoke(ctx)
+        except Interrupted as interrupt:
+            leave(interrupt.code, "interrupted")
+
+    def main(self, *arguments: Any, standalone_mode: bool = True, **keywords: Any) -> Any:
+        """Read the arguments, run the command, and exit; where it does not stand alone, return the exit code."""
+        try:
+            with raised(), warnings_as_sentences():
+                code = super().main(*arguments, **{**keywords, "standalone_mode": False})
+        except Exception as error:
+            code, sentence = _judged(error)
+            say(f"ertel: {sentence}")
+        if standalone_mode:
+            sys.exit(code or 0)
+        return code
+
+
+@contextmanager
+def warnings_as_sentences() -> Iterator[None]:
+    """Print Python's warnings in this block as sentences on stderr."""
+
+    def show(message: str) -> None:
+        from ertel.runs.compile import is_of_cache
+
+        if not is_of_cache(message):
+            say(f"ertel: warning: {message}")
+
+    with warnings.catch_warnings():
+        warnings.showwarning = lambda message, *_: show(str(message))
+        yield
+
+
+def _judged(error: Exception) -> tuple[int, str]:
+    """The exit code and the sentence of an error that ended a command."""
+    if isinstance(error.__cause__, Interrupted):  # that a compiled module met while it was imported
+        return error.__cause__.code, "interrupted"
+    if isinstance(error, WrongUsage):
+        message = str(error.format_message()).rstrip(".")
+        return BAD_INPUT, f"{message}; see {error.ctx.command_path} --help" if error.ctx else message
+    from ertel.case.records import ConfigError
+    from ertel.runs.files import StoreError
+
+    if isinstance(error, ConfigError | StoreError):
+        return BAD_INPUT, str(error)
+    from ertel.runs import outlook
+    from ertel.runs.compile import NoDevice, jax_devices
+
+    if isinstance(error, NoDevice):
+        return BAD_INPUT, str(error)
+    if outlook.is_out_of_memory(error):
+        return FAILED, "out of memory"
+    if isinstance(error, OSError):
+        return BAD_INPUT, f"{error.filename or 'input or output'}: {reason_of(error)}"
+    try:
+        jax_devices()
+    except NoDevice as cause:
+        return BAD_INPUT, str(cause)
+    return FAILED, f"internal error, {type(error).__name__}: {error}; {_where(error)}"
+
+
+def _where(error: Exception) -> str:
+    """The place of the traceback: a file, or the next lines where no file can be written."""
+    text = "".join(traceback.format_exception(error))
+    try:
+        with tempfile.NamedTemporaryFile(
+            "w", prefix="ertel-", suffix=".txt", delete=False, encoding="utf-8", errors="backslashreplace"
+        ) as file:
+            file.write(text)
+    except OSError:
+        return f"please report it:\n{text}"
+    return f"please report it with the file {file.name}"

@@ -8,18 +8,17 @@ from typing import Any
 
 from ertel.apps import tables
 from ertel.apps.process import Stop, interruptible
-from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, reason_of, say, shown
+from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, say, shown, writing_to
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results.errors import with_error
 from ertel.runs import outlook, store
+from ertel.runs.batch import warm_up
 from ertel.runs.compile import cache_directory, prepare_jax
-from ertel.runs.courses import Run, course_of
 from ertel.runs.directory import CASE, CHECKPOINT, SUMMARY, Taken
-from ertel.runs.drive import Recorder, bars, drive, watch
+from ertel.runs.drive import Recorder, Run, bars, drive, run_of, watch
 from ertel.runs.files import Damaged, StoreError
 from ertel.runs.store import RunStore
-from ertel.runs.warm_up import warm_up
 
 
 @dataclass(frozen=True)
@@ -40,39 +39,27 @@ def run(case: Case, directory: Path | None, options: RunOptions) -> None:
     if not options.quiet:
         say_before([case])
     with within_memory(case):
-        course = course_of(case)
+        course = run_of(case)
         others = _compared(course, options)
         _finish(_create(directory, course), others, options)
 
 
 def resume(directory: Path, options: RunOptions) -> None:
-    """Continue a run, or compare a finished one for its error; what is done is only shown."""
-    with opened(directory) as found:
-        done = found.outcome()
-        if done and (not options.error or done.get("error_estimate")):
-            report(found, done, options)
+    """Continue a run, or estimate the error of a finished one; where nothing is left to do, print its summary."""
+    with opened(directory) as run:
+        summary = run.outcome()
+        if summary and (not options.error or summary.get("error_estimate")):
+            report(run, summary, options.as_json, options.quiet)
             return
         prepare_jax()
-        with within_memory(found.case):
-            _finish(found, _compared(found.course, options), options)
+        with within_memory(run.case):
+            _finish(run, _compared(run.run, options), options)
 
 
 def _compared(course: Run, options: RunOptions) -> Mapping[str, Run]:
     """The runs with which a run is compared for its error.  A grid may have no half grid for them."""
     with bad_input():
         return course.comparisons if options.error else {}
-
-
-def show(directory: Path, as_json: bool) -> None:
-    """Print the summary of a run, complete or so far."""
-    with opened(directory) as found:
-        try:
-            summary = found.summary() or found.summary_so_far()
-        except Damaged:
-            raise
-        except StoreError as error:
-            raise StoreError(f"{error}; to start it: ertel resume {in_shell(directory)}") from error
-        report(found, summary, RunOptions(as_json))
 
 
 def warm_up_all(cases: Sequence[Case]) -> None:
@@ -153,13 +140,11 @@ def _finish(run: RunStore, others: Mapping[str, Run], options: RunOptions) -> No
     run.flush_interval = options.flush
     to_continue = f"to continue: ertel resume {in_shell(run.directory)}{' --error' if others else ''}"
     with interruptible() as stop:
-        try:
+        with writing_to(run.directory, to_continue):
             summary = _computed(run, others, options.quiet, stop)
-        except OSError as error:
-            leave(FAILED, f"cannot write to {shown(run.directory)}: {reason_of(error)}; {to_continue}")
         if summary is None:
             leave(stop.code or ASKED, f"interrupted; {to_continue}")
-        report(run, summary, options)
+        report(run, summary, options.as_json, options.quiet)
     status = Status(summary["status"])
     if status is Status.INTERRUPTED:
         leave(stop.code or ASKED, f"interrupted; {to_continue}")
@@ -178,7 +163,7 @@ def _computed(run: RunStore, others: Mapping[str, Run], quiet: bool, stop: Stop)
             compared[part] = _summary_of(course, [bar, stop, run.asked_to_stop])
             if stop.code or run.asked_to_stop():
                 return None
-        summary = run.outcome() or store.compute(run, [watch(shown_bars, run.course), stop])
+        summary = run.outcome() or store.compute(run, [watch(shown_bars, run.run), stop])
         if summary["status"] == "converged" and compared:
             return _completed(run, summary, compared)
     return summary
@@ -203,11 +188,11 @@ def _completed(run: RunStore, summary: Mapping[str, Any], compared: Mapping[str,
 # -- reporting --------------------------------------------------------------------------------------------------------
 
 
-def report(run: RunStore, summary: Mapping[str, Any], options: RunOptions) -> None:
+def report(run: RunStore, summary: Mapping[str, Any], as_json: bool = False, quiet: bool = False) -> None:
     """Print a summary in the form that the user asked for."""
-    if options.as_json:
+    if as_json:
         print_json(summary)
-    elif not options.quiet:
+    elif not quiet:
         out = tables.console()
         tables.print_summary(out, run.case, summary)
         out.print(f"Stored in {shown(run.directory)}; for figures: ertel plot {in_shell(run.directory)}")

@@ -1,20 +1,34 @@
-"""`ertel sweep` and `ertel traction`: studies from their input to the printed table."""
+"""`ertel sweep`, `ertel traction` and `ertel paper`: studies from their input to the printed table or page."""
 
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 from ertel.apps import running, tables
-from ertel.apps.process import interruptible
-from ertel.apps.terminal import ASKED, FAILED, bad_input, in_shell, leave, print_json, reason_of, say, shown
+from ertel.apps.process import Interrupted, deferred, interruptible
+from ertel.apps.terminal import (
+    ASKED,
+    FAILED,
+    bad_input,
+    in_shell,
+    leave,
+    print_json,
+    print_path,
+    say,
+    shown,
+    writing_to,
+)
 from ertel.case.case import Case
 from ertel.case.derived import newtonian_stress
+from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
-from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, study_bars, write_study
+from ertel.runs.drive import bars
+from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, write_study
 from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
@@ -22,13 +36,13 @@ LISTED = 5  # failed runs that the last line names
 
 
 def part_of(text: str | None) -> Part:
-    """The part "2/8" as numbers.  Raises ValueError for anything else."""
+    """The part "2/8" as numbers.  Raises ConfigError for anything else."""
     if text is None:
         return EVERY
     number, slash, parts = text.partition("/")
     if slash and number.isdecimal() and parts.isdecimal() and 1 <= int(number) <= int(parts):
         return int(number), int(parts)
-    raise ValueError(f"--part {text}: must be I/N with I from 1 to N, for example 2/8")
+    raise ConfigError(f"--part {text}: must be I/N with I from 1 to N, for example 2/8")
 
 
 def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bool, quiet: bool) -> None:
@@ -36,36 +50,22 @@ def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bo
     prepare_jax()
     left = left_of(study.cases, directory, part)
     if not quiet:
-        say(f"{len(study.cases)} runs, {len(left)} of them to do{_in_part(part)}")
+        in_part = "" if part == EVERY else f" in part {part[0]} of {part[1]}"
+        say(f"{len(study.cases)} runs, {len(left)} of them to do{in_part}")
     with interruptible() as stop, ExitStack() as stack:
-        with bad_input():
-            workers = stack.enter_context(engine.workers(len(left)))
+        workers = stack.enter_context(engine.workers(len(left)))
         if part == EVERY:
             stack.enter_context(alone(directory))
-        try:
-            with study_bars(directory, left, not quiet) as shown_bars:
-                said = run_study(study.cases, directory, workers, part, stop, shown_bars.done)
-            result = gather(study, directory, said)
+        with writing_to(directory, GOES_ON):
+            statuses = run_study(study.cases, directory, workers, part, stop, not quiet)
+            result = gather(study, directory, statuses)
             if part == EVERY:
                 write_study(result, directory)
-        except OSError as error:
-            leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {GOES_ON}")
     if part == EVERY:
         _report(result, directory, NAME, as_json, quiet)
-    if stop.code or len(said) < len(left) or Status.INTERRUPTED.value in said.values():
+    if stop.code or len(statuses) < len(left) or Status.INTERRUPTED.value in statuses.values():
         leave(stop.code or ASKED, f"interrupted; {GOES_ON}")
-    _leave_if_failed(said, result, directory, part)
-
-
-def _in_part(part: Part) -> str:
-    return "" if part == EVERY else f" in part {part[0]} of {part[1]}"
-
-
-def _leave_if_failed(said: Mapping[str, str], result: StudyResult, directory: Path, part: Part) -> None:
-    """Exit with a code where runs failed: in a part those of the part."""
-    failed = result.failed
-    if part != EVERY:
-        failed = [name for name in failed if Path(name).name in said]
+    failed = [name for name in result.failed if part == EVERY or Path(name).name in statuses]
     if failed:
         named = ", ".join(failed[:LISTED]) + (" ..." if len(failed) > LISTED else "")
         advice = f"ertel show {in_shell(directory / failed[0])} tells more"
@@ -76,22 +76,19 @@ def traction(
     case: Case, given: Mapping[str, str | None], film: str | None, directory: Path, as_json: bool, quiet: bool
 ) -> None:
     """Compute what is left of a traction curve, write and print it."""
-    with bad_input():
-        curve = curves.curve_of(case, given, film)
+    curve = curves.curve_of(case, given, film)
+    curves.require_place(directory, "--out")
     if not quiet:
         running.say_before([max(curve.cases, key=newtonian_stress)])
     prepare_jax()
-    with running.within_memory(case), interruptible() as stop:
-        try:
-            found = curves.store_curve(curve, directory, not quiet, stop)
-        except OSError as error:
-            leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {GOES_ON}")
-    _report(found, directory, curves.NAME, as_json, quiet)
-    if not found.complete:
+    with running.within_memory(case), interruptible() as stop, writing_to(directory, GOES_ON):
+        result = curves.store_curve(curve, directory, not quiet, stop)
+    _report(result, directory, curves.NAME, as_json, quiet)
+    if not result.complete:
         leave(stop.code or ASKED, f"interrupted; {GOES_ON}")
-    if found.failed:
-        places = ", ".join(f"{value:.4g}" for value in found.failed)
-        leave(FAILED, f"failed: the film did not converge at {found.axis} = {places}; the other points are there")
+    if result.failed:
+        values = ", ".join(f"{value:.4g}" for value in result.failed)
+        leave(FAILED, f"failed: the film did not converge at {result.axis} = {values}; the other points are there")
 
 
 def _report(result: StudyResult, directory: Path, name: str, as_json: bool, quiet: bool) -> None:
@@ -107,3 +104,39 @@ def _report(result: StudyResult, directory: Path, name: str, as_json: bool, quie
             out.print(f"{remark[0].upper()}{remark[1:]}", style="yellow" if remark.startswith("warning") else None)
         *files, last = files_in(directory, name)
         out.print(f"Stored in {shown(directory)}, with {', '.join(files)} and {last}")
+
+
+def paper(figure: str, quick: bool, out: Path, engine: Engine, quiet: bool) -> None:
+    """Run what figures of the paper lack, write their page and print its path."""
+    from ertel.apps.boundary_layers import figures  # here, so that the other studies need no matplotlib
+
+    with bad_input():
+        names = figures.names_of(figure)
+        out.mkdir(parents=True, exist_ok=True)
+    try:
+        with writing_to(out, GOES_ON):
+            page, missing = _make_page(names, quick, out, engine, quiet)
+    except Interrupted as error:
+        leave(error.code, f"interrupted; {GOES_ON}")
+    print_path(page)
+    if missing:
+        leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))
+
+
+def _make_page(names: list[str], quick: bool, out: Path, engine: Engine, quiet: bool) -> tuple[Path, dict[str, str]]:
+    """Run what is missing and write the page: its path, and why figures are missing."""
+    from ertel.apps.boundary_layers import figures
+
+    prepare_jax()  # or no run can begin
+    runs, done, seconds = figures.expected(names, quick, out, engine.processes)
+    if not quiet:
+        say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
+    with bars(not quiet) as progress, ExitStack() as stack:
+        with deferred():
+            workers = stack.enter_context(engine.workers(runs - done))
+        bar = progress.add_task("runs", total=runs, message="")
+
+        def on_done(task: Any, _: object) -> None:
+            progress.update(bar, advance=1, message=task.name)
+
+        return figures.make(names, quick, out, workers, on_done)

@@ -1,22 +1,28 @@
 """The tables that the command line prints, and the same as data."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
 from ertel.apps.terminal import printable
-from ertel.results.numbers import Number, moment, numbers, values_of
+from ertel.case.records import ConfigError, show
+from ertel.inputs import materials, oils
+from ertel.physics.materials import Material, NamedOil, Sourced, celsius
+from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
+from ertel.results.numbers import Number, aligned, moment, more_lines, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
-from ertel.results.report import aligned, more_lines
 from ertel.results.variables import FILMS, values_in_si, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
     from ertel.physics.film_formulas import FormulaFilm
 
-
 NOTHING: Mapping[str, Number] = {}
+WARM, HOT = 313.15, 373.15  # K, the temperatures of data sheets
+CAPTION = "(eta0 in mPa s, alpha in 1/GPa, at 40 and 100 degC; ertel oils NAME: all data, with source and range)"
+TITLES = {"shear": "shear thinning", "limiting_stress": "limiting stress"}
 
 
 class PlainConsole(Console):
@@ -71,10 +77,10 @@ def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
 
 def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
     """Values with their errors, restitution, what holds of the whole run, and the film formulas at that moment."""
-    found = {name: number for name, number in numbers(summary).items() if name in values_of(summary)}
-    if found:
+    computed = {name: number for name, number in numbers(summary).items() if name in values_of(summary)}
+    if computed:
         heading = "at the last time" if "T" in summary else moment(summary)
-        print_rows(value_rows(heading, list(found.values())), left=2)
+        print_rows(value_rows(heading, list(computed.values())), left=2)
     else:
         out.print(f"{moment(summary).capitalize()}.")
     estimate = summary.get("error_estimate") or {}
@@ -85,24 +91,24 @@ def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
         out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
     for line in more_lines(summary):
         out.print(f"{line[0].upper()}{line[1:]}")
-    T = found["T"].value if "T" in found else 0.0
-    formulas = formula_films(case, case.motion.load(T), case.motion.entrainment(T)) if found else ()
+    T = computed["T"].value if "T" in computed else 0.0
+    formulas = formula_films(case, case.motion.load(T), case.motion.entrainment(T)) if computed else ()
     if formulas:
         out.print()
-        print_films(case, formulas, found)
+        print_films(case, formulas, computed)
 
 
-def value_rows(heading: str, found: Sequence[Number]) -> list[list[str]]:
+def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
     """Numbers with their value in SI, error and extrapolated value, also in SI, as far as these are known."""
-    in_si = ["in SI"] if any(each.factor is not None for each in found) else []
-    estimated = ["error", "extrapolated", *in_si] if any(each.error is not None for each in found) else []
+    in_si = ["in SI"] if any(each.factor is not None for each in values) else []
+    estimated = ["error", "extrapolated", *in_si] if any(each.error is not None for each in values) else []
     rows = [[heading, "", "value", *in_si, *estimated]]
-    for each in found:
+    for each in values:
         row = [each.long_name, each.name, *_with_si(each, each.value, in_si)]
         if each.error is not None and each.extrapolated is not None:
             row += [f"{each.error / abs(each.value):.2%}" if each.value else "-"]
             row += _with_si(each, each.extrapolated, in_si)
-        rows.append(_filled(row, len(rows[0])))
+        rows.append(row + [""] * (len(rows[0]) - len(row)))
     return rows
 
 
@@ -112,28 +118,24 @@ def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
     return [f"{value:.5g}", *(with_prefix(value * factor, number.si_units) for _ in in_si)]
 
 
-def _filled(row: list[str], columns: int) -> list[str]:
-    return row + [""] * (columns - len(row))
-
-
 # -- film formulas ----------------------------------------------------------------------------------------------------
 
 
-def print_films(case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[str, Number] = NOTHING) -> None:
+def print_films(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[str, Number] = NOTHING) -> None:
     """The films by the formulas, beside the computed ones if there are some."""
-    print_rows(film_rows(case, found, computed))
+    print_rows(film_rows(case, films, computed))
     console().print("(in brackets: the contact is outside the range of the formula)")
 
 
-def film_rows(case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[str, Number]) -> list[list[str]]:
+def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[str, Number]) -> list[list[str]]:
     """Film thicknesses by the formulas, with their deviation from a computed film thickness if there is one.
 
     computed: H_c and H_min.  With estimated errors the deviation is from the extrapolated film.  A formula that is not
     made for such a contact is in brackets.
     """
-    names = [f.name if f.inside is not False else f"({f.name})" for f in found]
+    names = [f.name if f.inside is not False else f"({f.name})" for f in films]
     if not computed:
-        rows = [[name, _film(case, f.central), _film(case, f.minimum)] for name, f in zip(names, found, strict=True)]
+        rows = [[name, _film(case, f.central), _film(case, f.minimum)] for name, f in zip(names, films, strict=True)]
         return [["film", "central", "minimum"], *rows]
     both = [computed[name] for name in FILMS]
     best = [each.value if each.extrapolated is None else each.extrapolated for each in both]
@@ -141,9 +143,9 @@ def film_rows(case: "Case", found: "Sequence[FormulaFilm]", computed: Mapping[st
     rows.append(["computed", *(cell for each in both for cell in (_film(case, each.value), _uncertainty(each)))])
     if any(each.error is not None for each in both):
         rows.append(["computed, extrapolated", _film(case, best[0]), "", _film(case, best[1]), ""])
-    for name, f in zip(names, found, strict=True):
+    for name, f in zip(names, films, strict=True):
         pairs = zip((f.central, f.minimum), best, strict=True)
-        rows.append([name, *(cell for film, known in pairs for cell in (_film(case, film), _deviation(film, known)))])
+        rows.append([name, *(cell for film, ours in pairs for cell in (_film(case, film), _deviation(film, ours)))])
     return rows
 
 
@@ -161,19 +163,105 @@ def _deviation(film: float | None, computed: float) -> str:
     return f"{film / computed - 1:+.1%}" if film is not None and computed else ""
 
 
-def print_sources(found: "Sequence[FormulaFilm]") -> None:
+def print_sources(films: "Sequence[FormulaFilm]") -> None:
     """Sources and ranges of the formulas."""
     sources: dict[str, list[str]] = {}
-    for f in found:
+    for f in films:
         sources.setdefault(f.source, []).append(f"{f.name}: {f.valid}")
     for source, formulas in sources.items():
         console().print(f"\n{source}", *(f"  {line}" for line in formulas), sep="\n")
 
 
-def films_as_data(case: "Case", found: "Sequence[FormulaFilm]") -> dict[str, Any]:
+def films_as_data(case: "Case", films: "Sequence[FormulaFilm]") -> dict[str, Any]:
     """The parameters of a case and its film thicknesses by the formulas, as data for JSON."""
-    rows = [film._asdict() for film in found]
+    rows = [film._asdict() for film in films]
     if case.scales:
         for row in rows:
             row["si"] = values_in_si({"H_c": row["central"], "H_min": row["minimum"]}, case.scales)
     return {**parameter_summary(case), "films": rows}
+
+
+# -- oils and materials -----------------------------------------------------------------------------------------------
+
+
+def oil_or_material(name: str) -> NamedOil | Material:
+    """The oil or the material of a name.  Raises ConfigError for a name that is not there."""
+    if name in oils.names():
+        return oils.get(name)
+    if name in materials.names():
+        return materials.get(name)
+    raise ConfigError(f"NAME = {show(name)}: allowed: {', '.join((*oils.names(), *materials.names()))}")
+
+
+def print_library() -> None:
+    """The oils at 40 and 100 degC, and the materials."""
+    rows = [["oil", "eta0 at 40", "at 100", "alpha at 40", "at 100", "valid"]]
+    for name in oils.names():
+        oil = oils.get(name)
+        warm, hot = oil.at(WARM), oil.at(HOT)
+        viscosities = [f"{1e3 * (one.eta0 or 0.0):.3g}" for one in (warm, hot)]
+        alphas = [f"{1e9 * (one.alpha or 0.0):.3g}" for one in (warm, hot)]
+        rows.append([name, *viscosities, *alphas, _range(*oil.temperatures)])
+    print_rows(rows)
+    print(f"{CAPTION}\n")
+    rows = [["material", "E", "nu", "density"]]
+    for name in materials.names():
+        body = materials.get(name).elasticity.data
+        rows.append([name, f"{body.E / 1e9:.3g} GPa", f"{body.nu:g}", f"{body.density:g} kg/m^3"])
+    print_rows(rows)
+
+
+def print_entry(entry: NamedOil | Material) -> None:
+    """All data of an oil or a material, each part with its range, its source and a note."""
+    out = console()
+    out.print(f"{entry.name}: {entry.text}", style="bold")
+    for title, part in _parts(entry):
+        out.print(f"\n{title}, {_range(part.coldest, part.hottest)}: {part.data.title}")
+        marks_of = marks(type(part.data))
+        for item in fields(part.data):
+            value = getattr(part.data, item.name)
+            if value is not None:
+                out.print(f"  {item.name} = {_in_unit(value, marks_of.get(item.name))}")
+        out.print(f"  source: {part.source}")
+        if part.note:
+            out.print(f"  note: {' '.join(part.note.split())}")
+
+
+def entry_as_data(entry: NamedOil | Material) -> dict[str, Any]:
+    """All data of an oil or a material in SI, for JSON."""
+    content: dict[str, Any] = {"name": entry.name, "text": entry.text}
+    for title, part in _parts(entry):
+        values = {item.name: getattr(part.data, item.name) for item in fields(part.data)}
+        ends = {"coldest": part.coldest, "hottest": part.hottest}
+        content[title] = {"law": part.data.title, **values, **ends, "source": part.source, "note": part.note}
+    return content
+
+
+def library_as_data() -> dict[str, list[dict[str, Any]]]:
+    """All oils and materials in SI, for JSON."""
+    return {
+        "oils": [entry_as_data(oils.get(name)) for name in oils.names()],
+        "materials": [entry_as_data(materials.get(name)) for name in materials.names()],
+    }
+
+
+def _parts(entry: NamedOil | Material) -> Iterator[tuple[str, Sourced[Any]]]:
+    for name, part in vars(entry).items():
+        if isinstance(part, Sourced):
+            yield TITLES.get(name, name), part
+
+
+def _in_unit(value: float, mark: object) -> str:
+    if mark is TEMPERATURE:
+        return celsius(value)
+    if mark is KINEMATIC_VISCOSITY:
+        return f"{1e6 * value:.4g} mm^2/s"
+    if mark is COMPLIANCE:
+        return f"{1e9 * value:.4g} 1/GPa"
+    return with_prefix(value, mark.unit) if isinstance(mark, Unit) else f"{value:g}"
+
+
+def _range(coldest: float, hottest: float) -> str:
+    if coldest == hottest:
+        return celsius(coldest)
+    return f"{celsius(coldest).removesuffix(' degC')} to {celsius(hottest)}"

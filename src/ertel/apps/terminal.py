@@ -60,13 +60,20 @@ def reason_of(error: OSError) -> str:
 
 @contextmanager
 def bad_input() -> Iterator[None]:
-    """Report errors in this block as errors of the input."""
+    """Report every ValueError of this block as wrong input; ConfigError and StoreError are wherever they are raised."""
     try:
         yield
     except ValueError as error:
         leave(BAD_INPUT, str(error))
+
+
+@contextmanager
+def writing_to(directory: Path, advice: str) -> Iterator[None]:
+    """End with the reason and an advice where a file of this directory cannot be written in this block."""
+    try:
+        yield
     except OSError as error:
-        leave(BAD_INPUT, f"{error.filename or 'output'}: {reason_of(error)}")
+        leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {advice}")
 
 
 # -- paths ------------------------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from functools import cached_property
 from math import inf
 from typing import Any, TypeVar
 
-from ertel.case import rules, thermal
+from ertel.case import rules
 from ertel.case.conditions import Conditions, Kind
 from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.reading import Reader, check_key
@@ -41,12 +41,12 @@ from ertel.case.sections import (
     Schedule,
     Solver,
     Stop,
+    Thermal,
     Time,
     half_width_at,
     half_width_y,
     suited,
 )
-from ertel.case.thermal import Thermal
 from ertel.physics import film_formulas, surfaces
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
@@ -145,7 +145,7 @@ class Case:
             object.__setattr__(self, "oil", self.oil.completed())
         if self.solver.inlet == self.solver.half_width:
             object.__setattr__(self, "solver", replace(self.solver, inlet=None))
-        if self.solver.method != "radial" and self.solver.nodes > 1:
+        if self.solver.method != "radial":
             across = half_width_y(self.solver, self.geometry)
             object.__setattr__(self, "solver", checked(replace(self.solver, half_width_y=across), "solver"))
         if not self.is_steady:
@@ -174,7 +174,7 @@ class Case:
             rules.check_outside(self.solver, self.parameters, self.geometry, self.motion)
         rules.check_roughness(self.solver, self.motion, self.features)
         if self.thermal:
-            thermal.check(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
+            rules.check_thermal(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
         self.lubricant  # noqa: B018  # raises if its data give no law
 
     # -- what follows -------------------------------------------------------------------------------------------------
@@ -371,8 +371,8 @@ def _completed(
     written = {key: getattr(given, key) for key, value in written.items() if value is not None}
     method = written.get("method") or METHODS[contact.kind][0]
     rules.check_method(contact.kind, Solver(method=method))
-    found = SOLVERS[method]
-    half_width, inlet = found.half_width, found.inlet
+    default = SOLVERS[method]
+    half_width, inlet = default.half_width, default.inlet
     if method == "transient" and drive and _reverses(contact, drive, time):
         half_width, inlet = CENTRED_HALF_WIDTH, None
     if "half_width" not in written:
@@ -380,12 +380,12 @@ def _completed(
         p = contact.parameters(oil)
         wide = half_width_at(contact.kind, half_width, p.as_ball.M if contact.kind == "impact" else p.M_BH)
         half_width, inlet = wide, inlet and inlet * wide / half_width
-    found = replace(found, half_width=half_width, inlet=inlet)
+    default = replace(default, half_width=half_width, inlet=inlet)
     if method != "radial":
-        found = suited(found, contact.geometry)
-    # not found.inlet itself, which may differ in the last bit and so in the digest
-    share = found.inlet and found.inlet * written.get("half_width", found.half_width) / found.half_width
-    return replace(found, **{"inlet": share, **written})
+        default = suited(default, contact.geometry)
+    # not default.inlet itself, which may differ in the last bit and so in the digest
+    inlet = default.inlet and default.inlet * written.get("half_width", default.half_width) / default.half_width
+    return replace(default, **{"inlet": inlet, **written})
 
 
 def _reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:

@@ -10,7 +10,7 @@ from functools import cached_property
 from math import inf, isclose
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from ertel.case.records import checked, show
+from ertel.case.records import checked, show, with_unit
 from ertel.physics import materials, scales
 from ertel.physics.geometry import LARGEST_RATIO, LEAST_RATIO, Geometry, geometry
 from ertel.physics.lubricant import Oil
@@ -30,14 +30,12 @@ from ertel.physics.units import (
     VELOCITY,
     Bounds,
     Meaning,
-    Unit,
     explained,
     marks,
 )
 
 T = TypeVar("T")
 Kind = Literal["impact", "rolling"]
-KINDS: tuple[Kind, ...] = ("impact", "rolling")
 POISSON = Bounds(gt=-1, le=0.5)
 REDUCED = LENGTH.between(1e-6, 100.0)
 BODY = LENGTH.between(1e-6, 1e5)  # one of two may be nearly flat
@@ -45,14 +43,12 @@ FALL = LENGTH.between(1e-12, 1e5)
 MOES_M = Bounds(gt=0, least=1e-6, most=1e10)
 MOES_L = Bounds(ge=0, most=1e4)
 
-HALF_TURN = 180.0  # degrees
 ROUND_OFF = 1e-12  # by which the radii of a circular contact may differ
 
 Keys = tuple[str, ...]
 ALONG_X, ALONG_Y = ("radius_x_1", "radius_x_2"), ("radius_y_1", "radius_y_2")
 PAIRS: Keys = (*ALONG_X, *ALONG_Y)  # a radius that is left out is that of a plane
 RADII: tuple[Keys, ...] = (("radius",), ("radius_1", "radius_2"), ("radius_x", "radius_y"), PAIRS)
-RADII_TEXT = "radius (or radius_1 and radius_2; radius_x and radius_y; radius_x_1, radius_y_1, radius_x_2, radius_y_2)"
 RATIO = Bounds(ge=LEAST_RATIO, le=LARGEST_RATIO)
 MOES: Keys = ("M", "L")
 BARS: Keys = ("lambda_bar", "alpha_bar")
@@ -72,21 +68,22 @@ PHYSICAL: Mapping[Kind, Keys] = {
     kind: (*(key for group in groups for keys in group for key in keys), *OPTIONAL[kind])
     for kind, groups in NEEDED.items()
 }
-PHYSICAL_TEXT: Mapping[Kind, str] = {
-    "impact": f"{RADII_TEXT}, mass or ball_density, speed or drop_height, E_prime or E1, nu1, E2, nu2",
-    "rolling": f"{RADII_TEXT}, load, mean_speed or speed_1 and speed_2, E_prime or E1, nu1, E2, nu2",
-}
 FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and what to use instead
     "impact": {
         "load": "its load follows from mass and speed; a load that is applied to the ball is motion.load",
-        "speed_1": "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll",
-        "speed_2": "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll",
+        **dict.fromkeys(
+            ("speed_1", "speed_2"), "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll"
+        ),
     },
-    "rolling": {
-        "speed": "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2",
-        "drop_height": "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2",
-    },
+    "rolling": dict.fromkeys(
+        ("speed", "drop_height"), "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2"
+    ),
 }
+
+
+def _in_words(alternatives: Sequence[Keys]) -> str:
+    text = " or ".join(" and ".join(keys) for keys in alternatives)
+    return f"({text})" if len(alternatives) > 1 else text
 
 
 class Speeds(NamedTuple):
@@ -137,7 +134,7 @@ class Conditions:
     radius_y_2: Annotated[float | None, RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")] = None
     entrainment_angle: Annotated[
         float | None,
-        ANGLE,
+        ANGLE.between(0.0, 180.0),
         Meaning("from the axis x of the ellipse to the direction of entrainment, -180 to 180 deg; left out: 0"),
     ] = None
     mass: Annotated[
@@ -176,11 +173,7 @@ class Conditions:
     nu2: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 2", 0.3)] = None
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise ValueError(f"contact.kind = {show(self.kind)}: allowed: 'impact' or 'rolling'")
         checked(self, "contact")
-        if self.entrainment_angle is not None and not abs(self.entrainment_angle) <= HALF_TURN:
-            raise ValueError(f"{self.entry('entrainment_angle')}: must be from -180 deg to 180 deg")
         route = self._route
         if route in (MOES, BARS):
             return
@@ -210,8 +203,7 @@ class Conditions:
 
     def entry(self, key: str) -> str:
         """A field as it is written in messages: contact.radius = "0.01 m"."""
-        value, mark = getattr(self, key), marks(type(self)).get(key)
-        return f"contact.{key} = {show(f'{value!r} {mark.unit}' if isinstance(mark, Unit) else value)}"
+        return f"contact.{key} = {show(with_unit(getattr(self, key), marks(type(self)).get(key)))}"
 
     @cached_property
     def _route(self) -> Keys:
@@ -226,7 +218,7 @@ class Conditions:
             )
         if "slide_to_roll" in self.given and any(key in self.given for key in (*MOES, *BARS)):
             raise ValueError(f"{self.entry('slide_to_roll')}: in a dimensionless case write motion.slide_to_roll")
-        return self._only_one((MOES, BARS, PHYSICAL[self.kind]), PHYSICAL_TEXT[self.kind])
+        return self._only_one((MOES, BARS, PHYSICAL[self.kind]), ", ".join(map(_in_words, NEEDED[self.kind])))
 
     def _only_one(self, alternatives: Sequence[Keys], last: str = "") -> Keys:
         """The one alternative that is given, at least in part.  last: text for the last alternative in messages."""

@@ -67,8 +67,8 @@ def array_in(content: bytes) -> NDArray[Any]:
     bytes_left = len(content) - stream.tell()
     if kind.kind not in "biuf" or kind.itemsize * shape[0] * shape[1] > bytes_left:
         raise ValueError(f"is not an array of numbers, {shape[0]} x {shape[1]} of {kind} in {bytes_left} bytes")
-    found: NDArray[Any] = np.load(BytesIO(content), allow_pickle=False)
-    return found
+    array: NDArray[Any] = np.load(BytesIO(content), allow_pickle=False)
+    return array
 
 
 def _header(stream: BytesIO) -> tuple[tuple[int, ...], np.dtype[Any]]:
@@ -137,8 +137,8 @@ class HeightMap:
 
         columns, rows = np.broadcast_arrays(columns, rows)
         places = [rows.ravel(), columns.ravel()]
-        found = map_coordinates(_spline(self, *cutoffs), places, order=3, mode="reflect", prefilter=False)
-        return found.reshape(rows.shape)
+        surface = map_coordinates(_spline(self, *cutoffs), places, order=3, mode="reflect", prefilter=False)
+        return surface.reshape(rows.shape)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, HeightMap) and self.digest == other.digest

@@ -4,15 +4,27 @@ It reads the annotations of the fields.  `records` writes what it reads.  Every 
 it is written, and what is allowed.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields
 from difflib import get_close_matches
-from functools import cache
 from math import inf
-from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, get_args
 
 from ertel.case.height_map import NO_MAPS, HeightMap
-from ertel.case.records import OIL_LAWS, check_value, checked, inner_laws, is_number, named, show, show_key
+from ertel.case.records import (
+    OIL_LAWS,
+    ConfigError,
+    alternatives,
+    check_value,
+    checked,
+    choices_of,
+    hints_of,
+    inner_laws,
+    is_number,
+    named,
+    show,
+    show_key,
+)
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.motion import Oscillation, Polyline, Signal, constant
@@ -57,12 +69,12 @@ def parse_number(value: Any, bounds: Bounds) -> float:
     return value if bounds.whole else float(value)
 
 
-def check_key(name: object, value: object, known: Sequence[str], place: str = "") -> None:
-    """Raise ValueError, with a hint, for a key that is not known.  place: the section, empty for the file itself."""
-    if name in known:
+def check_key(name: object, value: object, allowed: Sequence[str], place: str = "") -> None:
+    """Raise ConfigError, with a hint, for a key that is not allowed.  place: the section, empty for the file itself."""
+    if name in allowed:
         return
     where = f"{place}.{show_key(name)}" if place else show_key(name)
-    raise ValueError(f"{where} = {show(value)}: unknown key; {hint_for(str(name), known)}")
+    raise ConfigError(f"{where} = {show(value)}: unknown key; {hint_for(str(name), allowed)}")
 
 
 def hint_for(name: str, known: Sequence[str]) -> str:
@@ -125,14 +137,13 @@ class Reader:
 
     def values(self, record: Any, data: Data, place: str) -> dict[str, Any]:
         """The values of those fields of a record (a class) that the data give."""
-        kinds, hints = marks(record), _hints(record)
+        kinds, hints = marks(record), hints_of(record)
         given = [item.name for item in fields(record) if data.get(item.name) is not None]
         return {name: self._value(data[name], hints[name], kinds.get(name), f"{place}.{name}") for name in given}
 
     def _value(self, value: Any, hint: Any, mark: Mark | None, place: str) -> Any:
         """The value of a field."""
-        options = get_args(hint) or (hint,)
-        names = [name for option in (hint, *options) if get_origin(option) is Literal for name in get_args(option)]
+        options, names = get_args(hint) or (hint,), choices_of(hint)
         if any(type(value) is type(name) and value == name for name in names):
             return value
         if law := next((option for option in options if option in LAWS), None):
@@ -158,10 +169,10 @@ class Reader:
             if value not in self.maps:
                 raise ValueError("its heights are not given with the case")
             return self.maps[value]
-        for kind, said in ((bool, "true or false"), (str, "a string")):
+        for kind, text in ((bool, "true or false"), (str, "a string")):
             if kind in options:
                 if not isinstance(value, kind):
-                    raise ValueError(f"must be {said}")
+                    raise ValueError(f"must be {text}")
                 return value
         if Ellipsis in options:  # numbers of a law with a table
             if not isinstance(value, list | tuple):
@@ -171,16 +182,10 @@ class Reader:
 
     def amount(self, value: object, unit: Unit) -> Amount:
         """A number in the units of the case, or a quantity in SI."""
-        if isinstance(value, Quantity):
-            return value
         if isinstance(value, str):
             return Quantity(self.quantity(value, unit.in_si), unit.unit)
-        if not is_number(value) or not unit.allows(value):  # type: ignore[arg-type]
-            least = "" if unit.signed else " above zero"
-            raise ValueError(f'must be a number{least}, in units {unit.own}, or a quantity such as "{unit.example}"')
-        if complaint := unit.size_complaint(value):  # type: ignore[arg-type]
-            raise ValueError(complaint)
-        return float(value)  # type: ignore[arg-type]
+        check_value(value, unit)
+        return value if isinstance(value, Quantity) else float(value)  # type: ignore[arg-type]
 
     def signal(self, data: Any, place: str) -> Signal:
         """A signal from a number, a list of [T, value], or a table { mean, amplitude, period, phase }."""
@@ -224,21 +229,10 @@ class Reader:
         return Feature(self.record(shape, data, place, ("shape", "surface")), surface)  # type: ignore[arg-type]
 
 
-@cache
-def _hints(record: Any) -> Mapping[str, Any]:
-    return get_type_hints(record)
-
-
 def _known(data: Data, key: str, records: Mapping[str, Any], place: str) -> str:
     """The name of a record under a key."""
     name = data.get(key)
     if isinstance(name, str) and name in records:
         return name
-    said = ": missing" if name is None else f" = {show(name)}"
-    raise ValueError(f"{place}.{key}{said}; allowed: {', '.join(records)}")
-
-
-def alternatives(texts: Iterable[str]) -> str:
-    """Some texts as alternatives: a, b or c."""
-    *others, last = texts
-    return f"{', '.join(others)} or {last}" if others else last
+    written = ": missing" if name is None else f" = {show(name)}"
+    raise ValueError(f"{place}.{key}{written}; allowed: {', '.join(records)}")

@@ -11,7 +11,7 @@ from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from html import escape
 from math import inf, log10
-from typing import Any, TypeVar, get_type_hints
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -28,17 +28,29 @@ T = TypeVar("T")
 OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}  # by field of an oil
 
 
+@cache
+def hints_of(record: Any) -> Mapping[str, Any]:
+    """The annotations of the fields of a record (a class), without marks and meanings."""
+    return get_type_hints(record)
+
+
+def choices_of(hint: Any) -> tuple[Any, ...]:
+    """The values that an annotation enumerates."""
+    options = (hint, *get_args(hint))
+    return tuple(value for option in options if get_origin(option) is Literal for value in get_args(option))
+
+
 # -- writing ----------------------------------------------------------------------------------------------------------
 
 
 def data_of(record: Any) -> dict[str, Any]:
     """A record as plain data; what is None or infinite is left out.  Raises ValueError for what cannot be written."""
-    kinds, found = marks(type(record)), {}
+    kinds, data = marks(type(record)), {}
     for item in fields(record):
         value = getattr(record, item.name)
         if not _is_nothing(value):
-            found[item.name] = _plain(value, kinds.get(item.name))
-    return found
+            data[item.name] = _plain(value, kinds.get(item.name))
+    return data
 
 
 def _is_nothing(value: Any) -> bool:
@@ -49,10 +61,8 @@ def _plain(value: Any, mark: object = None) -> Any:
     match value:
         case Quantity():
             return str(value)
-        case float() | int() if isinstance(mark, Unit) and not mark.scale:
-            return f"{float(value)!r} {mark.unit}"
         case bool() | int() | float() | str():
-            return value
+            return with_unit(value, mark)
         case tuple():
             return [_plain(item) for item in value]
         case Polyline():
@@ -67,10 +77,9 @@ def _plain(value: Any, mark: object = None) -> Any:
     raise ValueError(f"{show(value)}: cannot be written down; allowed: numbers, texts, signals, records with a name")
 
 
-@cache
 def law_fields(record: Any) -> tuple[str, ...]:
     """The fields of a law (a class) that are laws of shear thinning themselves."""
-    return tuple(name for name, hint in get_type_hints(record).items() if hint is Fluidity)
+    return tuple(name for name, hint in hints_of(record).items() if hint is Fluidity)
 
 
 def law_data(law: object, laws: Registry) -> Any:
@@ -105,8 +114,8 @@ def with_own_numbers(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     if type(value) is tuple:
-        found = tuple(with_own_numbers(item) for item in value)
-        return found if any(new is not old for new, old in zip(found, value, strict=True)) else value
+        items = tuple(with_own_numbers(item) for item in value)
+        return items if any(new is not old for new, old in zip(items, value, strict=True)) else value
     if not is_dataclass(value) or isinstance(value, type):
         return value
     old = {item.name: getattr(value, item.name) for item in fields(value)}
@@ -121,34 +130,58 @@ def checked(record: T, place: str) -> T:
     """The same record.  Raises ValueError if a field, also of a record in it, has a value that is not allowed."""
     if isinstance(record, Polyline):
         _check_points(record, place)
-    kinds = marks(type(record))
+    kinds, hints = marks(type(record)), hints_of(type(record))  # type: ignore[arg-type]
     for item in fields(record):  # type: ignore[arg-type]
-        value, mark = getattr(record, item.name), kinds.get(item.name)
+        value, mark, choices = getattr(record, item.name), kinds.get(item.name), choices_of(hints[item.name])
         if is_dataclass(value) and mark is None:
             checked(value, f"{place}.{item.name}")
         is_default = type(value) is type(item.default) and bool(value == item.default)  # which may be infinite
-        if value is not None and mark is not None and not is_default:
-            try:
-                check_value(value, mark)
-            except ValueError as error:
-                raise ValueError(f"{place}.{item.name} = {_shown_with_unit(value, mark)}: {error}") from error
+        if value is None or is_default or (isinstance(value, str) and value in choices):
+            continue
+        try:
+            check_value(value, mark, choices)
+        except ValueError as error:
+            raise ValueError(f"{place}.{item.name} = {show(with_unit(value, mark))}: {error}") from error
     return record
 
 
 def _check_points(signal: Polyline, place: str) -> None:
-    for number in (number for point in signal.points for number in point):
-        if FINITE.complaint(number.value if isinstance(number, Quantity) else number):
-            raise ValueError(f"{place} = {show(signal)}: must be finite numbers, of size {LARGEST:g} at most")
+    try:
+        for T, value in signal.points:
+            check_value(T, TIME)
+            check_value(value, FINITE)
+    except ValueError as error:
+        raise ValueError(f"{place} = {show(signal)}: {error}") from error
 
 
-def check_value(value: Any, mark: Mark) -> None:
-    """Raise ValueError unless a value, a quantity in SI or an amount, is one that its mark allows."""
-    number = with_own_numbers(value.value if isinstance(value, Quantity) else value)
+def check_value(value: Any, mark: Mark | None, choices: Sequence[str] = ()) -> None:
+    """Raise ValueError unless a value, a number or for an amount also a quantity in SI, is one that its mark allows.
+
+    choices: what is allowed too, or instead if there is no mark.
+    """
+    if mark is None:
+        if choices:
+            raise ValueError(f"allowed: {alternatives(map(repr, choices))}")
+        return
+    try:
+        _check_number(value, mark)
+    except ValueError as error:
+        raise ValueError(f"{error}{''.join(f', or {show(choice)}' for choice in choices)}") from error
+
+
+def _check_number(value: Any, mark: Mark) -> None:
+    number = with_own_numbers(value)
+    if isinstance(mark, Unit) and mark.scale:
+        if isinstance(value, Quantity) and value.unit == mark.unit:
+            number, mark = with_own_numbers(value.value), mark.in_si
+        elif not is_number(number) or not mark.allows(number):
+            least = "" if mark.signed else " above zero"
+            raise ValueError(
+                f'must be a finite number{least}, in units {mark.own}, or a quantity such as "{mark.example}"'
+            )
     if not is_number(number):
         whole = isinstance(mark, Bounds) and mark.whole
         raise ValueError("must be an integer" if whole else "must be a number")
-    if isinstance(mark, Unit) and isinstance(value, Quantity):
-        mark = mark.in_si
     if complaint := mark.complaint(number):
         raise ValueError(complaint)
 
@@ -158,11 +191,13 @@ def is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _shown_with_unit(value: Any, mark: Mark) -> str:
+def with_unit(value: Any, mark: object) -> Any:
+    """A number as a quantity in the SI unit of its field, "0.01 m"; an amount and anything else as it is."""
     number = with_own_numbers(value)
     if not isinstance(mark, Unit) or mark.scale or not is_number(number):
-        return show(value)
-    return show(f"{number!r} {mark.unit}" if isinstance(number, float) else f"{show(number)} {mark.unit}")
+        return value
+    text = repr(float(number)) if isinstance(number, float) or abs(number) <= LARGEST else show(number)
+    return f"{text} {mark.unit}"
 
 
 def named(place: str, function: Callable[..., T], *arguments: Any, text: str = "", **keywords: Any) -> T:
@@ -213,6 +248,12 @@ def _shown(value: object, room: int) -> str:
     return printable(json.dumps(part, default=str, ensure_ascii=False))
 
 
+def alternatives(texts: Iterable[str]) -> str:
+    """Some texts as alternatives: a, b or c."""
+    *others, last = texts
+    return f"{', '.join(others)} or {last}" if others else last
+
+
 def shortened(text: str) -> str:
     """A text of any origin for a message: its beginning and its end."""
     return printable(text if len(text) <= SHOWN else f"{text[: SHOWN // 2]} ... {text[-SHOWN // 2 :]}")
@@ -230,13 +271,13 @@ def show_key(key: object) -> str:
 
 
 def _joined(items: Iterable[str], room: int) -> str:
-    found: list[str] = []
+    parts: list[str] = []
     for item in items:
-        found.append(item)
+        parts.append(item)
         room -= len(item) + 2
         if room < 0:
             break
-    return ", ".join(found)
+    return ", ".join(parts)
 
 
 def printable(text: str) -> str:
@@ -278,7 +319,7 @@ def _short(value: Any) -> str:
         return f"{{ {_pairs(value)} }}"
     if isinstance(value, float):
         return f"{value:.4g}"
-    return NUMBER.sub(lambda found: f"{float(found[0]):.4g}", value) if isinstance(value, str) else str(value)
+    return NUMBER.sub(lambda match: f"{float(match[0]):.4g}", value) if isinstance(value, str) else str(value)
 
 
 # -- units of the case ------------------------------------------------------------------------------------------------
@@ -309,10 +350,10 @@ def _over(amount: Any, mark: object, scales: Scales | None, place: str) -> float
     if scales is None:
         raise ValueError(f"{place} = {show(amount)}: must be a plain number: a dimensionless case has no {amount.unit}")
     assert isinstance(mark, Unit)
-    found: float = amount.value / getattr(scales, mark.scale)
-    if complaint := mark.complaint(found):
-        raise ValueError(f"{place} = {show(amount)}: is {found:g} {mark.own} in this contact; {complaint}")
-    return found
+    number: float = amount.value / getattr(scales, mark.scale)
+    if complaint := mark.complaint(number):
+        raise ValueError(f"{place} = {show(amount)}: is {number:g} {mark.own} in this contact; {complaint}")
+    return number
 
 
 def scaled_all(records: Sequence[T], scales: Scales | None, place: str) -> tuple[T, ...]:

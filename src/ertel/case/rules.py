@@ -1,13 +1,12 @@
 """The rules for valid cases.  Every rule raises a ValueError that names the field, its value and what is allowed."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import is_dataclass, replace
-from math import inf
-from typing import TypeVar
+from dataclasses import is_dataclass
+from math import cbrt, inf
 
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED, Conditions, Kind
 from ertel.case.records import checked, show
-from ertel.case.sections import METHODS, STOPS, WIDEST_HALF_WIDTH, Drive, Output, Schedule, Solver, Stop, Time
+from ertel.case.sections import METHODS, WIDEST_HALF_WIDTH, Drive, Output, Schedule, Solver, Stop, Thermal, Time
 from ertel.numerics import grid
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, Geometry
 from ertel.physics.lubricant import DowsonHigginson, Oil
@@ -17,7 +16,6 @@ from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import ABOVE_ZERO, NOT_NEGATIVE, Bounds, Unit
 
-T = TypeVar("T")
 LONGEST_NAME = 100  # bytes: a file name may have 255, and a run's directory has temporary ones made of it
 LONGEST_TEXT = 1000  # characters of the source of an oil's data
 LONGEST_RUN = 1e5  # t0; an impact lasts about 3
@@ -25,14 +23,15 @@ MOST_STEPS = 1e7  # of a fixed length
 MOST_MAPS = 1e5
 LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
 FIELDS = 5  # pressure, film, two components of the shear stress, power loss
-FEWEST_NODES = 17
 SMALLEST_RADIUS = 1.2  # of a radial grid: the contact grows to radius 1 and needs an inlet
 TRANSIENT = 'solver.method = "transient"'
 
 
 def check_name(name: str) -> None:
     """A name becomes a directory: it must be a plain file name on every system, and safe to print."""
-    if not isinstance(name, str) or (name and name != plain_name(name)):
+    if not isinstance(name, str):
+        raise ValueError(f"name = {show(name)}: must be a string")
+    if name != plain_name(name):
         raise ValueError(
             f"name = {show(name)}: must be a plain file name: visible characters without / \\ and :, not starting with "
             f"a dot, at most {LONGEST_NAME} bytes"
@@ -91,9 +90,9 @@ def check_rheology(oil: Oil, scales: Scales | None, solver: Solver) -> None:
 
 def check_scales(scales: Scales | None, parameters: Parameters) -> None:
     """The scales and parameters of the contact must be of a sane size, like its values."""
-    found = {**(vars(scales) if scales else {}), **vars(parameters), "M": parameters.M, "L": parameters.L}
+    numbers = {**(vars(scales) if scales else {}), **vars(parameters), "M": parameters.M, "L": parameters.L}
     bounds: Mapping[str, Unit | Bounds] = {"alpha_bar": NOT_NEGATIVE, "R": REDUCED, "M": MOES_M, "L": MOES_L}
-    for name, value in found.items():
+    for name, value in numbers.items():
         complaint = bounds.get(name, ABOVE_ZERO).complaint(value)
         if complaint:
             given = f"its values together give {name} = {show(value)}"
@@ -115,12 +114,7 @@ def check_pressure_scale(oil: Oil, scales: Scales | None, parameters: Parameters
 
 def check_fields(drive: Drive | None, time: Time | None, output: Output | None, roughness: Sequence[Feature]) -> None:
     """Every field of the sections must have a value that its mark allows."""
-    if time is not None:
-        if isinstance(time.until, str) and time.until not in STOPS:
-            names = ", ".join(f'"{event}"' for event in STOPS)
-            raise ValueError(f"time.until = {show(time.until)}: must be {names} or a time above zero, in units t0 or s")
-        checked(replace(time, until=None) if isinstance(time.until, str) else time, "time")
-    for name, section in {"output": output, "motion": drive}.items():
+    for name, section in {"time": time, "output": output, "motion": drive}.items():
         if section is not None:
             checked(section, name)
     for number, feature in enumerate(roughness, 1):
@@ -135,8 +129,8 @@ def check_time(kind: Kind, solver: Solver, time: Time | None, output: Output | N
     if solver.method == "steady":
         for name, section in {"time": time, "output": output}.items():
             if section is not None:
-                said = _said(name, section)
-                raise ValueError(f"{said}: a steady contact has no time; leave [{name}] out or use {TRANSIENT}")
+                entry = _first_entry(name, section)
+                raise ValueError(f"{entry}: a steady contact has no time; leave [{name}] out or use {TRANSIENT}")
     if kind == "impact" or time is None:
         return
     if time.start_approach is not None:
@@ -169,7 +163,7 @@ def check_schedule(time: Time, output: Output, solver: Solver, schedule: Schedul
         )
 
 
-def _said(name: str, section: Time | Output) -> str:
+def _first_entry(name: str, section: Time | Output) -> str:
     """The first field of a section that differs from its default, for messages: time.until = 5.0."""
     usual = type(section)()
     for key, value in vars(section).items():
@@ -219,8 +213,6 @@ def check_geometry(solver: Solver, contact: Conditions, motion: Motion) -> None:
 
 def check_grid(solver: Solver, geometry: Geometry) -> None:
     """A grid must be large enough, contain the contact, and be one that can be coarsened."""
-    if solver.nodes < FEWEST_NODES:
-        raise ValueError(f"solver.nodes = {solver.nodes}: must be at least {FEWEST_NODES}")
     if solver.method == "radial":
         if solver.half_width < SMALLEST_RADIUS:
             raise ValueError(f"solver.half_width = {solver.half_width}: must be at least {SMALLEST_RADIUS}")
@@ -249,7 +241,7 @@ def check_grid(solver: Solver, geometry: Geometry) -> None:
 def check_outside(solver: Solver, parameters: Parameters, geometry: Geometry, motion: Motion) -> None:
     """The oil that carries a ball as it rolls must not all lie outside the grid.
 
-    Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.far_field`): on r > w it carries 8 lambda_bar U/(5 w).
+    Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.geometry`): on r > w it carries 8 lambda_bar U/(5 w).
     """
     speed, load = abs(motion.entrainment(0.0)), motion.load(0.0)
     needed = 1.6 * parameters.lambda_bar * speed / (HERTZ_LOAD * load)
@@ -308,3 +300,25 @@ def check_roughness(solver: Solver, motion: Motion, features: Sequence[Feature])
                 f"roughness[{number}].surface = {feature.surface}: moves, so that its film is not steady; use "
                 f"{TRANSIENT}, or a slide_to_roll at which it is at rest (surface 1: -2, surface 2: 2)"
             )
+
+
+def check_thermal(thermal: Thermal, oil: Oil, scales: Scales | None, solver: Solver, motion: Motion) -> None:
+    """Temperatures are those of a steady contact in SI, in which the film's formula has a meaning."""
+    if solver.method != "steady":
+        raise ValueError(
+            f'thermal: is for a steady contact, and this one has solver.method = "{solver.method}"; leave the section '
+            '[thermal] out, or use a rolling contact with solver.method = "steady"'
+        )
+    if scales is None or oil.eta0 is None:
+        raise ValueError("thermal: needs a contact in SI; give radius, load, ... or leave the section [thermal] out")
+    try:
+        thermal.viscosity_of(oil.eta0)
+    except ValueError as error:
+        raise ValueError(f"thermal.viscosity = {show(thermal.viscosity)}: {error}") from error
+    pressure = scales.p_h * cbrt(motion.load(0.0)) / scales.E_prime
+    inlet = thermal.inlet(oil.eta0, pressure, motion.entrainment(0.0) * scales.front_speed, motion.slide_to_roll)
+    if not inlet.factor > 0:
+        raise ValueError(
+            f"thermal.inlet_factor = {show(thermal.inlet_factor)}: its formula gives phi_T = {inlet.factor:.3g} at the "
+            f'thermal loading L_t = {inlet.L_t:.3g}; must be above zero, use "wilson-sheu" or "none"'
+        )

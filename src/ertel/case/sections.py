@@ -1,4 +1,4 @@
-"""The sections solver, time, output and motion of a case.  All defaults of ertel are here."""
+"""The sections solver, time, output, motion and thermal of a case.  All defaults of ertel are here."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -10,14 +10,36 @@ from ertel.numerics.grid import allowed_nodes, nodes_across
 from ertel.physics import hertz
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.motion import Signal
-from ertel.physics.units import DURATION, FINITE, NOT_NEGATIVE, SHARE, Amount, Bounds, Meaning, explained
+from ertel.physics.thermal import (
+    INLET_FACTORS,
+    WARM_VISCOSITIES,
+    InletName,
+    Solid,
+    ViscosityName,
+    WarmViscosity,
+    thermal_loading,
+)
+from ertel.physics.units import (
+    CONDUCTIVITY,
+    DENSITY,
+    DURATION,
+    EXPANSION,
+    FINITE,
+    HEAT_CAPACITY,
+    NOT_NEGATIVE,
+    SHARE,
+    TEMPERATURE,
+    Amount,
+    Bounds,
+    Meaning,
+    explained,
+)
 
 Method = Literal["2d", "radial", "steady", "transient"]
 Stop = Literal["max-approach", "rebound"]
-STOPS: tuple[Stop, ...] = ("max-approach", "rebound")
 METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
 ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length for M >= 5
-MOST_NODES, WIDEST_HALF_WIDTH = 4097, 1000.0
+FEWEST_NODES, MOST_NODES, WIDEST_HALF_WIDTH = 17, 4097, 1000.0
 CENTRED_HALF_WIDTH = 4.5  # half width of a grid for reversing flow
 
 
@@ -38,7 +60,7 @@ class Solver:
     ] = "2d"
     nodes: Annotated[
         int,
-        Bounds(gt=0, le=MOST_NODES, whole=True),
+        Bounds(ge=FEWEST_NODES, le=MOST_NODES, whole=True),
         Meaning("nodes per side of the grid, 2^k c + 1 with a small c, or along the radius"),
     ] = 257
     half_width: Annotated[
@@ -62,7 +84,7 @@ class Solver:
     fold: Annotated[bool, Meaning("whether a symmetric case is computed on a half or a quarter of the plane")] = True
     half_width_y: Annotated[
         float | None,
-        Bounds(gt=0, le=1000),
+        Bounds(gt=0, le=WIDEST_HALF_WIDTH),
         Meaning("half_width along y; left out: the edge is as far from the contact as along x", 3.0),
     ] = None
 
@@ -122,14 +144,14 @@ def suited(circular: Solver, geometry: Geometry) -> Solver:
 
 
 def half_width_y(solver: Solver, geometry: Geometry) -> float | None:
-    """The half width along y in effect, a little more than wanted so that multigrid can coarsen.
+    """The half width along y in effect, a little more than asked for so that multigrid can coarsen.
 
     Left out, the edge has the same distance from the contact along y as along x.  None: left out, and as along x.
     """
     along_x, along_y = geometry.extent
     default = solver.half_width + along_y - along_x
     nodes, usual = (
-        nodes_across(solver.nodes, wanted / solver.half_width) for wanted in (solver.half_width_y or default, default)
+        nodes_across(solver.nodes, width / solver.half_width) for width in (solver.half_width_y or default, default)
     )
     if nodes == usual == solver.nodes:
         return None
@@ -216,3 +238,87 @@ class Schedule(NamedTuple):
                 return hertz.CONTACT_TIME - 2 * self.start_approach
             case until:
                 return until
+
+
+# -- temperatures -----------------------------------------------------------------------------------------------------
+
+
+@explained
+@dataclass(frozen=True)
+class Thermal:
+    """Data for the temperatures of a contact in SI: temperatures (K), data of the oil and of both bodies.
+
+    How warm a machine gets is not known to a contact.  The named laws are in `physics.thermal`: WARM_VISCOSITIES, how
+    the viscosity falls with the temperature under pressure, and INLET_FACTORS, by which formula inlet shear heating
+    reduces the film.
+    """
+
+    temperature: Annotated[
+        float,
+        TEMPERATURE,
+        Meaning("of the oil in the inlet, for which eta0 and alpha hold; left out: that in [lubricant]"),
+    ]
+    conductivity: Annotated[
+        float, CONDUCTIVITY, Meaning("thermal conductivity of the oil; left out: that of the named oil")
+    ]
+    beta: Annotated[
+        float,
+        EXPANSION,
+        Meaning("-d ln(eta)/dT of the oil at ambient pressure; left out: that of the named oil", "0.035 / K"),
+    ]
+    density_1: Annotated[float, DENSITY, Meaning("density of body 1; left out, as the next two: that of material_1")]
+    heat_capacity_1: Annotated[float, HEAT_CAPACITY, Meaning("heat capacity of body 1", "460 J/(kg*K)")]
+    conductivity_1: Annotated[float, CONDUCTIVITY, Meaning("thermal conductivity of body 1", "46 W/(m*K)")]
+    density_2: Annotated[float, DENSITY, Meaning("density of body 2; left out, as the next two: that of material_2")]
+    heat_capacity_2: Annotated[float, HEAT_CAPACITY, Meaning("heat capacity of body 2", "460 J/(kg*K)")]
+    conductivity_2: Annotated[float, CONDUCTIVITY, Meaning("thermal conductivity of body 2", "46 W/(m*K)")]
+    temperature_1: Annotated[
+        float | None,
+        TEMPERATURE,
+        Meaning("of body 1 far below its surface; left out: that of the oil", "60 degC"),
+    ] = None
+    temperature_2: Annotated[
+        float | None,
+        TEMPERATURE,
+        Meaning("of body 2 far below its surface; left out: that of the oil", "60 degC"),
+    ] = None
+    viscosity: Annotated[
+        ViscosityName, Meaning("how it falls with the temperature: more under pressure, or equally at all pressures")
+    ] = "houpert"
+    inlet_factor: Annotated[InletName, Meaning("formula of the film with inlet shear heating")] = "gupta"
+
+    def __post_init__(self) -> None:
+        for name in ("temperature_1", "temperature_2"):
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, self.temperature)
+
+    @property
+    def bodies(self) -> tuple[Solid, Solid]:
+        """The thermal data of both bodies."""
+        return (
+            Solid(self.density_1, self.heat_capacity_1, self.conductivity_1),
+            Solid(self.density_2, self.heat_capacity_2, self.conductivity_2),
+        )
+
+    @property
+    def warmer(self) -> tuple[float, float]:
+        """By how much the bodies are warmer than the oil in the inlet (K)."""
+        assert self.temperature_1 is not None and self.temperature_2 is not None  # `__post_init__`
+        return self.temperature_1 - self.temperature, self.temperature_2 - self.temperature
+
+    def viscosity_of(self, eta0: float) -> WarmViscosity:
+        """The law of the warm oil's viscosity.  Raises ValueError for an eta0 (Pa s) for which it has no meaning."""
+        return WARM_VISCOSITIES[self.viscosity].of(eta0, self.beta, self.temperature)
+
+    def inlet(self, eta0: float, p_h_over_E: float, mean_speed: float, slide_to_roll: float) -> "Inlet":
+        """Inlet shear heating; eta0 in Pa s, mean_speed in m/s."""
+        L_t = thermal_loading(eta0, self.beta, mean_speed, self.conductivity)
+        factor = INLET_FACTORS[self.inlet_factor].formula(L_t, abs(slide_to_roll), p_h_over_E)
+        return Inlet(L_t, factor)
+
+
+class Inlet(NamedTuple):
+    """Thermal loading L_t of the inlet, and phi_T, by which the film is thinner."""
+
+    L_t: float
+    factor: float

@@ -58,7 +58,7 @@ In a steady contact the power loss is what the surfaces spend, sliding speed tim
 times the resistance of both, less the energy that flows out through the edge of the grid.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 import jax
@@ -74,7 +74,7 @@ from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair, inside
-from ertel.physics.far_field import ContactMotion
+from ertel.physics.geometry import ContactMotion
 from ertel.physics.lubricant import Lubricant
 
 Number = Array | float
@@ -151,44 +151,40 @@ def friction_of_details(
     """The friction from the details of the flow; the other arguments are those of `friction`."""
     stress = jnp.where(P > 0.0, details.stress, 0.0)
     loss = details.heat + sliding * stress[0]
-    along_y = 0.0 if plane.even.y else plane.total(stress[1])
-    force, resistance = jnp.stack([plane.total(stress[0]), along_y]), 0.5 * plane.push(H, P)
+    force, resistance = shear_force(plane, stress), 0.5 * plane.push(H, P)
     carries = jnp.asarray(load) > 0.0
-    share = jnp.where(carries, 1.0 / (jnp.where(carries, load, 1.0) * hertz_load), 0.0)
-    return Friction(stress, loss, share * force, share * resistance, plane.total(loss) / hertz_load)
+    per_load = jnp.where(carries, 1.0 / (jnp.where(carries, load, 1.0) * hertz_load), 0.0)
+    return Friction(stress, loss, per_load * force, per_load * resistance, plane.total(loss) / hertz_load)
 
 
-def friction_numbers(found: Friction) -> tuple[Array, ...]:
+def shear_force(plane: Plane, stress: Array) -> Array:
+    """The double integral of the stress, shape (2,); along Y it is odd about an axis Y = 0."""
+    return jnp.stack([plane.total(stress[0]), jnp.zeros(()) if plane.even.y else plane.total(stress[1])])
+
+
+def friction_numbers(friction: Friction) -> tuple[Array, ...]:
     """The numbers of `FRICTION`: forces over the load in a/R, the power loss in F* a^2/(R t0)."""
-    return found.sliding[0], found.sliding[1], found.rolling[0], found.power
+    return friction.sliding[0], friction.sliding[1], friction.rolling[0], friction.power
 
 
-def coefficients(found: Friction) -> dict[str, float]:
+def coefficients(friction: Friction) -> dict[str, float]:
     """The numbers of `FRICTION` by name."""
-    return dict(zip(FRICTION, map(float, friction_numbers(jax.device_get(found))), strict=True))
+    return dict(zip(FRICTION, map(float, friction_numbers(jax.device_get(friction))), strict=True))
 
 
-class Unfolding(Protocol):
-    """A method, or a solution, on one side of an axis of symmetry."""
-
-    def whole(self, field: Any, odd: bool = False) -> Any:
-        """A field on the whole plane; odd: whether it changes its sign at the axis Y = 0."""
-        ...
-
-
-def whole_maps(on: Unfolding, P: Any, H: Any, friction: Friction) -> dict[str, np.ndarray]:
-    """Pressure, film, stress and power loss on the whole plane, by name."""
+def whole_maps(whole: Callable[..., Any], P: Any, H: Any, friction: Friction) -> dict[str, np.ndarray]:
+    """Pressure, film, stress and power loss on the whole plane, by name.  whole: as `Method.whole`."""
     tau_x, tau_y = np.asarray(friction.stress)
     fields = {"P": P, "H": H, "tau_x": tau_x, "tau_y": tau_y, "loss": friction.loss}
-    return {name: np.asarray(on.whole(field, odd=name == "tau_y")) for name, field in fields.items()}
+    return {name: np.asarray(whole(field, odd=name == "tau_y")) for name, field in fields.items()}
 
 
 def compiled_friction(
     plane: Plane, contact: Contact, P: Array, H: Array, sliding: Number, load: Number, hertz_load: Number
 ) -> Friction:
     """The same as `friction`, compiled."""
-    found: Friction = _friction_program(plane, contact, *jax.device_put((P, H)), sliding, load, hertz_load)
-    return found
+    compiled: Friction = _friction_program(plane, contact, *jax.device_put((P, H)), sliding, load, hertz_load)
+    return compiled
 
 
 _friction_program = Program(jax.jit(friction), ANY_SIZE)
@@ -228,6 +224,11 @@ class Account(NamedTuple):
     terms: Mapping[str, Array]
     friction: Friction
 
+    @property
+    def numbers(self) -> tuple[Array, ...]:
+        """The terms of `INTEGRALS` and the numbers of `FRICTION`, in their order."""
+        return *(self.terms[name] for name in INTEGRALS), *friction_numbers(self.friction)
+
 
 class Moment(NamedTuple):
     """The numbers that an account needs besides the fields.
@@ -249,8 +250,8 @@ def account(space: Plane, c: Contact, P: Array, H: Array, m: Moment, change: Arr
     details = c.flow.details(c, P, H, m.sliding, space)
     growth = change - inside(details.gain, c.even)
     film = Film(P, H, details.mobility, details.heat, H + m.approach - c.gap, growth, m.U, m.gap_change)
-    found = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)
-    return Account(integrals(space, c.lubricant, film), found)
+    forces = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)
+    return Account(integrals(space, c.lubricant, film), forces)
 
 
 def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
@@ -283,9 +284,9 @@ class Around(NamedTuple):
     grid_load_rate: float = 0.0
 
 
-def terms(found: Mapping[str, Any], velocity: float, around: Around, hertz_load: float) -> dict[str, float]:
+def terms(values: Mapping[str, Any], velocity: float, around: Around, hertz_load: float) -> dict[str, float]:
     """`MASSES` and `ENERGIES` in their units, from `integrals`, with what the oil outside adds."""
-    plain = {name: float(value) for name, value in found.items()}
+    plain = {name: float(value) for name, value in values.items()}
     plain["elastic_energy"] += around.uplift * plain["load"] / 2
     plain["outside_power"] += velocity * around.load - around.uplift * around.grid_load_rate
     return {name: plain[name] / (hertz_load if name in ENERGIES else 1.0) for name in (*MASSES, *ENERGIES)}
@@ -296,10 +297,10 @@ def steady_account(case: Case, s: SteadyFilm) -> tuple[dict[str, float], Frictio
     c, m, scale = discretise.contact_of(case, s.grid), case.motion, case.geometry.hertz_load
     U, load = m.entrainment(0.0), m.load(0.0)
     moment = Moment(s.approach, U, m.sliding(0.0), discretise.gap_change(case, s.grid, 0.0), load, scale)
-    found: Account = _steady_program(Plane.of(s.grid), c, s.P, s.H, moment)
+    account: Account = _steady_program(Plane.of(s.grid), c, s.P, s.H, moment)
     around = discretise.outside_of(case, s.grid).at(ContactMotion(s.approach, 0.0, load, U))
-    plain = jax.device_get(found.terms)
-    return terms(plain, 0.0, Around(s.outside, around.uplift), scale), found.friction
+    plain = jax.device_get(account.terms)
+    return terms(plain, 0.0, Around(s.outside, around.uplift), scale), account.friction
 
 
 def _steady(space: Plane, c: Contact, P: Array, H: Array, m: Moment) -> Account:

@@ -12,7 +12,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ertel.numerics.arrays import TINY, Tensor, dot, length, square
 from ertel.physics.fluidity import Fluidity
 
 SPREAD = 10.0  # growth of ln(phi) towards a wall over half the film at which the nodes begin to move to the walls
@@ -21,6 +20,8 @@ PLAIN = 1e-3  # a spread that stands for none
 SERIES_ERROR, SERIES_END = 1e-9, 1e-2
 NO_STRESS = 1e-60  # Pa
 
+Tensor = tuple[Array, Array, Array]  # symmetric: xx, xy, yy
+TINY = 1e-150  # length of a vector that stands for zero
 Nodes = tuple[Array, Array]  # zeta > 0 and weight of each pair, shape (NODES/2, ...)
 
 
@@ -149,3 +150,21 @@ def series_moments(series: Series, t: Array, g: Array) -> Moments:
         )
 
     return _assembled([integral(phi, k) for k in range(3)], [integral(slope, k) for k in range(5)], t, g)
+
+
+# -- vectors, of shape (2, ...): along X and along Y -------------------------------------------------------------------
+
+
+def dot(a: Array, b: Array) -> Array:
+    """The scalar product."""
+    return a[0] * b[0] + a[1] * b[1]
+
+
+def square(a: Array) -> Array:
+    """The square of the length."""
+    return dot(a, a)
+
+
+def length(a: Array) -> Array:
+    """The length, at least `TINY`, so that it can divide."""
+    return jnp.sqrt(jnp.maximum(square(a), TINY**2))

@@ -9,7 +9,7 @@ Impact and rolling differ only in this equation, in the scales and in the entrai
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from ertel.numerics.bdf import Weights
 from ertel.physics.geometry import HERTZ_LOAD
@@ -26,6 +26,10 @@ class ClosureLine(NamedTuple):
     def less(self, load: float) -> "ClosureLine":
         """The equation for the rest of the load."""
         return self._replace(value=self.value - self.load_weight * load)
+
+    def approach(self, load: Any) -> Any:
+        """Delta under a load, of the kind of the load, where Delta has a weight."""
+        return (self.value - self.load_weight * load) / self.approach_weight
 
 
 class Closure(Protocol):

@@ -12,7 +12,7 @@ U = 0 (eq. 1) and rolling has U = 1.  Otherwise they differ only in the scales a
 All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fields have shape (n, n), index [Y, X].
 """
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from typing import Any, NamedTuple, Protocol, TypeVar
 
@@ -26,7 +26,6 @@ from ertel.numerics import halfspace
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, diffusion, inside, total
-from ertel.physics.fluidity import Fluidity
 from ertel.physics.geometry import Geometry
 from ertel.physics.lubricant import Lubricant
 
@@ -147,16 +146,6 @@ def mass(contact: Contact, P: Array, H: Array) -> Array:
     return contact.lubricant.density(P) * H
 
 
-def mobility(contact: Contact, P: Array, H: Array) -> Pair:
-    """The mobility along X and along Y, flux per unit pressure gradient: rho H^3/(eta lambda_bar) if Newtonian."""
-    return mobilities(contact, P, H).secant
-
-
-def mobilities(contact: Contact, P: Array, H: Array) -> Mobilities:
-    """The mobility, and that for a change of the pressure gradient."""
-    return contact.flow.mobilities(contact, P, H)
-
-
 def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """Reynolds' equation, eq. (1): rate of change following the flow + div(Poiseuille flux), zero on the edge."""
     change = rate.of(mass(contact, P, H), contact.spacing)
@@ -165,25 +154,18 @@ def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
 
 # -- oil laws as JAX pytrees; the laws themselves do not depend on JAX ------------------------------------------------
 
-Law = TypeVar("Law", bound=Fluidity)
+Record = TypeVar("Record")
 
 
-def traceable(oil: Lubricant) -> Lubricant:
-    """The same oil, with its records registered as JAX pytrees; their fields are arrays or numbers."""
-    records: tuple[Any, ...] = (oil, oil.viscosity_law, oil.density_law)
-    for record in records:
-        _register(record.__class__)
-    return oil
-
-
-def traceable_law(law: Law) -> Law:
-    """The same law of shear thinning, registered as a JAX pytree together with a law inside it (`Limited`)."""
-    for number in fields(law):  # type: ignore[arg-type]
-        base = getattr(law, number.name)
-        if hasattr(base, "fluidity"):
-            traceable_law(base)
-    _register(law.__class__)
-    return law
+def traceable(record: Record) -> Record:
+    """The same oil or law, registered as a JAX pytree with the laws inside it; their fields are arrays or numbers."""
+    for part in fields(record):  # type: ignore[arg-type]
+        value = getattr(record, part.name)
+        if is_dataclass(value):
+            traceable(value)
+    kind: Any = type(record)
+    _register(kind)
+    return record
 
 
 @cache

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.equations import contact, outside
-from ertel.equations.contact import NEWTONIAN_FLOW, Contact, PressureFlow, traceable_law
+from ertel.equations.contact import NEWTONIAN_FLOW, Contact, PressureFlow, traceable
 from ertel.equations.outside import Outside
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
@@ -37,7 +37,7 @@ def flow_of(case: Case, T: float) -> PressureFlow:
         return NEWTONIAN_FLOW
     scales = case.scales
     assert scales is not None  # `rules.check_rheology`
-    law = traceable_law(case.oil.fluidity_law)
+    law = traceable(case.oil.fluidity_law)
     return ThinningFlow(law, scales.p_h, scales.shear_stress, case.motion.sliding(T))
 
 
@@ -85,13 +85,13 @@ def roughness_change(case: Case, grid: Grid, T: float) -> Array | float:
 
     def at(T_near: float) -> NDArray[np.float64]:
         X = grid.kept_x[None, :] + drift(T_near) - drift(T)
-        found: NDArray[np.float64] = surfaces.height(case.features, motion, T_near, X, Y, CELLS_KEPT * grid.spacing)
-        return found
+        heights: NDArray[np.float64] = surfaces.height(case.features, motion, T_near, X, Y, CELLS_KEPT * grid.spacing)
+        return heights
 
     return _on_device((at(T + INSTANT) - at(T - INSTANT)) / (2.0 * INSTANT))
 
 
 def _on_device(field: NDArray[np.float64]) -> Array:
     """Unlike `jnp.asarray`, this has nothing to compile."""
-    found: Array = jax.device_put(field)
-    return found
+    array: Array = jax.device_put(field)
+    return array

@@ -55,8 +55,8 @@ class LinearFilm:
 
     def change(self, dP: Array, dH: Array) -> Change:
         """The change of mass and mobility by real or complex changes of P and H."""
-        found: Change = tree.map(lambda p, h: p * dP + h * dH, self.by_P, self.by_H)
-        return found
+        change: Change = tree.map(lambda p, h: p * dP + h * dH, self.by_P, self.by_H)
+        return change
 
     def residual(self, dP: Array, dH: Array, rate: Callable[[Array], Array]) -> Array:
         """The change of the residual by changes of P and H, zero on the edge.  rate: that of the change of the mass."""
@@ -78,8 +78,8 @@ def linear_film(c: Contact, P: Array, H: Array) -> LinearFilm:
     """
 
     def laws(P: Array, H: Array) -> tuple[Change, Pair]:
-        found = contact.mobilities(c, P, H)
-        return Change(contact.mass(c, P, H), found.secant), found.tangent
+        mobility = c.flow.mobilities(c, P, H)
+        return Change(contact.mass(c, P, H), mobility.secant), mobility.tangent
 
     def change(dP: Array, dH: Array) -> Any:
         return jax.jvp(laws, (P, H), (dP, dH), has_aux=True)
@@ -99,7 +99,7 @@ def flux_change(c: Contact, P: Array, H: Array) -> Callable[[Array, Array], Arra
 
     def change(dP: Array, dH: Array) -> Array:
         parts = jax.vmap(gain)(*(jnp.stack([d.real, d.imag]) for d in (dP, dH)))
-        found: Array = parts[0] + 1j * parts[1]
-        return found
+        both: Array = parts[0] + 1j * parts[1]
+        return both
 
     return change

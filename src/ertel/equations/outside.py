@@ -1,4 +1,4 @@
-"""The oil outside the grid: the pressure at the grid's edge, and its load and deformation, from `physics.far_field`."""
+"""The oil outside the grid: the pressure at the grid's edge, and its load and deformation, from `physics.geometry`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from ertel.equations.state import State, combined
 from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
-from ertel.physics import far_field
-from ertel.physics.far_field import ContactMotion
-from ertel.physics.geometry import CIRCLE, Geometry
+from ertel.physics.geometry import CIRCLE, NEAREST, ContactMotion, Geometry, far_pressure, rigid_pressure
 
 Floats = NDArray[np.float64]
 
-POINTS = 8  # of the quadrature along each piece of the edge, and outwards
+# Gauss points from 0 to 1 and their weights, along each piece of the edge and outwards
+_points, _weights = np.polynomial.legendre.leggauss(8)
+PLACES, WEIGHTS = (_points + 1) / 2, _weights / 2
 NEWEST = 2  # levels from which the motion of the new level is predicted: with more, the oil outside overshoots
 
 
@@ -52,17 +52,17 @@ class Outside:
         """The oil around the grid for a given motion."""
         X, Y, area = self.far
         edge = self._pressure(self._edge, motion)
-        forces = area * far_field.far_pressure(X, Y, motion, self.lambda_bar, self.geometry)
+        forces = area * far_pressure(X, Y, motion, self.lambda_bar, self.geometry)
         uplift = self.geometry.compliance * float((forces / np.hypot(X, Y)).sum())
         return Surroundings(edge, float(forces.sum()), uplift)
 
     def at_first(self, motion: ContactMotion) -> Floats:
         """P on the grid while the surfaces are apart."""
-        return far_field.rigid_pressure(self.X, self.Y, motion, self.lambda_bar, self.geometry)
+        return rigid_pressure(self.X, self.Y, motion, self.lambda_bar, self.geometry)
 
     def guess(self, motion: ContactMotion) -> Floats:
         """A guess of P on the grid where it is far from the contact, zero elsewhere."""
-        return self._pressure(self.is_edge | (self.geometry.distance(self.X, self.Y) >= far_field.NEAREST), motion)
+        return self._pressure(self.is_edge | (self.geometry.distance(self.X, self.Y) >= NEAREST), motion)
 
     @cached_property
     def _edge(self) -> tuple[NDArray[np.int64], ...]:
@@ -71,7 +71,7 @@ class Outside:
 
     def _pressure(self, where: Any, motion: ContactMotion) -> Floats:
         P = np.zeros(self.is_edge.shape)
-        P[where] = far_field.far_pressure(self.X[where], self.Y[where], motion, self.lambda_bar, self.geometry)
+        P[where] = far_pressure(self.X[where], self.Y[where], motion, self.lambda_bar, self.geometry)
         return P
 
 
@@ -87,9 +87,8 @@ def around_grid(grid: Grid, lambda_bar: float, geometry: Geometry = CIRCLE) -> O
 
 def around_circle(r: Floats, lambda_bar: float) -> Outside:
     """The oil outside a radial grid with nodes r."""
-    u, weight = _gauss(0.0, 1.0)
-    far = r[-1] / u
-    area = 2 * np.pi * far**3 * weight / r[-1]
+    far = r[-1] / PLACES
+    area = 2 * np.pi * far**3 * WEIGHTS / r[-1]
     return Outside(
         r, np.zeros_like(r), np.arange(len(r)) == len(r) - 1, np.stack([far, 0 * far, area]), lambda_bar, CIRCLE
     )
@@ -103,27 +102,25 @@ def beyond_rectangle(left: float, right: float, low: float, high: float) -> Floa
     """
     pieces = [((side, low), (side, high)) for side in (left, right)]
     pieces += [((start, side), (end, side)) for side in (low, high) for start, end in ((left, 0.0), (0.0, right))]
-    u, outwards = _gauss(0.0, 1.0)
-    s, along = _gauss(0.0, 1.0)
-    found = []
+    s = u = PLACES  # along the piece, and outwards
+    points = []
     for (x0, y0), (x1, y1) in pieces:
         X, Y = ((1 - s) * x0 + s * x1)[:, None] / u, ((1 - s) * y0 + s * y1)[:, None] / u
-        area = abs(x0 * y1 - x1 * y0) * along[:, None] * outwards / u**3
-        found.append(np.stack([X.ravel(), Y.ravel(), area.ravel()]))
-    return np.concatenate(found, axis=1)
+        area = abs(x0 * y1 - x1 * y0) * WEIGHTS[:, None] * WEIGHTS / u**3
+        points.append(np.stack([X.ravel(), Y.ravel(), area.ravel()]))
+    return np.concatenate(points, axis=1)
 
 
-def predicted(levels: Sequence[State], T: float, loads: Sequence[float], entrainment: float) -> ContactMotion:
-    """The motion at the next level, from the last levels (newest first) and their loads in units F*."""
-    known = levels[:NEWEST]
-    weights = bdf.interpolation_weights(T, [level.T for level in known])
+def predicted(levels: Sequence[State], T: float, hertz_load: float, entrainment: float) -> ContactMotion:
+    """The motion at the next level, from the last levels (newest first); hertz_load: F* in a^2 p_h."""
+    newest = levels[:NEWEST]
+    weights = bdf.interpolation_weights(T, [level.T for level in newest])
     approach, velocity, load = (
-        float(combined(weights, values[:NEWEST]))
-        for values in ([level.approach for level in known], [level.velocity for level in known], loads)
+        float(combined(weights, values))
+        for values in (
+            [level.approach for level in newest],
+            [level.velocity for level in newest],
+            [(level.load + level.outside) / hertz_load for level in newest],
+        )
     )
     return ContactMotion(approach, velocity, load, entrainment)
-
-
-def _gauss(start: float, end: float) -> tuple[Floats, Floats]:
-    x, weight = np.polynomial.legendre.leggauss(POINTS)
-    return start + (end - start) * (x + 1) / 2, (end - start) * weight / 2

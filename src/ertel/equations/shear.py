@@ -39,22 +39,28 @@ from jax.custom_derivatives import SymbolicZero
 from ertel.equations.across import (
     Moments,
     Series,
+    Tensor,
     both_sides,
+    dot,
     gauss,
     gauss_nodes,
+    length,
     moments_by_nodes,
     series_moments,
     series_of,
     sliding_moments,
+    square,
     with_slope,
 )
-from ertel.numerics.arrays import Matrix, Tensor, divided, dot, in_blocks, length, product, square, times, transposed
+from ertel.numerics.programs import in_blocks
 from ertel.physics.fluidity import Fluidity
 
 NODES = 8  # across the film, even
 TOLERANCE = 1e-7  # of the last change of tau_m in units of the stress at the walls; the error is about its square
 CLOSE = 1e-3  # a change after which the next one is the last
 LIMIT = 40  # of Newton iterations
+
+Matrix = tuple[Array, Array, Array, Array]  # xx, xy, yx, yy
 
 
 class Shear(NamedTuple):
@@ -76,14 +82,14 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, acros
 
     pressure: in Pa, shape (...).  sliding: s = eta (u1 - u2)/h in Pa, the mid-plane stress of a Newtonian oil, shape
     (2, ...).  gradient: g = h grad p in Pa, shape (2, ...).  All finite; differentiable (forward and reverse) in all of
-    them and in the numbers of the law, which must be a JAX pytree (`contact.traceable_law`).
+    them and in the numbers of the law, which must be a JAX pytree (`contact.traceable`).
     """
     law_, *fields = jax.lax.stop_gradient((law, pressure, sliding, gradient))
-    found = in_blocks(
+    solution = in_blocks(
         partial(_solved, law_, across), ~series_of(law_, *fields).holds, _of_series(law_, *fields), *fields
     )
-    stress, flux = _attached((law, pressure), sliding, gradient, found)
-    return Shear(stress, flux, found.by_gradient, jnp.max(found.iterations))
+    stress, flux = _attached((law, pressure), sliding, gradient, solution)
+    return Shear(stress, flux, solution.by_gradient, jnp.max(solution.iterations))
 
 
 class Mobility(NamedTuple):
@@ -128,9 +134,9 @@ def _along_stress(even: Array, along: Array, t: Array) -> Mobility:
     return Mobility(12.0 * (even + along * t[0] ** 2), 12.0 * along * t[0] * t[1], 12.0 * (even + along * t[1] ** 2))
 
 
-def tangent_mobility(found: Shear) -> Mobility:
+def tangent_mobility(flow: Shear) -> Mobility:
     """The tensor dQ/dg times 12 at constant sliding, positive definite: of the flux's exact derivative."""
-    return Mobility(*(12.0 * component for component in found.by_gradient))
+    return Mobility(*(12.0 * component for component in flow.by_gradient))
 
 
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
@@ -255,12 +261,12 @@ def _solution(moments: Callable[[Array], Moments], pressure: Array, t: Array, g:
 
     (_, flux), (slid, extra), m = jax.jvp(flow, (pressure,), (jnp.ones_like(pressure),), has_aux=True)
     columns = divided(m.A, jnp.stack(m.C[:2])), divided(m.A, jnp.stack(m.C[1:]))  # of A^-1 C
-    share = columns[0][0], columns[0][1], columns[1][0], columns[1][1]  # its transpose C A^-1, row by row
-    xx = m.D[0] - (share[0] * m.C[0] + share[1] * m.C[1])
-    xy = m.D[1] - (share[0] * m.C[1] + share[1] * m.C[2])
-    yy = m.D[2] - (share[2] * m.C[1] + share[3] * m.C[2])
-    by_pressure = -divided(m.A, slid), extra - product(share, slid)
-    return _Solution(t, flux, iterations, m.A, share, (xx, xy, yy), by_pressure)
+    by_sliding = columns[0][0], columns[0][1], columns[1][0], columns[1][1]  # its transpose C A^-1, row by row
+    xx = m.D[0] - (by_sliding[0] * m.C[0] + by_sliding[1] * m.C[1])
+    xy = m.D[1] - (by_sliding[0] * m.C[1] + by_sliding[1] * m.C[2])
+    yy = m.D[2] - (by_sliding[2] * m.C[1] + by_sliding[3] * m.C[2])
+    by_pressure = -divided(m.A, slid), extra - product(by_sliding, slid)
+    return _Solution(t, flux, iterations, m.A, by_sliding, (xx, xy, yy), by_pressure)
 
 
 def _flow(m: Moments, t: Array, g: Array) -> tuple[Array, Array]:
@@ -269,22 +275,23 @@ def _flow(m: Moments, t: Array, g: Array) -> tuple[Array, Array]:
 
 
 @jax.custom_jvp
-def _attached(oil: Any, sliding: Array, gradient: Array, found: _Solution) -> tuple[Array, Array]:
-    """tau_m and Q.  oil: the law and the pressure.  found: the solution for these arguments, whose changes follow."""
-    return found.stress, found.flux
+def _attached(oil: Any, sliding: Array, gradient: Array, solution: _Solution) -> tuple[Array, Array]:
+    """tau_m and Q.  oil: the law and the pressure.  solution: for these arguments; its changes follow."""
+    return solution.stress, solution.flux
 
 
 @partial(_attached.defjvp, symbolic_zeros=True)
 def _change(primals: Any, tangents: Any) -> Any:
-    (law, pressure), _, gradient, found = primals
+    (law, pressure), _, gradient, solution = primals
     (d_law, dp), ds, dg, _ = tangents
     ds, dg, dp = map(_given, (ds, dg, dp))
-    stress_by_pressure, flux_by_pressure = found.by_pressure
-    slid, extra = _by_law(law, d_law, pressure, gradient, found.stress)
+    stress_by_pressure, flux_by_pressure = solution.by_pressure
+    slid, extra = _by_law(law, d_law, pressure, gradient, solution.stress)
     missing = ds - slid
-    d_stress = divided(found.A, missing) - product(transposed(found.by_sliding), dg) + stress_by_pressure * dp
-    d_flux = product(found.by_sliding, missing) + times(found.by_gradient, dg) + flux_by_pressure * dp + extra
-    return (found.stress, found.flux), (d_stress, d_flux)
+    xx, xy, yx, yy = solution.by_sliding
+    d_stress = divided(solution.A, missing) - product((xx, yx, xy, yy), dg) + stress_by_pressure * dp
+    d_flux = product(solution.by_sliding, missing) + times(solution.by_gradient, dg) + flux_by_pressure * dp + extra
+    return (solution.stress, solution.flux), (d_stress, d_flux)
 
 
 def _by_law(law: Fluidity, change: Any, pressure: Array, gradient: Array, t: Array) -> Any:
@@ -300,8 +307,8 @@ def _by_law(law: Fluidity, change: Any, pressure: Array, gradient: Array, t: Arr
         values = [moved.get(k, number) for k, number in enumerate(numbers)]
         return _flow(moments_by_nodes(jax.tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
 
-    _, found = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
-    return found
+    _, change_of_flow = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
+    return change_of_flow
 
 
 def _is_zero(tangent: Any) -> bool:
@@ -310,3 +317,25 @@ def _is_zero(tangent: Any) -> bool:
 
 def _given(tangent: Any) -> Any:
     return jnp.zeros(tangent.shape, tangent.dtype) if _is_zero(tangent) else tangent
+
+
+# -- products with tensors and matrices -------------------------------------------------------------------------------
+
+
+def times(tensor: Tensor, a: Array) -> Array:
+    """The product of a symmetric tensor and a vector."""
+    xx, xy, yy = tensor
+    return jnp.stack([xx * a[0] + xy * a[1], xy * a[0] + yy * a[1]])
+
+
+def divided(tensor: Tensor, a: Array) -> Array:
+    """The vector whose product with the symmetric tensor is a."""
+    xx, xy, yy = tensor
+    determinant = xx * yy - xy**2
+    return jnp.stack([yy * a[0] - xy * a[1], xx * a[1] - xy * a[0]]) / determinant
+
+
+def product(matrix: Matrix, a: Array) -> Array:
+    """The product of a matrix and a vector."""
+    xx, xy, yx, yy = matrix
+    return jnp.stack([xx * a[0] + xy * a[1], yx * a[0] + yy * a[1]])

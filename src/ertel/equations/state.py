@@ -1,16 +1,24 @@
-"""The state at one time, and the interface of a solution method."""
+"""The state at one time, the key values of its film, and the interface of a solution method."""
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol, TypeVar
 
+import jax
+import jax.numpy as jnp
 import numpy as np
+from jax import Array
+from jax.tree_util import register_dataclass
 
 from ertel.case.status import Status
 from ertel.numerics import bdf
+from ertel.numerics.grid import Grid, Symmetry
+from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.stencils import extended, total
 
-Array = Any
+Field = Any  # an array of NumPy or of JAX
 Outcome = TypeVar("Outcome")
+TIE = 1e-6  # relative difference of two extremes that mirror each other
 LOWEST: Mapping[str, float] = {"P": 0.0}  # bounds that hold between time levels too
 
 
@@ -42,7 +50,7 @@ class State:
     T: float
     approach: float
     velocity: float
-    fields: Mapping[str, Array]
+    fields: Mapping[str, Field]
     status: Status = Status.CONVERGED
     work: Work = NO_WORK
     outside: float = 0.0
@@ -51,17 +59,17 @@ class State:
     record: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def P(self) -> Array:
+    def P(self) -> Field:
         """The pressure."""
         return self.fields["P"]
 
     @property
-    def H(self) -> Array:
+    def H(self) -> Field:
         """The film thickness."""
         return self.fields["H"]
 
 
-def combined(weights: bdf.Weights, values: Sequence[Array]) -> Array:
+def combined(weights: bdf.Weights, values: Sequence[Field]) -> Field:
     """The weighted sum of values at several times, numbers or arrays."""
     return sum(w * value for w, value in zip(weights, values, strict=True))
 
@@ -90,6 +98,70 @@ def padded(levels: Sequence[State]) -> list[State]:
     """Three levels, the oldest repeated: one shape, so one compilation, whatever the history."""
     return [*levels, *[levels[-1]] * 2][:3]
 
+
+# -- key values of a film on the plane: thicknesses, pressures, load, and where the extremes lie ----------------------
+
+
+def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
+    """The key values of a film of shape `grid.shape`, dimensionless.
+
+    H_c, P_c: at (0, 0).  H_min: the minimum where P > 0, at (X_min, Y_min).  P_max: at (X_P_max, Y_P_max); P_fall: how
+    much lower the mean of the four next nodes is, as a share of it.  load: integral of P.  Of two extremes that mirror
+    each other about an axis, the one on its positive side is named.
+    """
+    return named_numbers(grid, np.asarray(_numbers(Axes.of(grid), P, H)).tolist())
+
+
+def named_numbers(grid: Grid, numbers: Sequence[float]) -> dict[str, float]:
+    """The key values from those of `extreme_numbers`."""
+    H_c, H_min, thin, P_c, P_max, high, fall, load = numbers
+    X_min, Y_min = _place(grid, int(thin))
+    X_P_max, Y_P_max = _place(grid, int(high))
+    films = {"H_c": H_c, "H_min": H_min, "X_min": X_min, "Y_min": Y_min}
+    peak = {"P_max": P_max, "X_P_max": X_P_max, "Y_P_max": Y_P_max, "P_fall": fall}
+    return {**films, "P_c": P_c, **peak, "load": load * grid.spacing**2}
+
+
+def _place(grid: Grid, index: int) -> tuple[float, float]:
+    i, j = divmod(index, grid.shape[1])
+    return float(grid.kept_x[j]), float(grid.kept_y[i])
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Axes:
+    """The kept nodes of a grid, y of shape (n_y, 1) and x of shape (n_x,), and the number of the node at the centre."""
+
+    y: Array
+    x: Array
+    centre: int
+    even: Symmetry = field(metadata={"static": True})
+
+    @classmethod
+    def of(cls, grid: Grid) -> "Axes":
+        row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
+        y, x = jax.device_put((grid.kept_y[:, None], grid.kept_x))
+        return cls(y, x, row * grid.shape[1] + column, grid.even)
+
+
+def extreme_numbers(axes: Axes, P: Array, H: Array) -> Array:
+    """The key values in one array, from which `named_numbers` makes them; traceable by JAX."""
+    pressed = jnp.where((P > 0.0) | (P.max() <= 0.0), H, jnp.inf)
+    H_min, P_max = pressed.min(), P.max()
+    negative = TIE * ((axes.y < 0).astype(P.dtype) + (axes.x < 0))
+    thin, high = jnp.argmin(pressed + jnp.abs(H_min) * negative), jnp.argmax(P - P_max * negative)
+    p = extended(P, axes.even)
+    around = (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:]) / 4
+    fall = jnp.where(P_max > 0, 1 - around.ravel()[high] / P_max, 0.0)
+    H_c, P_c = H.ravel()[axes.centre], P.ravel()[axes.centre]
+    numbers = H_c, H_min, thin, P_c, P_max, high, fall, total(P, axes.even)
+    return jnp.stack([number.astype(P.dtype) for number in numbers])
+
+
+_numbers = Program(jax.jit(extreme_numbers), ANY_SIZE)
+
+
+# -- the interface of a solution method -------------------------------------------------------------------------------
 
 Stepping = Generator[Any, Any, State]  # yields the problems of a step, is sent their solutions, returns the new state
 
@@ -130,7 +202,7 @@ class Method(Protocol):
         return solved(self.attempt(levels, step), self.solve)
 
     def measure(self, level: State) -> dict[str, float]:
-        """F (in units of the Hertz load F*) and the key values of `measure.measure`.
+        """F (in units of the Hertz load F*) and the key values of `measure`.
 
         If the contact is axisymmetric, the extremes lie on rings: X_min, X_P_max are their radii, Y_min, Y_P_max are 0.
         """
@@ -140,7 +212,7 @@ class Method(Protocol):
         """The `account.Friction` of a level; its maps are of the shape of the fields."""
         ...
 
-    def whole(self, field: Array, odd: bool = False) -> Array:
+    def whole(self, field: Field, odd: bool = False) -> Field:
         """A field on all nodes of `coordinates`: a level may keep one side of an axis of symmetry only.
 
         odd: whether the field changes its sign at the axis Y = 0.

@@ -22,7 +22,7 @@ from jax.tree_util import register_dataclass
 from ertel.equations.contact import NEWTONIAN_FLOW, Contact, Details, Mobilities, opened
 from ertel.equations.shear import NODES, Mobility, Shear, secant_mobility, shear, tangent_mobility
 from ertel.numerics.integrals import Plane
-from ertel.numerics.stencils import Pair, central_slopes, divergence, extended, to_x_faces, to_y_faces
+from ertel.numerics.stencils import Pair, central_slopes, divergence, extended, node_slopes, to_x_faces, to_y_faces
 from ertel.physics.fluidity import Fluidity, limited_stress
 
 Number = Array | float
@@ -35,7 +35,7 @@ LARGEST_FACTOR = 1e9  # of a mobility by thinning, in the preconditioner, which 
 class ThinningFlow:
     """The Poiseuille flow of a law of shear thinning: a `contact.PressureFlow`.
 
-    law: registered as a pytree (`contact.traceable_law`).  p_h, unit: one unit of pressure and one of shear stress,
+    law: registered as a pytree (`contact.traceable`).  p_h, unit: one unit of pressure and one of shear stress,
     p_h a/R, in Pa.  sliding: U S, the difference of the surfaces' speeds along X in a/t0; its sign has no influence.
     """
 
@@ -47,13 +47,13 @@ class ThinningFlow:
     def gain(self, contact: Contact, P: Array, H: Array) -> Array:
         """- div(Poiseuille flux), shape (n, n)."""
         faces = _faces(contact, P, H)
-        found, _ = self._shear(contact, faces.P, faces.film, faces.viscosity, faces.slope)
-        return divergence(*faces.fluxes(self._force(found, faces.film))) / contact.spacing
+        flow, _ = self._shear(contact, faces.P, faces.film, faces.viscosity, faces.slope)
+        return divergence(*faces.fluxes(self._force(flow, faces.film))) / contact.spacing
 
     def details(self, contact: Contact, P: Array, H: Array, sliding: Number, plane: Plane) -> Details:
         """The flow at every node when the surfaces slide by U S: all faces and nodes in one line, in one iteration."""
         faces = _faces(contact, P, H)
-        n, slope = faces.P.size, _slope(contact, P).reshape(2, -1)
+        n, slope = faces.P.size, node_slopes(P, contact.spacing, contact.even).reshape(2, -1)
         film = jnp.concatenate([faces.film, H.ravel()])
         viscosity = jnp.concatenate([faces.viscosity, contact.lubricant.viscosity(P).ravel()])
         all_P, slope = jnp.concatenate([faces.P, P.ravel()]), jnp.concatenate([faces.slope, slope], axis=1)
@@ -69,11 +69,11 @@ class ThinningFlow:
 
     def mobilities(self, contact: Contact, P: Array, H: Array, across: int = ROUGHLY) -> Mobilities:
         """The mobilities at the nodes for the preconditioner: what couples X and Y is left out."""
-        slope = jax.lax.stop_gradient(_slope(contact, P))
-        found, gradient = self._shear(contact, P, H, contact.lubricant.viscosity(P), slope, across)
+        slope = jax.lax.stop_gradient(node_slopes(P, contact.spacing, contact.even))
+        flow, gradient = self._shear(contact, P, H, contact.lubricant.viscosity(P), slope, across)
         eps = NEWTONIAN_FLOW.mobility(contact, P, H).x
-        tangent = tangent_mobility(found)
-        return Mobilities(self._secant(contact, P, H, found.stress, gradient, across), _thinned(eps, tangent))
+        tangent = tangent_mobility(flow)
+        return Mobilities(self._secant(contact, P, H, flow.stress, gradient, across), _thinned(eps, tangent))
 
     def _secant(
         self, contact: Contact, P: Array, H: Array, stress: Array, gradient: Array, across: int = NODES
@@ -82,9 +82,9 @@ class ThinningFlow:
         factor = secant_mobility(self.law, self.p_h * P, stress, gradient, across)
         return _thinned(NEWTONIAN_FLOW.mobility(contact, P, H).x, factor)
 
-    def _force(self, found: Shear, film: Array) -> Array:
+    def _force(self, flow: Shear, film: Array) -> Array:
         """G, shape (2, ...), from the flow across a film of the thickness given."""
-        return 12.0 * found.flux / (opened(film) * self.unit)
+        return 12.0 * flow.flux / (opened(film) * self.unit)
 
     def _shear(
         self, contact: Contact, P: Array, film: Array, viscosity: Array, slope: Array, across: int = NODES
@@ -135,12 +135,6 @@ def _faces(contact: Contact, P: Array, H: Array) -> _Faces:
 def _thinned(eps: Array, factor: Mobility) -> Pair:
     """The mobilities along X and along Y of an oil whose mobility without thinning is eps."""
     return Pair(*(eps * jnp.minimum(part, LARGEST_FACTOR) for part in (factor.xx, factor.yy)))
-
-
-def _slope(contact: Contact, P: Array) -> Array:
-    """grad P at the nodes by central differences, shape (2, n, n)."""
-    slopes = central_slopes(extended(P, contact.even), contact.spacing)
-    return jnp.stack([slope[1:-1, 1:-1] for slope in slopes])
 
 
 def _line(on_x_faces: Array, on_y_faces: Array) -> Array:

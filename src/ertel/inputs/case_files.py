@@ -11,10 +11,9 @@ from ertel.case.case import Case
 from ertel.case.conditions import Conditions
 from ertel.case.records import ConfigError, shortened, show
 from ertel.case.rules import plain_name
-from ertel.inputs.heat import require_rheology, with_thermal_data
 from ertel.inputs.height_maps import with_maps
 from ertel.inputs.layout import READER, Materials, field_names
-from ertel.inputs.names import without_names
+from ertel.inputs.names import require_rheology, without_names
 from ertel.inputs.quantities import parse_quantity, plain_data
 from ertel.physics.units import Unit, marks
 
@@ -70,7 +69,7 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
     named = data
     try:
-        named = without_names(with_thermal_data(data))
+        named = without_names(data)
         read, maps = with_maps(named, Path(folder))
         case = Case.from_data(read, maps, READER)
     except ValueError as error:
@@ -133,7 +132,11 @@ def read_toml(path: Path) -> dict[str, Any]:
     Raises ConfigError if it is missing, no regular file (a pipe may never end), too large or not valid TOML.
     """
     name = f"the case file {path}"
-    text = _read_text(path, name)
+    return parse_toml(read_text(path, name), name)
+
+
+def parse_toml(text: str, name: str) -> dict[str, Any]:
+    """The plain data in TOML text.  Raises ConfigError, which begins with the name of the text, if it is not valid."""
     if LONG_KEY.search(text):
         raise ConfigError(f"{name} is not valid TOML: a key has more than 20 parts, a.b.c...; a case file needs two")
     try:
@@ -146,7 +149,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{name} is not valid TOML: arrays or tables are nested hundreds of times") from error
 
 
-def _read_text(path: Path, name: str) -> str:
+def read_text(path: Path, name: str) -> str:
+    """The text of a regular file of at most 1 MB, in UTF-8.  Raises ConfigError with its name if it cannot be read."""
     content = _read_bytes(path, name)
     if len(content) > LARGEST_FILE:
         raise ConfigError(f"{name} is too large; must have at most {LARGEST_FILE / 1e6:g} MB")
@@ -198,7 +202,7 @@ def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[s
 
 def _toml_or_text(text: str) -> object:
     try:
-        found = tomllib.loads(f"value = {text}")
+        data = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         return text
-    return found["value"] if len(found) == 1 else text  # not what follows in further lines
+    return data["value"] if len(data) == 1 else text  # not what follows in further lines

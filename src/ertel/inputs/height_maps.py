@@ -14,19 +14,20 @@ is.
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from io import BytesIO
+from io import BytesIO, TextIOWrapper
 from os import fstat
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from string import printable
+from typing import IO, Any, NamedTuple, TypeVar
+from zipfile import ZipFile, ZipInfo, is_zipfile
 
 import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
-from ertel.case.height_map import HeightMap, Measured, array_in, check_shape, check_size
+from ertel.case.height_map import MOST, HeightMap, Measured, array_in, check_shape, check_size
 from ertel.case.reading import check_key
 from ertel.case.records import named, shortened, show
-from ertel.inputs.declared import LARGEST_FILE, check_declared
 from ertel.inputs.layout import READER, MeasuredFile, field_names
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics.units import LENGTH, Quantity
@@ -34,6 +35,15 @@ from ertel.physics.units import LENGTH, Quantity
 OWN_NAME = re.compile(r"heights-[0-9a-f]{16}\.npy")
 DETRENDS = {"plane": "height", "curvature": "curvature", "mean": "center"}  # as SurfaceTopography calls them
 MOST_GAPS = 0.5  # of the points
+LARGEST_FILE = 600_000_000  # bytes, also unpacked: four maps of the most points, or one as text
+LARGEST_XML = 10_000_000  # bytes: what stands beside the heights
+MOST_NUMBERS = MOST**2
+MOST_WORDS = 1_000_000  # of a line that is not all numbers
+PART = 1 << 20  # characters of a line that are looked at in one go
+NUMERIC = "0123456789+-.eE,;nNaAiIfFtTbBdD \t\r\n\0"  # also nan, inf, infinite and bad; NUL of UTF-16
+TEXT = printable.encode() + bytes(range(0x80, 0x100))
+BEFORE_XML = b"\xef\xbb\xbf \t\r\n"  # byte order mark and blanks
+OFFICE = "[Content_Types].xml"  # a member of every office document
 ROUND_OFF = 1e-12  # of the heights: no instrument measures what is smaller
 T = TypeVar("T")
 READING = {*field_names(MeasuredFile)}
@@ -66,8 +76,8 @@ def with_maps(read: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], di
     for number, table in enumerate(roughness, 1):
         if isinstance(table, Mapping) and table.get("shape") == "measured" and isinstance(table.get("file"), str):
             place = f"roughness[{number}]"
-            table, found = named(place, _with_map, table, folder, place)
-            maps[found.name] = found
+            table, heights = named(place, _with_map, table, folder, place)
+            maps[heights.name] = heights
         tables.append(table)
     return {**read, "roughness": tables}, maps
 
@@ -85,19 +95,19 @@ def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dic
     if OWN_NAME.fullmatch(path.name):
         for key in READING & table.keys():
             raise ValueError(f"{key} = {show(table[key])}: was already applied when ertel wrote this file; remove it")
-        found = _named(table["file"], HeightMap.from_bytes, content)
-        if found.name != path.name:
+        heights = _named(table["file"], HeightMap.from_bytes, content)
+        if heights.name != path.name:
             raise ValueError(f"file = {show(table['file'])}: was changed since ertel wrote it; put the run's own back")
-        return placed, found
+        return placed, heights
     if "filled" in table:
         raise ValueError(f"filled = {show(table['filled'])}: is counted as the file is read; leave it out")
     if path.suffix == ".npz":
         raise ValueError(f"file = {show(table['file'])}: may hold many arrays; write one with numpy.save")
     is_array = path.suffix == ".npy" or content.startswith(MAGIC_PREFIX)
     raw = (_array if is_array else _of_instrument)(table, content)
-    found = _named(table["file"], HeightMap, _smoothed(table, raw))
+    heights = _named(table["file"], HeightMap, _smoothed(table, raw))
     filled = {"filled": gaps} if (gaps := int(np.ma.getmaskarray(raw.heights).sum())) else {}
-    return {**placed, **_sizes(table, raw, found), **filled, "file": found.name}, found
+    return {**placed, **_sizes(table, raw, heights), **filled, "file": heights.name}, heights
 
 
 def _content(path: Path, written: str) -> bytes:
@@ -176,8 +186,8 @@ def _reading(written: str) -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        said = shortened(" ".join(str(error).split()) or type(error).__name__)
-        raise ValueError(f"file = {written}: SurfaceTopography cannot read it, {said}") from error
+        reason = shortened(" ".join(str(error).split()) or type(error).__name__)
+        raise ValueError(f"file = {written}: SurfaceTopography cannot read it, {reason}") from error
 
 
 def _channel(table: Mapping[str, Any], channels: Any) -> Any:
@@ -223,16 +233,16 @@ def _smoothed(table: Mapping[str, Any], raw: _Raw) -> NDArray[np.float64]:
         raise ValueError(f"file = {show(table['file'])}: {gaps:.0%} of its points are gaps; at most {MOST_GAPS:.0%}")
     _named(table["file"], check_size, heights)
     if heights.ndim == 2 and (gaps or detrend != "none"):
-        wanted = f'detrend = "{detrend}"' if detrend != "none" else f"file = {show(table['file'])}"
+        entry = f'detrend = "{detrend}"' if detrend != "none" else f"file = {show(table['file'])}"
         sizes = raw.sizes or tuple(map(float, heights.shape[::-1]))
-        found = _surface_topography(wanted).Topography(heights.T, sizes)
-        found = found if detrend == "none" else found.detrend(DETRENDS[detrend])
+        topography = _surface_topography(entry).Topography(heights.T, sizes)
+        topography = topography if detrend == "none" else topography.detrend(DETRENDS[detrend])
         if gaps:
-            found = found.interpolate_undefined_data_with_harmonic_function()
-        heights = np.asarray(found.heights()).T
+            topography = topography.interpolate_undefined_data_with_harmonic_function()
+        heights = np.asarray(topography.heights()).T
         if detrend != "none" and np.abs(heights).max() < ROUND_OFF * np.abs(raw.heights).max():
             raise ValueError(
-                f"{wanted}: leaves nothing but round-off of file = {show(table['file'])}; leave the map out"
+                f"{entry}: leaves nothing but round-off of file = {show(table['file'])}; leave the map out"
             )
     return np.asarray(heights, dtype=np.float64)
 
@@ -253,3 +263,74 @@ def _sizes(table: Mapping[str, Any], raw: _Raw, heights: HeightMap) -> dict[str,
         raise ValueError('unit: missing; the file does not say in which unit it is, give for example "um"')
     values = {"length_x": along_x, "length_y": along_y, "rms": heights.rms}
     return found | {key: Quantity(values[key] * (raw.metre or 1.0), "m") for key in missing}
+
+
+# -- limits to an instrument's file -----------------------------------------------------------------------------------
+#
+# Checked before a reader unpacks it: readers of text make a list of numbers for each line, readers of XML a tree; a zip
+# archive of a megabyte may unpack to gigabytes.  `zipfile` never unpacks more of a member than its declared size, so
+# that a size that lies gains nothing.
+
+
+def check_declared(content: bytes) -> None:
+    """Raise ValueError, without the name of the file, for text or a zip archive that holds more than a map may."""
+    _check_numbers(BytesIO(content))
+    if is_zipfile(BytesIO(content)):
+        try:
+            with ZipFile(BytesIO(content)) as archive:
+                _check_archive(archive)
+        except ValueError:
+            raise
+        except Exception:  # of zipfile and what it unpacks with, for a damaged archive: for the readers to say
+            return
+
+
+def _check_numbers(stream: IO[bytes]) -> None:
+    """The numbers of a text, in each line and in all; binary data hardly have any."""
+    words = numbers = 0
+    with TextIOWrapper(stream, encoding="latin-1") as text:
+        while part := text.readline(PART):
+            numeric, count = not part.strip(NUMERIC), len(part.replace(",", " ").replace(";", " ").split())
+            words, numbers = words + count, numbers + count * numeric
+            if words > (MOST if numeric else MOST_WORDS):
+                what = "numbers" if numeric else "words"
+                raise ValueError(f"has more than {MOST if numeric else MOST_WORDS} {what} in a line; {_allowed()}")
+            if numbers > MOST_NUMBERS:
+                raise ValueError(f"has more than {MOST_NUMBERS} numbers; {_allowed()}")
+            words = 0 if part.endswith("\n") else words
+
+
+def _allowed() -> str:
+    return f"a map has at most {MOST} points a side"
+
+
+def _check_archive(archive: ZipFile) -> None:
+    """The members of a zip archive, by their declared sizes and by the first bytes of what looks like text."""
+    members = archive.infolist()
+    unpacked = sum(member.file_size for member in members)
+    if unpacked > LARGEST_FILE:
+        raise ValueError(f"unpacks to {unpacked / 1e9:.3g} GB; must be at most {LARGEST_FILE / 1e9:g} GB")
+    if any(member.filename == OFFICE for member in members):
+        raise ValueError("is an office document, which has no map of heights; export the map as text")
+    for member in members:
+        head = _head(archive, member)
+        if member.filename.endswith(".xml") or head.startswith(b"<"):
+            _check_xml(member)
+        elif head:
+            _check_numbers(archive.open(member))
+
+
+def _check_xml(member: ZipInfo) -> None:
+    if member.file_size > LARGEST_XML:
+        size = f"{member.file_size / 1e6:.3g} MB of XML"
+        raise ValueError(f"{member.filename} in it is {size}; must be at most {LARGEST_XML / 1e6:g} MB")
+
+
+def _head(archive: ZipFile, member: ZipInfo) -> bytes:
+    """The beginning of a member of text; nothing of other data."""
+    try:
+        with archive.open(member) as stream:
+            head = stream.read(64).lstrip(BEFORE_XML)
+    except Exception:  # of zipfile, for a member that is damaged, encrypted or packed in an unknown way
+        return b""
+    return b"" if head.translate(None, TEXT) else head

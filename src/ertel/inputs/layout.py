@@ -7,14 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
 from inspect import getdoc
 from math import isfinite
-from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from ertel.case.conditions import Conditions
 from ertel.case.height_map import HeightMap, Measured
 from ertel.case.reading import LAWS, Reader
-from ertel.case.records import OIL_LAWS, show
-from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Drive, Output, Solver, Time
-from ertel.case.thermal import Thermal
+from ertel.case.records import OIL_LAWS, choices_of, hints_of, show
+from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Drive, Output, Solver, Thermal, Time
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Signal
@@ -153,20 +152,29 @@ class Key(NamedTuple):
     @property
     def choices(self) -> tuple[Any, ...]:
         """The values that the annotation enumerates."""
-        options = (self.hint, *self.options)
-        return tuple(value for option in options if get_origin(option) is Literal for value in get_args(option))
+        return choices_of(self.hint)
 
     @property
     def law(self) -> Registry | None:
         """The laws one of which the value is."""
         return next((LAWS[option] for option in self.options if option in LAWS), None)
 
+    def keys_in(self, table: Mapping[str, Any]) -> tuple["Key", ...]:
+        """The keys of a table that is the value: of a signal, a data sheet or a law."""
+        if Signal in self.options:
+            return keys_of(Oscillation)
+        if DataSheet in self.options:
+            return keys_of(DataSheet)
+        laws: Mapping[str, Any] = self.law or {}
+        law = table.get("law")
+        return keys_of(laws[law]) if isinstance(law, str) and law in laws else ()
+
     @property
     def kind(self) -> str:
         """The kind of a value in words."""
         if isinstance(self.mark, Unit):
-            said = f"number ({self.mark.own}) or quantity" if self.mark.scale else "quantity"
-            return ", ".join([*self.choices, said])
+            text = f"number ({self.mark.own}) or quantity" if self.mark.scale else "quantity"
+            return ", ".join([*self.choices, text])
         if self.mark is not None:
             return "integer" if self.mark.whole else "number"
         if self.law is not None:
@@ -225,8 +233,8 @@ def shape_keys() -> tuple[Key, ...]:
 
 def shape_place(name: str) -> Place:
     """The table of a shape, with the keys that say how its file is read."""
-    found = _table(f'shape = "{name}"', SHAPES[name])
-    return found._replace(keys=(*found.keys, *keys_of(FILES[name]))) if name in FILES else found
+    place = _table(f'shape = "{name}"', SHAPES[name])
+    return place._replace(keys=(*place.keys, *keys_of(FILES[name]))) if name in FILES else place
 
 
 def _table(title: str, record: Any) -> Place:
@@ -240,13 +248,13 @@ def first_paragraph(record: Any) -> str:
 
 def keys_of(record: Any) -> tuple[Key, ...]:
     """The keys that stand for the fields of a record (a class)."""
-    hints, said, kinds = get_type_hints(record), meanings(record), marks(record)
-    found = []
+    hints, texts, kinds = hints_of(record), meanings(record), marks(record)
+    keys = []
     for item in fields(record):
-        meaning = said.get(item.name, Meaning(""))
+        meaning = texts.get(item.name, Meaning(""))
         default = _default(record, item, meaning)
-        found.append(Key(item.name, meaning, hints[item.name], kinds.get(item.name), default))
-    return tuple(found)
+        keys.append(Key(item.name, meaning, hints[item.name], kinds.get(item.name), default))
+    return tuple(keys)
 
 
 def able_names(laws: Registry) -> tuple[str, ...]:

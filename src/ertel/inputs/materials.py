@@ -8,7 +8,7 @@
 ('glass', 'sapphire', 'silicon-nitride', 'steel', 'tungsten-carbide')
 """
 
-from ertel.inputs.library import material as get
-from ertel.inputs.library import material_names as names
+from ertel.inputs.oils import material as get
+from ertel.inputs.oils import material_names as names
 
 __all__ = ["get", "names"]

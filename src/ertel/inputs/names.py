@@ -16,19 +16,24 @@ another one or is one that only Newtonian oils have: dimensionless, or by the ra
 Newtonian unless the case names a law, whose data may come from the oil too:
 
     rheology = { law = "carreau", n = 0.5 }     # G from the library; "newtonian": none
+
+The section [thermal] takes from the oil and from the materials what it does not give.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, fields
 from typing import Any, NamedTuple
 
-from ertel.case.records import ConfigError, data_of, law_fields, oil_data, show
-from ertel.inputs import library, oils
+from ertel.case.case import Case
+from ertel.case.derived import LARGEST_NEWTONIAN_STRESS, newtonian_stress
+from ertel.case.records import ConfigError, data_of, law_fields, named, oil_data, show
+from ertel.case.sections import Thermal
+from ertel.inputs import oils
 from ertel.inputs.layout import READER, DataSheet, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import parse_temperature
 from ertel.physics.fluidity import Carreau, Limited
-from ertel.physics.oils import RHEOLOGY, NamedOil, Sourced
-from ertel.physics.units import DENSITY, STRESS
+from ertel.physics.materials import RHEOLOGY, NamedOil, Sourced
+from ertel.physics.units import DENSITY, STRESS, Unit, marks
 
 OIL_KEYS, MATERIAL_KEYS = field_names(NamedLubricant), field_names(Materials)
 OF_PRESSURE = ("alpha", "z", "p0")  # a given one makes the law Roelands', unless the law is given too
@@ -38,22 +43,30 @@ DIMENSIONLESS = ("M", "L", "lambda_bar", "alpha_bar")
 def without_names(data: Mapping[str, Any]) -> dict[str, Any]:
     """The plain data of a case with the numbers of the oil and the materials that it names.
 
-    Raises ConfigError, naming the field, for a name that is not in the library or a temperature outside its data.
+    Raises ValueError, naming the field, for a name that is not in the library, a temperature outside its data, and data
+    of [thermal] that are missing.
     """
-    found = dict(data)
+    resolved = _with_thermal_data(data)
     for section, keys, resolve in (("lubricant", OIL_KEYS, _lubricant), ("contact", MATERIAL_KEYS, _contact)):
-        written = found.get(section)
+        written = data.get(section)
         if isinstance(written, Mapping) and any(key in written for key in keys):
             try:
-                found[section] = resolve(written, data)
+                resolved[section] = resolve(written, data)
             except ValueError as error:
                 raise ConfigError(f"{section}.{error}") from error
-    return found
+    return resolved
+
+
+def _tables(data: Mapping[str, Any], *names: str) -> Iterator[Mapping[str, Any]]:
+    """Some sections of a case; an empty one for what is missing or not a table."""
+    for name in names:
+        section = data.get(name)
+        yield section if isinstance(section, Mapping) else {}
 
 
 def _only_newtonian(data: Mapping[str, Any]) -> str:
     """Why a case takes Newtonian oils only; empty if it takes others."""
-    contact, solver = (found if isinstance(found := data.get(name), Mapping) else {} for name in ("contact", "solver"))
+    contact, solver = _tables(data, "contact", "solver")
     if any(key in contact for key in DIMENSIONLESS):
         return "because a dimensionless case has no stresses in Pa"
     return 'because solver.method = "radial" takes no other oils' if solver.get("method") == "radial" else ""
@@ -73,16 +86,16 @@ def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str,
     if not isinstance(temperature, str):
         raise ConfigError(f'temperature = {show(temperature)}: must be a temperature with its unit, such as "40 degC"')
     reason = _only_newtonian(data)
-    known = oil_data(oils.oil_at(oil, temperature, "newtonian" if reason or "rheology" in given else None))
+    numbers = oil_data(oils.oil_at(oil, temperature, "newtonian" if reason or "rheology" in given else None))
     if reason and "rheology" not in given:
-        known["reference"] += f"{RHEOLOGY}Newtonian, {reason}."
-    law = completed(given.get("rheology", known["rheology"]), oil, parse_temperature(temperature))
-    if any(key in given for key in OF_PRESSURE) and not isinstance(known["viscosity"], str):
-        known["viscosity"] = "roelands"
+        numbers["reference"] += f"{RHEOLOGY}Newtonian, {reason}."
+    law = completed(given.get("rheology", numbers["rheology"]), oil, parse_temperature(temperature))
+    if any(key in given for key in OF_PRESSURE) and not isinstance(numbers["viscosity"], str):
+        numbers["viscosity"] = "roelands"
     if given and "reference" not in given:
-        known["reference"] += f" Given: {', '.join(given)}."
-        known["reference"] += "".join(f"{RHEOLOGY}{source}." for source in law.sources)
-    return {**known, **given, "rheology": law.law}
+        numbers["reference"] += f" Given: {', '.join(given)}."
+        numbers["reference"] += "".join(f"{RHEOLOGY}{source}." for source in law.sources)
+    return {**numbers, **given, "rheology": law.law}
 
 
 def oil_of(written: Any) -> NamedOil:
@@ -94,21 +107,21 @@ def oil_of(written: Any) -> NamedOil:
 
 def _contact(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, Any]:
     given = {key: value for key, value in written.items() if key not in MATERIAL_KEYS}
-    known: dict[str, Any] = {}
+    numbers: dict[str, Any] = {}
     for number, key in enumerate(MATERIAL_KEYS, 1):
         if key not in written:
             continue
         if any(name in given for name in DIMENSIONLESS):
             raise ConfigError(f"{key} = {show(written[key])}: a dimensionless contact has no materials; leave it out")
         try:
-            body = library.material(written[key]).elasticity.data
+            body = oils.material(written[key]).elasticity.data
         except ConfigError as error:
             raise ConfigError(str(error).replace("material = ", f"{key} = ", 1)) from error
         if "E_prime" not in given:
-            known |= {f"E{number}": f"{body.E!r} {STRESS.unit}", f"nu{number}": body.nu}
+            numbers |= {f"E{number}": f"{body.E!r} {STRESS.unit}", f"nu{number}": body.nu}
         if key == "material_1" and given.get("kind", "impact") == "impact" and "mass" not in given:
-            known["ball_density"] = f"{body.density!r} {DENSITY.unit}"
-    return {**known, **given}
+            numbers["ball_density"] = f"{body.density!r} {DENSITY.unit}"
+    return {**numbers, **given}
 
 
 # -- laws of shear thinning whose data come from a named oil ----------------------------------------------------------
@@ -137,14 +150,15 @@ def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> Com
         return Completed(law)
     record, field = OF_OILS[name]
     inside = {key: completed(table[key], oil, T, f"{place}.{key}") for key in law_fields(record) if key in table}
-    sources = tuple(source for found in inside.values() for source in found.sources)
-    table = {**table, **{key: found.law for key, found in inside.items()}}
-    missing = [key for key in _needed(record) if key not in table]
+    sources = tuple(source for law_inside in inside.values() for source in law_inside.sources)
+    table = {**table, **{key: law_inside.law for key, law_inside in inside.items()}}
+    needed = (item.name for item in fields(record) if item.default is MISSING)
+    missing = [key for key in needed if key not in table and key not in law_fields(record)]
     if not missing:
         return Completed(table, sources)
     part: Sourced[Any] | None = getattr(oil, field)
-    wanted = " and ".join(missing)
-    complaint = part.missing_at(T, wanted, oil.name) if part else f"the library has no {wanted} of {oil.name}"
+    names = " and ".join(missing)
+    complaint = part.missing_at(T, names, oil.name) if part else f"the library has no {names} of {oil.name}"
     if part is None or complaint:
         advice = f'give {{ law = "{name}", {", ".join(f"{key} = ..." for key in missing)} }}'
         raise ConfigError(f"{place} = {show(law)}: {complaint}; {advice}")
@@ -152,6 +166,87 @@ def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> Com
     return Completed({**table, **{key: data[key] for key in missing}}, (*sources, part.source.rstrip(".")))
 
 
-def _needed(record: Any) -> list[str]:
-    """The numbers that a law must be given."""
-    return [item.name for item in fields(record) if item.default is MISSING and item.name not in law_fields(record)]
+# -- temperatures: [thermal] completed from the oil and the materials that the case names -----------------------------
+
+
+def _with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The plain data of a case, its section [thermal] complete with the data of the named oil and bodies.
+
+    Raises ValueError, naming the key and what to give, for what is missing and for what is not a temperature.
+    """
+    if not isinstance(data.get("thermal"), Mapping):
+        return dict(data)
+    lubricant, contact = _tables(data, "lubricant", "contact")
+    given = {key: value for key, value in data["thermal"].items() if value is not None}
+    if "temperature" in lubricant:
+        given.setdefault("temperature", lubricant["temperature"])
+    T = _inlet_temperature(given, lubricant)
+    in_si = {**_of_oil(lubricant, T), **_of_body(1, contact), **_of_body(2, contact)}
+    units = {key: mark for key, mark in marks(Thermal).items() if isinstance(mark, Unit)}
+    completed = {**{key: f"{value!r} {units[key].unit}" for key, value in in_si.items()}, **given}
+    for key, unit in units.items():
+        if key not in completed and key not in ("temperature_1", "temperature_2"):
+            raise ValueError(f"thermal.{key}: missing; {_advice(key, unit, lubricant, contact)}")
+    return {**data, "thermal": completed}
+
+
+def _inlet_temperature(given: Mapping[str, Any], lubricant: Mapping[str, Any]) -> float | None:
+    """The temperature of the inlet (K), which must be that of the named oil; None if it is missing."""
+    T, of_oil = (
+        READER.values(Thermal, {"temperature": section.get("temperature")}, name).get("temperature")
+        for name, section in (("thermal", given), ("lubricant", lubricant))
+    )
+    if "temperature" in lubricant and T != of_oil:
+        raise ValueError(
+            f"thermal.temperature = {show(given['temperature'])}: differs from lubricant.temperature = "
+            f"{show(lubricant['temperature'])}, for which eta0 and alpha hold; leave thermal.temperature out"
+        )
+    return T
+
+
+def _of_oil(lubricant: Mapping[str, Any], T: float | None) -> dict[str, float]:
+    """Data of the oil that is named or has a data sheet, at T (K)."""
+    if T is None or "oil" not in lubricant:
+        return {}
+    oil = named("lubricant", oil_of, lubricant["oil"])
+    thermal = {} if oil.thermal is None else {"conductivity": oil.thermal.data.conductivity}
+    return {"beta": oil.thinning_at(T), **thermal}
+
+
+def _of_body(number: int, contact: Mapping[str, Any]) -> dict[str, float]:
+    """Data of a body whose material is named."""
+    name = contact.get(f"material_{number}")
+    if name not in oils.material_names():
+        return {}
+    material = oils.material(name)
+    thermal = {} if material.thermal is None else vars(material.thermal.data)
+    data = {"density": material.elasticity.data.density, **thermal}
+    return {f"{key}_{number}": value for key, value in data.items()}
+
+
+def _advice(key: str, unit: Unit, lubricant: Mapping[str, Any], contact: Mapping[str, Any]) -> str:
+    """What to give for a key of [thermal] that is missing."""
+    if key == "temperature":
+        return 'give that of the oil in the inlet, for example "40 degC"'
+    place, name, section = ("lubricant", "oil", lubricant)
+    if key.endswith(("_1", "_2")):
+        place, name, section = ("contact", f"material_{key[-1]}", contact)
+    example = f'give it, for example "{unit.example}"'
+    if section.get(name) is None:
+        return f"{example}, or name the {name.partition('_')[0]}, {place}.{name}"
+    return f"the library has none for {place}.{name} = {show(section[name])}, {example}"
+
+
+def require_rheology(case: Case, lubricant: object) -> None:
+    """Refuse temperatures of a sliding contact whose oil is Newtonian only because the case does not say how it thins.
+
+    lubricant: the section as it is written.  With rheology = "newtonian" they are computed.  Raises ConfigError.
+    """
+    given = isinstance(lubricant, Mapping) and "rheology" in lubricant
+    stress = newtonian_stress(case) if case.thermal and case.oil.is_newtonian and not given else 0.0
+    if stress > LARGEST_NEWTONIAN_STRESS:
+        raise ConfigError(
+            "lubricant.rheology: missing; [thermal] needs it, because a Newtonian oil would have a mean shear stress "
+            f"of about {stress / 1e6:.2g} MPa here and oils begin to thin at some MPa; give for example "
+            '{ law = "ree-eyring", tau0 = "5 MPa" }, or "newtonian" to have that heat computed'
+        )

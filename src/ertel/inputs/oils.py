@@ -1,4 +1,4 @@
-"""Oils by name, and oils from a data sheet: `ertel.oils`.
+"""The library of oils and materials, and oils from a data sheet: `ertel.oils`, and for `ertel.materials`.
 
 >>> from ertel import oils
 >>> oils.names()
@@ -9,25 +9,87 @@
 0.0243
 
 All data of an oil, with their sources and ranges, are in `oils.get("squalane")`.
+
+A data file of the library is TOML.  Each of its tables gives data of one kind, their `source`, the temperatures
+`coldest` and `hottest` between which they are valid, and often a `note` on their accuracy.  What has no trustworthy
+source is left out of the file.
 """
 
+import tomllib
+from collections.abc import Callable, Mapping
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
 from ertel.case.reading import Reader
 from ertel.case.records import ConfigError, show
-from ertel.inputs.layout import DataSheet
-from ertel.inputs.library import oil as get
-from ertel.inputs.library import oil_names as names
+from ertel.inputs.layout import READER, DataSheet
 from ertel.inputs.quantities import number_or_quantity, parse_temperature
-from ertel.physics.fluidity import Fluidity
+from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
-from ertel.physics.oils import NamedOil, Sourced
-from ertel.physics.temperature_laws import ZERO_CELSIUS, Expansion, PowerOfViscosity, SoKlaus, Walther
+from ertel.physics.materials import Elasticity, LimitingStress, Material, NamedOil, Sourced, Strength, ThermalData
+from ertel.physics.temperature_laws import (
+    ZERO_CELSIUS,
+    DoolittleOfTemperature,
+    Expansion,
+    ModulusOfTemperature,
+    PowerOfViscosity,
+    SoKlaus,
+    Vogel,
+    Walther,
+)
 
 __all__ = ["at", "data_sheet", "get", "names"]
 
 Number = float | str  # SI, or a text with a unit
+FOLDER = files("ertel.inputs") / "library"
 COLDEST, HOTTEST = ZERO_CELSIUS, ZERO_CELSIUS + 150.0  # of a data sheet: D341 is a straight line here
+LAWS: Mapping[str, Callable[..., Any]] = {
+    "astm-d341": Walther,
+    "vogel": Vogel,
+    "so-klaus": SoKlaus,
+    "power-of-viscosity": PowerOfViscosity,
+    "modulus": ModulusOfTemperature,
+    "doolittle": DoolittleOfTemperature,
+}
+OIL_TABLES: Mapping[str, tuple[str, Any]] = {  # table of an oil's file: field of NamedOil, record or None for a law
+    "viscosity": ("viscosity", None),
+    "density": ("density", Expansion),
+    "pressure": ("pressure", None),
+    "carreau": ("shear", Carreau),
+    "limiting_stress": ("limiting_stress", LimitingStress),
+    "thermal": ("thermal", ThermalData),
+}
+MATERIAL_TABLES: Mapping[str, tuple[str, Any]] = {
+    "elasticity": ("elasticity", Elasticity),
+    "thermal": ("thermal", ThermalData),
+    "strength": ("strength", Strength),
+}
+
+
+RECORDS = {"oils": (NamedOil, OIL_TABLES), "materials": (Material, MATERIAL_TABLES)}  # by folder of the library
+
+
+def names() -> tuple[str, ...]:
+    """The names of the oils of the library."""
+    return _names("oils")
+
+
+def material_names() -> tuple[str, ...]:
+    """The names of the materials of the library."""
+    return _names("materials")
+
+
+def get(name: str) -> NamedOil:
+    """An oil of the library.  Raises ConfigError for a name that is not there."""
+    oil: NamedOil = _read("oils", _known("oil", name, names()))
+    return oil
+
+
+def material(name: str) -> Material:
+    """A material of the library.  Raises ConfigError for a name that is not there."""
+    body: Material = _read("materials", _known("material", name, material_names()))
+    return body
 
 
 def at(name: str, temperature: Number, rheology: str | Fluidity | None = None) -> Oil:
@@ -125,3 +187,36 @@ def oil_at(oil: NamedOil, temperature: Number, rheology: str | Fluidity | None =
     except ValueError as error:
         message = str(error).replace(f"temperature = {T:g} K", f"temperature = {show(temperature)}")
         raise ConfigError(message) from error
+
+
+# -- reading the library -----------------------------------------------------------------------------------------------
+
+
+@cache
+def _names(folder: str) -> tuple[str, ...]:
+    entries = (entry.name for entry in (FOLDER / folder).iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml")))
+
+
+def _known(noun: str, name: object, names: tuple[str, ...]) -> str:
+    if not isinstance(name, str) or name not in names:
+        raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(names)}")
+    return name
+
+
+@cache
+def _read(folder: str, name: str) -> Any:
+    """The oil or the material in a data file."""
+    record, tables = RECORDS[folder]
+    data = tomllib.loads((FOLDER / folder / f"{name}.toml").read_text(encoding="utf-8"))
+    text = data.pop("text")
+    parts = {tables[key][0]: _sourced(table, tables[key][1], f"{name}.{key}") for key, table in data.items()}
+    return record(name, text, **parts)
+
+
+def _sourced(table: dict[str, Any], record: Any, place: str) -> Sourced[Any]:
+    """A table with its source and range; its keys are the fields of the record, or of the law that it names."""
+    source, note = table.pop("source"), table.pop("note", "").strip()
+    coldest, hottest = (parse_temperature(table.pop(key)) for key in ("coldest", "hottest"))
+    law = record or LAWS[table.pop("law")]
+    return Sourced(READER.record(law, table, place), source, coldest, hottest, note)

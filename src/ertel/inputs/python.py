@@ -5,19 +5,18 @@ of the run, a size of the roughness) is a plain number in the units of the case,
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from inspect import Parameter, Signature
 from typing import Any, TypedDict, Unpack, get_type_hints
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions, Kind
 from ertel.case.reading import hint_for
-from ertel.case.records import ConfigError, law_data, oil_data, show
-from ertel.case.sections import Output, Solver, Time
-from ertel.case.thermal import Thermal
+from ertel.case.records import ConfigError, law_data, oil_data, show, with_unit
+from ertel.case.sections import Output, Solver, Thermal, Time
 from ertel.inputs.case_files import parse_case
-from ertel.inputs.layout import Materials, field_names
-from ertel.inputs.quantities import parse_quantity, plain_data, with_unit
+from ertel.inputs.layout import Materials, NamedLubricant, field_names
+from ertel.inputs.quantities import parse_quantity, plain_data
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil as Oil
 from ertel.physics.registry import FLUIDITY_LAWS
@@ -97,7 +96,6 @@ SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
         "an Oil, or the name of one (`ertel.oils`), which brings its law of shear thinning where it has one; needed by "
         "a physical contact, otherwise a typical mineral oil"
     ),
-    "temperature": Meaning("temperature of the inlet (K, or '40 degC'); goes with the name of an oil"),
     "rheology": Meaning(
         "how the oil thins under shear, instead of the oil's own: a table as in case files, "
         "{'law': 'ree-eyring', 'tau0': '5 MPa'}, the record of a law, or 'newtonian'; 'carreau' takes its data from a "
@@ -109,12 +107,12 @@ SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
     ),
     "time_tolerance": meanings(Time)["tolerance"],
     "thermal": Meaning(
-        "data for the temperatures of a steady contact, as [thermal] of a case file (`ertel.case.thermal.Thermal`); {} "
-        "takes all of them from the oil and the materials that are named"
+        "data for the temperatures of a steady contact, as [thermal] of a case file (`ertel.case.sections.Thermal`); "
+        "{} takes all of them from the oil and the materials that are named"
     ),
     "name": Meaning("for titles and directories"),
 }
-RECORDS = (Conditions, Materials, Solver, Time, Output)
+RECORDS = (Conditions, Materials, NamedLubricant, Solver, Time, Output)
 
 
 def _explain(function: Callable[..., Case], keywords: Any) -> None:
@@ -225,43 +223,47 @@ def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:
         if name not in keywords.__annotations__:
             hint = hint_for(name, tuple(keywords.__annotations__))
             raise TypeError(f"{kind}() got an unexpected keyword argument '{name}': {hint}")
-    wanted = {key: plain_data(value) for key, value in given.items() if value is not None}
-    if not isinstance(wanted.get("oil"), Oil | str | None):
-        said = show(wanted["oil"])
-        raise ConfigError(f"oil = {said}: must be made by Oil(eta0=..., alpha=...), or be the name of an oil")
-    time = {name: wanted[name] for name in field_names(Time) if name in wanted and name != "tolerance"}
-    if "time_tolerance" in wanted:
-        time["tolerance"] = wanted["time_tolerance"]
-    records, tables = _sorted(wanted.get("roughness", ()))
-    contact = {name: wanted[name] for name in (*field_names(Materials), *field_names(Conditions)) if name in wanted}
+    values = {key: plain_data(value) for key, value in given.items() if value is not None}
+    if not isinstance(values.get("oil"), Oil | str | None):
+        oil = show(values["oil"])
+        raise ConfigError(f"oil = {oil}: must be made by Oil(eta0=..., alpha=...), or be the name of an oil")
+
+    def section(*records: Any) -> dict[str, Any]:
+        names = [name for record in records for name in field_names(record)]
+        return {name: values[name] for name in names if name in values}
+
+    time = {key: value for key, value in section(Time).items() if key != "tolerance"}
+    if "time_tolerance" in values:
+        time["tolerance"] = values["time_tolerance"]
+    records, tables = _sorted(values.get("roughness", ()))
     sections: dict[str, Any] = {
-        "name": wanted.get("name"),
-        "contact": {"kind": kind, **_with_units(contact, Conditions)},
-        "lubricant": _lubricant(wanted),
-        "solver": {item.name: wanted[item.name] for item in fields(Solver) if item.name in wanted},
-        "motion": wanted.get("motion"),
-        "thermal": _with_units(wanted.get("thermal"), Thermal),
+        "name": values.get("name"),
+        "contact": {"kind": kind, **_with_units(section(Materials, Conditions), Conditions)},
+        "lubricant": _lubricant(values),
+        "solver": section(Solver),
+        "motion": values.get("motion"),
+        "thermal": _with_units(values.get("thermal"), Thermal),
         "roughness": tables,
         "time": time or None,
-        "output": {item.name: wanted[item.name] for item in fields(Output) if item.name in wanted} or None,
+        "output": section(Output) or None,
     }
-    case = parse_case({name: section for name, section in sections.items() if section is not None})
+    case = parse_case({name: table for name, table in sections.items() if table is not None})
     try:
         return replace(case, roughness=(*case.roughness, *records)) if records else case
     except ValueError as error:
         raise ConfigError(str(error)) from error
 
 
-def _lubricant(wanted: Mapping[str, Any]) -> dict[str, Any] | None:
+def _lubricant(values: Mapping[str, Any]) -> dict[str, Any] | None:
     """The section [lubricant] of an oil, or of the name of an oil and its temperature."""
-    oil = wanted.get("oil")
+    oil = values.get("oil")
     data = oil_data(oil) if isinstance(oil, Oil) else {} if oil is None else {"oil": oil}
-    if "temperature" in wanted:
-        data["temperature"] = with_unit(wanted["temperature"], TEMPERATURE)
+    if "temperature" in values:
+        data["temperature"] = with_unit(values["temperature"], TEMPERATURE)
     if isinstance(oil, Oil) and oil.is_newtonian:
         del data["rheology"]  # the default of an Oil, not a wish
-    if "rheology" in wanted:
-        law = wanted["rheology"]
+    if "rheology" in values:
+        law = values["rheology"]
         data["rheology"] = law_data(law, FLUIDITY_LAWS) if hasattr(law, "fluidity") else law
     return data or None
 

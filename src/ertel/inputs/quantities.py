@@ -1,19 +1,22 @@
-"""Quantities as a user writes them, "10 mm", converted to SI.
+"""Quantities as a user writes them, "10 mm", converted to SI: one, or several as a list or a range.
 
 Units are from pint, which is imported only if a unit differs from the SI unit.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from decimal import Decimal
+from fractions import Fraction
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from ertel.case.records import is_number, show
+from ertel.case.reading import parse_number
+from ertel.case.records import ConfigError, is_number, show, with_unit
 from ertel.physics.temperature_laws import ZERO_CELSIUS
-from ertel.physics.units import LARGEST, Unit, reads_quantities
+from ertel.physics.units import Bounds, Mark, Unit, reads_quantities
 
 HOTTER_THAN_ANY = 1e4  # K
 LONGEST = 60  # characters of a quantity
@@ -57,28 +60,28 @@ def parse_quantity(value: object, unit: Unit) -> float:
     """
     if unit.unit == "K":  # degC has an offset
         return _temperature(value, unit)
-    wanted = f'a quantity {"" if unit.signed else "above zero "}with a unit such as "{unit.example}"'
+    description = f'a quantity {"" if unit.signed else "above zero "}with a unit such as "{unit.example}"'
     if isinstance(value, str) and len(value) > LONGEST:
-        raise ValueError(f"must be {wanted}, of at most {LONGEST} characters")
-    number, written = _split(value)
+        raise ValueError(f"must be {description}, of at most {LONGEST} characters")
+    number, written = split(value)
     if not written:
-        raise ValueError(f"must be {wanted}")
-    found = float(Decimal(number) * _factor(written, unit))  # decimal, so that "18.6 mPa*s" is the float 0.0186
-    if not unit.allows(found):
-        raise ValueError(f"must be {wanted}")
-    if complaint := unit.size_complaint(found):
+        raise ValueError(f"must be {description}")
+    number_in_si = float(Decimal(number) * _factor(written, unit))  # decimal, so that "18.6 mPa*s" is the float 0.0186
+    if not unit.allows(number_in_si):
+        raise ValueError(f"must be {description}")
+    if complaint := unit.size_complaint(number_in_si):
         raise ValueError(complaint)
-    return found
+    return number_in_si
 
 
 def _temperature(value: object, unit: Unit) -> float:
-    found = parse_temperature(value if isinstance(value, str) else None)
-    if complaint := unit.size_complaint(found):
+    kelvin = parse_temperature(value if isinstance(value, str) else None)
+    if complaint := unit.size_complaint(kelvin):
         raise ValueError(complaint)
-    return found
+    return kelvin
 
 
-def _split(value: object) -> tuple[str, str]:
+def split(value: object) -> tuple[str, str]:
     """The number and the unit of a text; "" for what is not there."""
     text = value.strip() if isinstance(value, str) else ""
     match = _NUMBER.match(text)
@@ -112,14 +115,6 @@ def parse_temperature(value: object) -> float:
     return kelvin
 
 
-def with_unit(value: Any, mark: object) -> Any:
-    """A number as a quantity in the SI unit of its field; anything else as it is."""
-    if not isinstance(mark, Unit) or not is_number(value):
-        return value
-    shown = repr(float(value)) if isinstance(value, float) or abs(value) <= LARGEST else show(value)
-    return f"{shown} {mark.unit}"
-
-
 @reads_quantities
 def number_or_quantity(value: object, unit: Unit) -> float:
     """A quantity given in Python, in SI: a number in the SI unit, or a text with a unit."""
@@ -136,13 +131,13 @@ def _factor(written: str, unit: Unit) -> Decimal:
         raise ValueError(unknown)
     registry = _registry()
     try:
-        found = registry.Quantity(1.0, registry.parse_units(written))
-        wrong = found.dimensionality != registry.Quantity(1.0, unit.unit).dimensionality
-        factor = 1.0 if wrong else found.to(unit.unit).magnitude
+        one = registry.Quantity(1.0, registry.parse_units(written))
+        wrong = one.dimensionality != registry.Quantity(1.0, unit.unit).dimensionality
+        factor = 1.0 if wrong else one.to(unit.unit).magnitude
     except Exception as error:  # pint raises many kinds, from its own to the tokenizer's
         raise ValueError(unknown) from error
     if wrong:
-        raise ValueError(f'has the wrong dimension {found.dimensionality}; write for example "{unit.example}"')
+        raise ValueError(f'has the wrong dimension {one.dimensionality}; write for example "{unit.example}"')
     return Decimal(f"{factor:.14g}")  # without the round-off of powers of ten
 
 
@@ -151,3 +146,104 @@ def _registry() -> Any:
     import pint
 
     return pint.UnitRegistry()
+
+
+# -- several values: a range such as "0:0.5:15", or values one by one -------------------------------------------------
+#
+#     0:0.5:15                    15 values from 0 to 0.5, equal steps
+#     0.1 m/s:10 m/s:12:log       12 values, equal ratios: for a range over decades
+#     0.1:10 m/s:12:log           the same: a unit at one end holds for both
+#     0, 0.01, 0.05               these values
+#
+# A quantity without any unit is in SI.
+
+LOG = "log"
+MOST_VALUES = 1000
+NUMBER = Bounds(gt=1, le=MOST_VALUES, whole=True)
+
+Given = str | float | Sequence[Any]
+
+
+def parse_values(name: str, given: Given, mark: Mark) -> tuple[float, ...]:
+    """The values of a range, or of a list, in SI.
+
+    Parameters
+    ----------
+    name : str
+        What varies, for messages.
+    given : str, float or sequence
+        A text as above; or one value or several, each a number (in SI) or a text with a unit.
+    mark : Unit or Bounds
+        What a value must be: a quantity with this unit, or a plain number.
+
+    Raises ConfigError for anything else, for no values at all, and for values that neither rise nor fall.
+
+    Examples
+    --------
+    >>> from ertel.physics.units import VELOCITY
+    >>> parse_values("mean_speed", "0.1:10 m/s:3:log", VELOCITY)
+    (0.1, 1.0, 10.0)
+    """
+    try:
+        values = _ranged(given, mark) if isinstance(given, str) and ":" in given else _listed(given, mark)
+    except ValueError as error:
+        raise ConfigError(f"{name} = {show(given)}: {error}") from error
+    steps = {(late > early) - (late < early) for early, late in pairwise(values)}
+    if len(steps) > 1 or 0 in steps:
+        raise ConfigError(f"{name} = {show(given)}: must rise or fall from value to value")
+    if len(values) > MOST_VALUES:
+        raise ConfigError(f"{name}: has {len(values)} values; must be at most {MOST_VALUES}")
+    return values
+
+
+def _listed(given: Given, mark: Mark) -> tuple[float, ...]:
+    if isinstance(given, int | float | np.generic):
+        given = [given]
+    items = given.split(",") if isinstance(given, str) else list(given)
+    if not items:
+        raise ValueError("must be one value or more")
+    return tuple(_value(item, mark) for item in items)
+
+
+def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
+    left, *rest = (part.strip() for part in text.split(":"))
+    if len(rest) not in (2, 3) or rest[2:] not in ([], [LOG]):
+        raise ValueError(f"must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:{LOG} for equal ratios")
+    unit = split(rest[0])[1] or split(left)[1]
+    start, end = (_value(text, mark, unit) for text in (left, rest[0]))
+    return spaced(start, end, _number(rest[1]), logarithmic=bool(rest[2:]))
+
+
+def spaced(start: float, end: float, number: int, logarithmic: bool) -> tuple[float, ...]:
+    """Values from start to end, with equal steps or equal ratios.  Raises ValueError where there are no such ratios."""
+    if logarithmic and not start * end > 0:
+        raise ValueError("the ends of a range with equal ratios (log) must both be above zero, or both below")
+    if logarithmic:
+        return (start, *(float(value) for value in np.geomspace(start, end, number)[1:-1]), end)
+    first, last = Fraction(repr(start)), Fraction(repr(end))  # exact, so that a range through zero contains zero
+    return tuple(float(first + (last - first) * i / (number - 1)) for i in range(number))
+
+
+def _number(text: str) -> int:
+    try:
+        return int(parse_number(int(text), NUMBER))
+    except ValueError as error:
+        raise ValueError(f"the number of values must be a whole number from 2 to {MOST_VALUES}") from error
+
+
+def _value(given: Any, mark: Mark, unit: str = "") -> float:
+    """A plain number, or a quantity in SI; one without its unit is in `unit`, or in SI."""
+    given = given.item() if isinstance(given, np.generic) else given
+    if isinstance(mark, Bounds):
+        return parse_number(_plain(given) if isinstance(given, str) else given, mark)
+    if isinstance(given, bool) or not isinstance(given, int | float | str):
+        raise ValueError(f'must be numbers in {mark.unit}, or quantities such as "{mark.example}"')
+    has_unit = isinstance(given, str) and split(given)[1]
+    return parse_quantity(str(given).strip() if has_unit else f"{given} {unit or mark.unit}", mark)
+
+
+def _plain(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise ValueError(f"{show(text)} must be a number") from error

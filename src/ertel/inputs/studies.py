@@ -17,6 +17,7 @@ whole unless they stand in a list; each value in them may.
 """
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
 from math import prod
@@ -24,15 +25,14 @@ from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.records import OIL_LAWS, ConfigError, field_name, show
+from ertel.case.reading import check_key
+from ertel.case.records import ConfigError, field_name, is_number, show
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
-from ertel.inputs.layout import SECTIONS, DataSheet
-from ertel.inputs.quantities import parse_quantity, plain_data
-from ertel.inputs.ranges import LOG, MOST_VALUES, spaced, unit_in
-from ertel.physics.motion import Oscillation
+from ertel.inputs.layout import SECTIONS, Key, section, shape_place
+from ertel.inputs.quantities import LOG, MOST_VALUES, parse_quantity, plain_data, spaced, split
 from ertel.physics.registry import SHAPES
-from ertel.physics.units import Mark, Unit, marks, meanings
+from ertel.physics.units import Unit
 
 SWEEP, MODE, MODES = "sweep", "mode", ("product", "zip")
 RANGE = ("from", "to", "number", "spacing")
@@ -103,7 +103,8 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
     plain = {key: value for key, value in data.items() if key != SWEEP}
     axes = tuple(_axes(plain))
     for axis in axes if mode == "product" else ():
-        _check_differing(axis.field, axis.values)
+        if len({_hashable(value) for value in axis.values}) < len(axis.values):
+            raise ConfigError(f"{axis.field} = {show(list(axis.values))}: the values must differ from each other")
     if not axes:
         parse_case(plain, folder)  # a misspelled section or range is named first
         raise ConfigError(
@@ -115,13 +116,12 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
     return Study(cases[0].name or cases[0].kind, mode, axes, cases, plain)
 
 
-def _mode(section: Any) -> str:
-    if not isinstance(section, Mapping):
-        raise ConfigError(f"{SWEEP} = {show(section)}: must be a section, [{SWEEP}]")
-    for key in section:
-        if key != MODE:
-            raise ConfigError(f"{SWEEP}.{key} = {show(section[key])}: unknown key; allowed: {MODE}")
-    mode = section.get(MODE, MODES[0])
+def _mode(table: Any) -> str:
+    if not isinstance(table, Mapping):
+        raise ConfigError(f"{SWEEP} = {show(table)}: must be a section, [{SWEEP}]")
+    for key, value in table.items():
+        check_key(key, value, (MODE,), SWEEP)
+    mode = table.get(MODE, MODES[0])
     if mode not in MODES:
         raise ConfigError(f"{SWEEP}.{MODE} = {show(mode)}: allowed: {', '.join(MODES)}")
     return str(mode)
@@ -132,12 +132,12 @@ def _mode(section: Any) -> str:
 
 def _axes(data: Mapping[str, Any]) -> Iterator[Axis]:
     """The values of a case that vary, in the order of the file."""
-    for name, section in data.items():
-        if name == "roughness" and isinstance(section, list):
-            for number, table in enumerate(section):
-                yield from _axes_in(table, (name, number))
+    for name, table in data.items():
+        if name == "roughness" and isinstance(table, list):
+            for number, shape in enumerate(table):
+                yield from _axes_in(shape, (name, number))
         elif name in SECTIONS:
-            yield from _axes_in(section, (name,))
+            yield from _axes_in(table, (name,))
 
 
 def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
@@ -160,11 +160,6 @@ def _is_signal(place: Place, value: Sequence[Any]) -> bool:
     )
 
 
-def _check_differing(what: str, values: Sequence[Any]) -> None:
-    if len({_hashable(value) for value in values}) < len(values):
-        raise ConfigError(f"{what} = {show(list(values))}: the values must differ from each other")
-
-
 def _hashable(value: Any) -> Any:
     """A key that is equal for equal values, so that a set finds it at once."""
     if isinstance(value, Mapping):
@@ -176,10 +171,8 @@ def _hashable(value: Any) -> Any:
 
 def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
     """The values of a range, written like its ends."""
-    said = f"{field} = {show(table)}"
-    for key in table:
-        if key not in RANGE:
-            raise ConfigError(f"{field}.{key} = {show(table[key])}: unknown key; a range has {', '.join(RANGE)}")
+    for key, value in table.items():
+        check_key(key, value, RANGE, field)
     for key in RANGE[:3]:
         if key not in table:
             raise ConfigError(f"{field}.{key}: missing; a range has {', '.join(RANGE)}")
@@ -192,24 +185,21 @@ def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
         (start, of_start), (end, of_end) = (_amount(table[key]) for key in RANGE[:2])
         if of_start and of_end and of_start != of_end:
             raise ValueError("both ends must have the same unit")
-        found = spaced(start, end, number, spacing == LOG)
+        values = spaced(start, end, number, spacing == LOG)
     except ValueError as error:
-        raise ConfigError(f"{said}: {error}") from error
+        raise ConfigError(f"{field} = {show(table)}: {error}") from error
     if unit := of_start or of_end:
-        return [f"{value!r} {unit}" for value in found]
-    whole = all(isinstance(table[key], int) for key in RANGE[:2]) and all(value.is_integer() for value in found)
-    return [int(value) for value in found] if whole else list(found)
+        return [f"{value!r} {unit}" for value in values]
+    whole = all(isinstance(table[key], int) for key in RANGE[:2]) and all(value.is_integer() for value in values)
+    return [int(value) for value in values] if whole else list(values)
 
 
 def _amount(written: Any) -> tuple[float, str]:
     """The number and the unit of one end of a range."""
-    if isinstance(written, bool) or not isinstance(written, int | float | str):
-        raise ValueError('its ends must be numbers, or quantities such as "0.1 m/s"')
-    unit = unit_in(written.strip()) if isinstance(written, str) else ""
-    try:
-        return float(written.strip().removesuffix(unit) if isinstance(written, str) else written), unit
-    except ValueError as error:
-        raise ValueError(f"{show(written)} must be a number, with or without a unit") from error
+    number, unit = (written, "") if is_number(written) else split(written)
+    if number == "":
+        raise ValueError(f"{show(written)} must be a number, with or without a unit")
+    return float(number), unit
 
 
 # -- the cases --------------------------------------------------------------------------------------------------------
@@ -219,8 +209,8 @@ def _combinations(axes: Sequence[Axis], mode: str) -> Iterator[tuple[Any, ...]]:
     """The values of each case, one of each axis."""
     numbers = {axis.field: len(axis.values) for axis in axes}
     if mode == "zip" and len(set(numbers.values())) > 1:
-        said = ", ".join(f"{field} {number}" for field, number in numbers.items())
-        raise ConfigError(f'{SWEEP}.{MODE} = "zip": all must have equally many values; there are of {said}')
+        lengths = ", ".join(f"{field} {number}" for field, number in numbers.items())
+        raise ConfigError(f'{SWEEP}.{MODE} = "zip": all must have equally many values; there are of {lengths}')
     runs = prod(numbers.values()) if mode == "product" else len(axes[0].values)
     if runs > MOST_RUNS:
         raise ConfigError(f"the study has {runs} cases; must be at most {MOST_RUNS}")
@@ -257,60 +247,39 @@ def coordinates(study: Study) -> dict[str, Coordinate]:
     What is no number, a law or the name of an oil, is a text.
     """
     short = [str(axis.place[-1]) for axis in study.axes]
-    found = {}
+    by_name = {}
     for axis, name in zip(study.axes, short, strict=True):
         whole = [str(part + 1) if isinstance(part, int) else part for part in axis.place]  # tables count from one
         unique = name if short.count(name) == 1 else "_".join(whole)
-        found[unique] = _coordinate(axis, _records(axis.place, study.data))
-    return found
+        by_name[unique] = _coordinate(axis, _key(axis.place, study.data))
+    return by_name
 
 
-def _coordinate(axis: Axis, records: Sequence[Any]) -> Coordinate:
-    key = str(axis.place[-1])
-    mark = next((marks(record)[key] for record in records if key in marks(record)), None)
-    meaning = next((meanings(record)[key].text for record in records if key in meanings(record)), key)
-    about = {"long_name": meaning, "field": axis.field}
+def _coordinate(axis: Axis, key: Key | None) -> Coordinate:
+    mark = key and key.mark
+    about = {"long_name": key.meaning.text if key else str(axis.place[-1]), "field": axis.field}
     if all(isinstance(value, int | float) for value in axis.values):
         about |= {"units": "1"}
         if isinstance(mark, Unit) and mark.scale:
             about |= {"in_units_of": mark.own}
         return [float(value) for value in axis.values], about
-    in_si = _in_si(axis.values, mark)
-    if in_si is not None and isinstance(mark, Unit):
-        return in_si, {**about, "units": mark.unit}
+    if isinstance(mark, Unit) and all(isinstance(value, str) for value in axis.values):
+        with suppress(ValueError):  # an event in the place of a time
+            return [parse_quantity(value, mark.in_si) for value in axis.values], {**about, "units": mark.unit}
     return [value if isinstance(value, str) else show(value) for value in axis.values], about
 
 
-def _in_si(values: Sequence[Any], mark: Mark | None) -> list[float] | None:
-    """Quantities in SI; None where they are none, or not all of them."""
-    if not isinstance(mark, Unit) or not all(isinstance(value, str) for value in values):
-        return None
-    try:
-        return [parse_quantity(value, mark.in_si) or 0.0 for value in values]
-    except ValueError:  # an event in the place of a time
-        return None
-
-
-def _records(place: Place, data: Mapping[str, Any]) -> list[Any]:
-    """The records (classes) whose fields a key may be."""
-    section, *inner = place
-    if section == "roughness":
-        shape = data["roughness"][inner[0]].get("shape")
-        return [SHAPES[shape]] if shape in SHAPES else []
-    if len(inner) == 1:
-        part = SECTIONS[str(section)]
-        return [record for record in (part.named, part.record) if record]
-    if section == "motion":
-        return [Oscillation]
-    if inner[0] == "oil":
-        return [DataSheet]
-    return _law(inner, data[str(section)])
-
-
-def _law(inner: Sequence[Any], table: Mapping[str, Any]) -> list[Any]:
-    """The law whose key a place in [lubricant] is; a law may stand inside of another one."""
-    laws: Mapping[str, Any] = OIL_LAWS.get(str(inner[0]), {})
+def _key(place: Place, data: Mapping[str, Any]) -> Key | None:
+    """The key of a case file at a place; None where there is none."""
+    name, *inner = place
+    table = data[str(name)]
+    if name == "roughness":
+        table = table[inner.pop(0)]
+        shape = table.get("shape")
+        keys = shape_place(shape).keys if shape in SHAPES else ()
+    else:
+        keys = section(str(name)).keys
     for part in inner[:-1]:
         table = table[part]
-    law = table.get("law")
-    return [laws[law]] if isinstance(law, str) and law in laws else []
+        keys = next((key.keys_in(table) for key in keys if key.name == part), ())
+    return next((key for key in keys if key.name == inner[-1]), None)

@@ -36,9 +36,9 @@ def derivative_weights(times: Sequence[float]) -> Weights:
 
 def three(weights: Weights) -> Weights:
     """At most three weights as three, the missing ones zero: one shape, whatever the history."""
-    found = np.zeros(3)
-    found[: len(weights)] = weights
-    return found
+    padded = np.zeros(3)
+    padded[: len(weights)] = weights
+    return padded
 
 
 def error_factor(times: Sequence[float]) -> float:

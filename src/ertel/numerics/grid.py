@@ -141,11 +141,11 @@ def nodes_across(nodes: int, ratio: float) -> int:
     every grid.
     """
     cells = nodes - 1
-    wanted = max(ratio * cells, COARSE_ENOUGH - 1)
+    needed = max(ratio * cells, COARSE_ENOUGH - 1)
     unit = 2
-    while cells % (2 * unit) == 0 and min(cells, wanted) / unit >= COARSE_ENOUGH - 1:
+    while cells % (2 * unit) == 0 and min(cells, needed) / unit >= COARSE_ENOUGH - 1:
         unit *= 2
-    return 1 + unit * ceil(wanted / unit - 1e-6)
+    return 1 + unit * ceil(needed / unit - 1e-6)
 
 
 def check_coarsening(grid: Grid) -> None:

@@ -14,8 +14,8 @@ import numpy as np
 from jax import Array, lax
 from numpy.typing import NDArray
 
-from ertel.numerics.arrays import require_double
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
+from ertel.numerics.programs import require_double
 
 
 def love_coefficients(rows: int, columns: int, spacing: float) -> NDArray[np.float64]:
@@ -69,12 +69,12 @@ def surface_displacement(kernel: Array, P: Array, even: Symmetry = NO_SYMMETRY) 
     along = _cosines(P, period_x) if even.x else jnp.fft.rfft(P, n=period_x, axis=1)
     if even.y:
         both = _cosines(along.T, period_y) * kernel.T
-        wanted = _cosines(both, period_y)[:, :rows].T / period_y
+        rows_back = _cosines(both, period_y)[:, :rows].T / period_y
     else:
-        wanted = jnp.fft.ifft(jnp.fft.fft(along, n=period_y, axis=0) * kernel, axis=0)[:rows]
+        rows_back = jnp.fft.ifft(jnp.fft.fft(along, n=period_y, axis=0) * kernel, axis=0)[:rows]
     if even.x:
-        return _cosines(wanted.real, period_x)[:, :columns] / period_x
-    return jnp.fft.irfft(wanted, n=period_x, axis=1)[:, :columns]
+        return _cosines(rows_back.real, period_x)[:, :columns] / period_x
+    return jnp.fft.irfft(rows_back, n=period_x, axis=1)[:, :columns]
 
 
 def _cosines(half: Array, period: int) -> Array:

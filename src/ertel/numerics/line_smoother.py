@@ -13,6 +13,7 @@ spread change.
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -21,11 +22,10 @@ import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.numerics import multigrid, tridiagonal
+from ertel.numerics import multigrid
 from ertel.numerics.grid import NO_SYMMETRY, Symmetry
-from ertel.numerics.multigrid import Coefficients, DeformationOperator
+from ertel.numerics.multigrid import Coefficients, DeformationOperator, interleave
 from ertel.numerics.stencils import extended, face_sum, largest_around
-from ertel.numerics.tridiagonal import Factors
 
 JACOBI_DAMPING = 0.5  # both are smaller than in the point smoother, for the second-order wedge and pressure spikes
 DISTRIBUTIVE_DAMPING = 0.35
@@ -33,6 +33,86 @@ SHORT_WAVES, LONG_WAVES = 0.9, 0.03  # as in `multigrid`; short waves grow more 
 # in units of the long waves' stiffness.  Where the diffusion at a node and at all nodes around it is less, Jacobi would
 # amplify long waves: so it is where sliding thins the oil in the whole contact
 MODERATE = 3.0
+SHORT = 33  # nodes per line; elimination is as fast for lines up to this length
+
+
+# -- cyclic reduction for many tridiagonal systems at once, factorised once and solved often --------------------------
+#
+# Every second unknown is eliminated, then every second of the rest, and so on, as on the grids of multigrid; here the
+# coarse problem is exact.  The unknowns of one level are independent, unlike those in elimination along the line.  Rows
+# are not exchanged, so the diagonal must not be small compared with the rest of its row.
+#
+# Source: Hockney RW. A fast direct solution of Poisson's equation using Fourier analysis. J ACM 1965;12:95.
+
+
+class Rows(NamedTuple):
+    """Rows of matrices with unit diagonal: the coefficients of the two neighbours, each of shape (lines, n)."""
+
+    lower: Array
+    upper: Array
+
+
+class Halving(NamedTuple):
+    """The rows of the odd and the even nodes, and the scale factors of the even rows after the odd are eliminated."""
+
+    odd: Rows
+    even: Rows
+    scale: Array
+
+
+class Factors(NamedTuple):
+    """The scale factors of the rows, the halvings (longest lines first), and the remaining rows."""
+
+    scale: Array
+    halvings: tuple[Halving, ...]
+    rest: Rows
+
+
+def factorise(lower: Array, diagonal: Array, upper: Array) -> Factors:
+    """Factors of the matrices with these bands, (lines, n): coefficients of unknowns i - 1, i and i + 1 in row i.
+
+    Lines are halved while their number of nodes is odd and above SHORT.
+    """
+    rows, halvings = Rows(lower / diagonal, upper / diagonal), []
+    while (n := rows.lower.shape[1]) > SHORT and n % 2:
+        halving, rows = _halve(rows)
+        halvings.append(halving)
+    return Factors(1.0 / diagonal, tuple(halvings), rows)
+
+
+def solve_lines(factors: Factors, b: Array) -> Array:
+    """The solutions for right-hand sides b of shape (lines, n)."""
+    return _solve(factors.halvings, factors.rest, factors.scale * b)
+
+
+def _solve(halvings: Sequence[Halving], rest: Rows, b: Array) -> Array:
+    if not halvings:
+        return jax.lax.linalg.tridiagonal_solve(rest.lower, jnp.ones_like(b), rest.upper, b[..., None])[..., 0]
+    (odd, even, scale), *shorter = halvings
+    left_out = b[:, 1::2]
+    x = _solve(shorter, rest, scale * (b[:, ::2] - even.lower * _before(left_out) - even.upper * _after(left_out)))
+    between = left_out - odd.lower * x[:, :-1] - odd.upper * x[:, 1:]
+    return interleave(x.T, between.T).T
+
+
+def _halve(rows: Rows) -> tuple[Halving, Rows]:
+    """The halving, and the rows of the even nodes after elimination of the odd nodes."""
+    odd, even = (Rows(*(part[:, first::2] for part in rows)) for first in (1, 0))
+    diagonal = 1.0 - even.lower * _before(odd.upper) - even.upper * _after(odd.lower)
+    lower, upper = -even.lower * _before(odd.lower), -even.upper * _after(odd.upper)
+    return Halving(odd, even, 1.0 / diagonal), Rows(lower / diagonal, upper / diagonal)
+
+
+def _before(odd: Array) -> Array:
+    """At each even node, the value at the odd node before it; zero at the first."""
+    return jnp.pad(odd, ((0, 0), (1, 0)))
+
+
+def _after(odd: Array) -> Array:
+    return jnp.pad(odd, ((0, 0), (0, 1)))
+
+
+# -- the smoother -----------------------------------------------------------------------------------------------------
 
 
 @register_dataclass
@@ -57,7 +137,7 @@ class LineSmoother:
         return self.rate * mass + self.drift_over_spacing * rise
 
     def change(self, r: Array) -> Array:
-        d = tridiagonal.solve_lines(self.factors, r)
+        d = solve_lines(self.factors, r)
         together = multigrid.spread(DISTRIBUTIVE_DAMPING * self.by_spread * d, self.by_spread, self.even)
         return JACOBI_DAMPING * self.by_jacobi * d + together
 
@@ -75,7 +155,7 @@ def line_smoother(
     strong = largest_around(diffusion / c.stretch, elastic.even) > MODERATE * long
     jacobi = (diffusion > stiffness) & strong
     by_jacobi, by_spread = jacobi * c.free, ~jacobi * c.free
-    factors = tridiagonal.factorise(*_bands(elastic, c, by_spread, flow))
+    factors = factorise(*_bands(elastic, c, by_spread, flow))
     return LineSmoother(factors, by_jacobi, by_spread, *flow, elastic.even)
 
 
@@ -108,12 +188,12 @@ def _bands(elastic: DeformationOperator, c: Coefficients, by_spread: Array, flow
     """The operator's three bands on each line; each node has its own kind of change."""
     p = extended(by_spread, elastic.even)
     pattern = _Pattern(*(-0.25 * by_spread * near for near in (p[1:-1, :-2], p[1:-1, 2:], p[:-2, 1:-1] + p[2:, 1:-1])))
-    own, upstream = _diffusion(elastic, c)
+    centre, upstream = _diffusion(elastic, c)
 
     def diffused(k: int) -> Array:
         """By a change k nodes upstream."""
         change, before, after = (_shifted(pattern.at(j) * c.free, k) for j in (k, k - 1, k + 1))
-        return own * change - upstream * before - _downstream(upstream) * after
+        return centre * change - upstream * before - _downstream(upstream) * after
 
     def coupling(k: int) -> Array:
         """The entry in row i, column i - k: the change is k nodes upstream."""
@@ -121,15 +201,15 @@ def _bands(elastic: DeformationOperator, c: Coefficients, by_spread: Array, flow
         beyond = diffused(2 * k) if k else 0.0
         return diffused(k) + beyond + _carried(elastic, c, pattern, k, flow)
 
-    across = 0.5 * (own - upstream - _downstream(upstream)) * pattern.beside  # from the neighbours on other lines
+    across = 0.5 * (centre - upstream - _downstream(upstream)) * pattern.beside  # from the neighbours on other lines
     diagonal = jnp.where(c.free > 0.0, coupling(0) - across, 1.0)
     return coupling(1) * c.free, diagonal, coupling(-1) * c.free
 
 
 def _diffusion(elastic: DeformationOperator, c: Coefficients) -> tuple[Array, Array]:
     """The diagonal coefficient of - div(eps grad e), and the coefficient of the upstream face."""
-    own, upstream = face_sum(c.eps, elastic.even), 0.5 * (c.eps.x + _upstream(c.eps.x))
-    return own / elastic.spacing**2, upstream / elastic.spacing**2
+    centre, upstream = face_sum(c.eps, elastic.even), 0.5 * (c.eps.x + _upstream(c.eps.x))
+    return centre / elastic.spacing**2, upstream / elastic.spacing**2
 
 
 def _carried(elastic: DeformationOperator, c: Coefficients, pattern: _Pattern, k: int, flow: _Flow) -> Array:

@@ -1,21 +1,30 @@
-"""Programs: jitted functions, compiled once for each kind of arguments, also from several threads at once.
+"""How JAX computes here: in double precision, in programs that are compiled once, and points in blocks.
 
-A program is compiled here and now, unless `build_with` names another builder, such as one that keeps programs on disk
+JAX computes in single precision unless it is told otherwise, and that setting belongs to the user.  So every public
+function that computes does it in JAX's own block for double precision, which holds for one thread::
+
+    @double_precision()
+    def simulate(case): ...
+
+A program is a jitted function, compiled once for each kind of arguments, also from several threads at once.  It is
+compiled here and now, unless `build_with` names another builder, such as one that keeps programs on disk
 (`ertel.runs.exported`).
 """
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
+from contextlib import contextmanager
+from importlib import import_module
 from threading import Lock
 from typing import Any, TypeVar
 
 import jax
+import jax.numpy as jnp
 import numpy as np
-from jax import export, tree
+from jax import Array, export, lax, tree
 
-from ertel.numerics.arrays import require_double
-
+BLOCK = 256  # points; 128 to 512 are equally fast, all at once takes twice the time
 # XLA's newer way of joining loops takes half as long again to compile, and level 3 twice as long as level 1; the
 # programs are equally fast (measured on 65 to 513 nodes per side).  Level 0: a fifth to compile, two to three times
 # as long to run.
@@ -26,6 +35,28 @@ OPTIONS = {"xla_cpu_use_fusion_emitters": False}
 
 Compiled = Callable[..., Any]
 Record = TypeVar("Record")
+
+# JAX before 0.8 has it elsewhere
+_enable_x64: Any = jax.enable_x64 if hasattr(jax, "enable_x64") else import_module("jax.experimental").enable_x64
+
+
+@contextmanager
+def double_precision() -> Iterator[None]:
+    """Let JAX compute in double precision in this block, and in this thread only; also a decorator."""
+    with _enable_x64(True):
+        yield
+
+
+def require_double() -> None:
+    """Raise RuntimeError where JAX would silently round to single precision."""
+    if jnp.result_type(float) != jnp.float64:
+        raise RuntimeError(
+            "JAX computes in single precision here, and ertel needs double: call this in a block "
+            "`with ertel.numerics.programs.double_precision():`, or set JAX_ENABLE_X64=1"
+        )
+
+
+# -- programs ----------------------------------------------------------------------------------------------------------
 
 
 def exportable(record: type[Record]) -> type[Record]:
@@ -60,9 +91,9 @@ class Program:
         leaves, structure = tree.flatten(arguments)
         kind = structure, tuple(leaf.aval if isinstance(leaf, jax.Array) else jax.typeof(leaf) for leaf in leaves)
         with self._lock:
-            known = self._compiled.get(kind)
+            is_new = kind not in self._compiled
             compiled = self._compiled.setdefault(kind, Future())
-        if known is None:
+        if is_new:
             try:
                 compiled.set_result(_build(self, arguments))
             except BaseException as error:
@@ -107,3 +138,37 @@ def build_with(builder: Callable[[Program, Any], Compiled]) -> None:
     """Let all programs of this process be built in this way from now on."""
     global _build
     _build = builder
+
+
+# -- points that are all treated alike --------------------------------------------------------------------------------
+
+
+def in_blocks(function: Callable[..., Any], chosen: Array, others: Any, *fields: Any) -> Any:
+    """At the points chosen what a function gives that treats all points alike, elsewhere what `others` has.
+
+    On a CPU the points chosen are gathered and computed `BLOCK` at a time: many arrays for each point then stay in the
+    cache, an iteration ends where its block has converged, and the other points cost nothing.  chosen: bool, of the
+    shape of the points, the last axes of every array in the fields, in `others` and in what the function gives.
+    """
+
+    def where(values: Array, other: Array) -> Array:
+        return jnp.where(chosen, values, other)
+
+    points = chosen.size
+    if points <= BLOCK or jax.default_backend() != "cpu":
+        return tree.map(where, function(*fields), others)
+    blocks = -(-points // BLOCK)
+    places = jnp.nonzero(chosen.ravel(), size=blocks * BLOCK, fill_value=0)[0].reshape(blocks, BLOCK)
+    count = jnp.cumsum(chosen.ravel())
+    fields = tree.map(lambda field: field.reshape(*field.shape[: field.ndim - chosen.ndim], -1), fields)
+
+    def block(number: Array) -> Any:
+        gathered = [tree.map(lambda field: field[..., places[number]], field) for field in fields]
+        nothing = tree.map(lambda part: jnp.zeros(part.shape, part.dtype), jax.eval_shape(function, *gathered))
+        return lax.cond(number * BLOCK < count[-1], lambda: function(*gathered), lambda: nothing)
+
+    def back(computed: Array, other: Array) -> Array:
+        line = jnp.moveaxis(computed, 0, -2).reshape(*computed.shape[1:-1], -1)
+        return where(line[..., jnp.maximum(count - 1, 0)].reshape(other.shape), other)
+
+    return tree.map(back, lax.map(block, jnp.arange(blocks)), others)

@@ -108,6 +108,11 @@ def central_slopes(f: Array, spacing: Array | float) -> tuple[Array, Array]:
     return jnp.pad(along_x, ((0, 0), (1, 1))) / twice, jnp.pad(along_y, ((1, 1), (0, 0))) / twice
 
 
+def node_slopes(f: Array, spacing: Array | float, even: Symmetry = NO_SYMMETRY) -> Array:
+    """grad f at the nodes by central differences, shape (2, n, n); f is zero beyond the edge."""
+    return jnp.stack([slope[1:-1, 1:-1] for slope in central_slopes(extended(f, even), spacing)])
+
+
 def face_sum(eps: Pair, even: Symmetry = NO_SYMMETRY) -> Array:
     """Sum of the coefficient over the four faces of each cell: the diagonal of - `diffusion`."""
     c = _beyond(eps, even)
@@ -133,8 +138,8 @@ def largest_around(f: Array, even: Symmetry = NO_SYMMETRY) -> Array:
 
 def _beyond(eps: Pair, even: Symmetry) -> Pair:
     """The coefficient with one more node on every side."""
-    found: Pair = tree.map(partial(extended, even=even, beyond="edge"), eps)
-    return found
+    pair: Pair = tree.map(partial(extended, even=even, beyond="edge"), eps)
+    return pair
 
 
 def upstream_slope(f: Array, spacing: Array | float) -> Array:
@@ -142,11 +147,6 @@ def upstream_slope(f: Array, spacing: Array | float) -> Array:
     first = f[:, 1:] - f[:, :-1]
     second = 1.5 * first[:, 1:] - 0.5 * first[:, :-1]
     return jnp.concatenate([jnp.zeros_like(f[:, :1]), first[:, :1], second], axis=1) / spacing
-
-
-def edged(values: Array, edge: Array, even: Symmetry = NO_SYMMETRY) -> Array:
-    """The values inside, and `edge` on the edge, where alone it is not zero."""
-    return inside(values, even) + edge
 
 
 def inside(values: Array, even: Symmetry = NO_SYMMETRY) -> Array:

@@ -9,9 +9,8 @@ All is in SI.  Light comes at normal incidence, and the oil fills the gap everyw
 are seen as oil.  The layers, their indices and the oil's index are parameters, with sources in `rig`.
 """
 
-from ertel.optics.chart import Chart
 from ertel.optics.inverse import DoubtfulFilm, film_of_intensity
-from ertel.optics.light import BlackBody, Daylight, Lamp, Light, Monochromatic, White
+from ertel.optics.light import BlackBody, Chart, Daylight, Lamp, Light, Monochromatic, White
 from ertel.optics.rig import (
     BK7,
     CHROMIUM,

@@ -42,9 +42,9 @@ def likeliest(nodes: "Nodes", cosine: Array, first: int) -> tuple[Integers, Arra
 
     cosine: that of the nodes, at all points.  first: branch of the first point.
     """
-    found = sorted((_followed(nodes, first, share) for share in SHARES), key=lambda path: path.cost[0])
-    best = found[0]
-    for other in found[1:]:
+    candidates = sorted((_followed(nodes, first, share) for share in SHARES), key=lambda path: path.cost[0])
+    best = candidates[0]
+    for other in candidates[1:]:
         _limit_odds(best.odds[0], best.branch[0] != other.branch[0], other.cost[0] - best.cost[0], nodes.clear)
     repeats = np.diff(np.append(nodes.begin, len(cosine)))
     return _at_all_points(best.branch[0], nodes, cosine), np.repeat(best.odds[0], repeats)
@@ -210,9 +210,9 @@ def _begun(nodes: Nodes, first: int) -> Paths:
 def _beside(paths: Paths, nodes: Nodes, node: int) -> Paths:
     """Away from fringes every film goes on with the two next phases that the intensity allows."""
     periods = paths.state[:, 0] / np.pi
-    own = np.floor(periods).astype(np.int64)
-    branch = np.concatenate([own, np.where(periods - own > 0.5, own + 1, own - 1)])
-    paths = paths[np.tile(np.arange(len(own)), 2)]
+    below = np.floor(periods).astype(np.int64)
+    branch = np.concatenate([below, np.where(periods - below > 0.5, below + 1, below - 1)])
+    paths = paths[np.tile(np.arange(len(below)), 2)]
     before, error = paths.covariance[:, 0, 0], (nodes.noise[node] / np.sin(nodes.spread[node])) ** 2
     total = before + error
     off = phase_on(branch, nodes.spread[node]) - paths.state[:, 0]
@@ -266,7 +266,7 @@ def _at_all_points(branch: Integers, nodes: Nodes, cosine: Array) -> Integers:
     """The branches of all points: where the film passes a fringe, it does so at the point that agrees best."""
     spread = np.arccos(np.clip(cosine, -1.0, 1.0))
     passed = np.flatnonzero(np.diff(branch)) + 1
-    found = np.repeat(branch, np.diff(np.append(nodes.begin, len(cosine))))
+    at_points = np.repeat(branch, np.diff(np.append(nodes.begin, len(cosine))))
     limits = np.append(nodes.begin, len(cosine))
     for number, node in enumerate(passed):
         low = max(node - 2, (passed[number - 1] + node) // 2 if number else 0)
@@ -275,8 +275,8 @@ def _at_all_points(branch: Integers, nodes: Nodes, cosine: Array) -> Integers:
         distance = spread if fringe % 2 == 0 else np.pi - spread
         begin, end = int(limits[low]), int(limits[high])
         point = _behind(distance, begin, end)
-        found[begin:point], found[point:end] = branch[node - 1], branch[node]
-    return found
+        at_points[begin:point], at_points[point:end] = branch[node - 1], branch[node]
+    return at_points
 
 
 def _behind(distance: Array, begin: int, end: int) -> int:

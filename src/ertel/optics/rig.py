@@ -86,15 +86,15 @@ class JohnsonChristy:
     def index(self, wavelength: ArrayLike) -> NDArray[np.complex128]:
         """n + ik at a wavelength in m, of its shape.  Raises ValueError outside 188 to 1937 nm."""
         rows, column = data_table("johnson_christy_1974.csv"), {"Cr": 1, "Fe": 3}[self.metal]
-        known, n, k = rows[:, 0], rows[:, column], rows[:, column + 1]
+        table, n, k = rows[:, 0], rows[:, column], rows[:, column + 1]
         asked = np.asarray(wavelength, dtype=float) / NM
-        if asked.size and not known[0] <= asked.min() <= asked.max() <= known[-1]:
-            outside = asked.min() if asked.min() < known[0] else asked.max()
+        if asked.size and not table[0] <= asked.min() <= asked.max() <= table[-1]:
+            outside = asked.min() if asked.min() < table[0] else asked.max()
             raise ValueError(
-                f"wavelength = {outside:.4g} nm: must be from {known[0]:g} to {known[-1]:g} nm, where Johnson and "
+                f"wavelength = {outside:.4g} nm: must be from {table[0]:g} to {table[-1]:g} nm, where Johnson and "
                 f"Christy measured {self.metal}; give another medium"
             )
-        return np.interp(asked, known, n) + 1j * np.interp(asked, known, k)
+        return np.interp(asked, table, n) + 1j * np.interp(asked, table, k)
 
 
 @cache
@@ -143,12 +143,12 @@ def seen_through(indices: Sequence[Complex], thicknesses: Sequence[Complex], wav
     wavelength : array
         In m.
     """
-    found = Moebius(1.0, 0.0, 0.0, 1.0)
+    stack = Moebius(1.0, 0.0, 0.0, 1.0)
     for upper, lower, thickness in zip(indices[:-1], indices[1:], [*thicknesses, 0.0], strict=True):
         r = (upper - lower) / (upper + lower)
         turned = np.exp(4j * np.pi * lower * thickness / np.asarray(wavelength))
-        found = found.after(Moebius(turned, r, r * turned, 1.0))
-    return found
+        stack = stack.after(Moebius(turned, r, r * turned, 1.0))
+    return stack
 
 
 def reflection(indices: Sequence[Complex], thicknesses: Sequence[Complex], wavelength: ArrayLike) -> Complex:

@@ -250,12 +250,12 @@ def films(parameters: Parameters, ugw: HamrockDowson | None = None, angle: float
     """
     flow = FlowDirection.at(parameters.radius_ratio, angle)
     along_an_axis = parameters.radius_ratio == 1.0 or angle % 90.0 == 0.0
-    found = [] if flow.radius_ratio > 1.0 else [_joined(parameters, flow, along_an_axis)]
+    results = [] if flow.radius_ratio > 1.0 else [_joined(parameters, flow, along_an_axis)]
     if ugw is not None and ugw.G > 0:
-        found += _films_of_ugw(ugw, parameters.radius_ratio, flow, along_an_axis)
+        results += _films_of_ugw(ugw, parameters.radius_ratio, flow, along_an_axis)
     if flow.radius_ratio <= 1.0:
-        found += _asymptotes(parameters, flow, along_an_axis)
-    return found
+        results += _asymptotes(parameters, flow, along_an_axis)
+    return results
 
 
 NVM = "Nijenbanning-Venner-Moes"
@@ -304,17 +304,17 @@ def _films_of_ugw(
     hard = 8e-13 <= at.U <= 5.1e-11 and 2300 <= at.G <= 6800 and 1 <= k <= 8.1 and along_an_axis
     hamrock_dowson = hamrock_dowson_central(at, k), hamrock_dowson_minimum(at, k)
     chittenden = chittenden_central(at, flow.radius_ratio), chittenden_minimum(at, flow.radius_ratio)
-    found = [
+    results = [
         film("Hamrock-Dowson", *hamrock_dowson, "U = 8e-13 to 5e-11, G = 2300 to 6800, k = 1 to 8", hard),
         film("Chittenden et al.", *chittenden, "piezoviscous, elastic; flow at any angle to the axes"),
     ]
     if flow.radius_ratio > 1.0 or not along_an_axis:
-        return found
+        return results
     line = line_contact(at, flow.radius_ratio)
     long = 1e-13 <= line.U <= 1e-11 and 2500 <= line.G <= 5000 and 3e-5 <= line.W <= 3e-4
     same, range_ = "line contact of the same p_h", "U = 1e-13 to 1e-11, G = 2500 to 5000, W' = 3e-5 to 3e-4"
     return [
-        *found,
+        *results,
         film("Dowson-Higginson", None, dowson_higginson_minimum(line), f"{same}: {range_}", long),
         film("Dowson-Toyoda", dowson_toyoda_central(line), None, same),
     ]

@@ -29,7 +29,7 @@ Whether the oils of rolling contacts follow Eyring's or Carreau's law is dispute
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Protocol
 
-from ertel.physics.registry import FLUIDITY_LAWS, arrays_of
+from ertel.physics.registry import FLUIDITY_LAWS, OfAnyOil, arrays_of
 from ertel.physics.units import ABOVE_ZERO, SHARE, STRESS, Bounds, Meaning
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
@@ -50,7 +50,7 @@ class Fluidity(Protocol):
 
 @FLUIDITY_LAWS.register("newtonian")
 @dataclass(frozen=True)
-class NewtonianOil:
+class NewtonianOil(OfAnyOil):
     """phi = 1."""
 
     reference: ClassVar[str] = "constant fluidity"
@@ -60,10 +60,6 @@ class NewtonianOil:
 
     def stress(self, rate: Array, pressure: Array) -> Array:
         return rate
-
-    @classmethod
-    def of(cls, oil: object) -> "NewtonianOil":
-        return cls()
 
 
 @FLUIDITY_LAWS.register("ree-eyring")

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 import numpy as np
 
 from ertel.physics.fluidity import Fluidity, NewtonianOil
-from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, VISCOSITY_LAWS, Registry, arrays_of
+from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, VISCOSITY_LAWS, OfAnyOil, Registry, arrays_of
 from ertel.physics.units import (
     ABOVE_ZERO,
     COMPLIANCE,
@@ -59,17 +59,13 @@ class Density(Protocol):
 
 @VISCOSITY_LAWS.register("isoviscous")
 @dataclass(frozen=True)
-class Isoviscous:
+class Isoviscous(OfAnyOil):
     """eta/eta0 = 1."""
 
     reference: ClassVar[str] = "constant viscosity"
 
     def viscosity(self, p: Array) -> Array:
         return arrays_of(p).ones_like(p)
-
-    @classmethod
-    def of(cls, oil: "Oil") -> "Isoviscous":
-        return cls()
 
 
 @VISCOSITY_LAWS.register("barus")
@@ -117,7 +113,7 @@ class Roelands:
 
 @DENSITY_LAWS.register("incompressible")
 @dataclass(frozen=True)
-class Incompressible:
+class Incompressible(OfAnyOil):
     """rho/rho0 = 1."""
 
     reference: ClassVar[str] = "constant density"
@@ -125,14 +121,10 @@ class Incompressible:
     def density(self, p: Array) -> Array:
         return arrays_of(p).ones_like(p)
 
-    @classmethod
-    def of(cls, oil: "Oil") -> "Incompressible":
-        return cls()
-
 
 @DENSITY_LAWS.register("dowson-higginson")
 @dataclass(frozen=True)
-class DowsonHigginson:
+class DowsonHigginson(OfAnyOil):
     """rho/rho0 = (p1 + 1.34 p)/(p1 + p), p1 = 5.9e8 Pa."""
 
     p1: Annotated[float, STRESS, Meaning("pressure of the law", "0.59 GPa")] = DENSITY_PRESSURE
@@ -141,10 +133,6 @@ class DowsonHigginson:
     def density(self, p: Array) -> Array:
         share = p / self.p1
         return (1.0 + 1.34 * share) / (1.0 + share)
-
-    @classmethod
-    def of(cls, oil: "Oil") -> "DowsonHigginson":
-        return cls()
 
 
 # -- laws of measured oils, with constants of their own ---------------------------------------------------------------
@@ -369,13 +357,13 @@ def roelands_exponent(alpha: float, eta0: float, p0: float = P0_ROELANDS) -> flo
 def _check_law(field_name: str, law: object, laws: Registry) -> None:
     if isinstance(law, str):
         able = [name for name in laws if hasattr(laws[name], "of")]
-        said = f"{field_name} = {json.dumps(law[:40])}"
+        given = f"{field_name} = {json.dumps(law[:60], ensure_ascii=not law[:60].isprintable())}"
         if law in laws and law not in able:
-            raise ValueError(f'{said}: has data of its own; give them as {{ law = "{law}", ... }}')
+            raise ValueError(f'{given}: has data of its own; give them as {{ law = "{law}", ... }}')
         if law not in able:
             *others, last = map(repr, able)
             allowed = f"{', '.join(others)} or {last}" if others else last
-            raise ValueError(f"{field_name} = {json.dumps(law[:40])}: allowed: {allowed}")
+            raise ValueError(f"{given}: allowed: {allowed}")
     else:
         laws.name_of(law)
 

@@ -12,7 +12,7 @@ record.
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -36,9 +36,11 @@ class Registry(Mapping[str, type]):
             made = vars(record).get("__dataclass_params__") if isinstance(record, type) else None
             if made is None or not made.frozen:
                 raise TypeError(f"{record!r}: a {self.noun} must be a frozen dataclass")
-            known = self._records.get(name)
-            if known is not None and _home(known) != _home(record):  # a cell of a notebook may run again
-                raise ValueError(f'name = "{name}": is the {self.noun} {known.__qualname__} already; choose another')
+            registered = self._records.get(name)
+            if registered is not None and _home(registered) != _home(record):  # a cell of a notebook may run again
+                raise ValueError(
+                    f'name = "{name}": is the {self.noun} {registered.__qualname__} already; choose another'
+                )
             self._records[name] = record
             return record
 
@@ -46,8 +48,8 @@ class Registry(Mapping[str, type]):
 
     def name_of(self, record: object) -> str:
         """The name under which the type of a record is registered.  Raises ValueError if it is not registered."""
-        for name, known in self.items():
-            if type(record) is known:
+        for name, registered in self.items():
+            if type(record) is registered:
                 return name
         kind = type(record).__name__
         raise ValueError(
@@ -79,6 +81,15 @@ VISCOSITY_LAWS = Registry("viscosity law", "ertel.viscosity_laws")
 DENSITY_LAWS = Registry("density law", "ertel.density_laws")
 FLUIDITY_LAWS = Registry("fluidity law", "ertel.fluidity_laws")
 SHAPES = Registry("shape", "ertel.shapes")
+
+
+class OfAnyOil:
+    """A law that needs no data of the oil, so that its name alone is enough."""
+
+    @classmethod
+    def of(cls, oil: object) -> Self:
+        """The law of an oil."""
+        return cls()
 
 
 def arrays_of(values: Any) -> Any:

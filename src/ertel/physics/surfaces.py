@@ -110,10 +110,28 @@ class Waviness:
         return (1.0 - np.cos(np.pi * behind)) / 2
 
 
+class _AroundAPoint:
+    """A shape that is the same in all directions from (x, y)."""
+
+    x: Amount
+    y: Amount
+
+    @property
+    def even(self) -> tuple[bool, bool]:
+        return plain(self.y) == 0, plain(self.x) == 0
+
+    @property
+    def axisymmetric(self) -> bool:
+        return plain(self.x) == plain(self.y) == 0
+
+    def _distance(self, X: Array, Y: Array) -> Array:
+        return np.hypot(X - plain(self.x), Y - plain(self.y))
+
+
 @SHAPES.register("rings")
 @explained
 @dataclass(frozen=True)
-class RingWaviness:
+class RingWaviness(_AroundAPoint):
     """amplitude cos(2 pi r/wavelength + phase), where r is the distance from (x, y)."""
 
     amplitude: Annotated[Amount, HEIGHT, Meaning("half the height from valley to peak")]
@@ -127,23 +145,15 @@ class RingWaviness:
         """The wavelength (a)."""
         return plain(self.wavelength)
 
-    @property
-    def even(self) -> tuple[bool, bool]:
-        return plain(self.y) == 0, plain(self.x) == 0
-
-    @property
-    def axisymmetric(self) -> bool:
-        return plain(self.x) == plain(self.y) == 0
-
     def heights(self, X: Array, Y: Array) -> Array:
-        r = np.hypot(X - plain(self.x), Y - plain(self.y))
+        r = self._distance(X, Y)
         return plain(self.amplitude) * np.cos(2 * np.pi * r / plain(self.wavelength) + self.phase)
 
 
 @SHAPES.register("spot")
 @explained
 @dataclass(frozen=True)
-class Spot:
+class Spot(_AroundAPoint):
     """A bump (height > 0) or a cavity (depth > 0, or height < 0) of the given radius at (x, y) on its surface.
 
     height cos(pi r/(2.4 radius)) exp(-2 (r/(1.2 radius))^2): the shape of Mourier L, Mazuyer D, Lubrecht AA, Donnet C.
@@ -158,24 +168,16 @@ class Spot:
 
     def __post_init__(self) -> None:
         if (self.height is None) == (self.depth is None):
-            said = "missing" if self.height is None else "is given together with depth"
-            raise ValueError(f"height: {said}; allowed: height (negative: a cavity); or depth")
+            complaint = "missing" if self.height is None else "is given together with depth"
+            raise ValueError(f"height: {complaint}; allowed: height (negative: a cavity); or depth")
 
     @property
     def size(self) -> float:
         """The diameter (a)."""
         return 2 * plain(self.radius)
 
-    @property
-    def even(self) -> tuple[bool, bool]:
-        return plain(self.y) == 0, plain(self.x) == 0
-
-    @property
-    def axisymmetric(self) -> bool:
-        return plain(self.x) == plain(self.y) == 0
-
     def heights(self, X: Array, Y: Array) -> Array:
-        r = np.hypot(X - plain(self.x), Y - plain(self.y)) / (1.2 * plain(self.radius))
+        r = self._distance(X, Y) / (1.2 * plain(self.radius))
         at_centre = -plain(self.depth) if self.depth is not None else plain(self.height or 0.0)
         return at_centre * np.cos(np.pi / 2 * r) * np.exp(-2 * r**2)
 
@@ -286,8 +288,8 @@ class SelfAffine:
 
     def __post_init__(self) -> None:
         if (self.ramp is None) != (self.front == inf):
-            said, other = ("front", "ramp") if self.ramp is None else ("ramp", "front")
-            raise ValueError(f"{said} = {getattr(self, said)}: needs {other}, with which it grows smoothly")
+            given, missing = ("front", "ramp") if self.ramp is None else ("ramp", "front")
+            raise ValueError(f"{given} = {getattr(self, given)}: needs {missing}, with which it grows smoothly")
         if not any(isinstance(value, Quantity) for value in vars(self).values()):
             self._check()
 
@@ -325,10 +327,10 @@ class SelfAffine:
         series, period = _series(self, shortest), plain(self._period)
         along = np.exp(2j * np.pi / period * np.asarray(X)[..., None] * series.along)
         across = np.exp(2j * np.pi / period * np.asarray(Y)[..., None] * series.across)
-        found = _sum(across @ series.amplitudes, along)
+        heights = _sum(across @ series.amplitudes, along)
         if self.front == inf:
-            return found
-        return found * smooth_step((plain(self.front) - X) / plain(self.ramp or 0.0))
+            return heights
+        return heights * smooth_step((plain(self.front) - X) / plain(self.ramp or 0.0))
 
 
 def _sum(across: NDArray[np.complex128], along: NDArray[np.complex128]) -> NDArray[np.float64]:

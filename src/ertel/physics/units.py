@@ -186,15 +186,13 @@ def meanings(record: Any) -> Mapping[str, Meaning]:
 @cache
 def _parts(record: Any, kind: Any) -> Mapping[str, Any]:
     """The marks or meanings in the annotations of the fields, by name of the field."""
-    hints = get_type_hints(record, include_extras=True)
-    found = {name: _part(hint, kind) for name, hint in hints.items()}
-    return {name: part for name, part in found.items() if part is not None}
-
-
-def _part(hint: Any, kind: Any) -> Any:
-    if get_origin(hint) is Annotated:
-        return next((part for part in get_args(hint)[1:] if isinstance(part, kind)), None)
-    return None
+    parts: dict[str, Any] = {}
+    for name, hint in get_type_hints(record, include_extras=True).items():
+        if get_origin(hint) is Annotated:
+            for part in get_args(hint)[1:]:
+                if isinstance(part, kind):
+                    parts[name] = part
+    return parts
 
 
 def require_positive(name: str, value: float) -> None:
@@ -234,11 +232,11 @@ def in_si(value: Any, mark: Mark) -> float:
 
 def explained(record: Record) -> Record:
     """A decorator that puts meaning, unit and default of each field into the docstring of a record."""
-    said, kinds = meanings(record), marks(record)
+    texts, kinds = meanings(record), marks(record)
     lines = ["", "", "Parameters", "----------"]
     for item in fields(record):
         default = "" if item.default in (MISSING, None, "") else f", default {item.default!r}"
-        lines += parameter_lines(item.name, said[item.name], kinds.get(item.name), default)
+        lines += parameter_lines(item.name, texts[item.name], kinds.get(item.name), default)
     vars(record)["__init__"].__annotations__ = get_type_hints(record)  # a signature without the marks
     record.__doc__ = (record.__doc__ or "").rstrip() + "\n    ".join(lines) + "\n    "
     return record

@@ -20,10 +20,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ertel.plots import fields, histories, lines
+from ertel.plots import fields, histories
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, compose
+from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram
-from ertel.plots.lines import comparison
 from ertel.plots.view import At, View
 from ertel.results.variables import is_steady
 
@@ -49,11 +49,11 @@ def _friction_rows(view: View) -> Rows:
 # The panels of each figure.  A figure that is a part of another is drawn when it is asked for by its name.
 IN_TIME: Mapping[str, Rows | Callable[[View], Rows]] = {
     "overview": [
-        [fields.draw_film_map, lines.draw_film_profiles, histories.draw_film_history],
-        [fields.draw_pressure_map, lines.draw_pressure_profiles, histories.draw_motion],
+        [fields.draw_film_map, fields.draw_film_profiles, histories.draw_film_history],
+        [fields.draw_pressure_map, fields.draw_pressure_profiles, histories.draw_motion],
     ],
     "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
-    "profiles": [[lines.draw_film_profiles, lines.draw_pressure_profiles]],
+    "profiles": [[fields.draw_film_profiles, fields.draw_pressure_profiles]],
     "history": [
         [histories.draw_motion, histories.draw_film_history],
         [histories.draw_place, histories.draw_pressure_history],
@@ -65,12 +65,12 @@ IN_TIME: Mapping[str, Rows | Callable[[View], Rows]] = {
 }
 STEADY: Mapping[str, Rows | Callable[[View], Rows]] = {
     "overview": [
-        [fields.draw_film_map, lines.draw_along_the_flow, histories.draw_grids],
-        [fields.draw_pressure_map, lines.draw_across_the_flow, histories.draw_convergence],
+        [fields.draw_film_map, fields.draw_along_the_flow, histories.draw_grids],
+        [fields.draw_pressure_map, fields.draw_across_the_flow, histories.draw_convergence],
     ],
     "film": [[fields.draw_film_map]],
     "pressure": [[fields.draw_pressure_map]],
-    "midlines": [[lines.draw_along_the_flow, lines.draw_across_the_flow]],
+    "midlines": [[fields.draw_along_the_flow, fields.draw_across_the_flow]],
     "convergence": [[histories.draw_convergence, histories.draw_grids]],
     "friction": _friction_rows,
     "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
@@ -81,8 +81,8 @@ NAMES = tuple(dict.fromkeys((*IN_TIME, *STEADY)))
 
 def names_of(dataset: xr.Dataset) -> tuple[str, ...]:
     """The names of the figures that together show all of a run."""
-    known, parts = (STEADY, PARTS_STEADY) if is_steady(dataset) else (IN_TIME, PARTS_IN_TIME)
-    return tuple(name for name in known if name not in parts)
+    figures, parts = (STEADY, PARTS_STEADY) if is_steady(dataset) else (IN_TIME, PARTS_IN_TIME)
+    return tuple(name for name in figures if name not in parts)
 
 
 def draw(dataset: xr.Dataset, name: str, at: At = None) -> Figure:
@@ -102,11 +102,11 @@ def draw(dataset: xr.Dataset, name: str, at: At = None) -> Figure:
     NoFigure
         The run does not have this figure or this moment, or there is nothing to draw yet.
     """
-    known = STEADY if is_steady(dataset) else IN_TIME
-    if name not in known:
+    figures = STEADY if is_steady(dataset) else IN_TIME
+    if name not in figures:
         run = "a steady contact" if is_steady(dataset) else "a run in time"
-        raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(known)}")
-    view, rows = View.of(dataset, at), known[name]
+        raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(figures)}")
+    view, rows = View.of(dataset, at), figures[name]
     outcome = view.friction if name == "friction" and view.frame is None else view.outcome
     return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome])
 

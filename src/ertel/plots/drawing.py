@@ -69,9 +69,9 @@ class Scale:
         symbol, long_name = mathtext(about.get("si_name", about["symbol"])), about["long_name"]
         unit, factor = about.get("si_units", about["units"]), about.get("si_factor", 1.0)
         if unit == "1":
-            own = "" if "si_units" in about else about.get("in_units_of", "")
-            own = unit_of(kind, own) if kind else own
-            return cls(factor, symbol, UNITS.get(own, own), long_name)
+            base = "" if "si_units" in about else about.get("in_units_of", "")
+            base = unit_of(kind, base) if kind else base
+            return cls(factor, symbol, UNITS.get(base, base), long_name)
         power = 0 if "/" in unit or unit == "K" else exponent(abs(largest) * factor)
         share, shown = PER_AREA.get(unit, (10.0**-power, PREFIXES[power] + unit))
         return cls(factor * share, symbol, shown, long_name)

@@ -1,23 +1,34 @@
-"""Panels that show a variable over the surface: film thickness, pressure, shear stress and power loss."""
+"""Panels of film thickness, pressure and friction: as maps over the surface, and as profiles along the mid-line."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from ertel.plots.drawing import PURPLE, Scale, Values, levels
-from ertel.plots.view import Field, View
+from ertel.plots.drawing import BLUE, GREY, ORANGE, ORDERED_COLOURS, PURPLE, Picture, Scale, Values, levels
+from ertel.plots.view import LOADED, WIDEST, At, Field, View, events_of
 
 MINUS = "\N{MINUS SIGN}"
 LONG = 2.0  # ratio of the sides from which a map is long
 SEEN = 0.1  # of the largest power loss: less does not count where a map ends
 NODES = 301  # along the side of a map, for smooth contour lines of the roughness
 STYLES: Mapping[float, Literal["-", ":"]] = {1.0: "-", -1.0: ":"}  # of the lines round hills and round valleys
+BAND = 0.14  # height of the roughness at the bottom of a profile, as a share of what lies above
+FOOT = BAND / (1.0 + BAND)  # the same as a share of all
+BAND_NODES = 1001  # along the roughness
+MOST_PROFILES = 14  # about so many lines through time
+LOOKS = ((BLUE, "-"), (ORANGE, "--"))  # of two runs
+
+
+# -- over the surface -------------------------------------------------------------------------------------------------
 
 
 def draw_film_map(axes: Axes, view: View) -> None:
@@ -121,3 +132,191 @@ def _draw_roughness(axes: Axes, view: View) -> None:
             lines.append(Line2D([], [], color=PURPLE, linewidth=1.0, linestyle=style, label=label))
     if lines:
         axes.legend(handles=lines, loc="lower left", fontsize="small", framealpha=0.85, handlelength=1.5)
+
+
+# -- a run in time ----------------------------------------------------------------------------------------------------
+
+
+def draw_film_profiles(axes: Axes, view: View) -> None:
+    """Film along the mid-line through time, the chosen moment in black."""
+    top = 2.0 * view.film_inside()
+    z = view.scale("H", top / 2)
+    rough = _draw_profiles(axes, view, view.midlines("H") * z.factor, top * z.factor)
+    axes.set(ylabel=z.label)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, FOOT if rough else 0.0), edgecolor="none", fontsize="small")
+
+
+def draw_pressure_profiles(axes: Axes, view: View) -> None:
+    """Pressure along the mid-line through time, the chosen moment in black."""
+    P = view.midlines("P")
+    z = view.scale("P", float(P.max()))
+    _draw_profiles(axes, view, P * z.factor, 1.25 * float(P.max()) * z.factor)
+    axes.set(ylabel=z.label)
+    axes.legend(loc="upper center", frameon=False, ncols=2, fontsize="small")
+
+
+def _draw_profiles(axes: Axes, view: View, values: Values, top: float) -> bool:
+    """Draw lines of the maps that carry load, coloured by time and dashed in the rebound, and the roughness below.
+
+    Returns whether there is any roughness.
+    """
+    P, T, x = view.midlines("P"), view.dataset["frame"].values, view.x * view.across.factor
+    time = view.scale("time")
+    loaded = np.flatnonzero(P.max(axis=1) > LOADED * P.max())
+    shown = loaded[:: max(1, round(len(loaded) / MOST_PROFILES))]
+    colours = ScalarMappable(Normalize(T[loaded[0]] * time.factor, T[loaded[-1]] * time.factor), ORDERED_COLOURS)
+    last = events_of(view.dataset).get("max-approach", len(T)) + 1  # a run until then may have one map after it
+    for frame in shown[shown != view.frame]:
+        style, width = ("--", 0.8) if frame > last else ("-", 1.2)
+        colour = colours.to_rgba(T[frame] * time.factor)
+        axes.plot(x, values[frame], color=colour, linestyle=style, linewidth=width)
+    axes.plot(x, values[view.frame], color="black", linewidth=2.0, label=view.moment)
+    if shown[-1] > last:
+        axes.plot([], [], color=GREY, linestyle="--", linewidth=0.8, label="rebound")
+    rough = _draw_roughness_below(axes, view, view.x, top)
+    side = view.extent(view.x, view.midline("P")) * view.across.factor
+    axes.set(xlim=(-side, min(side, x[-1])), xlabel=view.axis_label("x"))
+    axes.figure.colorbar(colours, ax=axes, label=time.label)
+    return rough
+
+
+# -- a steady contact -------------------------------------------------------------------------------------------------
+
+
+def draw_along_the_flow(axes: Axes, view: View) -> None:
+    """Film and pressure of a steady contact through the centre, along x."""
+    _draw_section(axes, view, "x", "Through the centre, along the flow (dashed: Hertz)")
+
+
+def draw_across_the_flow(axes: Axes, view: View) -> None:
+    """Film and pressure of a steady contact through the centre, along y."""
+    _draw_section(axes, view, "y", "Through the centre, across the flow (dashed: Hertz)")
+
+
+def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
+    """Draw film and pressure through the centre along "x" or "y", with the Hertz pressure."""
+    section = view.dataset[["H", "P"]].sel({"Y" if along == "x" else "X": 0.0}, method="nearest")
+    x, H, P = (np.asarray(section[name].values) for name in (along.upper(), "H", "P"))
+    central, across = float(view.dataset["H_c"].values[-1]), view.across.factor
+    geometry, load = view.geometry, float(view.dataset["load"].values[-1])
+    dry = geometry.dry_pressure(load / geometry.hertz_load, *((x, 0 * x) if along == "x" else (0 * x, x)))
+    h, p, right = view.scale("H", central), view.scale("P", float(P.max())), axes.twinx()
+    right.plot(x * across, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
+    right.plot(x * across, P * p.factor, color=ORANGE)
+    axes.plot(x * across, H * h.factor, color=BLUE)
+    side = view.extent(view.x, view.values("P").max(axis=0)) * (1.0 if along == "x" else view.stretch) * across
+    axes.set(xlim=(-side, min(side, x[-1] * across)), xlabel=view.axis_label(along), title=heading)
+    rough = _draw_roughness_below(axes, view, x, 4.0 * central * h.factor, along)
+    _set_height(right, 1.1 * max(float(P.max()), float(dry.max())) * p.factor, rough)
+    for scaled, z, colour in ((axes, h, BLUE), (right, p, ORANGE)):
+        scaled.set_ylabel(z.label, color=colour)
+        scaled.tick_params(axis="y", colors=colour)
+    axes.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
+
+
+# -- roughness below a profile ----------------------------------------------------------------------------------------
+
+
+def _draw_roughness_below(axes: Axes, view: View, x: Values, top: float, along: str = "x") -> bool:
+    """Show the roughness through the centre below a profile that reaches up to `top`; whether there is any.
+
+    x: the positions of the profile (a*) along "x" or "y".  The heights fill a band below zero, with their range.
+    """
+    place = np.linspace(x[0], x[-1], BAND_NODES)
+    zero = np.zeros_like(place)
+    height = view.roughness(*((place, zero) if along == "x" else (zero, place)))
+    low, high = float(height.min()), float(height.max())
+    rough = low < 0.0 or high > 0.0
+    _set_height(axes, top, rough)
+    if not rough:
+        return False
+    share = (height - low) / (high - low) if high > low else np.ones_like(height)
+    shown = FOOT * (0.1 + 0.85 * share)  # in shares of the height of the axes
+    where = axes.get_xaxis_transform()
+    axes.fill_between(place * view.across.factor, 0.0, shown, transform=where, color=PURPLE, alpha=0.4, linewidth=0.0)
+    z = view.scale("H", max(abs(low), abs(high)))
+    bounds = [f"{round(bound * z.factor, 4):.3g}".replace("-", MINUS) for bound in sorted({low, high})]
+    text = f"roughness {' to '.join(bounds)} {z.unit}"
+    axes.text(0.5, FOOT / 2, text, transform=axes.transAxes, fontsize="small", ha="center", va="center")
+    axes.axhline(0.0, color="black", linewidth=0.5)
+    return True
+
+
+def _set_height(axes: Axes, top: float, rough: bool) -> None:
+    """Limit a profile to zero and `top`, with room below for the roughness where there is any."""
+    axes.set_ylim(0.0, top)
+    if rough:
+        axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= top])
+        axes.set_ylim(-BAND * top, top)
+
+
+# -- two runs ---------------------------------------------------------------------------------------------------------
+
+
+def comparison(runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None) -> Figure:
+    """The film and pressure of two runs along the mid-line, and of two runs in time the minimum film through time.
+
+    Parameters
+    ----------
+    runs : sequence of xarray.Dataset
+        Two runs; they are drawn in SI where both have SI scales.
+    names : sequence of str
+        Their names, for the legend.
+    at : float or str, optional
+        The moment of runs in time, as for other pictures.
+
+    Raises
+    ------
+    NoFigure
+        A run has no such moment or no map.
+    """
+    views = [View.of(run, at) for run in runs]
+    if not all(view.in_si for view in views):
+        views = [replace(view, dataset=_without_si(view.dataset)) for view in views]
+    panels = [("X", "H"), ("X", "P")]
+    if all(view.frame is not None for view in views):
+        panels.append(("time", "H_min"))
+    figure = Picture(figsize=(4.8 * len(panels), 4.2), layout="constrained", dpi=150)
+    for axes, (x, y) in zip(figure.subplots(1, len(panels)), panels, strict=True):
+        _compare(axes, views, names, x, y)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=2, frameon=False)
+    return figure
+
+
+def _compare(axes: Axes, views: Sequence[View], names: Sequence[str], x: str, y: str) -> None:
+    """Draw one variable of two runs over another."""
+    curves = [(_curve(view, x), _curve(view, y)) for view in views]
+    of_x = _common_scales(views, x, [curve[0] for curve in curves])
+    of_y = _common_scales(views, y, [curve[1] for curve in curves])
+    for (along, values), zx, zy, name, (colour, line) in zip(curves, of_x, of_y, names, LOOKS, strict=True):
+        axes.plot(along * zx.factor, values * zy.factor, line, color=colour, label=name)
+    axes.set(xlabel=of_x[0].label, ylabel=of_y[0].label)
+    if y == "H":  # far outside the film is much thicker than in the middle
+        inside = [np.interp(0.0, *curve) * z.factor for curve, z in zip(curves, of_y, strict=True)]
+        axes.set_ylim(0.0, 3.0 * float(max(inside)))
+    if x == "X":
+        sides = [min(WIDEST, np.abs(along).max()) * z.factor for (along, _), z in zip(curves, of_x, strict=True)]
+        axes.set(xlim=(-max(sides), max(sides)), xlabel=f"${'x' if views[0].in_si else 'X'}$ {of_x[0].in_brackets}")
+
+
+def _curve(view: View, name: str) -> Values:
+    """A variable along the mid-line, or through time."""
+    if name == "X":
+        return view.x
+    return view.midline(name) if name in ("H", "P") else np.asarray(view.dataset[name].values)
+
+
+def _common_scales(views: Sequence[View], name: str, values: Sequence[Values]) -> list[Scale]:
+    """The scale of a variable of each run, with one unit that fits all."""
+    stored = ["r" if name == "X" and view.is_radial else name for view in views]
+    factors = [float(view.dataset[key].attrs.get("si_factor", 1.0)) for view, key in zip(views, stored, strict=True)]
+    largest = max(np.abs(each).max(initial=0.0) * factor for each, factor in zip(values, factors, strict=True))
+    return [view.scale(key, largest / f) for view, key, f in zip(views, stored, factors, strict=True)]
+
+
+def _without_si(dataset: xr.Dataset) -> xr.Dataset:
+    """A run whose variables have no SI scales."""
+    bare = dataset.copy()
+    for variable in bare.variables.values():
+        variable.attrs = {key: value for key, value in variable.attrs.items() if not key.startswith("si_")}
+    return bare

@@ -182,8 +182,8 @@ def draw_convergence(axes: Axes, view: View) -> None:
     histories, names = view.dataset["history"].values, _grid_names(view)
     shades = ORDERED_COLOURS(np.linspace(0.9, 0.0, len(names)))
     for name, colour, history in zip(names, shades, histories, strict=True):
-        known = history[np.isfinite(history)]
-        axes.semilogy(np.arange(len(known)), known, "o-", color=colour, markersize=3.5, label=name)
+        residuals = history[np.isfinite(history)]
+        axes.semilogy(np.arange(len(residuals)), residuals, "o-", color=colour, markersize=3.5, label=name)
     axes.axhline(view.case.solver.tolerance, color="black", linewidth=0.8, linestyle=":", label="tolerance")
     axes.set(xlabel="Newton iteration", ylabel="maximum residual", title="Convergence on each grid")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))

@@ -25,8 +25,8 @@ from ertel.plots.drawing import (
     compose,
     mathtext,
 )
-from ertel.plots.view import case_of
-from ertel.results.report import largest_of
+from ertel.plots.view import CONDITIONS, case_of, name_of
+from ertel.results.dataset import largest_of
 from ertel.results.variables import name_in_si, with_prefix
 
 PANELS = (  # numbers that are drawn together, in SI or not
@@ -54,11 +54,11 @@ def figure(dataset: xr.Dataset) -> Figure:
     panels = [names for names in shown if names]
     if not panels:
         raise NoFigure("dataset: no run has any numbers yet, there is nothing to draw")
-    found = Picture(figsize=(max(4.8 * len(panels), 6.0), 4.0), layout="constrained", dpi=150)
-    for axes, names in zip(found.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
+    picture = Picture(figsize=(max(4.8 * len(panels), 6.0), 4.0), layout="constrained", dpi=150)
+    for axes, names in zip(picture.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         _draw(axes, dataset, names)
-    found.suptitle(str(dataset.attrs["title"]).replace("_", " "))
-    return found
+    picture.suptitle(str(dataset.attrs["title"]).replace("_", " "))
+    return picture
 
 
 def _has_numbers(dataset: xr.Dataset, name: str) -> bool:
@@ -79,10 +79,17 @@ def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
             if not there.any():
                 continue
             bar = dataset[f"{name}_error"].isel(place).values[there] * z.factor if f"{name}_error" in dataset else None
-            said = [mathtext(name)] if len(names) > 1 else []
-            said += [_said(dataset[dim][index]) for dim, index in place.items()]
+            label_parts = [mathtext(name)] if len(names) > 1 else []
+            label_parts += [_value_text(dataset[dim][index]) for dim, index in place.items()]
             axes.errorbar(
-                x[there], y[there], bar, fmt=style, markersize=3.5, capsize=2, color=colour, label=", ".join(said)
+                x[there],
+                y[there],
+                bar,
+                fmt=style,
+                markersize=3.5,
+                capsize=2,
+                color=colour,
+                label=", ".join(label_parts),
             )
     if axes.get_xscale() == "log" and len(names) > 1:
         axes.set_yscale("log")  # films are powers of speed, load and viscosity, nearly
@@ -105,7 +112,7 @@ def _places(dataset: xr.Dataset, along: xr.DataArray) -> Iterator[Place]:
         yield dict(zip(others, indices, strict=True))
 
 
-def _said(value: xr.DataArray) -> str:
+def _value_text(value: xr.DataArray) -> str:
     """One value of what varies, for the legend."""
     if value.dtype.kind != "f":
         return str(value.values)
@@ -145,35 +152,31 @@ def traction_figure(dataset: xr.Dataset) -> Figure:
 def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str]) -> None:
     """Some variables of one unit over what varies."""
     x, label = _x(axes, dataset[dataset.attrs["varies"]])
-    found = {colour: dataset[name if name in dataset else name_in_si(name)] for name, colour in names.items()}
-    largest = max(largest_of(values) for values in found.values())
-    for colour, values in found.items():
+    variables = {colour: dataset[name if name in dataset else name_in_si(name)] for name, colour in names.items()}
+    largest = max(largest_of(values) for values in variables.values())
+    for colour, values in variables.items():
         z = _scale(values, largest, dataset.attrs["kind"])
         axes.plot(x, values * z.factor, "o-", color=colour, markersize=3.5, label=z.long_name)
     if title != "Temperature":
         axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(xlabel=label, ylabel=f"{title.lower()} {z.in_brackets}".rstrip(), title=title)
-    if len(found) > 1:
+    if len(variables) > 1:
         axes.legend(frameon=False, fontsize="small")
 
 
 def _heading(dataset: xr.Dataset) -> list[str]:
     """The name of the case, then its conditions apart from what varies."""
-    a, varies = dataset.attrs, dataset.attrs["varies"]
-    name = str(a["title"]).partition(", M = ")[0].replace("_", " ")
-    said = [f"{name[:1].upper()}{name[1:]}"]
-    if "R_m" in a:
-        said.append(f"$R$ = {with_prefix(a['R_m'], 'm')}")
-        for axis, symbol, key, unit in (("mean_speed", "$u_m$", "u_m_m_per_s", "m/s"), ("load", "$F$", "F_N", "N")):
-            if varies != axis:
-                said.append(f"{symbol} = {with_prefix(a[key], unit)}")
-        if varies != "load":
-            said.append(f"$p_h$ = {with_prefix(a['p_h_Pa'], 'Pa')}")
-    if varies != "slide_to_roll":
-        said.append(f"slide-to-roll {case_of(dataset).motion.slide_to_roll:.3g}")
+    about, varies = dataset.attrs, dataset.attrs["varies"]
+    conditions = []
+    if "R_m" in about:
+        hidden = {"mean_speed": ["u_m_m_per_s"], "load": ["F_N", "p_h_Pa"]}.get(varies, [])
+        named = [("$R$", "R_m", "m"), *CONDITIONS["rolling"]]
+        conditions = [f"{symbol} = {with_prefix(about[key], unit)}" for symbol, key, unit in named if key not in hidden]
+    if varies == "slide_to_roll":
+        conditions += [f"$M$ = {about['M']:.4g}", f"$L$ = {about['L']:.3g}"]
     else:
-        said += [f"$M$ = {a['M']:.4g}", f"$L$ = {a['L']:.3g}"]
-    return said
+        conditions.append(f"slide-to-roll {case_of(dataset).motion.slide_to_roll:.3g}")
+    return [name_of(about), *conditions]
 
 
 # -- axes -------------------------------------------------------------------------------------------------------------

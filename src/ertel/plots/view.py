@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import isfinite
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
-from ertel.numerics.grid import Extrapolation, extrapolate
+from ertel.numerics.grid import extrapolate
 from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
@@ -57,6 +58,12 @@ def case_of(dataset: xr.Dataset) -> Case:
 @lru_cache(maxsize=4)
 def _read_case(written: str, maps: tuple[tuple[str, HeightMap], ...]) -> Case:
     return Case.from_data(json.loads(written), dict(maps))
+
+
+def name_of(attributes: Mapping[str, Any]) -> str:
+    """The name of a case for a heading, from the attributes of its Dataset."""
+    name = str(attributes["title"]).partition(", M = ")[0].replace("_", " ")  # a case without name has M and L there
+    return name[:1].upper() + name[1:]
 
 
 @dataclass(frozen=True)
@@ -173,7 +180,6 @@ class View:
     def title(self) -> list[str]:
         """The name of the run, then its conditions."""
         about = self.dataset.attrs
-        name = str(about["title"]).partition(", M = ")[0].replace("_", " ")  # a case without name has M and L there
         conditions = [f"$M$ = {about['M']:.4g}", f"$L$ = {about['L']:.3g}"]
         if "radius_ratio" in about:
             conditions.append(f"$R_x/R_y$ = {about['radius_ratio']:.3g}")
@@ -184,7 +190,7 @@ class View:
         if self.in_si:
             driven = [f"{symbol} = {with_prefix(about[key], unit)}" for symbol, key, unit in CONDITIONS[about["kind"]]]
             conditions = [f"$R$ = {with_prefix(about['R_m'], 'm')}", *driven, *conditions]
-        return [name[:1].upper() + name[1:], *conditions]
+        return [name_of(about), *conditions]
 
     @property
     def outcome(self) -> list[str]:
@@ -313,9 +319,9 @@ def _choose(dataset: xr.Dataset, at: At) -> tuple[int, str]:
             return events[at], NAMES[at]
     elif T[0] - ROUNDING <= at <= T[-1] + ROUNDING:
         return int(np.abs(T - at).argmin()), CHOSEN
-    known = ", ".join(f'"{event}"' for event in events) or "no events"
+    names = ", ".join(f'"{event}"' for event in events) or "no events"
     span = f"{T[0]:.4g} to {T[-1]:.4g} t0"
-    raise NoFigure(f"at = {at!r}: must be a time from {span} or an event of this run, which has {known}")
+    raise NoFigure(f"at = {at!r}: must be a time from {span} or an event of this run, which has {names}")
 
 
 def _mirrored(values: Values, odd: bool = False) -> Values:
@@ -342,5 +348,6 @@ class GridErrors:
 def estimate_of(dataset: xr.Dataset, name: str) -> GridErrors:
     """The error estimates of a steady contact on every grid; the error is of second order."""
     values = np.asarray(dataset[name].values)
-    found = [Extrapolation(values[0], np.nan, np.nan), *(extrapolate(*pair) for pair in pairwise(values))]
-    return GridErrors(values, np.array([each.error for each in found]), float(found[-1].extrapolated))
+    pairs = [extrapolate(*pair) for pair in pairwise(values)]
+    errors = np.array([np.nan, *(pair.error for pair in pairs)])
+    return GridErrors(values, errors, float(pairs[-1].extrapolated) if pairs else np.nan)

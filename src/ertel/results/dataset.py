@@ -1,6 +1,7 @@
 """A run as an xarray Dataset: scalars over time and fields over frames, or a steady contact over its grids.
 
-Its attributes are the provenance of the run; the measured heights of the case are among its variables.
+Its attributes are the provenance of the run; the measured heights of the case are among its variables.  Last come its
+files for other programs: NetCDF, tables as CSV, maps for ParaView.  Each makes its directory if it can write.
 """
 
 import json
@@ -9,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -16,10 +18,11 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
+from ertel.case.sections import Inlet
+from ertel.case.status import Status
 from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.steady import SteadyGrid
 from ertel.results.variables import (
     AXES,
     BUDGET,
@@ -29,11 +32,14 @@ from ertel.results.variables import (
     MEASURED,
     SCALARS,
     TEMPERATURES,
+    is_steady,
+    named_with_unit,
     variable_attributes,
     with_coefficients,
 )
 from ertel.version import installed_version
 
+Arrays = dict[str, tuple[tuple[str, ...], Any]]  # dimensions and values by the name of the variable
 FILE = "file"  # the attribute of measured heights with the name that the plain data of the case use
 
 
@@ -46,6 +52,53 @@ class StoredFields(Protocol):
     def fields(self) -> Mapping[str, Any]: ...
     @property
     def event(self) -> str: ...
+
+
+class Heat(Protocol):
+    """The heat of a contact.
+
+    sliding: traction coefficients of the warm film along X and Y, in a/R.  peclet: numbers of both surfaces.
+    iterations, converged: of the heat balance.
+    """
+
+    @property
+    def inlet(self) -> Inlet: ...
+    @property
+    def sliding(self) -> Any: ...
+    @property
+    def peclet(self) -> Sequence[float]: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def converged(self) -> bool: ...
+
+
+class SteadyGrid(Protocol):
+    """The steady contact on one grid: what results take from it.
+
+    residual, history: its maximum, at the end, and before the first and after each Newton iteration.  outside: the load
+    that the oil outside the grid carries.  measure: the numbers of `MEASURED`.  record: these, those of `BUDGET` and
+    `FRICTION`, and the work, convolutions in units of one on this grid.  maps: `FIELDS` on the whole plane by name,
+    with the section [thermal] also `TEMPERATURES`.  heat: None without it.
+    """
+
+    @property
+    def grid(self) -> Grid: ...
+    @property
+    def status(self) -> Status: ...
+    @property
+    def residual(self) -> float: ...
+    @property
+    def history(self) -> Sequence[float]: ...
+    @property
+    def outside(self) -> float: ...
+    @property
+    def record(self) -> Mapping[str, float]: ...
+    @property
+    def maps(self) -> Mapping[str, Any]: ...
+    @property
+    def heat(self) -> Heat | None: ...
+    def measure(self) -> Mapping[str, float]: ...
 
 
 def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:
@@ -62,13 +115,6 @@ def maps(frames: Sequence[StoredFields]) -> dict[str, np.ndarray]:
         "event": np.array([EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
         **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in FIELDS},
     }
-
-
-def dimensions(name: str, coordinates: Mapping[str, Any]) -> tuple[str, ...]:
-    """Dimensions of a variable of a run in time; the space axes are those of `coordinates`, in order."""
-    if name in FIELDS:
-        return ("frame", *coordinates)
-    return (name,) if name in AXES else ("frame",) if name == "event" else ("time",)
 
 
 def assemble(
@@ -94,16 +140,12 @@ def assemble(
         More attributes of the Dataset.
     """
     space = {name: np.asarray(axis) for name, axis in coordinates.items()}
-    stacks = maps(frames)
-    for name in FIELDS:  # no maps at all still have their shape
-        stacks[name] = stacks[name].reshape(len(frames), *(len(axis) for axis in space.values()))
-    arrays = {**columns(records, case.scales), **stacks, **space}
-    variables = {
-        name: (dimensions(name, coordinates), values, variable_attributes(name, case.scales))
-        for name, values in arrays.items()
-    }
-    axes = {name: variables.pop(name) for name in AXES if name in variables}
-    return xr.Dataset({**variables, **variables_of(case)}, axes, {**provenance(case), **(attributes or {})})
+    shape = len(frames), *(len(axis) for axis in space.values())  # which no maps at all have, too
+    arrays: Arrays = {name: (("time",), values) for name, values in columns(records, case.scales).items()}
+    for name, values in maps(frames).items():
+        arrays[name] = (("frame", *space), values.reshape(shape)) if name in FIELDS else (("frame",), values)
+    arrays |= {name: ((name,), axis) for name, axis in space.items()}
+    return _dataset(case, arrays, attributes)
 
 
 def assemble_steady(
@@ -131,23 +173,25 @@ def assemble_steady(
     history = np.full((len(solutions), longest), np.nan)
     for row, s in zip(history, solutions, strict=True):
         row[: len(s.history)] = s.history
-    axes = {
-        "Y": grid.y,
-        "X": grid.x,
-        "grid": np.array([s.grid.nodes for s in solutions], dtype=np.int64),
-        "iteration": np.arange(longest),
-    }
-    arrays: dict[str, tuple[tuple[str, ...], Any]] = {
+    arrays: Arrays = {
         **{name: (("Y", "X"), maps[name]) for name in fields},
         **{name: (("grid",), np.array([row[name] for row in rows], dtype=float)) for name in names},
         "history": (("grid", "iteration"), history),
-        **{name: ((name,), axis) for name, axis in axes.items()},
+        "Y": (("Y",), grid.y),
+        "X": (("X",), grid.x),
+        "grid": (("grid",), np.array([s.grid.nodes for s in solutions], dtype=np.int64)),
+        "iteration": (("iteration",), np.arange(longest)),
     }
+    return _dataset(case, arrays, attributes)
+
+
+def _dataset(case: Case, arrays: Arrays, attributes: Mapping[str, object] | None) -> xr.Dataset:
+    """The Dataset of a run from its arrays, with the attributes of its variables and its own."""
     variables = {
         name: (dims, values, variable_attributes(name, case.scales)) for name, (dims, values) in arrays.items()
     }
-    coordinates = {name: variables.pop(name) for name in axes}
-    return xr.Dataset({**variables, **variables_of(case)}, coordinates, {**provenance(case), **(attributes or {})})
+    axes = {name: variables.pop(name) for name in AXES if name in variables}
+    return xr.Dataset({**variables, **variables_of(case)}, axes, {**provenance(case), **(attributes or {})})
 
 
 # -- provenance -------------------------------------------------------------------------------------------------------
@@ -210,3 +254,87 @@ def maps_of(dataset: xr.Dataset) -> dict[str, HeightMap]:
     """The measured heights in a Dataset, as `Case.maps`."""
     heights = {name: variable for name, variable in dataset.variables.items() if FILE in variable.attrs}
     return {variable.attrs[FILE]: HeightMap(variable.values) for variable in heights.values()}
+
+
+# -- for other programs ------------------------------------------------------------------------------------------------
+
+RUN, HISTORY, GRIDS, MAPS = "run.nc", "history.csv", "grids.csv", "maps"  # the files; maps.pvd, maps_0000.vti, ...
+PLANE = (("Y", "X"), ("y", "x"))  # the axes of maps: dimensionless, and in SI
+
+
+def with_units(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with the unit at the end of every name in SI: h_c_m, mean_speed_m_per_s."""
+    units = {str(name): str(v.attrs.get("units", "1")) for name, v in dataset.variables.items()}
+    return dataset.rename({name: named_with_unit(name, unit) for name, unit in units.items()})
+
+
+def largest_of(values: xr.DataArray) -> float:
+    """The largest size of the values that are there."""
+    return float(np.abs(np.nan_to_num(values.values)).max(initial=0.0))
+
+
+class NoExport(ValueError):
+    """A run cannot be written in this form; the message says why, and what can."""
+
+
+def to_netcdf(dataset: xr.Dataset, directory: Path) -> list[Path]:
+    """Write the whole run as NetCDF 3, which every program that knows NetCDF reads; the paths of the files."""
+    directory.mkdir(parents=True, exist_ok=True)
+    path = directory / RUN
+    short = {name: v.astype(np.int32) for name, v in dataset.variables.items() if v.dtype == np.int64}
+    numbers = {key: int(value) for key, value in dataset.attrs.items() if isinstance(value, bool)}  # 0 or 1
+    dataset.assign(short).assign_attrs(numbers).to_netcdf(path, engine="scipy")
+    return [path]
+
+
+def to_csv(dataset: xr.Dataset, directory: Path) -> list[Path]:
+    """Write the scalars of every time step, or of every grid of a steady contact; the paths of the files.
+
+    Names in SI end with their unit: h_c_m.
+    """
+    steady = is_steady(dataset)
+    along = "grid" if steady else "time" if "time" in dataset.dims else "t"
+    scalars = [name for name, values in dataset.data_vars.items() if values.dims == (along,)]
+    directory.mkdir(parents=True, exist_ok=True)
+    path = directory / (GRIDS if steady else HISTORY)
+    with_units(dataset[scalars].reset_coords(drop=True)).to_dataframe().to_csv(path)
+    return [path]
+
+
+def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
+    """Write the maps as VTK images, and for a run in time a collection with their times; the paths of the files.
+
+    Raises NoExport where there are no maps on a plane, or where pyevtk is not installed.
+    """
+    try:
+        from pyevtk.hl import imageToVTK
+        from pyevtk.vtk import VtkGroup
+    except ImportError as error:
+        raise NoExport('maps for ParaView need pyevtk: pip install "ertel[paraview]"') from error
+    Y, X = _plane(dataset)
+    names = [str(name) for name, values in dataset.data_vars.items() if values.dims[-2:] == (Y, X)]
+    x, y = (dataset[axis].values.tolist() for axis in (X, Y))  # of NumPy they would be written as np.float64(...)
+    origin, spacing = (x[0], y[0], 0.0), (x[1] - x[0], y[1] - y[0], 1.0)
+    moments = dataset.sizes.get("frame", 1)
+    directory.mkdir(parents=True, exist_ok=True)
+    collection, paths = VtkGroup(str(directory / MAPS)), []
+    for number in range(moments):
+        one = dataset[names].isel(frame=number) if "frame" in dataset.dims else dataset[names]
+        fields = {name: np.ascontiguousarray(one[name].values.T[:, :, None], dtype=float) for name in names}
+        paths.append(Path(imageToVTK(str(directory / f"{MAPS}_{number:04}"), origin, spacing, pointData=fields)))
+        collection.addFile(str(paths[-1]), float(one["frame"]) if "frame" in one.coords else 0.0)
+    collection.save()
+    return [directory / f"{MAPS}.pvd", *paths]
+
+
+def _plane(dataset: xr.Dataset) -> tuple[str, str]:
+    """The axes of the maps."""
+    for axes in PLANE:
+        if all(axis in dataset.dims for axis in axes):
+            if dataset.sizes.get("frame", 1) == 0:
+                raise NoExport("the run has no maps yet; export it later")
+            return axes
+    raise NoExport("maps for ParaView: a run by the radial method has profiles only; use netcdf or csv")
+
+
+EXPORTS = {"netcdf": to_netcdf, "csv": to_csv, "vtk": to_vtk}

@@ -13,12 +13,14 @@ from ertel.numerics.grid import allowed_nodes, extrapolate
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_KEPT, has_waves
-from ertel.results import domain, variables
-from ertel.results.balances import Balances
-from ertel.results.steady import SteadyGrid
+from ertel.physics.thermal import AT_REST, INLET_FACTORS, SLOWEST, slow_excess
+from ertel.results.balances import UNCERTAIN_MOMENTUM, Balances, needed_half_width, share_outside, uncertain_momentum
+from ertel.results.variables import FILMS
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from ertel.results.dataset import Heat, SteadyGrid
 
 CELLS_IN_FRONT = 10.0  # wanted across the length of the front's pressure sweep, `front_length`
 ISOVISCOUS_SWEEP = 2.0  # that length over (lambda_bar dA/dT)^{2/5} where the oil is isoviscous
@@ -41,32 +43,31 @@ CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 def impact_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid, domain or initial gap of an impact; an empty list if there are none."""
-    said = [_film_warning(case, data), front_warning(case, _spacing_at_front(data)), _domain_warning(case, data)]
-    return _given([*said, *case_warnings(case)])
+    warnings = [_film_warning(case, data), front_warning(case, _spacing_at_front(data)), _domain_warning(case, data)]
+    return _given([*warnings, *case_warnings(case)])
 
 
 def rolling_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid and inlet of a transient rolling contact; an empty list if there are none."""
-    said = [_film_warning(case, data)]
-    if not said[0]:
-        said += [sweep_warning(case, _mean_speed(data)), _outside_warning(case, _share_outside(case, data))]
-    return _given([*said, *case_warnings(case)])
+    warnings = [_film_warning(case, data)]
+    if not warnings[0]:
+        warnings += [sweep_warning(case, _mean_speed(data)), _outside_warning(case, share_outside(case, data))]
+    return _given([*warnings, *case_warnings(case)])
 
 
 def case_warnings(case: Case) -> list[str]:
     """Warnings that follow from the case alone, without a run; an empty list if there are none."""
-    said = _gap_warning(case) if case.starts_apart else _centre_warning(case)
-    return _given([said, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
+    start = _gap_warning(case) if case.starts_apart else _centre_warning(case)
+    return _given([start, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
 
 
 def balance_warnings(case: Case, balances: Balances) -> list[str]:
     """A warning for every balance that does not close; an empty list if all do."""
-    imbalances = {name: terms["imbalance"] or 0.0 for name, terms in balances.items()}
     return [
-        f"{name} is not conserved: imbalance of {share:.1%} (limit {LARGE_IMBALANCE:.0%}), {MEANING[name]}; "
-        f"{_closing(case, name)}"
-        for name, share in imbalances.items()
-        if share > LARGE_IMBALANCE
+        f"{name} is not conserved: imbalance of {terms['imbalance']:.1%} (limit {LARGE_IMBALANCE:.0%}), "
+        f"{MEANING[name]}; {_closing(case, name)}"
+        for name, terms in balances.items()
+        if (terms["imbalance"] or 0.0) > LARGE_IMBALANCE
     ]
 
 
@@ -98,7 +99,7 @@ def friction_warnings(case: Case, coefficient: float) -> list[str]:
 
 def _closing(case: Case, name: str) -> str:
     """The remedy for an imbalance: a finer grid, unless it is an integral over time only, and shorter steps."""
-    grid = _use(_doubled(case))
+    grid = _use(2 * case.solver.nodes - 1)
     if case.is_steady:
         return f"use solver.tolerance <= {case.solver.tolerance / 10:g}" if name == "momentum" else grid
     time = case.schedule
@@ -110,16 +111,16 @@ def _given(sentences: Sequence[str]) -> list[str]:
     return [sentence for sentence in sentences if sentence]
 
 
-def steady_warnings(case: Case, solutions: Sequence[SteadyGrid]) -> list[str]:
+def steady_warnings(case: Case, solutions: "Sequence[SteadyGrid]") -> list[str]:
     """Warnings about grid and domain of a steady contact; an empty list if there are none."""
     finest = solutions[-1]
     outside = _outside_warning(case, finest.outside / case.geometry.hertz_load / case.motion.load(0.0))
     failure = steady_failure(case, finest)
-    said = [failure] if failure else [_error_warning(case, solutions), _spike_warning(solutions)]
-    return _given([*said, outside, *case_warnings(case)])
+    warnings = [failure] if failure else _grid_warnings(case, solutions)
+    return _given([*warnings, outside, *case_warnings(case)])
 
 
-def steady_failure(case: Case, solution: SteadyGrid) -> str:
+def steady_failure(case: Case, solution: "SteadyGrid") -> str:
     """The reason why there is no steady solution, with a remedy; "" where there is one."""
     if not solution.status.is_solved:
         return (
@@ -141,16 +142,6 @@ def no_film(case: Case) -> str:
 
 
 # -- rolling ----------------------------------------------------------------------------------------------------------
-
-
-def _share_outside(case: Case, data: "xr.Dataset") -> float:
-    """The share of the load that the oil outside the grid carries at the last map of a run in time."""
-    if not data.sizes["frame"]:
-        return 0.0
-    P = data["P"].isel(frame=-1)
-    load = float(np.interp(P["frame"], data["time"], data["F"])) if data.sizes["time"] else case.motion.load(0.0)
-    inside = float(P.sum()) * float(P["X"][1] - P["X"][0]) ** 2
-    return 1.0 - inside / (load * case.geometry.hertz_load) if load > 0 else 0.0
 
 
 def _outside_warning(case: Case, share: float) -> str:
@@ -206,31 +197,28 @@ def _resolve(case: Case, cells: float) -> str:
     return _use((case.solver.nodes - 1) * CELLS_IN_FRONT / cells + 1)
 
 
-def _error_warning(case: Case, solutions: Sequence[SteadyGrid]) -> str:
+def _grid_warnings(case: Case, solutions: "Sequence[SteadyGrid]") -> list[str]:
+    """Warnings about the errors of the films, and about the pressure spike."""
     if len(solutions) < 2:
-        return "there is no error estimate, because there is no coarser grid; use solver.nodes >= 65"
-    if not solutions[-2].status.ok:
+        return ["there is no error estimate, because there is no coarser grid; use solver.nodes >= 65"]
+    coarse, fine = (solution.measure() for solution in solutions[-2:])
+    warnings = []
+    if solutions[-2].status.ok:
+        films = {name: extrapolate(coarse[name], fine[name]) for name in FILMS}
+        shares = {name: film.error / abs(film.value) for name, film in films.items() if film.value}
+        worst = max(shares, key=lambda name: shares[name])
+        if shares[worst] > LARGE_ERROR:
+            finer = _use(2 * case.solver.nodes - 1)
+            warnings.append(f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; {finer}")
+    else:
         nodes = solutions[-2].grid.nodes
-        return f"there is no error estimate, because the grid of {nodes} x {nodes} nodes did not converge"
-    coarse, fine = (s.measure() for s in solutions[-2:])
-    estimates = {name: extrapolate(coarse[name], fine[name]) for name in variables.FILMS}
-    shares = {name: e.error / abs(e.value) for name, e in estimates.items() if e.value}
-    worst = max(shares, key=lambda name: shares[name])
-    if shares[worst] <= LARGE_ERROR:
-        return ""
-    return f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; {_use(_doubled(case))}"
-
-
-def _spike_warning(solutions: Sequence[SteadyGrid]) -> str:
-    if len(solutions) < 2:
-        return ""
-    coarse, fine = (s.measure()["P_max"] for s in solutions[-2:])
-    if abs(fine - coarse) <= LARGE_ERROR * fine:
-        return ""
-    return (
-        f"the pressure spike is not resolved: P_max changes from {coarse:.3g} to {fine:.3g} between the two finest "
-        "grids; the film thickness does not depend on it"
-    )
+        warnings.append(f"there is no error estimate, because the grid of {nodes} x {nodes} nodes did not converge")
+    if abs(fine["P_max"] - coarse["P_max"]) > LARGE_ERROR * fine["P_max"]:
+        warnings.append(
+            f"the pressure spike is not resolved: P_max changes from {coarse['P_max']:.3g} to {fine['P_max']:.3g} "
+            "between the two finest grids; the film thickness does not depend on it"
+        )
+    return warnings
 
 
 def _centre_warning(case: Case) -> str:
@@ -244,6 +232,36 @@ def _centre_warning(case: Case) -> str:
     )
 
 
+# -- heat --------------------------------------------------------------------------------------------------------------
+
+
+def thermal_warnings(case: Case, heat: "Heat") -> list[str]:
+    """Warnings where the formulas for the temperatures are used outside their range; an empty list if they are not."""
+    assert case.thermal is not None
+    warnings, inlet = [], INLET_FACTORS[case.thermal.inlet_factor]
+    if heat.inlet.L_t > inlet.largest_L_t:
+        warnings.append(
+            f"the inlet factor phi_T = {heat.inlet.factor:.3g} ({inlet.source}) is made for {inlet.valid}, and this "
+            f"inlet has L_t = {heat.inlet.L_t:.3g}; its film is uncertain"
+        )
+    for number, peclet in enumerate(heat.peclet, 1):
+        excess = slow_excess(peclet)
+        if excess > slow_excess(SLOWEST):
+            reason = (
+                "it counts as at rest" if peclet < AT_REST else f"below {SLOWEST:g} heat also flows along the surface"
+            )
+            warnings.append(
+                f"surface {number} moves slowly, with a Peclet number of {peclet:.2g}: {reason}, "
+                f"and its temperature rise is about {excess:.0%} too high"
+            )
+    if not heat.converged:
+        warnings.append(
+            f"the heat balance did not converge in {heat.iterations} iterations: temperatures and thermal "
+            "traction are not meaningful"
+        )
+    return warnings
+
+
 # -- every run --------------------------------------------------------------------------------------------------------
 
 
@@ -252,10 +270,6 @@ def _use(nodes: float) -> str:
     needed = allowed_nodes(nodes)
     more = f", more than the {MOST_NODES} that are allowed: use a smaller solver.half_width, too"
     return f"use solver.nodes >= {needed}{more if needed > MOST_NODES else ''}"
-
-
-def _doubled(case: Case) -> int:
-    return 2 * case.solver.nodes - 1
 
 
 def _roughness_warning(case: Case) -> str:
@@ -276,20 +290,23 @@ def _roughness_warning(case: Case) -> str:
 def _map_warnings(case: Case) -> list[str]:
     """Warnings about a measured map that had gaps, or is smaller than the Hertzian contact."""
     along_x, along_y = case.geometry.extent
-    maps = [(i, feature.shape) for i, feature in enumerate(case.features, 1) if isinstance(feature.shape, Measured)]
-    filled = [
-        f"roughness[{number}]: {shape.filled} of the {shape.file.heights.size} points of the map were gaps: "
-        "their heights are interpolated from their rims"
-        for number, shape in maps
-        if shape.filled
-    ]
-    return filled + [
-        f"roughness[{number}]: the map is smaller than the contact (without its taper {shape.covered[0]:.3g} a by "
-        f"{shape.covered[1]:.3g} a, the contact {2 * along_x:.3g} a by {2 * along_y:.3g} a): beyond it the surface is "
-        "smooth"
-        for number, shape in maps
-        if shape.covered[0] < 2 * along_x or shape.covered[1] < 2 * along_y
-    ]
+    warnings = []
+    for number, feature in enumerate(case.features, 1):
+        shape = feature.shape
+        if not isinstance(shape, Measured):
+            continue
+        if shape.filled:
+            warnings.append(
+                f"roughness[{number}]: {shape.filled} of the {shape.file.heights.size} points of the map were gaps: "
+                "their heights are interpolated from their rims"
+            )
+        if shape.covered[0] < 2 * along_x or shape.covered[1] < 2 * along_y:
+            warnings.append(
+                f"roughness[{number}]: the map is smaller than the contact (without its taper {shape.covered[0]:.3g} a "
+                f"by {shape.covered[1]:.3g} a, the contact {2 * along_x:.3g} a by {2 * along_y:.3g} a): beyond it the "
+                "surface is smooth"
+            )
+    return warnings
 
 
 def _size_warning(case: Case) -> str:
@@ -307,16 +324,13 @@ def _film_warning(case: Case, data: "xr.Dataset") -> str:
     if gone.size == 0:
         return ""
     first = data.isel(time=gone[0])
+    if case.starts_apart:
+        cells = front_length(case) / _spacing_at_front(data)
+    else:
+        cells = _cells_in_sweep(case, _mean_speed(data))
     return (
         f"the film vanishes on this grid, first at T = {float(first['time']):.4g}, X = {float(first['X_min']):.3g}: "
-        f"H_min is meaningless from then on; {_resolve(case, min(_cells(case, data), CELLS_IN_FRONT / 2))}"
-    )
-
-
-def _cells(case: Case, data: "xr.Dataset") -> float:
-    """Cells across the pressure sweep of a run in time, at the front or in the inlet."""
-    return (
-        front_length(case) / _spacing_at_front(data) if case.starts_apart else _cells_in_sweep(case, _mean_speed(data))
+        f"H_min is meaningless from then on; {_resolve(case, min(cells, CELLS_IN_FRONT / 2))}"
     )
 
 
@@ -369,10 +383,10 @@ def _gap_warning(case: Case) -> str:
 def _domain_warning(case: Case, data: "xr.Dataset") -> str:
     if data.sizes["frame"] == 0:
         return ""
-    share = domain.uncertain_momentum(case, data)
-    if share <= domain.UNCERTAIN_MOMENTUM:
+    share = uncertain_momentum(case, data)
+    if share <= UNCERTAIN_MOMENTUM:
         return ""
-    needed = domain.needed_half_width(case, share)
+    needed = needed_half_width(case, share)
     radial = ' with solver.method = "radial"' if case.solver.method == "2d" and case.is_axisymmetric else ""
     return (
         "the momentum that the oil outside the domain takes is uncertain by about "

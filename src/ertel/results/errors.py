@@ -7,7 +7,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from math import hypot
-from typing import Any, NamedTuple
+from typing import Any
 
 from ertel.case import derived
 from ertel.case.case import Case
@@ -27,10 +27,10 @@ WIDER_DOMAIN = 1.5  # of the run for the error of the domain
 def comparisons(case: Case) -> Mapping[str, Case]:
     """The cases by the part of the error that they tell: "grid", "time" (not if steady), "domain"."""
     half = case.on_half_grid()
-    found = {"grid": half, "domain": replace(half, solver=wider(half.solver))}
+    cases = {"grid": half, "domain": replace(half, solver=wider(half.solver))}
     if case.time is not None:
-        found["time"] = replace(half, time=in_smaller_steps(case.time))
-    return found
+        cases["time"] = replace(half, time=in_smaller_steps(case.time))
+    return cases
 
 
 def in_smaller_steps(time: Time) -> Time:
@@ -58,27 +58,8 @@ def wider(solver: Solver) -> Solver:
 # -- the error --------------------------------------------------------------------------------------------------------
 
 
-class Estimate(NamedTuple):
-    """A value, what it lacks by grid, time and domain, the size of all three, and the value with them added."""
-
-    value: float
-    parts: Mapping[str, float]
-    error: float
-    extrapolated: float
-
-    @property
-    def dominant(self) -> str:
-        """The largest part: "grid", "time" or "domain"."""
-        return max(self.parts, key=lambda name: abs(self.parts[name]))
-
-    def data(self) -> dict[str, Any]:
-        """As plain data."""
-        named = {"value": self.value, "error": self.error, "extrapolated": self.extrapolated}
-        return {**named, **self.parts, "dominant": self.dominant}
-
-
-def estimate(fine: float, others: Mapping[str, float]) -> Estimate:
-    """The error of a value from the same value of other runs.
+def error_estimate(fine: float, others: Mapping[str, float]) -> dict[str, Any]:
+    """The error of a value from the same value of other runs: the size of its parts, and the value with them added.
 
     grid: on the half grid.  time: there in smaller steps, by sqrt(1/2).  domain: there on a domain 1.5 times as wide.
     The last two are left out where they do not apply.  The error is of second order in the spacing and in the step, and
@@ -90,7 +71,9 @@ def estimate(fine: float, others: Mapping[str, float]) -> Estimate:
         parts["time"] = (others["time"] - half) / (1 - SMALLER_STEPS**2)
     if "domain" in others:
         parts["domain"] = (others["domain"] - half) / (1 - WIDER_DOMAIN**-3)
-    return Estimate(fine, parts, hypot(*parts.values()), fine + sum(parts.values()))
+    dominant = max(parts, key=lambda name: abs(parts[name]))
+    error, extrapolated = hypot(*parts.values()), fine + sum(parts.values())
+    return {"value": fine, "error": error, "extrapolated": extrapolated, **parts, "dominant": dominant}
 
 
 def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
@@ -106,20 +89,20 @@ def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping
     fine : mapping
         The summary of the run.
     others : mapping
-        The summaries of the other runs, see `estimate`.
+        The summaries of the other runs, see `error_estimate`.
     """
-    own, compared, names = fine, others, {name: name for name in FILMS}
+    values, compared, names = fine, others, {name: name for name in FILMS}
     if case.starts_apart:
-        own, compared = fine["max_approach"], {part: summary["max_approach"] for part, summary in others.items()}
+        values, compared = fine["max_approach"], {part: summary["max_approach"] for part, summary in others.items()}
         names["Delta_max"] = "Delta"
-        if own is None or None in compared.values():
+        if values is None or None in compared.values():
             return {**fine, "error_estimate": None}
     estimates = {
-        name: estimate(own[key], {part: values[key] for part, values in compared.items()})
+        name: error_estimate(values[key], {part: other[key] for part, other in compared.items()})
         for name, key in names.items()
     }
     content = dict(fine)
     for name in FILMS:
-        content |= {f"{name}_error": estimates[name].error, f"{name}_extrapolated": estimates[name].extrapolated}
-    content["error_estimate"] = {name: each.data() for name, each in estimates.items()}
+        content |= {f"{name}_{ending}": estimates[name][ending] for ending in ("error", "extrapolated")}
+    content["error_estimate"] = estimates
     return content if case.starts_apart else with_si(case, content)

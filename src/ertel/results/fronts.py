@@ -25,10 +25,10 @@ def at_max_approach(data: xr.Dataset) -> xr.Dataset:
 
     Raises ValueError where the run ended before maximum approach.
     """
-    found = np.flatnonzero(data["event"].values == EVENTS.index("max-approach"))
-    if found.size == 0:
+    frames = np.flatnonzero(data["event"].values == EVENTS.index("max-approach"))
+    if frames.size == 0:
         raise ValueError("dataset: has no map at maximum approach, the run ended before it")
-    return data.isel(frame=int(found[0]))
+    return data.isel(frame=int(frames[0]))
 
 
 class Front(NamedTuple):
@@ -72,8 +72,8 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
     """
     turning = float(at_max_approach(data)["frame"]) if "frame" in data.dims else float(data["frame"])
     T, A = _front_by_film(data) if by == "film" else _front_by_pressure(data, _FALLS[by])
-    found = (T <= turning) & np.isfinite(A) & (A > SMALLEST_FRONT)
-    T, A = T[found], A[found]
+    advancing = (T <= turning) & np.isfinite(A) & (A > SMALLEST_FRONT)
+    T, A = T[advancing], A[advancing]
     first = int(np.argmin(A)) if len(A) else 0  # before, the pressure only gathers
     T, A = T[first:], A[first:]
     if len(T) < 4:

@@ -1,16 +1,23 @@
 """The numbers of a run as one table, which repr, notebooks, `ertel ls`, `ertel compare`, studies and the app print.
 
 It is made from the summary of the run, as `results.summary` writes it and as summary.json has it, also that of earlier
-versions.  This module imports neither JAX nor xarray.
+versions.  Below it are the outcome as text and as HTML for a notebook.  This module imports neither JAX nor xarray.
 """
 
-from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from base64 import b64encode
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from html import escape
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.physics.scales import Scales
+from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.results.variables import COEFFICIENT, FILMS, FRICTION, MEASURED, OUTCOME, VARIABLES, unit_of, with_prefix
+
+if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
+    from matplotlib.figure import Figure
 
 Outcome = Mapping[str, Any]  # of a run, as `results.summary` and `summary.json` have it
 
@@ -53,8 +60,9 @@ class Number(NamedTuple):
     @property
     def text_in_si(self) -> str:
         """The value in SI; empty where it is not known, or the same."""
-        known = self.factor is not None and self.si_units != "1"
-        return with_prefix(self.value * (self.factor or 1.0), self.si_units) if known else ""
+        if self.factor is None or self.si_units == "1":
+            return ""
+        return with_prefix(self.value * self.factor, self.si_units)
 
     @property
     def text_of_error(self) -> str:
@@ -183,7 +191,7 @@ class Scalar(NamedTuple):
     """A number for a table.  attributes: long_name, units (SI, or "1") and in_units_of, where that is not 1."""
 
     value: float
-    attributes: Mapping[str, str]
+    attributes: Mapping[str, Any]
 
 
 def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
@@ -217,19 +225,18 @@ class Difference(NamedTuple):
 
 def differences(first: Case, second: Case) -> list[Difference]:
     """The keys of two cases that differ, names and references apart."""
-    one, two = (dict(_flat(case.to_data())) for case in (first, second))
+    one, two = (dict(_values_by_place(case.to_data())) for case in (first, second))
     return [Difference(key, one.get(key), two.get(key)) for key in {**one, **two} if one.get(key) != two.get(key)]
 
 
-def _flat(data: Any, place: str = "") -> Iterator[tuple[str, Any]]:
+def _values_by_place(data: Any, place: str = "") -> Iterator[tuple[str, Any]]:
     """Every value with its place: contact.speed, roughness[1].amplitude."""
     if isinstance(data, Mapping):
-        for key, value in data.items():
-            if key not in FREE:
-                yield from _flat(value, f"{place}.{key}".removeprefix("."))
+        for key in (key for key in data if key not in FREE):
+            yield from _values_by_place(data[key], f"{place}.{key}".removeprefix("."))
     elif isinstance(data, list) and data and all(isinstance(item, Mapping) for item in data):
         for position, item in enumerate(data, 1):
-            yield from _flat(item, f"{place}[{position}]")
+            yield from _values_by_place(item, f"{place}[{position}]")
     else:
         yield place, data
 
@@ -256,3 +263,107 @@ def pairs(first: Outcome, second: Outcome) -> list[Compared]:
     one, two = (scalars(summary, in_si) for summary in (first, second))
     values = [(name, one.get(name), two.get(name)) for name in {**one, **two}]
     return [Compared(name, a and a.value, b and b.value, (a or two[name]).attributes) for name, a, b in values]
+
+
+# -- as text -----------------------------------------------------------------------------------------------------------
+
+HEAD = ("quantity", "symbol", "value", "in SI", "error")
+DOTS_PER_INCH = 80  # of a picture in a notebook
+
+
+def lines(summary: Outcome) -> Iterator[str]:
+    """A summary in a few lines of text, indented."""
+    yield f"  {_conditions(summary)}"
+    yield f"  {moment(summary)}"
+    shown = key_numbers(summary)
+    wide = max((len(n.long_name) + len(n.symbol) for n in shown), default=0)
+    for n in shown:
+        name = f"{n.long_name} {n.symbol}".ljust(wide + 1)
+        error = f", error {n.text_of_error}" if n.text_of_error else ""
+        yield f"    {name}  {n.full_text}{error}"
+    yield from (f"  {line}" for line in more_lines(summary))
+    for warning in summary["warnings"]:
+        yield f"  warning: {warning}"
+
+
+def _conditions(summary: Outcome) -> str:
+    return f"{summary['kind']} ({summary['method']}), M = {summary['M']:.4g}, L = {summary['L']:.4g}"
+
+
+def more_lines(summary: Outcome) -> Iterator[str]:
+    """The rest of a summary, besides its key numbers, a line each: extremes, temperatures, balances."""
+    yield from _extreme_lines(summary)
+    yield from _thermal_lines(summary)
+    imbalances = {name: terms["imbalance"] for name, terms in summary.get("budgets", {}).items()}
+    shown = ", ".join(f"{name} {share:.2%}" for name, share in imbalances.items() if share is not None)
+    if shown:
+        yield f"imbalance: {shown}"
+
+
+def _extreme_lines(summary: Outcome) -> Iterator[str]:
+    """The extremes of a run in time, one a line: value, time, place, and a note on the value."""
+    table, scales = numbers(summary), scales_in(summary)
+    for name, one in summary.get("extremes", {}).items():
+        extreme = table[f"{name}_extreme"]
+        T, X, Y = (number(summary["kind"], scales, key, one[key]) for key in ("T", "X", "Y"))
+        if scales:
+            where = f"t = {T.text_in_si} (T = {T.value:.4g}), x = {X.text_in_si}, y = {Y.text_in_si}"
+        else:
+            where = f"T = {T.text}, X = {X.value:.3g}, Y = {Y.value:.3g} {Y.unit}"
+        note = f"; {one['note']}" if one["note"] else ""
+        yield f"{extreme.long_name} {name}: {extreme.full_text} at {where}{note}"
+
+
+def _thermal_lines(summary: Outcome) -> Iterator[str]:
+    """Film, traction and temperatures with the heat of the contact, a line each; none without a section [thermal]."""
+    thermal = summary.get("thermal")
+    if not thermal:
+        return
+    films = f"central {with_prefix(thermal['h_c_m'], 'm')}, minimum {with_prefix(thermal['h_min_m'], 'm')}"
+    yield f"film with inlet shear heating: {films} (phi_T = {thermal['phi_T']:.4g}, L_t = {thermal['L_t']:.3g})"
+    yield f"traction coefficient of the warm film: {thermal['mu_sliding']:.4g}"
+    names = ("T_1_max", "T_2_max", "T_film_max", "T_film_mean")
+    surface_1, surface_2, film, mean = (f"{thermal[f'{name}_K'] - ZERO_CELSIUS:.1f} degC" for name in names)
+    yield f"highest temperatures: surface 1 {surface_1}, surface 2 {surface_2}, film {film}; mean of the film {mean}"
+
+
+def html_table(summary: Outcome, heading: str = "") -> str:
+    """The key numbers as an HTML table with the columns that are known, and the warnings below."""
+    parts = [f"{heading}{escape(_conditions(summary))}: {escape(summary['status'])}; {escape(moment(summary))}"]
+    rows = [(n.long_name, n.symbol, n.text, n.text_in_si, n.text_of_error) for n in key_numbers(summary)]
+    columns = [column for column in zip(HEAD, *rows, strict=True) if any(column[1:])]
+    parts += [html_columns(columns)] if columns else []
+    parts += [f"<div>{escape(line)}</div>" for line in more_lines(summary)]
+    parts += [f"<div>Warning: {escape(warning)}</div>" for warning in summary["warnings"]]
+    return f"<div>{''.join(parts)}</div>"
+
+
+def aligned(columns: Sequence[Sequence[str]], left: int = 0) -> Iterator[str]:
+    """Columns side by side as lines; the first `left` of them begin at the left, the others end at the right."""
+    widths = [max(map(len, column)) for column in columns]
+    for cells in zip(*columns, strict=True):
+        padded = [
+            cell.ljust(width) if position < left else cell.rjust(width)
+            for position, (cell, width) in enumerate(zip(cells, widths, strict=True))
+        ]
+        yield "  ".join(padded).rstrip()
+
+
+def html_columns(columns: Sequence[Sequence[str]]) -> str:
+    """Columns, each with its heading first, as an HTML table."""
+    table = ""
+    for number, cells in enumerate(zip(*columns, strict=True)):
+        tag = "td" if number else "th"
+        table += f"<tr>{''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells)}</tr>"
+    return f"<table>{table}</table>"
+
+
+def html_image(draw: "Callable[[], Figure]", name: str) -> str:
+    """A figure as an image that the page contains; empty where there is nothing to draw yet."""
+    try:
+        figure = draw()
+    except ValueError:
+        return ""
+    png = BytesIO()
+    figure.savefig(png, format="png", dpi=DOTS_PER_INCH)
+    return f'<img alt="{escape(name)}" src="data:image/png;base64,{b64encode(png.getvalue()).decode()}">'

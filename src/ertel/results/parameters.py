@@ -10,7 +10,7 @@ from ertel.case.case import Case
 from ertel.case.records import law_data, show
 from ertel.physics import film_formulas, hertz
 from ertel.physics.film_formulas import FormulaFilm
-from ertel.physics.oils import RHEOLOGY
+from ertel.physics.materials import RHEOLOGY
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import HamrockDowson, Parameters, Scales, hamrock_dowson
 
@@ -115,7 +115,10 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> li
     formulas = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load), case.contact.angle)
     unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
 
-    def own(film: float | None) -> float | None:
+    def in_units_of_the_case(film: float | None) -> float | None:
         return None if film is None else film * unit
 
-    return [film._replace(central=own(film.central), minimum=own(film.minimum)) for film in formulas]
+    return [
+        film._replace(central=in_units_of_the_case(film.central), minimum=in_units_of_the_case(film.minimum))
+        for film in formulas
+    ]

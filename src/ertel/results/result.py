@@ -11,7 +11,7 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.results.report import html_image, html_table, lines
+from ertel.results.numbers import html_image, html_table, lines
 from ertel.results.variables import is_steady, to_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
@@ -131,19 +131,9 @@ class Result:
 
     def __repr__(self) -> str:
         stored = [f"  stored in {self.directory}"] if self.directory else []
-        return "\n".join([f"Result: {self._title}{self.status.value}", *lines(self.summary), *stored])
-
-    @property
-    def _title(self) -> str:
-        return f"{self.case.name}, " if self.case.name else ""
+        title = f"{self.case.name}, " if self.case.name else ""
+        return "\n".join([f"Result: {title}{self.status.value}", *lines(self.summary), *stored])
 
     def _repr_html_(self) -> str:
         heading = f"<b>{escape(self.case.name)}</b> " if self.case.name else ""
-        return html_table(self.summary, heading) + self._picture()
-
-    def _picture(self) -> str:
-        """The overview as an HTML image; empty where there is nothing to draw yet."""
-        try:
-            return html_image(self.plot.overview(), "overview")
-        except ValueError:
-            return ""
+        return html_table(self.summary, heading) + html_image(self.plot.overview, "overview")

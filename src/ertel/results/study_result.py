@@ -1,19 +1,27 @@
-"""The numbers of all runs of a study: as a Dataset over what varies, a table, a CSV file and a figure."""
+"""The numbers of all runs of a study: as a Dataset over what varies, a table, a CSV file and a figure.
+
+A traction curve is a study: the friction of a steady contact against the slide-to-roll ratio, the speed or the load.
+That of a physical case is in SI; that of a dimensionless case is in the units of the case, and its traction
+coefficients are multiples of a/R, a number that such a case does not have.
+"""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from html import escape
+from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from ertel.results.numbers import SHOWN, Scalar
-from ertel.results.report import aligned, column, html_image, html_row, largest_of, with_units
-from ertel.results.variables import name_in_si
+from ertel.case.case import Case
+from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
+from ertel.results.dataset import largest_of, with_units
+from ertel.results.numbers import SHOWN, Scalar, aligned, html_columns, html_image
+from ertel.results.variables import PREFIXES, exponent, name_in_si, value_in_si, variable_attributes
 from ertel.version import installed_version
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
@@ -68,23 +76,21 @@ def study_dataset(
     """
     dims = tuple(coordinates) if mode == "product" else ("run",)
     along = {key: ((key,) if mode == "product" else dims, _values(v), dict(a)) for key, (v, a) in coordinates.items()}
-    found: dict[str, Any] = {}
+    variables: dict[str, Any] = {}
     for number, run in enumerate(runs):
         for key, scalar in run.numbers.items():
             if key not in coordinates:
-                if key not in found:
-                    found[key] = dims, np.full(shape, np.nan), dict(scalar.attributes)
-                found[key][1].flat[number] = scalar.value
+                if key not in variables:
+                    variables[key] = dims, np.full(shape, np.nan), dict(scalar.attributes)
+                variables[key][1].flat[number] = scalar.value
     warnings = [len(run.warnings) for run in runs]
-    found["warnings"] = dims, np.reshape(warnings, shape), {"long_name": "number of warnings of the run"}
-    for key, texts, about in (
-        ("status", [run.status for run in runs], "how the run ended"),
-        ("directory", [run.directory for run in runs], "run directory"),
-    ):
-        found[key] = dims, np.array(texts, dtype=object).reshape(shape), {"long_name": about}
+    variables["warnings"] = dims, np.reshape(warnings, shape), {"long_name": "number of warnings of the run"}
+    for key, about in (("status", "how the run ended"), ("directory", "run directory")):
+        texts = np.array([getattr(run, key) for run in runs], dtype=object).reshape(shape)
+        variables[key] = dims, texts, {"long_name": about}
     date = datetime.now(UTC).isoformat(timespec="seconds")
     heading = {"source": f"ertel {installed_version()}", "date_created": date, "mode": mode}
-    return xr.Dataset(found, along, {**heading, **attributes})
+    return xr.Dataset(variables, along, {**heading, **attributes})
 
 
 def _values(values: Sequence[Any]) -> Any:
@@ -144,21 +150,21 @@ class StudyResult:
     def table(self) -> list[list[str]]:
         """The columns of a table to read, each with its heading first."""
         flat = _flat(self.dataset).isel(each=slice(MOST_ROWS))
-        found = [column(str(name), flat[name]) for name in self.dataset.coords]
+        columns = [column(str(name), flat[name]) for name in self.dataset.coords]
         numbers = dict.fromkeys(each for name in SHOWN for each in (name, name_in_si(name)) if each in flat)
-        found += [column(name, flat[name]) for name in numbers if largest_of(flat[name]) > 0]
-        found += [column("warnings", flat["warnings"])] if flat["warnings"].any() else []
-        return [*found, column("status", flat["status"]), column("directory", flat["directory"])]
+        columns += [column(name, flat[name]) for name in numbers if largest_of(flat[name]) > 0]
+        names = ("warnings", "status", "directory") if flat["warnings"].any() else ("status", "directory")
+        return columns + [column(name, flat[name]) for name in names]
 
     @property
     def remarks(self) -> list[str]:
         """Lines below the table: how many runs there are, how they ended, and how many have warnings."""
         counts = Counter(str(status).partition(":")[0] for status in self.dataset["status"].values.flat)
         runs = sum(counts.values())
-        said = f"{runs} runs: " + ", ".join(f"{number} {status}" for status, number in counts.most_common())
+        summary = f"{runs} runs: " + ", ".join(f"{number} {status}" for status, number in counts.most_common())
         warn = int((self.dataset["warnings"] > 0).sum())
-        said += f"; {warn} with warnings" if warn else ""
-        return [said, *([f"the first {MOST_ROWS} are shown"] if runs > MOST_ROWS else [])]
+        summary += f"; {warn} with warnings" if warn else ""
+        return [summary, *([f"the first {MOST_ROWS} are shown"] if runs > MOST_ROWS else [])]
 
     def table_lines(self) -> Iterator[str]:
         """The table as lines of text."""
@@ -169,13 +175,9 @@ class StudyResult:
         return "\n".join([f"{type(self).__name__}: {self.heading}", *(f"  {line}" for line in lines)])
 
     def _repr_html_(self) -> str:
-        heads, *rows = (list(cells) for cells in zip(*self.table(), strict=True))
-        table = f"<table>{html_row('th', heads)}{''.join(html_row('td', cells) for cells in rows)}</table>"
+        table = html_columns(self.table())
         remarks = "".join(f"<div>{escape(line)}</div>" for line in self.remarks)
-        try:
-            picture = html_image(self.plot(), self.heading)
-        except ValueError:  # there is nothing to draw yet
-            picture = ""
+        picture = html_image(self.plot, self.heading)
         return f"<div><b>{escape(self.heading)}</b>{table}{remarks}</div>{picture}"
 
 
@@ -184,3 +186,139 @@ def _flat(dataset: xr.Dataset) -> xr.Dataset:
     flat = dataset.stack(each=list(dataset.dims), create_index=False).reset_coords()
     first = [name for name in dataset.coords if name in flat]
     return flat[[*first, *(name for name in dataset.data_vars if name in flat)]]
+
+
+# -- columns -----------------------------------------------------------------------------------------------------------
+
+
+def column(head: str, values: xr.DataArray) -> list[str]:
+    """A heading with the unit, and the values in it, with a prefix that fits the largest; texts as they are."""
+    if values.dtype.kind in "UOT":
+        return [head, *(str(value) for value in values.values)]
+    unit = values.attrs.get("units", "1")
+    power = 0 if "/" in unit or unit in ("1", "K", "Pa*s") else exponent(largest_of(values))
+    shown = ["-" if np.isnan(value) else f"{value:.4g}" for value in values.values / 10**power]
+    return [head if unit == "1" else f"{head} ({PREFIXES[power]}{unit})", *shown]
+
+
+# -- traction curves --------------------------------------------------------------------------------------------------
+
+
+class CurveAxis(NamedTuple):
+    """The quantity that varies along a curve: its name in words, its symbol and unit, and what its values must be."""
+
+    long_name: str
+    symbol: str
+    unit: str
+    mark: Mark
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """The attributes of the coordinate of a Dataset."""
+        return {"long_name": self.long_name, "symbol": self.symbol, "units": self.unit}
+
+
+CURVE_AXES: Mapping[str, CurveAxis] = {
+    "slide_to_roll": CurveAxis("slide-to-roll ratio", "S", "1", FINITE),
+    "mean_speed": CurveAxis("mean speed", "u_m", "m/s", VELOCITY),
+    "load": CurveAxis("load", "F", "N", LOAD),
+}
+CURVE_WORK = ("newton_iterations", "krylov_iterations", "convolutions")
+CURVE_SHOWN = {  # in a table, with a shorter heading where there is one
+    "mu_sliding": "mu", "mu_rolling": "mu_r", "mu_1": "", "power_loss": "loss", "H_c": "", "H_min": "", "tau_max": "",
+}  # fmt: skip
+WARM_SHOWN = {"mu_isothermal": "mu_iso", "T_film_max": "T_film"}  # with a section [thermal]
+CURVE_NUMBERS = (*CURVE_SHOWN, "mu_2", "mu_sliding_y", "P_max", *CURVE_WORK)
+WARM_NUMBERS = (*WARM_SHOWN, "T_1_max", "T_2_max", "phi_T")
+WARM = (
+    "mu, loss, films and stress include heat (inlet shear heating, flash temperature); mu_iso and mu_r are isothermal"
+)
+
+
+def point_scalars(case: Case, values: Mapping[str, float]) -> dict[str, Scalar]:
+    """The numbers of a point from dimensionless values by name; nan where there is none.
+
+    Those of a physical case are in SI under SI names (h_c for H_c), by the scales of the point itself.
+    """
+    scalars = {}
+    for name in CURVE_NUMBERS if case.thermal is None else (*CURVE_NUMBERS, *WARM_NUMBERS):
+        value, attributes = values.get(name, nan), variable_attributes(name, case.scales)
+        if "si_factor" in attributes:
+            name, value, attributes = value_in_si(value, attributes)
+        scalars[name] = Scalar(value, attributes)
+    return scalars
+
+
+@dataclass(frozen=True, repr=False, eq=False, kw_only=True)
+class TractionCurve(StudyResult):
+    """A traction curve.
+
+    Parameters
+    ----------
+    case : Case
+        The case with whose conditions the points were computed, apart from what varies.
+    dataset : xarray.Dataset
+        Over slide_to_roll, mean_speed (m/s) or load (N).  The traction coefficient of sliding mu_sliding, the rolling
+        resistance mu_rolling of each surface, the power loss, the central and the minimum film thickness, the maximum
+        shear stress in the middle of the film, the maximum pressure, status and work of each point; nan where the film
+        did not converge.  In SI under SI names (h_c for H_c) where the case is physical.  With a section [thermal] all
+        but mu_rolling and p_max is of the warm film; mu_isothermal is without heat, phi_T the inlet factor in h_c and
+        h_min, T_1_max, T_2_max, T_film_max (K) the highest temperatures.
+    warnings : list of str
+        Warnings about the oil, the grid and the domain, with the points that they are about.
+    directory : Path, optional
+        Where the curve is stored.
+    """
+
+    case: Case
+    warnings: list[str]
+
+    @property
+    def axis(self) -> str:
+        """The quantity that varies: slide_to_roll, mean_speed or load."""
+        return str(self.dataset.attrs["varies"])
+
+    @property
+    def failed(self) -> list[float]:
+        """The values at which the film did not converge."""
+        ended = ~self.dataset["status"].isin([DONE, *TO_DO])
+        values: list[float] = self.dataset[self.axis].values[ended].tolist()
+        return values
+
+    def plot(self) -> "Figure":
+        """The curve: traction coefficient and rolling resistance, films, power loss and shear stress."""
+        from ertel.plots import studies
+
+        return studies.traction_figure(self.dataset)
+
+    def as_data(self) -> dict[str, Any]:
+        """The curve as plain data for JSON; names in SI end with the unit, and what is missing is None."""
+        about = {name: self.dataset.attrs[name] for name in ("title", "kind", "M", "L", "varies", "film")}
+        return {**about, "points": self.rows(), "warnings": self.warnings, "complete": self.complete}
+
+    def table(self) -> list[list[str]]:
+        """The columns of a table to read, each with its heading first, with units that fit."""
+        columns = [column(CURVE_AXES[self.axis].symbol, self.dataset[self.axis])]
+        for name, head in (CURVE_SHOWN if self.case.thermal is None else CURVE_SHOWN | WARM_SHOWN).items():
+            stored = name if name in self.dataset else name_in_si(name)
+            columns.append(column(head or stored, self.dataset[stored]))
+        status = self.dataset["status"]
+        return columns if (status == DONE).all() else [*columns, column("status", status)]
+
+    @property
+    def remarks(self) -> list[str]:
+        """Lines below the table: how the film was computed, units, and warnings."""
+        remarks = [f"film: {self.dataset.attrs['film']}"]
+        if not self.case.scales:
+            remarks.append("mu is in units a/R, films in a^2/R, stresses in p_h a/R: the case is dimensionless")
+        if self.case.thermal:
+            remarks.append(WARM)
+        return [*remarks, *(f"warning: {warning}" for warning in self.warnings)]
+
+    @property
+    def heading(self) -> str:
+        """The title of the table."""
+        name = self.case.name or self.case.kind
+        done = int((~self.dataset["status"].isin(TO_DO)).sum())
+        ended = "" if self.complete else ", not complete"
+        return f"{name}, {done} points over the {CURVE_AXES[self.axis].long_name}{ended}"

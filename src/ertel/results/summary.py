@@ -11,9 +11,9 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.numerics.grid import extrapolate
 from ertel.results import balances, diagnostics
+from ertel.results.dataset import SteadyGrid
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.steady import SteadyGrid, thermal_summary, thermal_warnings
-from ertel.results.variables import AT_MAXIMUM, FILMS, FRICTION, MEASURED, values_in_si, with_coefficients
+from ertel.results.variables import AT_MAXIMUM, FILMS, FRICTION, MEASURED, TEMPERATURES, values_in_si, with_coefficients
 
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
 NARROW = 0.1
@@ -102,9 +102,12 @@ def rolling_summary(case: Case, data: xr.Dataset, work: Mapping[str, float], sta
     F = values.pop("F", None)
     values["load"] = None if F is None else F * case.geometry.hertz_load
     parts = _over_time(case, data, status)
-    said = [diagnostics.no_film(case)] if vanished == inf and not is_film else diagnostics.rolling_warnings(case, data)
-    said += _account_warnings(case, data, parts["budgets"]) if is_film else []
-    return _rolling_summary(case, _without_zero(values), {}, {**parts, **work}, status, said)
+    warnings = diagnostics.rolling_warnings(case, data)
+    if is_film:
+        warnings += _account_warnings(case, data, parts["budgets"])
+    elif vanished == inf:
+        warnings = [diagnostics.no_film(case)]
+    return _rolling_summary(case, _without_zero(values), {}, {**parts, **work}, status, warnings)
 
 
 def steady_summary(
@@ -117,7 +120,7 @@ def steady_summary(
     mu_sliding, mu_rolling and power_loss are those of `equations.account`; mu_sliding_y is there where it is not zero.
     In a physical case the coefficients are plain numbers; in a dimensionless one, where a/R is not known, they are
     multiples of it.
-    `thermal` is there with a section [thermal], see `steady.thermal_summary`.
+    `thermal` is there with a section [thermal], see `thermal_summary`.
     Counts are those of all grids, convolutions in units of one on the finest.  A run without a result has no values, no
     friction and no balances.
 
@@ -137,24 +140,49 @@ def steady_summary(
     nodes = {"nodes": grid.nodes_x, **({} if grid.nodes_y == grid.nodes_x else {"nodes_y": grid.nodes_y})}
     counts = {
         "residual": finest.residual,
-        "newton_iterations": sum(s.newton for s in solutions),
-        "krylov_iterations": sum(s.krylov for s in solutions),
-        "convolutions": round(sum(s.convolutions * s.grid.size / grid.size for s in solutions), 1),
+        "newton_iterations": sum(s.record["newton_iterations"] for s in solutions),
+        "krylov_iterations": sum(s.record["krylov_iterations"] for s in solutions),
+        "convolutions": round(sum(s.record["convolutions"] * s.grid.size / grid.size for s in solutions), 1),
         **work,
     }
-    said = diagnostics.steady_warnings(case, solutions)
+    warnings = diagnostics.steady_warnings(case, solutions)
     if diagnostics.steady_failure(case, finest):
         values = {**nodes, **_without_zero(dict.fromkeys((*MEASURED, *FRICTION)))}
-        return _rolling_summary(case, values, {}, {"budgets": {}, **counts}, status, said)
+        return _rolling_summary(case, values, {}, {"budgets": {}, **counts}, status, warnings)
     record = with_coefficients(finest.record, case.scales)
     terms = balances.steady(case, record, record["load"] / case.geometry.hertz_load)
-    said += [*diagnostics.balance_warnings(case, terms), *diagnostics.friction_warnings(case, record["mu_sliding"])]
+    warnings += [*diagnostics.balance_warnings(case, terms), *diagnostics.friction_warnings(case, record["mu_sliding"])]
     parts: dict[str, Any] = {"budgets": terms}
     if finest.heat is not None:
         parts["thermal"] = thermal_summary(case, finest)
-        said += thermal_warnings(case, finest.heat)
+        warnings += diagnostics.thermal_warnings(case, finest.heat)
     values = {**nodes, **_without_zero({name: record[name] for name in (*MEASURED, *FRICTION)})}
-    return _rolling_summary(case, values, _estimates(solutions), {**parts, **counts}, status, said)
+    return _rolling_summary(case, values, _estimates(solutions), {**parts, **counts}, status, warnings)
+
+
+def thermal_summary(case: Case, solution: SteadyGrid) -> dict[str, Any]:
+    """The part `thermal` of a summary, in SI.
+
+    L_t, phi_T: thermal loading, and the factor of the inlet formula.  h_c_m, h_min_m: the films with this factor.
+    T_1_max_K, T_2_max_K, T_film_max_K: highest temperatures of the surfaces and of the film (mean across it).
+    T_film_mean_K: that of the film on average over the contact, weighted with the pressure.  mu_sliding: traction
+    coefficient of the warm film, with its inlet factor.  iterations, converged: of the heat balance, which has one
+    solution, see `solvers.heat`.
+    """
+    heat, maps = solution.heat, solution.maps
+    assert case.thermal is not None and case.scales is not None and heat is not None
+    return {
+        "inlet_factor": case.thermal.inlet_factor,
+        "L_t": heat.inlet.L_t,
+        "phi_T": heat.inlet.factor,
+        "h_c_m": heat.inlet.factor * solution.record["H_c"] * case.scales.film,
+        "h_min_m": heat.inlet.factor * solution.record["H_min"] * case.scales.film,
+        **{f"{name}_max_K": float(np.max(maps[name])) for name in TEMPERATURES},
+        "T_film_mean_K": float(np.average(maps["T_film"], weights=maps["P"])),
+        "mu_sliding": float(heat.sliding[0]) * case.scales.a_over_R,
+        "iterations": heat.iterations,
+        "converged": heat.converged,
+    }
 
 
 def _estimates(solutions: Sequence[SteadyGrid]) -> dict[str, float]:
@@ -203,11 +231,11 @@ def _rolling_summary(
     estimates: Mapping[str, float],
     parts: Mapping[str, Any],
     status: Status,
-    said: list[str],
+    warnings: list[str],
 ) -> dict[str, Any]:
     names = [f"{name}_{ending}" for ending in ("error", "extrapolated") for name in FILMS]
     content = {**_heading(case), **values, **parts, "status": status.value}
-    return with_si(case, {**content, **{name: estimates.get(name) for name in names}, "warnings": said})
+    return with_si(case, {**content, **{name: estimates.get(name) for name in names}, "warnings": warnings})
 
 
 # -- in SI ------------------------------------------------------------------------------------------------------------

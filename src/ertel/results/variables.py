@@ -70,8 +70,8 @@ def _oil_flow(long_name: str, symbol: str, si_name: str, comment: str = "") -> V
     return Variable(long_name, symbol, "rho0 a*^4/(R t0)", "oil_flow", si_name, "m3/s", comment=comment)
 
 
-def _coefficient(long_name: str, name: str, comment: str) -> Variable:
-    return Variable(long_name, name, "a*/R", COEFFICIENT, name, "1", comment=comment)
+def _coefficient(long_name: str, name: str, comment: str = "", unit: str = "a*/R") -> Variable:
+    return Variable(long_name, name, unit, COEFFICIENT, name, "1", comment=comment)
 
 
 def _shear(long_name: str, name: str) -> Variable:
@@ -160,8 +160,21 @@ OF_A_GRID: Mapping[str, Variable] = {  # of a steady contact, with some of the s
     "residual": Variable("maximum residual", "res"),
     "history": Variable("maximum residual after each iteration", "res"),
 }
+OF_A_CURVE: Mapping[str, Variable] = {  # of a traction curve, with some of the scalars
+    "mu_1": _coefficient("friction coefficient of surface 1, mu + mu_r", "mu_1", unit="a/R"),
+    "mu_2": _coefficient("friction coefficient of surface 2, mu_r - mu", "mu_2", unit="a/R"),
+    "tau_max": Variable("maximum mid-plane shear stress", "tau_max", "p_h a/R", "shear_stress", "tau_max", "Pa"),
+    "mu_isothermal": _coefficient("isothermal traction coefficient", "mu_isothermal", PUSHED),
+    "T_1_max": Variable("highest temperature of surface 1", "T_1_max", KELVIN),
+    "T_2_max": Variable("highest temperature of surface 2", "T_2_max", KELVIN),
+    "T_film_max": Variable("highest temperature of the film", "T_film_max", KELVIN),
+    "phi_T": Variable("inlet factor of the film", "phi_T"),
+}
 EVENT = Variable("why the map was kept", "event")
-VARIABLES: Mapping[str, Variable] = {**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, "event": EVENT}
+VARIABLES: Mapping[str, Variable] = {
+    **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE},
+    "event": EVENT,
+}
 OUTCOME: Mapping[str, Variable] = {  # of the numbers of a run, besides `VARIABLES`
     "M": Variable("load parameter", "M"),
     "L": Variable("oil parameter", "L"),
@@ -172,10 +185,7 @@ OUTCOME: Mapping[str, Variable] = {  # of the numbers of a run, besides `VARIABL
     "h_c_warm": Variable("central film thickness, warm", "h_c", "m"),
     "h_min_warm": Variable("minimum film thickness, warm", "h_min", "m"),
     "mu_sliding_warm": Variable("traction coefficient, warm", "mu_sliding"),
-    "T_1_max_warm": Variable("highest temperature of surface 1", "T_1", KELVIN),
-    "T_2_max_warm": Variable("highest temperature of surface 2", "T_2", KELVIN),
-    "T_film_max_warm": Variable("highest temperature of the film", "T_film", KELVIN),
-    "phi_T_warm": Variable("inlet factor of the film", "phi_T"),
+    **{f"{name}_warm": OF_A_CURVE[name] for name in ("T_1_max", "T_2_max", "T_film_max", "phi_T")},
     "newton_iterations": Variable("Newton iterations", "n_N"),
     "krylov_iterations": Variable("Krylov iterations", "n_K"),
     "wall_time": Variable("time of computing", "t_wall", "s"),
@@ -218,10 +228,10 @@ def one_number(dataset: "xr.Dataset") -> "xr.Dataset":
     return dataset.assign(converted) if converted else dataset
 
 
-def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
+def variable_attributes(name: str, scales: Scales | None) -> dict[str, Any]:
     """CF attributes of a variable: units, long_name, symbol, what 1 stands for, and its SI factor if there is one."""
     variable = VARIABLES[name]
-    attributes: dict[str, object] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
+    attributes: dict[str, Any] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
     if variable.unit == KELVIN:
         attributes["units"] = KELVIN
     elif variable.unit != "1" and not (scales and variable.scale == COEFFICIENT):
@@ -234,6 +244,15 @@ def variable_attributes(name: str, scales: Scales | None) -> dict[str, object]:
         attributes |= {"si_name": variable.si_name, "si_units": variable.si_units}
         attributes["si_factor"] = variable.factor(scales)
     return attributes
+
+
+def value_in_si(value: Any, attributes: Mapping[str, Any]) -> tuple[str, Any, dict[str, Any]]:
+    """The SI name, value and attributes of a variable of a physical case, from its own, which have an si_factor."""
+    attributes = dict(attributes)
+    factor, attributes["units"] = attributes.pop("si_factor"), attributes.pop("si_units")
+    attributes["symbol"] = attributes.pop("si_name")
+    attributes.pop("in_units_of", None)
+    return attributes["symbol"], value * factor, attributes
 
 
 def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
@@ -259,13 +278,10 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     converted = dataset.copy()
     names = {}
     for name, variable in dataset.variables.items():
-        attributes = dict(variable.attrs)
-        if "si_factor" in attributes:
-            factor, attributes["units"] = attributes.pop("si_factor"), attributes.pop("si_units")
-            attributes["symbol"] = attributes.pop("si_name")
-            attributes.pop("in_units_of", None)
-            converted[name] = (variable.dims, variable.values * factor, attributes)
-            names[name] = attributes["symbol"] if name != "frame" else name
+        if "si_factor" in variable.attrs:
+            new, values, attributes = value_in_si(variable.values, variable.attrs)
+            converted[name] = (variable.dims, values, attributes)
+            names[name] = new if name != "frame" else name
     return converted.rename({name: new for name, new in names.items() if new != name})
 
 
@@ -291,13 +307,11 @@ def values_in_si(values: Mapping[str, float | None], scales: Scales) -> dict[str
     for name, value in values.items():
         base = name.removesuffix("_error").removesuffix("_extrapolated")
         variable = VARIABLES["time" if base == "T" else base]
-        converted[key_in_si(variable, name.removeprefix(base))] = (
-            None if value is None else value * variable.factor(scales)
-        )
+        key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
+        converted[key] = None if value is None else value * variable.factor(scales)
     return converted
 
 
-def key_in_si(variable: Variable, what: str = "") -> str:
-    """The name of a value in SI: h_c_m, or h_c_error_m of its error; of a coefficient without a unit."""
-    unit = "" if variable.si_units == "1" else "_" + variable.si_units.replace("/", "_per_")
-    return f"{variable.si_name}{what}{unit}"
+def named_with_unit(name: str, unit: str) -> str:
+    """A name with its unit at the end: h_c_m, mean_speed_m_per_s; a plain number keeps its name."""
+    return name if unit == "1" else f"{name}_{unit.replace('/', '_per_').replace('*', '_')}"

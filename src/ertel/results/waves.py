@@ -60,10 +60,10 @@ def last_wave(X: ArrayLike, dH: ArrayLike, edge: float = 1.0) -> Wave:
 
     Raises ValueError where no complete wave lies inside.
     """
-    found = waves(X, dH, edge)
-    if not found:
+    complete = waves(X, dH, edge)
+    if not complete:
         raise ValueError(f"dH: no complete wave lies inside |X| < {edge}; take a shorter wavelength")
-    return found[-1]
+    return complete[-1]
 
 
 def local_nabla2(parameters: Parameters, wavelength: float, speed: ArrayLike, A: ArrayLike = 1.0) -> Values:
@@ -112,9 +112,9 @@ def ridge_amplitude(X: ArrayLike, Y: ArrayLike, dH: ArrayLike, wavelength: float
     field = RectBivariateSpline(np.asarray(Y, dtype=float), np.asarray(X, dtype=float), np.asarray(dH, dtype=float))
     r, aside = np.asarray(r, dtype=float), wavelength / 2
     trough = np.sqrt(np.where(r > aside, r**2 - aside**2, np.nan))
-    known = np.isfinite(trough)
+    inside = np.isfinite(trough)
     amplitude = np.full(r.shape, np.nan)
-    amplitude[known] = np.abs(field.ev(trough[known], aside) - field.ev(r[known], 0.0)) / 2
+    amplitude[inside] = np.abs(field.ev(trough[inside], aside) - field.ev(r[inside], 0.0)) / 2
     return amplitude
 
 
@@ -141,5 +141,5 @@ def fit_reduction(nabla2: ArrayLike, ratio: ArrayLike, error: ArrayLike = 1.0) -
         Errors of the ratios, of a shape that broadcasts.
     """
     n, A, bar = (np.asarray(values, dtype=float) for values in (nabla2, ratio, error))
-    found = least_squares(lambda c: (Reduction(*c).ratio(n) - A) / bar, [0.15, 0.015], bounds=(0.0, np.inf))
-    return Reduction(*map(float, found.x))
+    fit = least_squares(lambda c: (Reduction(*c).ratio(n) - A) / bar, [0.15, 0.015], bounds=(0.0, np.inf))
+    return Reduction(*map(float, fit.x))

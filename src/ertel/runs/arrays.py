@@ -1,32 +1,226 @@
-"""The arrays of a run on disk, as `checked_zarr` writes them: appended in time, replaced grid by grid.
+"""The arrays of a run on disk: a Dataset as Zarr files in which nothing changes unnoticed.
 
-`create` writes those of a run that has not started.  `flush` writes what is new before a checkpoint, and returns what
-the checkpoint must store about it; `after_checkpoint` does what remains.  `restore` resets the arrays to a checkpoint;
-an empty checkpoint and no result mean the start.  It raises Damaged where that cannot be done; then nothing has
-changed.
+`xarray.open_zarr` alone opens them.  The chunks carry checksums.  The metadata of all arrays stand in one file,
+run.zarr/zarr.json, with their checksum among its attributes.  The file is replaced atomically: it says how many rows
+readers see.  Zarr also wants a zarr.json in each array; nobody here reads those.
+
+The arrays are appended in time (`AppendedData`), or replaced grid by grid (`ReplacedData`).  `create` writes those of a
+run that has not started.  `flush` writes what is new before a checkpoint, and returns what the checkpoint must store
+about it; `after_checkpoint` does what remains.  `restore` resets the arrays to a checkpoint; an empty checkpoint and no
+result mean the start.  It raises Damaged where that cannot be done; then nothing has changed.
 
 flush_interval: seconds between flushes, unless the store is told others; a killed run loses at most this much.
 advice: how to go on where the data are damaged.
 """
 
+import asyncio
+import json
 import shutil
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from math import ceil, nan
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+import xarray as xr
+import zarr
+from numpy.typing import NDArray
+from zarr.abc.buffer import Buffer
+from zarr.codecs import Crc32cCodec, ZstdCodec
 from zarr.storage import LocalStore
 
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results import dataset
 from ertel.results.dataset import provenance
-from ertel.runs import checked_zarr as zarrs
-from ertel.runs.courses import Run
-from ertel.runs.files import Damaged
-from ertel.runs.stepping import Frame
+from ertel.runs.files import Damaged, content_of, reading, replace, require_regular, sealed, unsealed
 
+if TYPE_CHECKING:  # they bring JAX
+    from ertel.runs.drive import Run
+    from ertel.runs.stepping import Frame
+
+ROOT = "zarr.json"
+GROWING = ("time", "frame")  # the dimensions along which rows are appended
+ROWS = 4096  # of numbers in a chunk; each map is a chunk of its own
+NO_NUMBER = -1  # what a missing chunk of integers holds
+LARGEST_CHUNK = 256 * 10**6  # bytes: a map of 4097 x 4097 nodes has half of it
+THREADS = 8  # waiting for the disk together takes a tenth of the time
+FORMAT: Final = 3  # of Zarr; earlier ones may hold pickles
 WRITTEN = "store_written"  # in a checkpoint: how many rows of the arrays belong to it
+
+Root = dict[str, Any]  # the content of ROOT without its checksum
+
+
+class SyncedStore(LocalStore):
+    """A local store whose chunks are on the disk when they are written."""
+
+    async def set(self, key: str, value: Any) -> None:
+        if key.endswith(ROOT):
+            await super().set(key, value)
+        else:
+            await asyncio.to_thread(replace, self.root / key, value.to_bytes())
+
+
+class RegularStore(LocalStore):
+    """A local store in which all but regular files of a sensible size are an error: reading a pipe may never end."""
+
+    async def get(self, key: str, *arguments: Any, **options: Any) -> Buffer | None:
+        with suppress(FileNotFoundError, NotADirectoryError):
+            require_regular(self.root / key, LARGEST_CHUNK)
+            return await super().get(key, *arguments, **options)
+        return None
+
+
+def write(store: LocalStore, data: xr.Dataset) -> None:
+    """Write a Dataset into an empty store."""
+    with _writing():
+        group = zarr.create_group(store, zarr_format=FORMAT, attributes=data.attrs)
+        for name, variable in data.variables.items():
+            rows = ROWS if variable.ndim == 1 else 1
+            array = group.create_array(
+                str(name),
+                shape=variable.shape,
+                chunks=tuple(rows if dim in GROWING else max(n, 1) for dim, n in variable.sizes.items()),
+                dtype=variable.dtype,
+                fill_value=nan if variable.dtype.kind == "f" else NO_NUMBER,
+                compressors=[ZstdCodec(), Crc32cCodec()],
+                dimension_names=[str(dim) for dim in variable.dims],
+                attributes=variable.attrs,
+            )
+            if variable.size:
+                array[...] = variable.values
+        zarr.consolidate_metadata(store, zarr_format=FORMAT)
+    write_root(store.root, json.loads((store.root / ROOT).read_bytes()))
+
+
+def append(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Append rows to arrays.  Readers see them when the file ROOT counts them."""
+    with _writing(), ThreadPoolExecutor(THREADS) as pool:
+        group = zarr.open_group(SyncedStore(path), mode="r+", zarr_format=FORMAT, use_consolidated=True)
+        stored = dict(group.arrays())
+        list(pool.map(lambda name: stored[name].append(arrays[name]), arrays))
+
+
+@contextmanager
+def _writing() -> Iterator[None]:
+    """Chunks without a number are written too: only a lost one is missing."""
+    with warnings.catch_warnings(), zarr.config.set({"array.write_empty_chunks": True}):
+        warnings.filterwarnings("ignore", message="Consolidated metadata is currently not part")
+        yield
+
+
+# -- the metadata -----------------------------------------------------------------------------------------------------
+
+
+def read_root(path: Path, advice: str) -> Root:
+    """The metadata of all arrays.  Raises Damaged, with the advice, where the file is missing or damaged."""
+    try:
+        text = content_of(path / ROOT)
+    except (FileNotFoundError, NotADirectoryError) as error:
+        raise Damaged(path / ROOT, "missing", advice) from error
+    with reading(path / ROOT, advice):
+        return unsealed(text, "attributes")
+
+
+def write_root(path: Path, root: Root) -> None:
+    """Replace the metadata: now readers see the rows that they count."""
+    replace(path / ROOT, sealed(root, "attributes"))
+
+
+def update_attributes(path: Path, attributes: Mapping[str, Any], advice: str) -> None:
+    """Add attributes of the Dataset, or replace them."""
+    root = read_root(path, advice)
+    root["attributes"].update(attributes)
+    write_root(path, root)
+
+
+def _metadata(root: Root) -> dict[str, dict[str, Any]]:
+    metadata: dict[str, dict[str, Any]] = root["consolidated_metadata"]["metadata"]
+    return metadata
+
+
+def rows_of(root: Root) -> dict[str, int]:
+    """The number of rows that readers see, by dimension."""
+    return {dimension: _metadata(root)[dimension]["shape"][0] for dimension in GROWING}
+
+
+def has_old_coefficients(root: Root) -> bool:
+    """Whether coefficients of friction are stored in units a/R, as ertel did before they were plain numbers."""
+    attributes = _metadata(root).get("mu_sliding", {}).get("attributes", {})
+    return bool(attributes.get("si_factor", 1.0) != 1.0)
+
+
+def with_rows(root: Root, rows: Mapping[str, int]) -> Root:
+    """The metadata that count so many rows."""
+    arrays = {}
+    for name, metadata in _metadata(root).items():
+        length, *rest = metadata["shape"]
+        arrays[name] = {**metadata, "shape": [rows.get(metadata["dimension_names"][0], length), *rest]}
+    return {**root, "consolidated_metadata": {**root["consolidated_metadata"], "metadata": arrays}}
+
+
+def delete_uncounted(path: Path, root: Root) -> None:
+    """Delete the chunks that have only rows that the metadata do not count, and what a killed process left."""
+    for file in path.rglob("*.partial"):
+        file.unlink()
+    for name, metadata in _metadata(root).items():
+        chunk = metadata["chunk_grid"]["configuration"]["chunk_shape"][0]
+        kept = ceil(metadata["shape"][0] / chunk)
+        for file in (path / name / "c").glob("*"):
+            if int(file.name) >= kept:
+                shutil.rmtree(file) if file.is_dir() else file.unlink()
+
+
+# -- reading ----------------------------------------------------------------------------------------------------------
+
+
+def read(path: Path, advice: str) -> xr.Dataset:
+    """The Dataset.  Raises Damaged, with the advice, where a file is missing or damaged."""
+    while True:
+        before = _text(path)
+        try:
+            return _read(present(path), advice)
+        except (Damaged, FileNotFoundError):
+            if _text(path) == before:  # not replaced by a running process meanwhile
+                raise
+
+
+def _text(path: Path) -> bytes:
+    try:
+        return content_of(present(path) / ROOT)
+    except OSError:
+        return b""
+
+
+def old_of(path: Path) -> Path:
+    """The temporary path of the data while they are replaced."""
+    return path.with_name(f"{path.name}.old")
+
+
+def present(path: Path) -> Path:
+    """The present path of the data."""
+    return path if path.exists() else old_of(path)
+
+
+def _read(path: Path, advice: str) -> xr.Dataset:
+    root = read_root(path, advice)
+    variables = {}
+    store = RegularStore(path, read_only=True)
+    with reading(path, advice):
+        arrays = dict(zarr.open_group(store, mode="r", zarr_format=FORMAT, use_consolidated=True).arrays())
+    for name, metadata in _metadata(root).items():
+        with reading(path / name, advice):
+            array = arrays[name]
+            if missing := array.nchunks - array.nchunks_initialized:
+                raise ValueError(f"{missing} of {array.nchunks} chunks are missing")
+            variables[name] = (metadata["dimension_names"], np.asarray(array[...]), metadata["attributes"])
+    return xr.Dataset(variables, attrs=root["attributes"])
+
+
+# -- of a run ---------------------------------------------------------------------------------------------------------
 
 
 class AppendedData:
@@ -35,40 +229,40 @@ class AppendedData:
     flush_interval = 5.0
     advice = "the run must be computed again from its case.toml"
 
-    def __init__(self, run: Run):
+    def __init__(self, run: "Run"):
         self._run = run
 
     def create(self, path: Path) -> None:
         data = self._run.dataset([], [], None)
-        zarrs.write(zarrs.SyncedStore(path), data.assign_attrs(status=Status.RUNNING.value))
+        write(SyncedStore(path), data.assign_attrs(status=Status.RUNNING.value))
 
-    def flush(self, path: Path, records: Sequence[Mapping[str, float]], frames: Sequence[Frame]) -> dict[str, Any]:
-        root = zarrs.read_root(path, self.advice)
-        old = zarrs.has_old_coefficients(root)  # they stay as the run began
+    def flush(self, path: Path, records: Sequence[Mapping[str, float]], frames: Sequence["Frame"]) -> dict[str, Any]:
+        root = read_root(path, self.advice)
+        old = has_old_coefficients(root)  # they stay as the run began
         columns = dataset.columns(records, None if old else self._run.case.scales) if records else {}
         maps = dataset.maps(frames) if frames else {}
-        zarrs.append(path, {**columns, **maps})
+        append(path, {**columns, **maps})
         new = {"time": len(records), "frame": len(frames)}
-        rows = {dimension: count + new[dimension] for dimension, count in zarrs.rows_of(root).items()}
-        zarrs.write_root(path, zarrs.with_rows(root, rows))
+        rows = {dimension: count + new[dimension] for dimension, count in rows_of(root).items()}
+        write_root(path, with_rows(root, rows))
         return {WRITTEN: np.array(list(rows.values()))}
 
     def after_checkpoint(self, path: Path, result: Any) -> None:
         """Do nothing: the arrays were written before the checkpoint."""
 
     def restore(self, path: Path, checkpoint: Mapping[str, Any], result: Any) -> None:
-        root = zarrs.read_root(path, self.advice)
-        present = zarrs.rows_of(root)
+        root = read_root(path, self.advice)
+        present = rows_of(root)
         written: Sequence[int] = checkpoint[WRITTEN].tolist() if checkpoint else [0] * len(present)
         rows = dict(zip(present, written, strict=True))
         if any(rows[dimension] > count for dimension, count in present.items()):
             raise Damaged(path, "holds fewer rows than the checkpoint counts", self.advice)
-        zarrs.read(path, self.advice)  # nothing is computed on damaged data
-        known = provenance(self._run.case)
-        attributes = {name: value for name, value in root["attributes"].items() if name in known}
-        root = {**zarrs.with_rows(root, rows), "attributes": {**attributes, "status": Status.RUNNING.value}}
-        zarrs.write_root(path, root)
-        zarrs.delete_uncounted(path, root)
+        read(path, self.advice)  # nothing is computed on damaged data
+        first = provenance(self._run.case)
+        attributes = {name: value for name, value in root["attributes"].items() if name in first}
+        root = {**with_rows(root, rows), "attributes": {**attributes, "status": Status.RUNNING.value}}
+        write_root(path, root)
+        delete_uncounted(path, root)
 
 
 class ReplacedData:
@@ -77,7 +271,7 @@ class ReplacedData:
     flush_interval = 5.0
     advice = "it is written again when the run is continued"
 
-    def __init__(self, run: Run):
+    def __init__(self, run: "Run"):
         self._run = run
 
     def create(self, path: Path) -> None:
@@ -85,14 +279,14 @@ class ReplacedData:
 
     def _write(self, path: Path, result: Any) -> None:
         data = self._run.dataset([], [], result).assign_attrs(status=Status.RUNNING.value)
-        zarrs.write(LocalStore(path), data)
+        write(LocalStore(path), data)
 
-    def flush(self, path: Path, records: Sequence[Mapping[str, float]], frames: Sequence[Frame]) -> dict[str, Any]:
+    def flush(self, path: Path, records: Sequence[Mapping[str, float]], frames: Sequence["Frame"]) -> dict[str, Any]:
         return {}
 
     def after_checkpoint(self, path: Path, result: Any) -> None:
         """Write the data again; the old data remain readable between the two renames."""
-        old, draft = zarrs.old_of(path), path.with_name(f"{path.name}.partial")
+        old, draft = old_of(path), path.with_name(f"{path.name}.partial")
         shutil.rmtree(draft, ignore_errors=True)
         self._write(draft, result)
         if path.exists():

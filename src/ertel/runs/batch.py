@@ -1,4 +1,6 @@
-"""Many impacts at once on one device: every time step of all of them is one compiled program, vectorised over cases.
+"""Runs that share compiled programs: many impacts in one call, and compiling ahead by short runs.
+
+Many impacts at once on one device: every time step of all of them is one compiled program, vectorised over cases.
 
     results = simulate_batch([parse_case({"contact": {"M": M, "L": 10}}) for M in (200, 500, 1000)])
 
@@ -9,9 +11,12 @@ closure.
 
 A batched iteration goes on until the slowest case has converged, so a batch pays where a single step leaves the device
 idle: small grids, and graphics processors.  Runs that fill the cores are better spread over processes (`ertel.sweep`).
+
+A program depends on the kind of run, the number of nodes, the axes of symmetry and the laws of the oil; not on M, L,
+the constants of the oil, tolerances, times or how far the grid reaches.
 """
 
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from os import PathLike
@@ -25,12 +30,11 @@ from jax import Array, tree
 from ertel.case.case import Case
 from ertel.case.derived import grid_of
 from ertel.case.status import Status
-from ertel.equations.contact import traceable, traceable_law
-from ertel.inputs.case_files import CaseLike, ConfigError, as_case, written
-from ertel.numerics.arrays import double_precision, require_double
+from ertel.equations.contact import traceable
+from ertel.inputs.case_files import CaseLike, ConfigError, as_case, parse_case, written
+from ertel.numerics.programs import double_precision, require_double
 from ertel.results.result import Result
-from ertel.runs.courses import METHODS, TransientRun, method_of
-from ertel.runs.drive import Recorder
+from ertel.runs.drive import METHODS, Recorder, TransientRun, drive, method_of, run_of
 from ertel.runs.stepping import Step
 from ertel.runs.workers import Failure, check_fork
 from ertel.solvers.transient import StepProblem, StepSolution, Transient2D, solve_step
@@ -38,6 +42,7 @@ from ertel.solvers.transient import StepProblem, StepSolution, Transient2D, solv
 Asking = Generator[Any, Any, Any]  # a run that yields problems, is sent their solutions, and returns its outcome
 SolveTogether = Callable[[Sequence[Any], int], Sequence[Any]]  # from problems and the number of lanes to solutions
 ON_THE_PLANE = tuple(name for name, method in METHODS.items() if method is Transient2D)  # one compiled step for all
+EXTENT = ("solver.half_width", "solver.half_width_y", "solver.inlet")  # numbers that a program is given
 SHRINKAGE = 4  # a batch becomes smaller, which costs a compilation, when this factor fewer cases still run
 
 
@@ -152,10 +157,17 @@ def shape_of(case: Case) -> dict[str, object]:
         "roughness (axes of symmetry)": tuple(grid.even),
         "lubricant.viscosity": _structure(oil.viscosity_law),
         "lubricant.density": _structure(oil.density_law),
-        "lubricant.rheology": _structure(traceable_law(case.oil.fluidity_law)),
+        "lubricant.rheology": _structure(traceable(case.oil.fluidity_law)),
         "motion.entrainment": "some" if case.motion.flows else "none",
         "motion.inertia": "some" if case.motion.inertia > 0 else "none",
     }
+
+
+def program_of(case: Case) -> str:
+    """A text that is the same for runs that need the same compiled programs."""
+    shape = {name: value for name, value in shape_of(case).items() if name not in EXTENT}
+    across = grid_of(case).nodes_y
+    return repr((case.kind, across, sorted(shape.items()), case.thermal is not None))
 
 
 def _structure(law: object) -> tuple[str, object, tuple[tuple[int, ...], ...]]:
@@ -170,8 +182,8 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
     """The results of `transient.solve_step` for problems of one shape, by one call with this number of lanes."""
     require_double()
     filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
-    own = tree.map(_stacked, *(_own(problem) for problem in filled))
-    fields, numbers = _solve_lanes(problems[0], own)
+    separate = tree.map(_stacked, *(_without_shared(problem) for problem in filled))
+    fields, numbers = _solve_lanes(problems[0], separate)
     numbers = np.asarray(numbers)
     return [
         StepSolution({name: each[lane] for name, each in fields.items()}, numbers[lane])
@@ -179,7 +191,7 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
     ]
 
 
-def _own(problem: StepProblem) -> Any:
+def _without_shared(problem: StepProblem) -> Any:
     """The problem without the large parts that all cases share."""
     setting = replace(problem.setting, elastic=(), space=(), axes=(), gap_slope=())  # type: ignore[arg-type]
     contact = replace(problem.contact, kernel=(), spacing=())  # type: ignore[arg-type]
@@ -196,14 +208,54 @@ def _stack(fields: Sequence[Array]) -> Array:
 
 
 @jax.jit
-def _solve_lanes(one: StepProblem, own: Any) -> tuple[dict[str, list[Array]], Array]:
+def _solve_lanes(one: StepProblem, separate: Any) -> tuple[dict[str, list[Array]], Array]:
     """The fields of each lane separately; the numbers with the lanes along their first axis."""
 
-    def solve(own: Any) -> StepSolution:
-        contact = replace(own.contact, kernel=one.contact.kernel, spacing=one.contact.spacing)
+    def solve(separate: Any) -> StepSolution:
+        contact = replace(separate.contact, kernel=one.contact.kernel, spacing=one.contact.spacing)
         shared = {name: getattr(one.setting, name) for name in ("elastic", "space", "axes", "gap_slope")}
-        solution: StepSolution = solve_step(replace(own, setting=replace(own.setting, **shared), contact=contact))
+        solution: StepSolution = solve_step(
+            replace(separate, setting=replace(separate.setting, **shared), contact=contact)
+        )
         return solution
 
-    solution = jax.vmap(solve)(own)
+    solution = jax.vmap(solve)(separate)
     return {name: list(lanes) for name, lanes in solution.fields.items()}, solution.numbers
+
+
+# -- compiling ahead --------------------------------------------------------------------------------------------------
+
+STEPS = 4  # the first three have histories of different length
+STEADY, IN_TIME = 257, 129  # nodes per side: the largest of the usual grids
+USUAL = (
+    {"name": f"steady rolling, 33 to {STEADY}", "contact": {"kind": "rolling"}, "solver": {"nodes": STEADY}},
+    {"name": f"impact, {IN_TIME}", "contact": {"kind": "impact"}, "solver": {"method": "2d", "nodes": IN_TIME}},
+    {"name": f"impact, {STEADY}", "contact": {"kind": "impact"}, "solver": {"method": "2d", "nodes": STEADY}},
+    {"name": "impact, radial, 401", "contact": {"kind": "impact"}, "solver": {"method": "radial", "nodes": 401}},
+)
+OIL = {"viscosity": "roelands", "density": "dowson-higginson", "eta0": "40 mPa*s", "alpha": "22 / GPa"}
+
+
+def usual_cases() -> Iterator[Case]:
+    """Smooth contacts on the usual grids, with the usual laws of the oil."""
+    for case in USUAL:
+        yield parse_case({**case, "contact": {**case["contact"], "M": 200, "L": 10}, "lubricant": OIL})  # type: ignore[dict-item]
+
+
+@double_precision()
+def warm_up(case: Case) -> None:
+    """Compile what a run of the case needs.
+
+    A steady case is run to its end, a run in time for a few steps.
+    """
+    run: Any = run_of(case)
+    recorder, steps = Recorder(run), iter(range(STEPS))
+
+    def enough(result: Any) -> bool:
+        if case.is_steady or next(steps, None) is not None:
+            return False
+        run.method.measure(result.state.levels[0])  # as at the moments of which maps are kept
+        run.method.friction(result.state.levels[0])
+        return True
+
+    recorder.result(drive(run, [recorder, enough]))

@@ -117,13 +117,13 @@ def existing(address: str | None = None, file: Path | None = None, tls: Path | N
     """
     where = f"scheduler = {address}" if address else f"scheduler_file = {file}"
     security = _keys(tls) if tls else None
-    found = address or _address_in(file or Path())
-    if tls and "://" not in found:
-        found = f"tls://{found}"
-    _check_encryption(where, found, security)
+    whole_address = address or _address_in(file or Path())
+    if tls and "://" not in whole_address:
+        whole_address = f"tls://{whole_address}"
+    _check_encryption(where, whole_address, security)
     with ExitStack() as stack:
         try:
-            cluster = stack.enter_context(_connected(found, security))
+            cluster = stack.enter_context(_connected(whole_address, security))
         except FatalCommClosedError as error:
             raise NoScheduler(f"{where}: the scheduler has another authority for its certificates") from error
         except (OSError, ValueError) as error:
@@ -277,7 +277,7 @@ def performed(function: Callable[..., Any], arguments: tuple[Any, ...], sources:
     """The outcome of a task, on a worker.  Errors of the system are raised, so that the task is tried again."""
     if own_sources() != sources:
         return Failure("the worker has another version of ertel; install the same one everywhere")
-    from ertel.numerics.arrays import double_precision  # imports JAX, which reads SETTINGS
+    from ertel.numerics.programs import double_precision  # imports JAX, which reads SETTINGS
 
     try:
         with double_precision():

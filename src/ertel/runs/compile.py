@@ -137,9 +137,9 @@ def cache() -> Path | None:
     from jax.experimental.compilation_cache import compilation_cache
 
     _chosen = _chosen or cache
-    known = _jax_directory()
-    if known is not None:
-        return Path(known) if known else None
+    present = _jax_directory()
+    if present is not None:
+        return Path(present) if present else None
     directory = cache_directory()
     if directory is None or not _is_safe(directory):
         return None

@@ -31,31 +31,32 @@ import json
 import os
 import shutil
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from itertools import chain, count
-from math import isfinite
+from math import inf, isfinite
 from os.path import lexists
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from uuid import uuid4
 
 from ertel.case.case import Case
 from ertel.case.records import show
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
-from ertel.results.numbers import as_now
-from ertel.results.report import lines
-from ertel.runs.files import StoreError, content_of, reading, replace, sync_directory, unsealed
+from ertel.results.numbers import Scalar, as_now, lines, scalars
+from ertel.runs.files import StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
-    from ertel.runs.courses import Run, StepResult
+    from ertel.runs.drive import Run, StepResult
 
 CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
 PROGRESS, STOP = "progress.json", "stop"
 OCCUPIED = (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR, errno.EISDIR)  # why a directory cannot be moved to a name
 INTERVAL = 1.0  # s between two versions of progress.json
+DEEPEST = 4  # levels of folders that are looked into for runs
 LARGEST_PROCESS = 2**31  # numbers of processes are below it
 
 
@@ -123,8 +124,8 @@ def read_case(directory: Path) -> Case:
 def require_same(directory: Path, digest: str, data: Mapping[str, Any], case: Case) -> None:
     """Raise StoreError unless the case with this digest and data is the case of the directory's file."""
     if digest != case.digest:
-        said = changes(data, case.to_data())
-        raise StoreError(f"{directory}: {CASE} was changed ({said}); put it back, or run it as a new case")
+        changed = changes(data, case.to_data())
+        raise StoreError(f"{directory}: {CASE} was changed ({changed}); put it back, or run it as a new case")
 
 
 def changes(before: Any, now: Any, field: str = "") -> str:
@@ -265,3 +266,82 @@ def settle_progress(directory: Path) -> None:
     progress = read_progress(directory)
     if progress and progress["status"] == Status.RUNNING.value:
         _write_progress(directory, {**progress, "status": Status.INTERRUPTED.value})
+
+
+# -- the runs in a folder ---------------------------------------------------------------------------------------------
+
+
+class Listed(NamedTuple):
+    """A run directory.
+
+    case: None where it cannot be read.  status: as in the summary; "running", or "unfinished" where no process is at
+    it.  done: the share of the run.  written: when it was last changed.  numbers: those of its summary.
+    """
+
+    directory: Path
+    case: Case | None
+    status: str
+    done: float
+    written: datetime
+    numbers: Mapping[str, Scalar]
+
+
+def listed(folder: Path) -> list[Listed]:
+    """The runs in a folder and in those below it, in the order of their names; a run directory is itself one.
+
+    Raises OSError where the folder cannot be read; a folder below it that cannot be read is left out.
+    """
+    next(folder.iterdir(), None)
+    return [_listed(directory) for directory in sorted(find_runs(folder))]
+
+
+def find_runs(folder: Path, most_folders: float = inf) -> Iterator[Path]:
+    """The run directories in a folder and below it, the nearest first; in a large tree not all.
+
+    A run directory is itself one, and is not looked into.
+    """
+    waiting, looked = deque([(folder, DEEPEST)]), 0
+    while waiting:
+        path, levels = waiting.popleft()
+        if is_run(path):
+            yield path
+        elif levels and looked < most_folders:
+            looked += 1
+            waiting.extend((inside, levels - 1) for inside in _folders_in(path))
+
+
+def _folders_in(folder: Path) -> list[Path]:
+    """The folders in a folder, by name, without hidden ones and symbolic links; none where it cannot be read."""
+    try:
+        with os.scandir(folder) as entries:
+            return sorted(Path(e.path) for e in entries if e.name[0] != "." and e.is_dir(follow_symlinks=False))
+    except OSError:
+        return []
+
+
+def is_run(path: Path) -> bool:
+    """Whether a folder has a case and the data of a run, be they readable or not."""
+    return lexists(path / CASE) and any(lexists(path / name) for name in (DATA, f"{DATA}.old"))
+
+
+def status_of(directory: Path, summary: Mapping[str, Any] | None) -> str:
+    """The status of a run with this summary; "running", or "unfinished" where no process is computing it."""
+    if summary and Status(summary["status"]).ok:
+        return str(summary["status"])
+    return "running" if is_locked(directory) else summary["status"] if summary else "unfinished"
+
+
+def _listed(directory: Path) -> Listed:
+    files = [directory / name for name in (CASE, PROGRESS, SUMMARY)]
+    changed = max((path.lstat().st_mtime for path in files if lexists(path)), default=0.0)
+    written = datetime.fromtimestamp(changed)
+    try:
+        case, summary = read_case(directory), read_summary(directory)
+        with reading(directory / SUMMARY, ""):
+            numbers = scalars(summary) if summary else {}
+    except (StoreError, OSError):
+        return Listed(directory, None, "damaged", 0.0, written, {})
+    status = status_of(directory, summary)
+    progress = read_progress(directory) or {"done": 0.0}
+    done = 1.0 if summary and Status(summary["status"]).ok else float(progress["done"])
+    return Listed(directory, case, status, done, written, numbers)

@@ -4,7 +4,7 @@ JAX's own cache on disk keeps the machine code, but to find an entry it traces t
 which takes longer than a solution on most grids.  An exported program is found by the kind of its arguments alone, and
 its machine code by JAX.
 
-A file holds a checksum, over the stamp too, and what `jax.export` writes.  Nothing in it is a pickle.
+A file holds the stamp on a line, what `jax.export` writes, and a checksum.  Nothing in it is a pickle.
 """
 
 import hashlib
@@ -21,11 +21,10 @@ import numpy as np
 from jax import export, tree
 
 from ertel.numerics.programs import LEVEL, LEVEL_OF_SMALL, Compiled, Program, build, compiled_at, largest
-from ertel.runs.files import replace
+from ertel.runs.files import replace, with_checksum, without_checksum
 
 HURRIED = 2 * 513 * 513  # entries of the largest array, up to which a film is solved sooner than its program optimised
 KNOWN = ("ertel", "jax", "jaxlib", "numpy", "functools", "builtins")  # the stamp covers the code of these packages
-CHECKSUM = hashlib.sha256().digest_size  # bytes at the beginning of a file
 
 
 class ExportedPrograms:
@@ -92,20 +91,16 @@ class ExportedPrograms:
 
     def _read(self, file: Path) -> bytes:
         """The kept program; empty where none is kept with this stamp, or it is damaged."""
-        try:
-            content = file.read_bytes()
-        except OSError:
-            return b""
-        checksum, content = content[:CHECKSUM], content[CHECKSUM:]
-        return content if checksum == self._checksum(content) else b""
+        with suppress(OSError, ValueError):
+            stamp, _, content = without_checksum(file.read_bytes()).partition(b"\n")
+            if stamp == self.stamp.encode():
+                return content
+        return b""
 
     def _write(self, file: Path, content: bytes) -> None:
         """Keep a program whose machine code JAX has kept."""
         with suppress(OSError):  # a full disk, ...: it is exported again next time
-            replace(file, self._checksum(content) + content)
-
-    def _checksum(self, content: bytes) -> bytes:
-        return hashlib.sha256(self.stamp.encode() + content).digest()
+            replace(file, with_checksum(self.stamp.encode() + b"\n" + content))
 
 
 # -- export -----------------------------------------------------------------------------------------------------------

@@ -65,10 +65,10 @@ def outlook(case: Case) -> dict[str, Any]:
         cells_in_sweep, and spacing_m of a physical case; memory: needed and available bytes, None where that is not
         known; time: steps and seconds, roughly; warnings.
     """
-    there, needed = memory_available(), memory_needed(case)
-    shortage = memory_shortage(case) if 0 < there < needed else ""
+    available, needed = memory_available(), memory_needed(case)
+    shortage = memory_shortage(case) if 0 < available < needed else ""
     some = 1e-9 if case.motion.slide_to_roll else 0.0  # of friction it is enough to know whether the surfaces slide
-    said = [
+    sentences = [
         shortage,
         _resolution_warning(case),
         *warnings_of(case),
@@ -83,9 +83,9 @@ def outlook(case: Case) -> dict[str, Any]:
         "parameters": parameter_summary(case),
         "films": [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))],
         "grid": _grid(case),
-        "memory": {"needed": needed, "available": there or None},
+        "memory": {"needed": needed, "available": available or None},
         "time": {"steps": expected_steps(case), "seconds": expected_seconds(case)},
-        "warnings": [sentence for sentence in said if sentence],
+        "warnings": [sentence for sentence in sentences if sentence],
     }
 
 
@@ -130,9 +130,9 @@ def expected_steps(case: Case) -> int:
     time = case.schedule
     if time.step:
         return round(time.duration / time.step)
-    wanted = STEPS * time.duration * (Time().tolerance / time.tolerance) ** STEPS_POWER
+    steps = STEPS * time.duration * (Time().tolerance / time.tolerance) ** STEPS_POWER
     period = case.motion.shortest_period
-    return int(max(wanted, STEPS_OF_A_PERIOD * time.duration / period if isfinite(period) else 0.0))
+    return int(max(steps, STEPS_OF_A_PERIOD * time.duration / period if isfinite(period) else 0.0))
 
 
 def expected_seconds(case: Case) -> float:
@@ -171,12 +171,12 @@ def memory_available() -> float:
 
 def memory_shortage(case: Case) -> str:
     """The memory that the grid of a case needs, that of the machine, and which grid fits, as part of a sentence."""
-    there, smaller = memory_available(), case
+    available, smaller = memory_available(), case
     with suppress(ValueError):  # the coarsest grid
         smaller = case.on_half_grid()
-        while memory_needed(smaller) > there > 0:
+        while memory_needed(smaller) > available > 0:
             smaller = smaller.on_half_grid()
-    has = f", the machine has {there / 1e9:.2g} GB" if there else ""
+    has = f", the machine has {available / 1e9:.2g} GB" if available else ""
     return (
         f"solver.nodes = {case.solver.nodes} needs about {memory_needed(case) / 1e9:.2g} GB of memory{has}; "
         f"solver.nodes = {smaller.solver.nodes} needs {memory_needed(smaller) / 1e9:.2g} GB"
@@ -206,8 +206,8 @@ def beyond(case: Case, computed: float | None = None) -> list[str]:
         if computed is None
         else _thin_film("the minimum film", computed)
     )
-    found = (*_yielding(case), _pressure_of_the_oil(case), _stress_of_the_oil(case), thin)
-    return [sentence for sentence in found if sentence]
+    sentences = (*_yielding(case), _pressure_of_the_oil(case), _stress_of_the_oil(case), thin)
+    return [sentence for sentence in sentences if sentence]
 
 
 def with_case_warnings(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]:

@@ -24,8 +24,8 @@ from ertel.equations import discretise
 from ertel.equations.state import State, combined, interpolated
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics import bdf
-from ertel.numerics.arrays import double_precision
 from ertel.numerics.grid import Grid
+from ertel.numerics.programs import double_precision
 from ertel.physics import surfaces
 from ertel.physics.motion import Motion
 from ertel.physics.surfaces import Feature, Waviness
@@ -33,10 +33,9 @@ from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import LARGE_ERROR
-from ertel.runs import workers
-from ertel.runs.courses import METHODS, TransientRun
-from ertel.runs.drive import Observer, Recorder, drive, warn
+from ertel.runs.drive import METHODS, Observer, Recorder, TransientRun, drive, warn
 from ertel.runs.stepping import Step, frame_of, turning_time
+from ertel.runs.workers import check_fork
 from ertel.solvers import steady
 from ertel.solvers.response import RoughnessWave, WaveResponse, tangent_start, tangent_step, wave_response
 from ertel.solvers.steady import Rolling
@@ -170,11 +169,11 @@ def _smooth(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> tuple[Case,
     """The smooth impact up to maximum approach, on a part of the plane that all responses share; and these, scaled."""
     if not case.starts_apart or METHODS[case.solver.method] is not Transient2D:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "2d" for a response to roughness')
-    workers.check_fork()
-    found = [scaled_all(some, case.scales, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
-    fold = case.solver.fold and all(surfaces.even(features) == (True, True) for features in found)
+    check_fork()
+    scaled = [scaled_all(some, case.scales, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
+    fold = case.solver.fold and all(surfaces.even(features) == (True, True) for features in scaled)
     solver, time = replace(case.solver, fold=fold), replace(case.time or Time(), until="max-approach")
-    return replace(case, roughness=(), solver=solver, time=time), found
+    return replace(case, roughness=(), solver=solver, time=time), scaled
 
 
 def _in_lockstep(
@@ -246,32 +245,32 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     case = as_case(case)
     if not case.is_steady:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "steady" for the response to passing waves')
-    workers.check_fork()
+    check_fork()
     features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)
     case = replace(case, solver=replace(case.solver, fold=fold))
     rolling = steady.steady_film(case)
     film = rolling.finest
     waves = [_wave(case, some, film.grid) for some in features]
-    found = [wave_response(case, film, wave) for wave in waves]
-    status = film.status if all(response.converged for response in found) else Status.NEWTON_STALLED
+    responses = [wave_response(case, film, wave) for wave in waves]
+    status = film.status if all(response.converged for response in responses) else Status.NEWTON_STALLED
     per_wave = {
         "frequency": [wave.frequency for wave in waves],
-        "response_krylov": [response.krylov for response in found],
-        "response_convolutions": [response.convolutions for response in found],
+        "response_krylov": [response.krylov for response in responses],
+        "response_convolutions": [response.convolutions for response in responses],
     }
     data = assemble_steady(case, film.grid, rolling.solutions, {"status": status.value})
     data = data.assign({name: ("wave", np.array(values)) for name, values in per_wave.items()})
-    data = data.assign(_oscillation("dH", FILM_CHANGE, [film.whole(response.H) for response in found]))
-    data = data.assign(_oscillation("dP", PRESSURE_CHANGE, [film.whole(response.P) for response in found]))
-    data = data.assign(dH_error=("wave", _errors(case, rolling, features, found), ERROR))
+    data = data.assign(_oscillation("dH", FILM_CHANGE, [film.whole(response.H) for response in responses]))
+    data = data.assign(_oscillation("dP", PRESSURE_CHANGE, [film.whole(response.P) for response in responses]))
+    data = data.assign(dH_error=("wave", _errors(case, rolling, features, responses), ERROR))
     failure = diagnostics.steady_failure(case, film)
     warn([*([failure] if failure else []), *_error_warnings(data, film.grid.nodes)])
     return data.assign_coords(roughness=_field((film.whole(wave.shape.real) for wave in waves), HEIGHT))
 
 
 def _errors(
-    case: Case, rolling: Rolling, features: Sequence[Sequence[Feature]], found: Sequence[WaveResponse]
+    case: Case, rolling: Rolling, features: Sequence[Sequence[Feature]], responses: Sequence[WaveResponse]
 ) -> np.ndarray:
     """The change of the amplitude of each response at the centre from the coarser grid.
 
@@ -283,10 +282,10 @@ def _errors(
         row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
         return float(abs(field[row, column]))
 
-    errors = np.full(len(found), np.nan)
+    errors = np.full(len(responses), np.nan)
     *coarser, film = rolling.solutions
     if coarser and coarser[-1].status.ok:
-        for number, (some, fine) in enumerate(zip(features, found, strict=True)):
+        for number, (some, fine) in enumerate(zip(features, responses, strict=True)):
             coarse = wave_response(case, coarser[-1], _wave(case, some, coarser[-1].grid))
             if coarse.converged:
                 errors[number] = abs(at_centre(film.grid, fine.H) - at_centre(coarser[-1].grid, coarse.H))
@@ -297,32 +296,32 @@ def _error_warnings(data: xr.Dataset, nodes: int) -> list[str]:
     """Sentences about responses that are uncertain on this grid, or whose error is not known."""
     centre = data["dH_amplitude"].sel(X=0.0, Y=0.0, method="nearest").values
     shares = data["dH_error"].values / np.maximum(centre, np.finfo(float).tiny)
-    said = [
+    sentences = [
         f"roughnesses[{n}]: the response at the centre is uncertain by up to {share:.0%} on this grid; use "
         f"solver.nodes >= {2 * nodes - 1}"
         for n, (share, amplitude) in enumerate(zip(shares, centre, strict=True), 1)
         if share > LARGE_ERROR and amplitude > 0
     ]
     if np.isnan(shares).any():
-        said.append("there is no error estimate of the response, because there is no solution on a coarser grid")
-    return said
+        sentences.append("there is no error estimate of the response, because there is no solution on a coarser grid")
+    return sentences
 
 
 def _passing(case: Case, features: Sequence[Feature], place: str) -> tuple[Feature, ...]:
     """The features in the units of the case, all of them waves that pass with one frequency."""
-    found = scaled_all(features, case.scales, place)
-    for number, feature in enumerate(found, 1):
+    scaled = scaled_all(features, case.scales, place)
+    for number, feature in enumerate(scaled, 1):
         shape = feature.shape
         if not isinstance(shape, Waviness):
             kind = type(shape).__name__
             raise ValueError(f"{place}[{number}].shape = {kind}: must be a waviness, which returns after a period")
         if shape.front != inf:
             raise ValueError(f"{place}[{number}].front = {shape.front}: must be infinite, waves pass at all times")
-    frequencies = [_frequency(case.motion, feature) for feature in found]
+    frequencies = [_frequency(case.motion, feature) for feature in scaled]
     if not np.allclose(frequencies, frequencies[:1], rtol=1e-9):
         listed = ", ".join(f"{frequency:g}" for frequency in frequencies)
         raise ValueError(f"{place}: its features have frequencies {listed}; must be the same, else one response each")
-    return found
+    return scaled
 
 
 def _frequency(motion: Motion, feature: Feature) -> float:

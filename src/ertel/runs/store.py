@@ -8,7 +8,7 @@ they are read.
 
 import json
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from io import BytesIO
@@ -21,14 +21,13 @@ import xarray as xr
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
-from ertel.numerics.arrays import double_precision
+from ertel.numerics.programs import double_precision
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.results.variables import one_number
-from ertel.runs import checked_zarr
+from ertel.runs import arrays
 from ertel.runs.arrays import AppendedData, ReplacedData, data_class
 from ertel.runs.compile import check_jax, compilations
-from ertel.runs.courses import Run, StepResult, course_of
 from ertel.runs.directory import (
     CASE,
     CHECKPOINT,
@@ -45,7 +44,7 @@ from ertel.runs.directory import (
     require_same,
     settle_progress,
 )
-from ertel.runs.drive import Observer, bars, drive, warn, watch
+from ertel.runs.drive import Observer, Run, StepResult, bars, drive, run_of, warn, watch
 from ertel.runs.files import (
     Damaged,
     StoreError,
@@ -71,8 +70,8 @@ class RunStore:
 
     flush_interval: float | None = None
 
-    def __init__(self, directory: Path, case: Case, course: Run | None = None):
-        self.directory, self.case, self._course = directory, case, course
+    def __init__(self, directory: Path, case: Case, run: Run | None = None):
+        self.directory, self.case, self._run = directory, case, run
         self._advice = data_class(case).advice
         self._started = self._flushed = time.monotonic()
         self._seconds_before = 0.0  # of computing, before this process took over
@@ -82,31 +81,29 @@ class RunStore:
         self._alone = False  # whether this object holds the lock
 
     @classmethod
-    def create(cls, directory: Path, case: Case, course: Run | None = None) -> "RunStore":
-        """The store of a new run in a directory that does not exist or is empty.
+    def create(cls, directory: Path, case: Case, run: Run | None = None, others: Iterable[Path] = ()) -> "RunStore":
+        """The store of a new run in a directory that does not exist or is empty; if it is taken, in one of the others.
 
-        Raises Taken where it is not empty, StoreError where it cannot be made, ValueError where the case cannot be
+        Raises Taken where there is no place, StoreError where it cannot be made, ValueError where the case cannot be
         written.
         """
-        store = cls(directory, case, course)
-        make(directory, case, lambda draft: store._arrays.create(draft / DATA))
+        store = cls(directory, case, run)
+        store.directory = make(directory, case, lambda draft: store._arrays.create(draft / DATA), others)
         return store
 
     @classmethod
-    def create_unused(cls, case: Case, parent: Path = Path("runs"), course: Run | None = None) -> "RunStore":
+    def create_unused(cls, case: Case, parent: Path = Path("runs"), run: Run | None = None) -> "RunStore":
         """The store of a new run in parent/NAME, parent/NAME-2, ...: the first that does not exist.
 
         Other processes may take names at the same time.  Raises as `create`.
         """
         unused = (path for path in numbered(parent / (case.name or case.kind)) if not path.exists())
-        store = cls(next(unused), case, course)
-        store.directory = make(store.directory, case, lambda draft: store._arrays.create(draft / DATA), unused)
-        return store
+        return cls.create(next(unused), case, run, unused)
 
     @classmethod
     def open(cls, directory: Path) -> "RunStore":
         """The store of the run in a directory.  Raises StoreError if there is none or it belongs to another case."""
-        for name, path in ((CASE, directory / CASE), (DATA, checked_zarr.present(directory / DATA))):
+        for name, path in ((CASE, directory / CASE), (DATA, arrays.present(directory / DATA))):
             if not path.exists():
                 raise StoreError(f"{directory} is not an ertel run directory (no {name})")
         store = cls(directory, read_case(directory))
@@ -114,15 +111,15 @@ class RunStore:
         return store
 
     @property
-    def course(self) -> Run:
+    def run(self) -> Run:
         """The run that this store observes."""
-        if self._course is None:
-            self._course = course_of(self.case)
-        return self._course
+        if self._run is None:
+            self._run = run_of(self.case)
+        return self._run
 
     @cached_property
     def _arrays(self) -> AppendedData | ReplacedData:
-        return data_class(self.case)(self.course)
+        return data_class(self.case)(self.run)
 
     @property
     def _data(self) -> Path:
@@ -174,20 +171,20 @@ class RunStore:
         result, self._item = self._item, None
         written = self._arrays.flush(self._data, self._records, self._frames)
         self._records, self._frames = [], []
-        self._write_checkpoint({**self.course.to_arrays(result), **written})
+        self._write_checkpoint({**self.run.to_arrays(result), **written})
         self._arrays.after_checkpoint(self._data, result)
         self._flushed = time.monotonic()
 
-    def _write_checkpoint(self, arrays: Mapping[str, Any]) -> None:
-        own = {"store_seconds": np.array(self.seconds), "store_digest": np.array(self.case.digest)}
+    def _write_checkpoint(self, values: Mapping[str, Any]) -> None:
+        about = {"store_seconds": np.array(self.seconds), "store_digest": np.array(self.case.digest)}
         content = BytesIO()
-        np.savez(content, allow_pickle=False, **arrays, **own)
+        np.savez(content, allow_pickle=False, **values, **about)
         replace(self.directory / CHECKPOINT, with_checksum(content.getvalue()))
 
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Write the remaining results and the summary of the run."""
         self.flush()
-        checked_zarr.update_attributes(self._data, attributes(summary), self._advice)
+        arrays.update_attributes(self._data, attributes(summary), self._advice)
         replace(self.directory / SUMMARY, sealed({**summary, "digest": self.case.digest}))
 
     # -- reading ------------------------------------------------------------------------------------------------------
@@ -220,7 +217,7 @@ class RunStore:
             with np.load(BytesIO(without_checksum(content)), allow_pickle=False) as file:
                 checkpoint = dict(file)
             self._require_own(CHECKPOINT, str(checkpoint.get("store_digest")))
-            return checkpoint, self.course.from_arrays(checkpoint)
+            return checkpoint, self.run.from_arrays(checkpoint)
 
     def _require_own(self, name: str, digest: object) -> None:
         if digest != self.case.digest:
@@ -229,14 +226,14 @@ class RunStore:
     def _require_own_data(self) -> None:
         """Raise StoreError if the data belong to another case; damage is reported where the data are needed."""
         try:
-            attributes = checked_zarr.read_root(checked_zarr.present(self._data), self._advice)["attributes"]
+            attributes = arrays.read_root(arrays.present(self._data), self._advice)["attributes"]
         except Damaged:
             return
         require_same(self.directory, attributes["digest"], json.loads(attributes["case"]), self.case)
 
     def dataset(self) -> xr.Dataset:
         """The run as far as it has been written.  Raises Damaged."""
-        return one_number(checked_zarr.read(self._data, self._advice))
+        return one_number(arrays.read(self._data, self._advice))
 
     def summary(self) -> dict[str, Any] | None:
         """The summary as it is stored, None where there is none yet.  Raises Damaged."""
@@ -256,7 +253,7 @@ class RunStore:
 
     def summarise(self, result: Any, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         """The summary of what is written, up to this result; work: compilations, wall_s."""
-        return with_case_warnings(self.case, self.course.summary(self.dataset(), result, status, work))
+        return with_case_warnings(self.case, self.run.summary(self.dataset(), result, status, work))
 
     def summary_so_far(self) -> dict[str, Any]:
         """The summary of a run that has not ended.  Raises StoreError where there is nothing yet."""
@@ -288,8 +285,8 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
         if finished is not None:
             return finished
         settle_progress(store.directory)
-        progress = ProgressFile(store.directory, store.course)
-        last = drive(store.course, [store, progress, *observers, store.asked_to_stop], store.resume())
+        progress = ProgressFile(store.directory, store.run)
+        last = drive(store.run, [store, progress, *observers, store.asked_to_stop], store.resume())
         progress.write(last)
         store.flush()
         work = {"compilations": compilations() - compiled, "wall_s": store.seconds}
@@ -330,7 +327,7 @@ def run(case: CaseLike, directory: str | Path, progress: bool = False, observers
     warn(before)
     if store.outcome() is None:
         with bars(progress) as shown:
-            compute(store, [watch(shown, store.course), *observers])
+            compute(store, [watch(shown, store.run), *observers])
     result = store.result()
     warn([sentence for sentence in result.warnings if sentence not in before])
     return result

@@ -16,8 +16,8 @@ edited and started again.  Runs that the study no longer has are left alone.
 """
 
 import shutil
-import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import time
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import islice
@@ -30,14 +30,14 @@ from ertel.case.height_map import HeightMap
 from ertel.case.status import Status
 from ertel.inputs.studies import Study, coordinates, load_study, parse_study
 from ertel.results.numbers import scalars
-from ertel.results.study_result import MISSING, RUNNING, UNFINISHED, StudyResult, StudyRun, study_dataset
+from ertel.results.study_result import MISSING, StudyResult, StudyRun, study_dataset
+from ertel.runs.batch import STEPS, program_of
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import CASE, Taken, heeding_stop, is_asked_to_stop, read_progress
+from ertel.runs.directory import CASE, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
-from ertel.runs.files import StoreError, is_locked, locked
+from ertel.runs.files import StoreError, locked
 from ertel.runs.store import RunStore, compute
 from ertel.runs.tasks import Engine
-from ertel.runs.warm_up import has_compiled, program_of
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
 RUNS = "runs"
@@ -46,7 +46,6 @@ FAILED = "failed: "  # how the status of a run begins that raised an exception
 EVERY = (1, 1)  # the part that is all of it
 
 Part = tuple[int, int]  # i of n
-OnDone = Callable[[str, str], object]  # takes the digest and the status of a run
 
 
 def sweep(
@@ -101,13 +100,13 @@ def sweep(
     check_jax()
     file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
     engine = Engine(jobs, scheduler, file, keys)
-    found = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
-    place = Path(directory).absolute()
-    left = left_of(found.cases, place)
-    with engine.workers(len(left)) as workers, alone(place), study_bars(place, left, progress) as shown:
-        said = run_study(found.cases, place, workers, on_done=shown.done)
-        result = gather(found, place, said)
-        write_study(result, place)
+    planned = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
+    path = Path(directory).absolute()
+    left = left_of(planned.cases, path)
+    with engine.workers(len(left)) as workers, alone(path):
+        statuses = run_study(planned.cases, path, workers, progress=progress)
+        result = gather(planned, path, statuses)
+        write_study(result, path)
     return result
 
 
@@ -150,33 +149,46 @@ def run_study(
     workers: Workers,
     part: Part = EVERY,
     asked: Condition = never,
-    on_done: OnDone = lambda digest, status: None,
+    progress: bool = False,
 ) -> dict[str, str]:
     """Do what is left of a part; the status of each run that was worked on, by digest, or why it failed.
 
-    asked: whether all should stop, asked again and again; a file in the directory asks too, see `directory`.  Raises
-    OSError where the directory cannot be made.
+    asked: whether all should stop, asked again and again; a file in the directory asks too, see `directory`.  progress:
+    whether to show progress bars.  Raises OSError where the directory cannot be made.
     """
     (directory / RUNS).mkdir(parents=True, exist_ok=True)
     file = directory / f".stop-{uuid4().hex[:8]}"  # of this call only: other parts of the study go on
-    stop = StopSignal(file, lambda: asked() or is_asked_to_stop(directory))
-    found = {}
-    try:
-        with heeding_stop(directory):
-            tasks = [_task_of(case, directory, stop) for case in left_of(cases, directory, part).values()]
-            for digest, outcome in workers.outcomes(tasks, stop):
-                found[digest] = f"{FAILED}{outcome.reason}" if isinstance(outcome, Failure) else str(outcome)
-                on_done(digest, found[digest])
-    finally:
-        file.unlink(missing_ok=True)
-    return found
+    statuses = {}
+    with bars(progress) as shown, heeding_stop(directory):
+        left = left_of(cases, directory, part)
+        study_bars = StudyBars(shown, directory, left)
+
+        def should_stop() -> bool:
+            study_bars.renew()
+            return asked() or is_asked_to_stop(directory)
+
+        stop = StopSignal(file, should_stop)
+        try:
+            for digest, outcome in workers.outcomes([_task_of(case, directory, stop) for case in left.values()], stop):
+                status = f"{FAILED}{outcome.reason}" if isinstance(outcome, Failure) else str(outcome)
+                statuses[digest] = status
+                study_bars.done(digest, status)
+        finally:
+            file.unlink(missing_ok=True)
+    return statuses
 
 
 def _task_of(case: Case, directory: Path, stop: Condition) -> Task:
     """The task that brings the run of a case to its end."""
-    place = run_directory(directory, case)
-    arguments = str(place), case.to_data(), case.maps, stop
-    return Task(case.digest, run_case, arguments, 0.0, program_of(case), partial(has_compiled, case, place))
+    path = run_directory(directory, case)
+    arguments = str(path), case.to_data(), case.maps, stop
+    return Task(case.digest, run_case, arguments, 0.0, program_of(case), partial(has_compiled, case, path))
+
+
+def has_compiled(case: Case, directory: Path) -> bool:
+    """Say whether the run in a directory has all its programs while it goes on; each steady grid has its own."""
+    progress = None if case.is_steady else read_progress(directory)
+    return progress is not None and progress["status"] == Status.RUNNING.value and progress["step"] > STEPS
 
 
 def run_case(directory: str, data: Mapping[str, Any], maps: Mapping[str, HeightMap], stop: Condition) -> str:
@@ -212,74 +224,52 @@ class StudyBars:
         self._all = progress.add_task("runs", total=len(left), message="")
         self._directories = {digest: run_directory(directory, case) for digest, case in left.items()}
         self._bars: dict[str, Any] = {}
-        self._lock = threading.Lock()
+        self._renewed = 0.0
 
-    def follow(self, ended: threading.Event) -> None:
-        """Renew the bars until this has ended."""
-        while not ended.wait(LOOK):
-            with self._lock:
-                for digest, directory in islice(self._directories.items(), IN_SIGHT):
-                    self._renew(digest, read_progress(directory))
-
-    def _renew(self, digest: str, said: Mapping[str, Any] | None) -> None:
-        if not said or said["status"] != Status.RUNNING.value:
+    def renew(self) -> None:
+        """Renew the bars, unless they were renewed a moment ago."""
+        if self._progress.disable or time.monotonic() - self._renewed < LOOK:
             return
-        if digest not in self._bars:
-            self._bars[digest] = self._progress.add_task(digest[:8], total=1.0, message="")
-        time = "" if said["T"] is None else f"T {said['T']:.3f}  "
-        self._progress.update(self._bars[digest], completed=said["done"], message=f"{time}step {said['step']}")
+        self._renewed = time.monotonic()
+        for digest, directory in islice(self._directories.items(), IN_SIGHT):
+            run = read_progress(directory)
+            if run is None or run["status"] != Status.RUNNING.value:
+                continue
+            if digest not in self._bars:
+                self._bars[digest] = self._progress.add_task(digest[:8], total=1.0, message="")
+            now = "" if run["T"] is None else f"T {run['T']:.3f}  "
+            self._progress.update(self._bars[digest], completed=run["done"], message=f"{now}step {run['step']}")
 
     def done(self, digest: str, status: str) -> None:
         """Count a run that is done."""
-        with self._lock:
-            self._directories.pop(digest, None)
-            self._progress.update(self._all, advance=1, message=f"{digest[:8]} {status}"[:60])
-            if digest in self._bars:
-                self._progress.remove_task(self._bars.pop(digest))
-
-
-@contextmanager
-def study_bars(directory: Path, left: Mapping[str, Case], shown: bool) -> Iterator[StudyBars]:
-    """The progress of the runs that are left of a study, while this block does them."""
-    ended = threading.Event()
-    with bars(shown) as progress:
-        found = StudyBars(progress, directory, left)
-        if not progress.disable:
-            threading.Thread(target=found.follow, args=[ended], daemon=True).start()
-        try:
-            yield found
-        finally:
-            ended.set()
+        self._directories.pop(digest, None)
+        self._progress.update(self._all, advance=1, message=f"{digest[:8]} {status}"[:60])
+        if digest in self._bars:
+            self._progress.remove_task(self._bars.pop(digest))
 
 
 # -- numbers ----------------------------------------------------------------------------------------------------------
 
 
-def gather(study: Study, directory: Path, said: Mapping[str, str] | None = None) -> StudyResult:
-    """The numbers of all runs as they are on the disk.  said: why runs failed, from `run_study`."""
-    runs = [study_run(case, directory, said or {}) for case in study.cases]
+def gather(study: Study, directory: Path, statuses: Mapping[str, str] | None = None) -> StudyResult:
+    """The numbers of all runs as they are on the disk.  statuses: of `run_study`, which say why runs failed."""
+    runs = [study_run(case, directory, statuses or {}) for case in study.cases]
     about = {"title": study.name, "kind": study.cases[0].kind}
     return StudyResult(study_dataset(study.mode, study.shape, coordinates(study), runs, about), directory)
 
 
-def study_run(case: Case, directory: Path, said: Mapping[str, str]) -> StudyRun:
-    """A run as it is on the disk."""
-    place = run_directory(directory, case)
-    status, summary = said.get(case.digest, ""), None
+def study_run(case: Case, directory: Path, statuses: Mapping[str, str]) -> StudyRun:
+    """A run as it is on the disk.  statuses: see `gather`."""
+    path = run_directory(directory, case)
+    status, summary = statuses.get(case.digest, ""), None
     try:
         if not status.startswith(FAILED):
-            summary = RunStore.open(place).summary() if (place / CASE).exists() else None
-            status = summary["status"] if summary else _status_without_summary(place)
+            summary = RunStore.open(path).summary() if (path / CASE).exists() else None
+            status = status_of(path, summary) if path.exists() else MISSING
     except (StoreError, OSError) as error:
         status = f"{FAILED}{error}"
     numbers, warnings = (scalars(summary), summary["warnings"]) if summary else ({}, [])
-    return StudyRun(numbers, warnings, status, str(place.relative_to(directory)))
-
-
-def _status_without_summary(place: Path) -> str:
-    if not place.exists():
-        return MISSING
-    return RUNNING if is_locked(place) else UNFINISHED
+    return StudyRun(numbers, warnings, status, str(path.relative_to(directory)))
 
 
 def files_in(directory: Path, name: str = NAME) -> list[str]:

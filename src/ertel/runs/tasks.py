@@ -4,11 +4,19 @@
     with Engine(jobs=2).workers(len(tasks)) as workers:
         results = run_tasks(tasks, workers, Path("runs"))
 
-Results that are kept are plain data, see `ertel.runs.plain`.  A failure is a value.
+Results that are kept are plain data, so that reading them runs no code and a damaged file is noticed.  A failure is a
+value.
+
+Plain data: None, truth values, numbers, texts, lists, dicts with texts as keys, NumPy arrays of numbers or texts, and
+Datasets of these.  Tuples are written as lists.  A file is an npz archive and its checksum (`files.with_checksum`).  In
+the archive "text" is JSON in which each list, dict, array and Dataset is named as such; the arrays are "0", "1", ...
 """
 
+import hashlib
+import io
+import json
 import logging
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from numbers import Integral
@@ -16,8 +24,12 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
 
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
 from ertel.case.records import ConfigError, show
-from ertel.runs import plain
+from ertel.runs.files import reading, replace, with_checksum, without_checksum
 from ertel.runs.workers import Failure as Failure
 from ertel.runs.workers import LocalWorker, Workers, cores
 from ertel.runs.workers import Task as Task
@@ -44,7 +56,7 @@ def run_tasks(
         The directory in which results are kept.  A kept result is used again, so that what was interrupted goes on
         where it was.  It must come from the same function, arguments, version and source code of ertel.  The source
         code of functions outside ertel is not compared.  Arguments and results must be plain data, see
-        `ertel.runs.plain`; a tuple comes back as a list.
+        `ertel.tasks`; a tuple comes back as a list.
     on_done : callable
         Is called with each task and its result as soon as it is there.
 
@@ -66,44 +78,39 @@ def run_tasks(
     if len(by_name) < len(tasks):
         raise ValueError(f"tasks = {[task.name for task in tasks]}: their names must differ")
     if directory:
-        _require_writable(directory)
-    found = kept(tasks, directory)
-    for name, result in found.items():
+        directory.mkdir(parents=True, exist_ok=True)
+        TemporaryFile(dir=directory).close()  # raises before anything is computed where results cannot be kept
+    results = kept(tasks, directory)
+    for name, result in results.items():
         on_done(by_name[name], result)
-    for name, result in workers.outcomes([task for task in tasks if task.name not in found]):
-        found[name] = result
+    for name, result in workers.outcomes([task for task in tasks if task.name not in results]):
+        results[name] = result
         if directory and not isinstance(result, Failure):
             _keep(directory, by_name[name], result)
         on_done(by_name[name], result)
-    return [found[task.name] for task in tasks]
+    return [results[task.name] for task in tasks]
 
 
 def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
     """Task name -> kept result, for the tasks that have a valid one."""
-    found = {}
+    results = {}
     for task in tasks if directory else ():
-        wanted = _stamp(task)
+        present = _stamp(task)
         try:
-            stamp, result = plain.read_plain(_file(directory, task))
+            stamp, result = read_plain(_file(directory, task))
         except FileNotFoundError:
             continue
         except (ValueError, LookupError, OSError) as error:  # damaged, or written by another version
             _log.warning("the kept result of %s cannot be read and is computed again: %s", task.name, error)
             continue
-        if stamp == wanted:
-            found[task.name] = result
-    return found
-
-
-def _require_writable(directory: Path) -> None:
-    """Raise OSError before anything is computed where results cannot be kept."""
-    directory.mkdir(parents=True, exist_ok=True)
-    TemporaryFile(dir=directory).close()
+        if stamp == present:
+            results[task.name] = result
+    return results
 
 
 def _keep(directory: Path, task: Task, result: object) -> None:
     try:
-        plain.write_plain(_file(directory, task), [_stamp(task), result])
+        write_plain(_file(directory, task), [_stamp(task), result])
     except TypeError as error:
         raise TypeError(f"result of task {task.name}: {error}") from error
 
@@ -116,7 +123,7 @@ def _stamp(task: Task) -> str:
     """A digest of what a kept result depends on.  Raises TypeError where the arguments are not plain data."""
     function = task.function.__module__, task.function.__qualname__
     try:
-        return plain.digest([installed_version(), own_sources(), *function, task.arguments])
+        return digest([installed_version(), own_sources(), *function, task.arguments])
     except TypeError as error:
         raise TypeError(f"arguments of task {task.name}: {error}") from error
 
@@ -161,6 +168,79 @@ class Engine:
             return
         from ertel.runs import cluster  # imports dask
 
-        there = self.scheduler, self.scheduler_file, self.tls
-        with cluster.existing(*there) if elsewhere else cluster.local(jobs) as found:
-            yield found
+        where = self.scheduler, self.scheduler_file, self.tls
+        with cluster.existing(*where) if elsewhere else cluster.local(jobs) as workers:
+            yield workers
+
+
+# -- plain data in files ----------------------------------------------------------------------------------------------
+
+
+def write_plain(path: Path, content: Any) -> None:
+    """Write plain data atomically.
+
+    Raises TypeError where the content is not plain data, OSError with the name of the file where it cannot be written.
+    """
+    archive = with_checksum(_archive(content))
+    try:
+        replace(path, archive)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from error
+
+
+def read_plain(path: Path) -> Any:
+    """The content that was written.  Raises Damaged where the file is damaged, OSError where it cannot be read."""
+    content = path.read_bytes()
+    with (
+        reading(path, "delete it"),
+        np.load(io.BytesIO(without_checksum(content)), allow_pickle=False) as archive,
+    ):
+        return _decoded(json.loads(archive["text"].item()), archive)
+
+
+def digest(content: Any) -> str:
+    """SHA-256 (hexadecimal) of plain data.  Raises TypeError where the content is not plain data."""
+    return hashlib.sha256(_archive(content)).hexdigest()
+
+
+def _archive(content: Any) -> bytes:
+    """The npz archive; equal content gives equal bytes, because NumPy writes no dates."""
+    arrays: list[NDArray[Any]] = []
+    text, archive = json.dumps(_encoded(content, arrays)), io.BytesIO()
+    np.savez(archive, allow_pickle=False, text=np.array(text), **{str(i): array for i, array in enumerate(arrays)})
+    return archive.getvalue()
+
+
+def _encoded(content: Any, arrays: list[NDArray[Any]]) -> Any:
+    """Content as JSON has it; its arrays are added to the list."""
+    match content:
+        case None | bool() | int() | float() | str():
+            return content
+        case np.generic():
+            return _encoded(content.item(), arrays)
+        case np.ndarray() if content.dtype.kind in "biufcU":
+            arrays.append(content)
+            return {"array": len(arrays) - 1}
+        case list() | tuple():
+            return {"list": [_encoded(value, arrays) for value in content]}
+        case dict() if all(isinstance(key, str) for key in content):
+            return {"dict": {key: _encoded(value, arrays) for key, value in content.items()}}
+        case xr.Dataset():
+            return {"dataset": _encoded(content.to_dict(data="array"), arrays)}
+    raise TypeError(f"a {type(content).__name__} cannot be kept: use numbers, texts, lists, dicts, arrays, Datasets")
+
+
+def _decoded(content: Any, arrays: Mapping[str, NDArray[Any]]) -> Any:
+    if not isinstance(content, Mapping):
+        return content
+    [(kind, value)] = content.items()
+    match kind:
+        case "array":
+            return arrays[str(value)]
+        case "list":
+            return [_decoded(each, arrays) for each in value]
+        case "dict":
+            return {key: _decoded(each, arrays) for key, each in value.items()}
+        case "dataset":
+            return xr.Dataset.from_dict(_decoded(value, arrays))
+    raise ValueError(f"{kind}: must be array, list, dict or dataset")

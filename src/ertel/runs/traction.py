@@ -26,27 +26,33 @@ from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.inputs.ranges import Given, parse_values
-from ertel.numerics.arrays import double_precision
+from ertel.inputs.quantities import Given, parse_values
+from ertel.numerics.programs import double_precision
 from ertel.results import diagnostics
 from ertel.results.dataset import provenance
-from ertel.results.steady import thermal_warnings
-from ertel.results.study_result import DONE, StudyRun, study_dataset
-from ertel.results.traction_curve import AXES, WORK, TractionCurve, point_scalars
+from ertel.results.study_result import (
+    CURVE_AXES,
+    CURVE_WORK,
+    DONE,
+    StudyRun,
+    TractionCurve,
+    point_scalars,
+    study_dataset,
+)
 from ertel.results.variables import with_coefficients
-from ertel.runs import studies, workers
+from ertel.runs import studies
 from ertel.runs.compile import check_jax
-from ertel.runs.courses import GridStep, course_of
-from ertel.runs.drive import bars, drive, warn
-from ertel.runs.files import StoreError
+from ertel.runs.directory import STOP, Taken
+from ertel.runs.drive import GridStep, bars, drive, run_of, warn
 from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
-from ertel.runs.workers import Condition, LocalWorker, never
+from ertel.runs.workers import Condition, LocalWorker, check_fork, never
 from ertel.solvers.heat import Heated, heated
 from ertel.solvers.steady import Rolling
 
 NAME = "traction"  # of the files with the points
 OLDER = "traction.json"  # what earlier versions kept their points in
+LISTED = 5  # names of files in a message
 NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but not that of a surface
 
 FilmChoice = Literal["each", "once"]
@@ -77,8 +83,9 @@ def traction(
         ratio.  For a Newtonian oil once is exact and the default.  An oil that thins has a thinner film where it
         slides, so each is the default; once takes the work of one point and leaves that out.
     directory : str or Path
-        The directory in which the curve is stored, as a study is (see `ertel.sweep`): made if it is not there.  What
-        is missing or unfinished is done.
+        The directory in which the curve is stored, as a study is (see `ertel.sweep`): a new or empty one, or that of
+        an earlier curve, whose films are used again as far as they are the same.  What is missing or unfinished is
+        done.  The table and the picture are those of the last curve.
     progress : bool
         Whether to show a progress bar.
 
@@ -92,7 +99,7 @@ def traction(
     ConfigError
         A value is not allowed; the message names the argument, its value and what is allowed.
     StoreError
-        Another process computes the curve, or the directory holds a curve of an earlier version.
+        Another process computes the curve, or the directory holds a curve of an earlier version or other files.
 
     Warns
     -----
@@ -109,7 +116,9 @@ def traction(
     curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
     if directory:
-        return store_curve(curve, Path(directory).absolute(), progress)
+        place = Path(directory).absolute()
+        require_place(place, "directory")
+        return store_curve(curve, place, progress)
     return compute_curve(curve, progress)
 
 
@@ -155,20 +164,19 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
             f'solver.method = "{case.solver.method}": a traction curve is of a steady contact; use contact.kind = '
             '"rolling" and solver.method = "steady"'
         )
-    wanted = {name: values for name, values in given.items() if values is not None}
-    if len(wanted) != 1:
-        said = " and ".join(wanted) or "none"
-        raise ConfigError(f"give exactly one of {', '.join(AXES)}; got {said}")
-    [(axis, values)] = wanted.items()
+    axes = {name: values for name, values in given.items() if values is not None}
+    if len(axes) != 1:
+        raise ConfigError(f"give exactly one of {', '.join(CURVE_AXES)}; got {' and '.join(axes) or 'none'}")
+    [(axis, values)] = axes.items()
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
-    found = parse_values(axis, values, AXES[axis].mark)
+    in_si = parse_values(axis, values, CURVE_AXES[axis].mark)
     try:
-        cases = tuple(_at(case, axis, value) for value in found)
+        cases = tuple(_at(case, axis, value) for value in in_si)
     except ValueError as error:
         raise ConfigError(str(error)) from error
-    return Curve(case, axis, found, cases, _film(case, axis, film))
+    return Curve(case, axis, in_si, cases, _film(case, axis, film))
 
 
 def _film(case: Case, axis: str, film: str | None) -> FilmChoice:
@@ -214,7 +222,7 @@ def compute_curve(curve: Curve, progress: bool = False) -> TractionCurve:
         bar = shown.add_task(curve.case.name or curve.case.kind, total=total, message="")
 
         def film_of(case: Case) -> FilmRun:
-            number, run = next(numbers), course_of(case)
+            number, run = next(numbers), run_of(case)
 
             def show(item: GridStep) -> None:
                 now = run.progress(item)
@@ -233,22 +241,36 @@ def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Co
 
     asked: whether to stop, see `studies.run_study`.  Raises StoreError.
     """
-    workers.check_fork()
-    if (directory / OLDER).exists():
-        raise StoreError(f"{directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
+    check_fork()
     with studies.alone(directory):
-        left = studies.left_of(curve.films, directory)
-        with studies.study_bars(directory, left, progress) as shown:
-            said = studies.run_study(curve.films, directory, LocalWorker(), asked=asked, on_done=shown.done)
+        statuses = studies.run_study(curve.films, directory, LocalWorker(), asked=asked, progress=progress)
 
         def film_of(case: Case) -> FilmRun:
-            run = studies.study_run(case, directory, said)
+            run = studies.study_run(case, directory, statuses)
             film = RunStore.open(directory / run.directory).item() if run.status == DONE else None
             return run, film
 
-        found = replace(_curve(curve, film_of), directory=directory)
-        studies.write_study(found, directory, NAME)
-    return found
+        result = replace(_curve(curve, film_of), directory=directory)
+        studies.write_study(result, directory, NAME)
+    return result
+
+
+def require_place(directory: Path, option: str) -> None:
+    """Raise Taken, naming the option, where a directory holds files that a curve would overwrite or be mixed with.
+
+    The directory of an earlier curve may hold other files as well.
+    """
+    if not directory.exists():
+        return
+    visible = {path.name for path in directory.iterdir() if not path.name.startswith(".")}
+    if OLDER in visible:
+        raise Taken(f"{option} {directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
+    of_a_curve = {studies.RUNS, STOP, *(f"{NAME}.{ending}" for ending in studies.ENDINGS)}
+    is_curve = f"{NAME}.zarr" in visible or (studies.RUNS in visible and visible <= of_a_curve)
+    if visible and not is_curve:
+        some = ", ".join(sorted(visible)[:LISTED])
+        allowed = "give a new or empty directory, or that of an earlier curve"
+        raise Taken(f"{option} {directory}: holds other files ({some}); {allowed}")
 
 
 def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
@@ -261,7 +283,7 @@ def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
             points.append(run._replace(numbers=point_scalars(case, {})))
         else:
             points.append(_measured(case, film, number == 0 or shared is None, run.directory))
-    axis = {curve.axis: (curve.values, AXES[curve.axis].attributes)}
+    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
     about = {**provenance(curve.case), "varies": curve.axis, "film": curve.film_in_words}
     data = study_dataset("product", [len(points)], axis, points, about)
     return TractionCurve(data, case=curve.case, warnings=_grouped(curve, points))
@@ -273,8 +295,8 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
     fresh: whether the film was solved for this point, so that its work counts here.  directory: of the film's run.
     """
     grids = Rolling(film.solutions)
-    found = steady_friction(case, grids.finest)
-    numbers = with_coefficients(coefficients(found), case.scales)
+    friction = steady_friction(case, grids.finest)
+    numbers = with_coefficients(coefficients(friction), case.scales)
     sliding, rolling = numbers["mu_sliding"], numbers["mu_rolling"]
     work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), grids.convolutions
     values = {
@@ -282,14 +304,14 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
         **numbers,
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
-        "tau_max": float(np.hypot(*np.asarray(found.stress)).max()),
-        **dict(zip(WORK, work if fresh else (0, 0, 0.0), strict=True)),
+        "tau_max": float(np.hypot(*np.asarray(friction.stress)).max()),
+        **dict(zip(CURVE_WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
     warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if case.thermal is not None and status.ok:
         warm = heated(case, grids.finest.P, grids.finest.H, grid=grids.finest.grid)
         values |= _warm_values(case, values, warm)
-        warnings += thermal_warnings(case, warm)
+        warnings += diagnostics.thermal_warnings(case, warm)
         status = status if warm.converged else Status.NEWTON_STALLED
     if status.ok:
         warnings += diagnostics.friction_warnings(case, values["mu_sliding"])

@@ -4,13 +4,13 @@ The film's shape and pressure are those of the isothermal contact.  Three things
 
 * the inlet.  Its shear heating makes the film thinner by the factor phi_T everywhere (`physics.thermal`).
 * the heat of sliding, tau_m.(u1 - u2) per area.  The film conducts it to the surfaces, which get warm as they pass
-  through the contact (`physics.flash`) or, at rest, in all directions; the mean temperature of the film lies above
+  through the contact (`physics.thermal`) or, at rest, in all directions; the mean temperature of the film lies above
   theirs.  The heat of the pressure flow is left out: it arises in the inlet, where it is that of
   phi_T, and the oil carries it along.
 * the viscosity at the film's mean temperature, from which the stress tau_m follows.
 
 Heat is conducted across the film only, with one temperature for the viscosity (Nahme R. Ing Arch 1940;11:191-209 has
-one that varies across the film).  A surface below the Peclet number `flash.AT_REST` counts as one at rest.
+one that varies across the film).  A surface below the Peclet number `thermal.AT_REST` counts as one at rest.
 
 The balance of heat
 -------------------
@@ -18,7 +18,7 @@ The film releases the heat q(T_f) per area, tau_m.(u1 - u2), which falls as the 
 to both surfaces, and they warm up as the heat flows into them.  With the resistance r = h/k of the film
 
     q_1 = q/2 + c,   q_2 = q/2 - c,   r c = T_2 - T_1                      (conduction across the film, `thermal`)
-    T_i = T_b,i + K_i q_i                                                  (flash temperature of each surface, `flash`)
+    T_i = T_b,i + K_i q_i                                                  (flash temperature of each surface)
     T_f = (T_1 + T_2)/2 + r q/12                                           (mean over the film)
     q = q(T_f)
 
@@ -46,19 +46,19 @@ from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.case.derived import grid_of
-from ertel.case.thermal import Inlet
-from ertel.equations.contact import opened, traceable, traceable_law
+from ertel.case.sections import Inlet
+from ertel.equations.account import shear_force
+from ertel.equations.contact import opened, traceable
 from ertel.equations.shear import shear
 from ertel.numerics import halfspace
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.integrals import Plane
 from ertel.numerics.newton import gcr
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
-from ertel.numerics.stencils import central_slopes, extended, inside
-from ertel.physics import flash
+from ertel.numerics.stencils import inside, node_slopes
 from ertel.physics.fluidity import Fluidity, limited_stress
 from ertel.physics.lubricant import Lubricant
-from ertel.physics.thermal import Exponential, Houpert, Solid, WarmViscosity
+from ertel.physics.thermal import AT_REST, Exponential, Houpert, Solid, WarmViscosity, peclet_number, response
 
 Real = NDArray[np.float64]
 
@@ -116,8 +116,7 @@ class _Film:
         """tau_m in Pa along X and Y in a film that is so much warmer (K) than the inlet; zero where P = 0."""
         log_ratio = jnp.log(self.oil.viscosity(self.P))
         viscosity = self.eta0 * jnp.exp(log_ratio + self.warm.change(log_ratio, warmer))
-        slopes = central_slopes(extended(self.P, self.even), self.spacing)
-        gradient = self.p_h * self.H * jnp.stack([slope[1:-1, 1:-1] for slope in slopes])
+        gradient = self.p_h * self.H * node_slopes(self.P, self.spacing, self.even)
         sliding = viscosity * self.speed / self.H
         pressure = self.p_h * self.P
         sheared = shear(self.law, pressure, jnp.stack([sliding, jnp.zeros_like(sliding)]), gradient)
@@ -164,7 +163,7 @@ def heated(
     film = opened(inlet.factor * jnp.asarray(H))
     sheared = _sheared(case, grid, thermal.viscosity_of(eta0), P, film, S * mean)
     moving = list(zip(thermal.bodies, (mean * (1.0 + 0.5 * S), mean * (1.0 - 0.5 * S)), strict=True))
-    peclet = tuple(flash.peclet_number(body, speed, half_width) for body, speed in moving)
+    peclet = tuple(peclet_number(body, speed, half_width) for body, speed in moving)
     rises = [_rise(body, speed, number, s.a, grid) for (body, speed), number in zip(moving, peclet, strict=True)]
     warm = warmed(sheared, rises, np.asarray(sheared.H) / thermal.conductivity, thermal.warmer, heat)
     stress = _stress_program(sheared, warm.film) / s.shear_stress
@@ -176,7 +175,7 @@ def heated(
         T_film=thermal.temperature + warm.film,
         heat=warm.x[0],
         stress=stress,
-        sliding=_force(grid, stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
+        sliding=shear_force(Plane.of(grid), stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
         peclet=peclet,
         iterations=int(warm.iterations),
         applications=int(warm.applications),
@@ -187,19 +186,13 @@ def heated(
 def _sheared(case: Case, grid: Grid, warm: WarmViscosity, P: Any, film: Array, speed: float) -> _Film:
     s, eta0 = case.scales, case.oil.eta0
     assert s is not None and eta0 is not None  # `heated`
-    law, oil = traceable_law(case.oil.fluidity_law), traceable(case.lubricant)
+    law, oil = traceable(case.oil.fluidity_law), traceable(case.lubricant)
     return _Film(law, warm, oil, eta0, s.p_h, jnp.asarray(P), film * s.film, speed, grid.spacing * s.a, grid.even)
 
 
-def _force(grid: Grid, stress: Array) -> Array:
-    """The double integral of the stress, shape (2,); along Y it is odd about an axis Y = 0."""
-    plane = Plane.of(grid)
-    return jnp.stack([plane.total(stress[0]), jnp.zeros(()) if grid.even.y else plane.total(stress[1])])
-
-
 def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid) -> "Rise":
-    if peclet >= flash.AT_REST:
-        return Moving(flash.response(body, speed, grid.shape[1], grid.spacing * a))
+    if peclet >= AT_REST:
+        return Moving(response(body, speed, grid.shape[1], grid.spacing * a))
     return Resting(halfspace.spectrum(grid, a / (2.0 * pi * body.conductivity)), grid.even)
 
 
@@ -209,7 +202,7 @@ def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid) -> "Ri
 @register_dataclass
 @dataclass(frozen=True)
 class Moving:
-    """K_i of a surface that passes through the contact.  response: from `flash.response`."""
+    """K_i of a surface that passes through the contact.  response: from `thermal.response`."""
 
     response: Any
 
@@ -274,8 +267,8 @@ def warmed(
         q from which the iteration starts; a film that releases none if it is left out.
     """
     q = np.zeros_like(resistance) if heat is None else heat
-    found: Warmed = jax.device_get(_program(_Balance(release, tuple(rises), resistance, tuple(bodies)), q))
-    return found
+    solution: Warmed = jax.device_get(_program(_Balance(release, tuple(rises), resistance, tuple(bodies)), q))
+    return solution
 
 
 @register_dataclass
@@ -306,9 +299,8 @@ class _Balance:
         # no film gets colder than both bodies, but an iterate may, and the viscosity of very cold oil is not a number
         release, slope = self.release(jnp.maximum(w.film, coldest))
         ones = jnp.ones_like(self.resistance)
-        surfaces = self.rises[0](ones) + self.rises[1](
-            ones
-        )  # the most that they resist, under heat everywhere upstream
+        # the most that they resist, under heat everywhere upstream
+        surfaces = self.rises[0](ones) + self.rises[1](ones)
         along, across = 1.0 - slope * (0.25 * surfaces + self.resistance / 12.0), self.resistance + surfaces
         wrong = (w.x[0] - release) / along, (self.resistance * w.x[1] + w.surface_1 - w.surface_2) / across
 

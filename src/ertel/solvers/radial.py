@@ -8,7 +8,7 @@ symbols are those of `contact`.
     H = -Delta + r^2/2 + (2/pi^2) double integral of P/distance                                     eqs. (1), (3)
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -29,13 +29,10 @@ from ertel.equations.contact import traceable
 from ertel.equations.outside import Surroundings
 from ertel.equations.state import Method, State, Stepping, Work, padded
 from ertel.numerics import bdf
-from ertel.numerics.arrays import require_double
 from ertel.numerics.integrals import Disc, disc_weights
-from ertel.numerics.programs import ANY_SIZE, Program, exportable
+from ertel.numerics.programs import ANY_SIZE, Program, exportable, require_double
 from ertel.numerics.stencils import Pair
-from ertel.numerics.tridiagonal import banded_product, diagonals
-from ertel.physics.far_field import ContactMotion
-from ertel.physics.geometry import CIRCLE
+from ertel.physics.geometry import CIRCLE, ContactMotion
 from ertel.physics.lubricant import Lubricant
 
 Floats = NDArray[np.float64]
@@ -171,6 +168,24 @@ def ring_residual(eq: Equations, P: Array, H: Array) -> Array:
     return squeeze.at[:-1].add(divergence).at[-1].set(0.0)
 
 
+def diagonals(change: Callable[[Array], Array], n: int) -> Array:
+    """The three diagonals (3, n) of a linear map whose matrix has no others: entries (i, i - 1), (i, i) and (i, i + 1).
+
+    Every third column is looked at together.
+    """
+    i, shift = jnp.arange(n), jnp.arange(-1, 2)[:, None]
+    answers = jax.vmap(change)(jnp.where(i % 3 == jnp.arange(3)[:, None], 1.0, 0.0))
+    three: Array = answers[(i + shift) % 3, i]
+    return three
+
+
+def banded_product(diagonals: Array, matrix: Array) -> Array:
+    """The matrix of three diagonals times another one."""
+    lower, middle, upper = diagonals[:, :, None]
+    product: Array = lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)
+    return product
+
+
 def free(P: Array, r: Array) -> Array:
     """1 where the equation holds.  Elsewhere P is held at zero: on the outer node and where the film cavitates.
 
@@ -242,11 +257,10 @@ def solve_ring_step(p: RadialProblem) -> RadialStep:
     P = jnp.maximum(jnp.tensordot(p.predict_P, pressures, axes=1), 0.0).at[-1].set(p.around.edge[-1])
     s = solve_rings(eq, P, tolerance)
     load = p.mesh.load @ s.P
-    approach = (line.value - line.load_weight * load) / line.approach_weight
-    found = account_of(p.disc, eq, s.P, s.H, approach)
+    approach = line.approach(load)
+    balance = account_of(p.disc, eq, s.P, s.H, approach)
     error = ring_film_error(p.mesh.volume, s.H, jnp.tensordot(p.predict_H, films, axes=1), s.P)
-    terms = (found.terms[name] for name in account.INTEGRALS)
-    values = approach, s.size <= tolerance, s.newton, load, error, *terms, *account.friction_numbers(found.friction)
+    values = approach, s.size <= tolerance, s.newton, load, error, *balance.numbers
     return RadialStep({"P": s.P, "H": s.H}, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
 
 
@@ -296,38 +310,34 @@ class RadialImpact(Method):
         rates = bdf.derivative_weights([T, *times[:2]])
         approaches = [level.approach for level in levels]
         # in the rebound the pressure collapses behind the receding edge, and a parabola overshoots
-        known = times if levels[0].velocity > 0 else times[:2]
-        around = self.outside.at(outside.predicted(levels, T, [self.carried_load(level) for level in levels], 0.0))
+        past = times if levels[0].velocity > 0 else times[:2]
+        around = self.outside.at(outside.predicted(levels, T, CIRCLE.hertz_load, 0.0))
         solution: RadialStep = yield RadialProblem(
             self.mesh,
             self.disc,
             self.oil,
             self.lambda_bar,
             tuple(level.fields for level in padded(levels)),
-            bdf.three(bdf.interpolation_weights(T, known)),
+            bdf.three(bdf.interpolation_weights(T, past)),
             bdf.three(bdf.interpolation_weights(T, times)),
             bdf.three(rates),
             self.closure.line(T, rates, approaches, [level.velocity for level in levels]),
             around,
             self.tolerance,
         )
-        found = dict(zip(NUMBERS, np.asarray(solution.numbers).tolist(), strict=True))
-        approach, load = found["approach"], found["load on nodes"]
+        numbers = dict(zip(NUMBERS, np.asarray(solution.numbers).tolist(), strict=True))
+        approach, load = numbers["approach"], numbers["load on nodes"]
         velocity = self.closure.velocity(T, rates, approach, approaches)
         load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
-        terms = account.terms(found, velocity, Around(around.load, around.uplift, load_rate), CIRCLE.hertz_load)
-        status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED  # stalled too if NaN
-        work, error = Work(int(found["newton"])), found["error"]
+        terms = account.terms(numbers, velocity, Around(around.load, around.uplift, load_rate), CIRCLE.hertz_load)
+        status = Status.CONVERGED if numbers["converged"] else Status.NEWTON_STALLED  # stalled too if NaN
+        work, error = Work(int(numbers["newton"])), numbers["error"]
         new = State(T, approach, velocity, solution.fields, status, work, around.load, load, error)
-        return replace(new, record={**self.measure(new), **terms, **{name: found[name] for name in account.FRICTION}})
+        return replace(new, record={**self.measure(new), **terms, **{name: numbers[name] for name in account.FRICTION}})
 
     def solve(self, problem: RadialProblem) -> RadialStep:
         """The step's solution, on this device."""
         return _step_program(problem)
-
-    def carried_load(self, level: State) -> float:
-        """F, with the load of the oil outside, in units of the dry maximum load."""
-        return (level.load + level.outside) / CIRCLE.hertz_load
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`; places are radii."""
@@ -343,8 +353,8 @@ class RadialImpact(Method):
     def friction(self, level: State) -> Friction:
         """See `Method.friction`: that of the account, as if the film did not change."""
         P, H = jax.device_put((level.P, level.H))
-        found: Friction = _program(self.mesh, self.disc, self.oil, self.lambda_bar, P, H, level.approach)
-        return found
+        friction: Friction = _program(self.mesh, self.disc, self.oil, self.lambda_bar, P, H, level.approach)
+        return friction
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """The field itself."""
@@ -358,8 +368,8 @@ def account_of(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -
     heat = disc.of_slopes(Pair(eps), P, eq.oil.enthalpy(P))
     film = Film(P, H, Pair(eps), heat, deformation, ring_residual(eq, P, H), 0.0, 0.0)
     stress, force = jnp.zeros((2, *P.shape)), jnp.zeros(2)
-    found = Friction(stress, heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
-    return Account(account.integrals(disc, eq.oil, film), found)
+    friction = Friction(stress, heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
+    return Account(account.integrals(disc, eq.oil, film), friction)
 
 
 def friction_at_rest(

@@ -39,16 +39,15 @@ from ertel.equations.flow import Flow, Rate, rate_in_time, steady_rate
 from ertel.equations.linearised import LinearFilm, flux_change, linear_film
 from ertel.equations.state import State, Work
 from ertel.numerics import bdf, multigrid
-from ertel.numerics.arrays import require_double
 from ertel.numerics.bdf import Weights
 from ertel.numerics.line_smoother import LineSmoother, line_smoother
 from ertel.numerics.multigrid import Coefficients, DeformationOperator
 from ertel.numerics.newton import gcr
+from ertel.numerics.programs import require_double
 from ertel.numerics.stencils import inside, upstream_slope
 from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
-from ertel.solvers.nonlinear import Problem
-from ertel.solvers.preconditioner import PRECISION, point_preconditioner
+from ertel.solvers.nonlinear import PRECISION, Problem, point_preconditioner
 from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import FALLING, Transient2D, stacked
 
@@ -141,16 +140,16 @@ def _solve_step(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
     )
     closed = nonlinear.eliminate_approach(problem, P, 0.0)
     inverse = point_preconditioner(problem, P, H, free)
-    known = -line.value / line.approach_weight - p.shape  # the part of dH that no pressure makes
+    given = -line.value / line.approach_weight - p.shape  # the part of dH that no pressure makes
     dP, iterations = gcr(
         lambda d: free * change_of_r(d, closed.film_change(d), jnp.zeros_like(d)),
         lambda k, r: inverse(r),
-        -free * change_of_r(jnp.zeros_like(P), known, past),
+        -free * change_of_r(jnp.zeros_like(P), given, past),
         REDUCTION,
         STEP_LIMIT,
     )
-    approach = (line.value - line.load_weight * contact.pressure_load(c, dP)) / line.approach_weight
-    return {"P": dP, "H": closed.film_change(dP) + known}, approach, iterations
+    approach = line.approach(contact.pressure_load(c, dP))
+    return {"P": dP, "H": closed.film_change(dP) + given}, approach, iterations
 
 
 # -- waves through a steady film --------------------------------------------------------------------------------------

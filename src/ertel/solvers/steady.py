@@ -26,17 +26,15 @@ from ertel.equations.account import Friction, coefficients, steady_account, whol
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import steady_rate
-from ertel.equations.measure import measure
+from ertel.equations.state import measure
 from ertel.numerics import multigrid, newton, stencils
-from ertel.numerics.arrays import double_precision
 from ertel.numerics.grid import Extrapolation, Grid, check_coarsening, expected_next, extrapolate
-from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.programs import ANY_SIZE, Program, double_precision
 from ertel.numerics.stencils import folded, unfolded
-from ertel.physics.far_field import ContactMotion
-from ertel.physics.geometry import Geometry
-from ertel.solvers import nonlinear, preconditioner
+from ertel.physics.geometry import ContactMotion, Geometry
+from ertel.solvers import nonlinear
 from ertel.solvers.heat import Heated, heated
-from ertel.solvers.nonlinear import Problem
+from ertel.solvers.nonlinear import PRECISION, Problem
 
 Floats = NDArray[np.float64]
 
@@ -78,7 +76,7 @@ class GridSolution:
     outside: float = 0.0
 
     def measure(self) -> dict[str, float]:
-        """Films, pressures and load, see `measure.measure`, and Delta."""
+        """Films, pressures and load, see `state.measure`, and Delta."""
         return {"Delta": self.approach, **self._values, "load": self._values["load"] + self.outside}
 
     @cached_property
@@ -105,7 +103,7 @@ class GridSolution:
     @property
     def maps(self) -> dict[str, Floats]:
         """Its fields on the whole plane by name: those of `account.whole_maps`, and the temperatures."""
-        maps = whole_maps(self, self.P, self.H, self.account[1])
+        maps = whole_maps(self.whole, self.P, self.H, self.account[1])
         heat = self.heat
         if heat is not None:
             maps |= {name: np.asarray(self.whole(getattr(heat, name))) for name in ("T_1", "T_2", "T_film")}
@@ -139,14 +137,12 @@ class Rolling:
         return extrapolate(*(s.measure()[name] for s in self.solutions[-2:]))
 
 
-def steady_film(case: Case, precision: str = preconditioner.PRECISION) -> Rolling:
+def steady_film(case: Case, precision: str = PRECISION) -> Rolling:
     """The steady contact with the load and the entrainment of T = 0, on all grids; precision: see `nested`."""
     return Rolling(tuple(nested(case, precision=precision)))
 
 
-def nested(
-    case: Case, done: Sequence[GridSolution] = (), precision: str = preconditioner.PRECISION
-) -> Iterator[GridSolution]:
+def nested(case: Case, done: Sequence[GridSolution] = (), precision: str = PRECISION) -> Iterator[GridSolution]:
     """Solutions from the coarsest grid to the case's own; goes on after those that are done.
 
     precision: the floating-point type of the preconditioner.
@@ -200,7 +196,7 @@ def settled(case: Case) -> Rolling:
     for _ in range(SETTLING):
         if not s.status.ok or abs(s.approach - before) < TOLERANCE:
             break
-        again = solve_on_grid(case, s.grid, c, s.P, s.approach, TOLERANCE, preconditioner.PRECISION)
+        again = solve_on_grid(case, s.grid, c, s.P, s.approach, TOLERANCE, PRECISION)
         work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
         before, s = s.approach, _judged(replace(again, newton=work[0], krylov=work[1], convolutions=work[2]))
     return Rolling((*coarser, s))
@@ -218,8 +214,8 @@ def check_steady_motion(case: Case) -> None:
 def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, float]:
     """Pressure and approach of the dry contact under a load in units F*; the pressure is scaled to carry it exactly."""
     P = geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None])
-    wanted = load * geometry.hertz_load / grid.spacing**2
-    return P * (wanted / unfolded(P, grid.even).sum()), geometry.dry_approach(load)
+    needed = load * geometry.hertz_load / grid.spacing**2
+    return P * (needed / unfolded(P, grid.even).sum()), geometry.dry_approach(load)
 
 
 def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
@@ -279,12 +275,12 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: fl
         tolerance,
         tolerance / geometry.hertz_load,
         nonlinear.approach_as_unknown,
-        preconditioner.line_preconditioner,
+        nonlinear.line_preconditioner,
         OPTIONS,
     )
 
 
-def compile_ahead(case: Case, precision: str = preconditioner.PRECISION) -> None:
+def compile_ahead(case: Case, precision: str = PRECISION) -> None:
     """Compile the programs of a steady film, or load them, in the background: the finest grid's takes the longest."""
 
     @double_precision()  # it holds for one thread

@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.derived import coarsenings, grid_of
 from ertel.case.status import Status
-from ertel.equations import account, contact, discretise, measure, outside
+from ertel.equations import account, contact, discretise, outside, state
 from ertel.equations.account import Around, Friction, Moment
 from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, Rate, rate_in_time
-from ertel.equations.measure import Axes
-from ertel.equations.state import Method, State, Stepping, Work, padded
+from ertel.equations.state import Axes, Method, State, Stepping, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Symmetry, check_coarsening
@@ -30,10 +29,9 @@ from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import DeformationOperator
 from ertel.numerics.programs import Program, exportable
 from ertel.numerics.stencils import total, unfolded
-from ertel.physics.far_field import ContactMotion
+from ertel.physics.geometry import ContactMotion
 from ertel.solvers import nonlinear, steady
-from ertel.solvers.nonlinear import CloseSystem, Problem
-from ertel.solvers.preconditioner import PRECISION, point_preconditioner
+from ertel.solvers.nonlinear import PRECISION, CloseSystem, Problem, point_preconditioner
 
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 MAX_PRESSURE_DROP = 0.4  # share of the last pressure by which the prediction may fall
@@ -119,7 +117,7 @@ class StepSolution(NamedTuple):
 
 
 SOLVED = ("approach", "converged", "newton", "krylov", "error")
-NUMBERS = (*SOLVED, *account.INTEGRALS, *account.FRICTION)  # of a step, followed by those of `measure.extreme_numbers`
+NUMBERS = (*SOLVED, *account.INTEGRALS, *account.FRICTION)  # of a step, followed by those of `state.extreme_numbers`
 
 
 def stacked(levels: Sequence[State]) -> dict[str, Array]:
@@ -220,19 +218,19 @@ class Transient2D(Method):
             *((nonlinear.eliminate_approach, FALLING) if falls else (nonlinear.approach_as_unknown, ROLLING)),
         )
         numbers = np.asarray(solution.numbers).tolist()
-        found = dict(zip(NUMBERS, numbers, strict=False))
-        measured = self._named(measure.named_numbers(self.grid, numbers[len(NUMBERS) :]), around.load)
-        approach, n, k = found["approach"], int(found["newton"]), int(found["krylov"])
+        named = dict(zip(NUMBERS, numbers, strict=False))
+        measured = self._named(state.named_numbers(self.grid, numbers[len(NUMBERS) :]), around.load)
+        approach, n, k = named["approach"], int(named["newton"]), int(named["krylov"])
         velocity = self.closure.velocity(T, rates, approach, approaches)
         load = measured.pop("load")
         load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
-        beyond = around.load + load - found["load"]  # half a cell around the grid counts as outside
-        terms = account.terms(found, velocity, Around(beyond, around.uplift, load_rate), self.geometry.hertz_load)
-        record = {**measured, **terms, **{name: found[name] for name in account.FRICTION}}
-        status = Status.CONVERGED if found["converged"] else Status.NEWTON_STALLED
+        beyond = around.load + load - named["load"]  # half a cell around the grid counts as outside
+        terms = account.terms(named, velocity, Around(beyond, around.uplift, load_rate), self.geometry.hertz_load)
+        record = {**measured, **terms, **{name: named[name] for name in account.FRICTION}}
+        status = Status.CONVERGED if named["converged"] else Status.NEWTON_STALLED
         work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
         fields = solution.fields
-        return State(T, approach, velocity, fields, status, work, around.load, load, found["error"], record)
+        return State(T, approach, velocity, fields, status, work, around.load, load, named["error"], record)
 
     def motion(self, levels: Sequence[State], T: float) -> ContactMotion:
         """The predicted motion of the new level, for the oil outside.
@@ -240,9 +238,8 @@ class Transient2D(Method):
         The squeeze of a rolling contact is left out there: with little or no inertia V follows from the film of the
         same step, and extrapolating it from earlier steps is unstable.
         """
-        loads = [(level.load + level.outside) / self.geometry.hertz_load for level in levels[: outside.NEWEST]]
-        found = outside.predicted(levels, T, loads, self.case.motion.entrainment(T))
-        return found if self.case.starts_apart else found._replace(velocity=0.0)
+        motion = outside.predicted(levels, T, self.geometry.hertz_load, self.case.motion.entrainment(T))
+        return motion if self.case.starts_apart else motion._replace(velocity=0.0)
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
@@ -250,12 +247,12 @@ class Transient2D(Method):
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
-        values = self._named(measure.measure(self.grid, level.P, level.H), level.outside)
+        values = self._named(state.measure(self.grid, level.P, level.H), level.outside)
         del values["load"]
         return values
 
     def _named(self, values: dict[str, float], outside: float) -> dict[str, float]:
-        """The values of `Method.measure`, and the load on the grid, from those of `measure.measure`."""
+        """The values of `Method.measure`, and the load on the grid, from those of `state.measure`."""
         values["F"] = (values["load"] + outside) / self.geometry.hertz_load
         if self.case.is_axisymmetric:
             for X, Y in (("X_min", "Y_min"), ("X_P_max", "Y_P_max")):
@@ -314,7 +311,7 @@ def solve_step(p: StepProblem) -> StepSolution:
     P, P_old, H_old = _weighted(known.predict, [level["P"] for level in p.past]), p.past[0]["P"], p.past[0]["H"]
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # So the prediction limits the fall.
-    P = stencils.edged(jnp.maximum(P, (1.0 - MAX_PRESSURE_DROP) * P_old), jnp.asarray(p.edge), p.contact.even)
+    P = stencils.inside(jnp.maximum(P, (1.0 - MAX_PRESSURE_DROP) * P_old), p.contact.even) + jnp.asarray(p.edge)
     # a residual r leaves the mass r/rate.new over in this step
     allowed = s.tolerance * rate.new * (s.film_scale + jnp.abs(H_old))
     problem = Problem(
@@ -339,20 +336,18 @@ _step_program = Program(solve_step)
 def _numbers(
     p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
 ) -> Array:
-    """The numbers of `NUMBERS` and of `measure.extreme_numbers`."""
+    """The numbers of `NUMBERS` and of `state.extreme_numbers`."""
     c, mass, setting = p.contact, fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
     load = (contact.pressure_load(c, s.P) + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
     moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
-    found = account.account(setting.space, c, s.P, s.H, moment, rate.of(mass, c.spacing))
+    balance = account.account(setting.space, c, s.P, s.H, moment, rate.of(mass, c.spacing))
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     error = film_error(mass, predicted, s.P, THIN * setting.film_scale, c.even, setting.coarsenings)
-    values = approach, s.converged, s.newton, s.krylov, error, *(found.terms[name] for name in account.INTEGRALS)
-    plain = [*values, *account.friction_numbers(found.friction)]
-    return jnp.concatenate(
-        [jnp.stack([jnp.asarray(v, s.P.dtype) for v in plain]), measure.extreme_numbers(setting.axes, s.P, s.H)]
-    )
+    values = approach, s.converged, s.newton, s.krylov, error, *balance.numbers
+    stepped = jnp.stack([jnp.asarray(value, s.P.dtype) for value in values])
+    return jnp.concatenate([stepped, state.extreme_numbers(setting.axes, s.P, s.H)])
 
 
 def _weighted(weights: Weights, fields: Sequence[Array]) -> Array:

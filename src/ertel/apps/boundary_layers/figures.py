@@ -5,15 +5,22 @@ Lubrecht AA, Biboulet N, Venner CH. Boundary layers: unifying the impact and rol
     ertel paper all --quick
 """
 
+import base64
+import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
+from importlib.resources import files
 from pathlib import Path
+from string import Template
 from typing import Any
 
+from matplotlib import rc_context
+from pandas import DataFrame, option_context
+
 import ertel
-from ertel.apps.boundary_layers import front, others, page, reduction, runs
-from ertel.apps.boundary_layers.page import Drawn
-from ertel.apps.boundary_layers.plans import FULL, QUICK, Plan
+from ertel.apps.boundary_layers import front, ratios, reduction, runs
+from ertel.apps.boundary_layers.plans import FULL, QUICK, Drawn, Plan
 from ertel.apps.boundary_layers.runs import Results
 from ertel.runs.tasks import Failure, Task, kept, run_tasks
 from ertel.runs.workers import Workers
@@ -25,6 +32,7 @@ SETTINGS = (
     "are in units a*, films in a*^2/R, times in t0 = a*^2/(R v0)."
 )
 RUNS = "runs"  # directory of the kept results, below the page
+PAGE = files("ertel.apps.boundary_layers") / "page.html"
 
 
 @dataclass(frozen=True)
@@ -43,8 +51,8 @@ FIGURES: Mapping[str, PaperFigure] = {
     "fig4": PaperFigure("Fig. 4  Film behind the front", runs.radial_tasks, front.film_predicted),
     "fig5": PaperFigure("Fig. 5  Waves in an impact", runs.waves_tasks, reduction.deformed_waves),
     "fig6": PaperFigure("Fig. 6  Amplitude reduction in impact and rolling", reduction.tasks, reduction.reduction),
-    "fig7": PaperFigure("Beyond the paper: Fig. 7  Waves of other shapes", others.shape_tasks, others.other_waves),
-    "fig8": PaperFigure("Beyond the paper: Fig. 8  Other lubricants", others.oil_tasks, others.other_oils),
+    "fig7": PaperFigure("Beyond the paper: Fig. 7  Waves of other shapes", ratios.shape_tasks, ratios.other_waves),
+    "fig8": PaperFigure("Beyond the paper: Fig. 8  Other lubricants", ratios.oil_tasks, ratios.other_oils),
 }
 
 
@@ -57,16 +65,15 @@ def names_of(figure: str) -> list[str]:
 
 def tasks_of(names: Sequence[str], plan: Plan) -> list[Task]:
     """All runs that the figures need, each once."""
-    found = {task.name: task for name in names for task in FIGURES[name].tasks(plan)}
-    return list(found.values())
+    return list({task.name: task for name in names for task in FIGURES[name].tasks(plan)}.values())
 
 
 def expected(names: Sequence[str], quick: bool, directory: Path, jobs: int) -> tuple[int, int, float]:
     """Number of runs, number of those that are done, and seconds that the others will take."""
     tasks = tasks_of(names, QUICK if quick else FULL)
     done = kept(tasks, directory / RUNS)
-    left = [task.seconds for task in tasks if task.name not in done]
-    return len(tasks), len(done), max(sum(left) / jobs, max(left, default=0.0))
+    seconds = [task.seconds for task in tasks if task.name not in done]
+    return len(tasks), len(done), max(sum(seconds) / jobs, max(seconds, default=0.0))
 
 
 def make(
@@ -86,13 +93,53 @@ def make(
     missing, sections = {}, []
     for name in names:
         figure = FIGURES[name]
-        own = {task.name: results[task.name] for task in figure.tasks(plan)}
-        if failures := [result.reason for result in own.values() if isinstance(result, Failure)]:
+        inputs = {task.name: results[task.name] for task in figure.tasks(plan)}
+        if failures := [result.reason for result in inputs.values() if isinstance(result, Failure)]:
             missing[name] = "; ".join(failures)
-            sections.append(page.failed(figure.title, missing[name]))
+            content = f'<p class="failed">Not made: {escape(missing[name])}</p>'
         else:
-            sections.append(page.save(figure.draw(own, plan), name, figure.title, directory))
-    remarks = [f"ertel {ertel.__version__}, {plan.resolution}.  {SETTINGS}"]
+            content = save(figure.draw(inputs, plan), name, figure.title, directory)
+        sections.append(f"<section>\n<h2>{escape(figure.title)}</h2>\n{content}\n</section>")
+    remarks = f"<p>{escape(f'ertel {ertel.__version__}, {plan.resolution}.  {SETTINGS}')}</p>"
+    template = Template(PAGE.read_text(encoding="utf-8"))
     file = directory / ("index.html" if len(names) > 1 else f"{names[0]}.html")
-    file.write_text(page.page(TITLE, remarks, sections), encoding="utf-8")
+    file.write_text(
+        template.substitute(title=escape(TITLE), remarks=remarks, sections="\n".join(sections)), encoding="utf-8"
+    )
     return file, missing
+
+
+def save(drawn: Drawn, name: str, heading: str, directory: Path) -> str:
+    """Write NAME.svg, NAME.png and the data as NAME_PART.csv; the figure as HTML, picture and data embedded."""
+    directory.mkdir(parents=True, exist_ok=True)
+    image = io.BytesIO()
+    with rc_context({"svg.hashsalt": name}):  # the same figure gives the same file
+        drawn.figure.savefig(image, format="svg", metadata={"Date": None})
+    (directory / f"{name}.svg").write_bytes(image.getvalue())
+    drawn.figure.savefig(directory / f"{name}.png", dpi=150)
+    links = []
+    for part, table in drawn.data.items():
+        file, content = f"{name}_{part}.csv", to_csv(table).encode()
+        (directory / file).write_bytes(content)
+        links.append(f'<a download="{escape(file)}" href="{_embedded("text/csv", content)}">{escape(file)}</a>')
+    html = [
+        f'<figure>\n<img alt="{escape(heading)}" src="{_embedded("image/svg+xml", image.getvalue())}"/>',
+        f"<figcaption>{escape(drawn.caption)}</figcaption>\n</figure>",
+        *(f"<h3>{escape(title)}</h3>\n{to_html(table)}" for title, table in drawn.tables.items()),
+    ]
+    return "\n".join([*html, f"<p>Data:\n{', '.join(links)}\n</p>"] if links else html)
+
+
+def to_csv(table: DataFrame) -> str:
+    """A table as CSV with nine digits; an empty cell is an unknown value."""
+    return str(table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))
+
+
+def to_html(table: DataFrame) -> str:
+    """A table as HTML, its texts escaped and not cut off."""
+    with option_context("display.max_colwidth", None):
+        return str(table.to_html(index=False, border=0, justify="unset"))
+
+
+def _embedded(kind: str, content: bytes) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"

@@ -5,12 +5,12 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from pandas import DataFrame
+from numpy.typing import ArrayLike
+from pandas import DataFrame, Series
 
 from ertel import Parameters, fronts, hertz, plots
 from ertel.apps.boundary_layers import runs
-from ertel.apps.boundary_layers.page import Drawn, new_figure, side_by_side
-from ertel.apps.boundary_layers.plans import FORMED, FRONTS, LOADS, SHOWN_LOAD, Definition, L, Plan
+from ertel.apps.boundary_layers.plans import FORMED, FRONTS, LOADS, SHOWN_LOAD, Definition, Drawn, L, Plan, new_figure
 from ertel.apps.boundary_layers.ratios import Values
 from ertel.apps.boundary_layers.runs import Results
 
@@ -21,6 +21,11 @@ LINES: Mapping[Definition, str] = {"film": "-", "slope": ":", "half-hertz": "--"
 COMPARED = np.linspace(0.5, 0.9, 41)  # places where the front's speed is compared with the dry contact's
 INNER, OUTER = 0.75, 0.95  # a*: where the film follows the speed of the front
 FITTED_ON = np.linspace(INNER, OUTER, 81)
+
+
+def side_by_side(columns: Mapping[str, ArrayLike]) -> DataFrame:
+    """A table of columns that may differ in length."""
+    return DataFrame({name: Series(values) for name, values in columns.items()})
 
 
 # -- Fig. 1 -----------------------------------------------------------------------------------------------------------
@@ -87,12 +92,12 @@ Fronts = Mapping[int, Mapping[Definition, fronts.Front]]  # M, definition -> fro
 
 def front_speed(results: Results, plan: Plan) -> Drawn:
     """Fig. 2: speed of the front in the lubricated impact for six M, by three definitions of the front."""
-    found: Fronts = {
+    all_fronts: Fronts = {
         M: {by: fronts.front(run, by) for by in FRONTS} for M, run in runs.radial_runs(results, plan).items()
     }
     figure, (left, right) = new_figure(1, 2)
-    _draw_speed(left, found, fronts.front(results[runs.plane_task(plan).name]))
-    _draw_share(right, found)
+    _draw_speed(left, all_fronts, fronts.front(results[runs.plane_task(plan).name]))
+    _draw_share(right, all_fronts)
     caption = (
         f"Speed of the front for M = {LOADS[0]} to {LOADS[-1]}, L = {L:g}, up to maximum approach.  Left: front "
         "defined by the minimum film (solid) and by half the Hertz pressure (dashed).  Right: speed divided by that of "
@@ -102,7 +107,7 @@ def front_speed(results: Results, plan: Plan) -> Drawn:
     )
     columns = {
         f"{name}, M = {M}, {by}": values
-        for M, by_definition in found.items()
+        for M, by_definition in all_fronts.items()
         for by, front in by_definition.items()
         for name, values in front._asdict().items()
     }
@@ -112,18 +117,18 @@ def front_speed(results: Results, plan: Plan) -> Drawn:
             **{f"front by {name}": _share(by_definition[by]) for by, name in FRONTS.items()},
             "last A by minimum film": f"{by_definition['film'].A[-1]:.3f}",
         }
-        for M, by_definition in found.items()
+        for M, by_definition in all_fronts.items()
     ]
     tables = {"Speed of the front divided by that of the dry contact, 0.5 < A < 0.9: mean (range)": DataFrame(shares)}
     return Drawn(figure, caption, {"fronts": side_by_side(columns)}, tables)
 
 
-def _draw_speed(axes: Axes, found: Fronts, plane: fronts.Front) -> None:
+def _draw_speed(axes: Axes, all_fronts: Fronts, plane: fronts.Front) -> None:
     T = np.linspace(0.01, hertz.HALF_CONTACT_TIME, 600)
     axes.plot(T, hertz.front_speed(hertz.contact_radius(T)), color="black", label="dry, exact")
     linear = hertz.linear_front_speed(T - hertz.HALF_CONTACT_TIME)
     axes.plot(T, linear, color=plots.GREY, linestyle=":", label="linear (24), $t^*$ = 1.35")
-    for (M, by_definition), colour in zip(found.items(), _shades(), strict=True):
+    for (M, by_definition), colour in zip(all_fronts.items(), _shades(), strict=True):
         labels: Mapping[Definition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
         for by, label in labels.items():
             front = by_definition[by]
@@ -136,8 +141,8 @@ def _draw_speed(axes: Axes, found: Fronts, plane: fronts.Front) -> None:
     axes.legend(loc="upper right", frameon=False, fontsize="small")
 
 
-def _draw_share(axes: Axes, found: Fronts) -> None:
-    for by_definition, colour in zip(found.values(), _shades(), strict=True):
+def _draw_share(axes: Axes, all_fronts: Fronts) -> None:
+    for by_definition, colour in zip(all_fronts.values(), _shades(), strict=True):
         for by, front in by_definition.items():
             late = front.A > FORMED
             share = front.speed / hertz.front_speed(np.minimum(front.A, 1.0))
@@ -259,8 +264,8 @@ def _draw_film(axes: Axes, M: int, run: xr.Dataset) -> dict[str, Values]:
 def _predicted(p: Parameters, speed: Values, A: Values) -> Values:
     """The film of the formula where the speed of the front is known, nan elsewhere."""
     curve = np.full_like(speed, np.nan)
-    known = np.isfinite(speed) & (speed > 0)
-    curve[known] = fronts.film_from_speed(p, speed[known], A[known])
+    moves = np.isfinite(speed) & (speed > 0)
+    curve[moves] = fronts.film_from_speed(p, speed[moves], A[moves])
     return curve
 
 
@@ -281,6 +286,6 @@ def _deviations(M: int, run: xr.Dataset) -> Iterator[dict[str, str]]:
             "formula": fronts.film_from_speed(p, trace.speed),
             "formula, local Hertz": fronts.film_from_speed(p, trace.speed, trace.X),
         }
-        found = {title: fronts.deviation(film, trace.H) for title, film in films.items()}
-        cells = {title: f"{off.rms:.1%} ({off.mean:+.1%})" for title, off in found.items()}
+        deviations = {title: fronts.deviation(film, trace.H) for title, film in films.items()}
+        cells = {title: f"{off.rms:.1%} ({off.mean:+.1%})" for title, off in deviations.items()}
         yield {"M": str(M), "front": name, "C": f"{C:.5f}", **cells, "X up to": f"{trace.X[-1]:.2f}"}

@@ -1,8 +1,16 @@
-"""The runs of the figures: loads, wavelengths and grids, coarse (`QUICK`) or at full resolution (`FULL`)."""
+"""What is run for the figures, coarse (`QUICK`) or at full resolution (`FULL`), and what is drawn of it.
+
+This module imports no matplotlib: every process that computes runs imports it.
+"""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 LOADS = (200, 500, 1000, 2000, 5000, 10000)  # M of Figs. 1, 2 and 4
 L = 10.0  # of Figs. 1 to 4
@@ -166,3 +174,28 @@ def rolling_seconds(waves: int, nodes: int) -> float:
 def marching_seconds(nodes: int) -> float:
     """Expected duration of a rolling contact in time: 190 s on 513 nodes, 1/8 of it on half as many (one core)."""
     return 5.0 + 190.0 * (nodes / 513) ** 3
+
+
+# -- what is drawn -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure with what belongs to it.
+
+    data: the numbers behind the figure, written as CSV; file name without its beginning and end -> table.  tables:
+    numbers to read on the page; heading -> table, whose cells are texts.
+    """
+
+    figure: "Figure"
+    caption: str
+    data: Mapping[str, "DataFrame"] = field(default_factory=dict)
+    tables: Mapping[str, "DataFrame"] = field(default_factory=dict)
+
+
+def new_figure(rows: int, columns: int) -> tuple["Figure", list["Axes"]]:
+    """A figure with panels, row by row."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(max(4.8 * columns, 7.0), 3.8 * rows), layout="constrained")
+    return figure, list(figure.subplots(rows, columns, squeeze=False).ravel())

@@ -16,9 +16,8 @@ from pandas import DataFrame
 
 from ertel import Parameters, amplitude_reduction, fronts, hertz, plots, waves
 from ertel.apps.boundary_layers import ratios, runs
-from ertel.apps.boundary_layers.page import Drawn, new_figure
-from ertel.apps.boundary_layers.plans import FORMED, FRONTS, Moes, Plan
-from ertel.apps.boundary_layers.ratios import Extrapolated, Grids, Mark
+from ertel.apps.boundary_layers.plans import FORMED, FRONTS, Drawn, Moes, Plan, new_figure
+from ertel.apps.boundary_layers.ratios import Extrapolated, Grids, Mark, scatter_cells
 from ertel.apps.boundary_layers.runs import HEIGHT, Results
 from ertel.runs.tasks import Task
 
@@ -95,12 +94,12 @@ class Twin(NamedTuple):
 
 @dataclass(frozen=True)
 class Ratios:
-    """The content of Fig. 6.  own: the curve of the form of (15) through the rolling contacts."""
+    """The content of Fig. 6.  fitted: the curve of the form of (15) through the rolling contacts."""
 
     impacts: list[Dot]
     rolled: list[Mark]
     twins: list[Twin]
-    own: waves.Reduction
+    fitted: waves.Reduction
 
     @property
     def last(self) -> list[Dot]:
@@ -118,8 +117,8 @@ def find_ratios(results: Results, plan: Plan) -> Ratios:
     impacts = [dot for case in plan.waves.impacts for dot in _dots(results, plan, case)]
     rolled = list(_rolled(results, plan))
     errors = [max(mark.ratio.error, SMALLEST_ERROR) for mark in rolled]
-    own = waves.fit_reduction([mark.local for mark in rolled], [mark.ratio.limit for mark in rolled], errors)
-    return Ratios(impacts, rolled, list(_twins([dot.mark for dot in impacts], results, plan)), own)
+    fitted = waves.fit_reduction([mark.local for mark in rolled], [mark.ratio.limit for mark in rolled], errors)
+    return Ratios(impacts, rolled, list(_twins([dot.mark for dot in impacts], results, plan)), fitted)
 
 
 def _dots(results: Results, plan: Plan, case: Moes) -> Iterator[Dot]:
@@ -130,7 +129,7 @@ def _dots(results: Results, plan: Plan, case: Moes) -> Iterator[Dot]:
     p = Parameters.from_moes(*case)
     for wavelength in plan.waves.impacts[case]:
         inside = [waves.waves(X, dH, float(front.A[-1])) for X, dH in grids.responses("isotropic", wavelength)]
-        pairs = list(zip(*(found[::-1] for found in inside), strict=False))  # from the edge inwards
+        pairs = list(zip(*(on_a_grid[::-1] for on_a_grid in inside), strict=False))  # from the edge inwards
         for number, (coarse, fine) in reversed(list(enumerate(pairs))):
             ratio = Extrapolated(coarse.amplitude, fine.amplitude)
             mark = ratios.impact_mark("impact", case, wavelength, fine.X, ratio, front)
@@ -158,8 +157,8 @@ def _twins(impacts: Sequence[Mark], results: Results, plan: Plan) -> Iterator[Tw
 
 def reduction(results: Results, plan: Plan) -> Drawn:
     """Fig. 6: A_d/A_i of impact and of rolling against the local and the global nabla2, and the curve (15)."""
-    found = find_ratios(results, plan)
-    own = f"1/(1 + {found.own.linear:.3f} nabla2 + {found.own.quadratic:.4f} nabla2^2)"
+    content = find_ratios(results, plan)
+    fitted = f"1/(1 + {content.fitted.linear:.3f} nabla2 + {content.fitted.quadratic:.4f} nabla2^2)"
     caption = (
         "Amplitude reduction.  Dots: last complete wave inside the contact at maximum impact, extrapolated from grids "
         f"of {plan.waves.grids[0]} and {plan.waves.grids[1]} nodes per side for a method of second order; the error "
@@ -170,37 +169,38 @@ def reduction(results: Results, plan: Plan) -> Drawn:
         "Solid line: eq. (15).  "
         "Grey: transverse waviness in a line contact, 1/(1 + 0.17 n + 0.03 n^2) of 1997 (dashed) and a later fit, "
         "1/(1 + 0.125 n + 0.04 n^2) (dotted), n = 0.608 nabla2.  "
-        f"Dash-dotted: {own}, fitted to the squares.  Right: nabla2 with radius and pressure of the Hertz "
+        f"Dash-dotted: {fitted}, fitted to the squares.  Right: nabla2 with radius and pressure of the Hertz "
         "contact at the moment when the front passed, lambda_bar v/A^4, alpha_bar A, wavelength/A.  Crosses: rolling "
         "at exactly these parameters."
     )
     tables = {
         "Impact: last complete waves": DataFrame(
-            {**dot.mark.cells_of_place(), "(15) of local": _by_15(dot.mark.local)} for dot in found.last
+            {**dot.mark.cells_of_place(), "(15) of local": _by_15(dot.mark.local)} for dot in content.last
         ),
-        "A_d/A_i minus the curve: mean, root mean square": _scatter_table(found),
-        "Rolling at the parameters of the front": _twins_table(found.twins),
+        "A_d/A_i minus the curve: mean, root mean square": _scatter_table(content),
+        "Rolling at the parameters of the front": _twins_table(content.twins),
         "Rolling": DataFrame(
-            {**m.cells(), "nabla2": f"{m.local:.2f}", **m.ratio.cells(), "(15)": _by_15(m.local)} for m in found.rolled
+            {**m.cells(), "nabla2": f"{m.local:.2f}", **m.ratio.cells(), "(15)": _by_15(m.local)}
+            for m in content.rolled
         ),
         **_checks(results, plan),
     }
-    return Drawn(_draw(found), caption, {"impact": _impact_data(found), "rolling": _rolling_data(found)}, tables)
+    return Drawn(_draw(content), caption, {"impact": _impact_data(content), "rolling": _rolling_data(content)}, tables)
 
 
-def _draw(found: Ratios) -> Figure:
+def _draw(content: Ratios) -> Figure:
     figure, (left, middle, right) = new_figure(1, 3)
-    rolled = [mark.local for mark in found.rolled], [mark.ratio.limit for mark in found.rolled]
-    bars = [mark.ratio.error for mark in found.rolled]
+    rolled = [mark.local for mark in content.rolled], [mark.ratio.limit for mark in content.rolled]
+    bars = [mark.ratio.error for mark in content.rolled]
     for axes in (left, middle, right):
         ratios.draw_curves(axes)
-        ratios.draw_fit(axes, found.own.ratio(ratios.RANGE), "-.", "fitted to the squares")
+        ratios.draw_fit(axes, content.fitted.ratio(ratios.RANGE), "-.", "fitted to the squares")
         axes.errorbar(*rolled, bars, fmt="s", color="black", markerfacecolor="white", capsize=2, label="rolling")
-    _draw_dots(left, found.last, lambda dot: dot.mark.local, ranges=True)
-    _draw_dots(middle, found.last, lambda dot: dot.mark.everywhere)
-    _draw_dots(right, found.last, lambda dot: dot.mark.hertz)
-    further = [dot.mark.hertz for dot in found.inner], [dot.mark.ratio.limit for dot in found.inner]
-    crosses = [twin.nabla2 for twin in found.twins], [twin.rolling.limit for twin in found.twins]
+    _draw_dots(left, content.last, lambda dot: dot.mark.local, ranges=True)
+    _draw_dots(middle, content.last, lambda dot: dot.mark.everywhere)
+    _draw_dots(right, content.last, lambda dot: dot.mark.hertz)
+    further = [dot.mark.hertz for dot in content.inner], [dot.mark.ratio.limit for dot in content.inner]
+    crosses = [twin.nabla2 for twin in content.twins], [twin.rolling.limit for twin in content.twins]
     handles = right.plot(*further, ".", color=plots.GREY, markersize=3, label="impact, waves further in")
     handles += right.plot(*crosses, "x", color=plots.BLUE, label="rolling, parameters of the front")
     left.set_xlabel("local $\\nabla_2$, $\\bar\\lambda v$")
@@ -216,11 +216,13 @@ def _draw_dots(axes: Axes, dots: Sequence[Dot], nabla2: Callable[[Dot], float], 
     cases = list(dict.fromkeys(dot.mark.case[:2] for dot in dots))
     shades = plots.ORDERED_COLOURS(np.linspace(0.95, 0.0, len(cases)))
     for case, colour, marker in zip(cases, shades, "ovD^P*<>", strict=False):
-        own = [dot for dot in dots if dot.mark.case[:2] == case]
-        place, found = [nabla2(dot) for dot in own], [dot.mark.ratio for dot in own]
-        ends = [(x - min(dot.local.values()), max(dot.local.values()) - x) for x, dot in zip(place, own, strict=True)]
+        of_case = [dot for dot in dots if dot.mark.case[:2] == case]
+        place, limit = [nabla2(dot) for dot in of_case], [dot.mark.ratio.limit for dot in of_case]
+        bar, label = [dot.mark.ratio.error for dot in of_case], "impact, M = {:g}, L = {:g}"
+        ends = [
+            (x - min(dot.local.values()), max(dot.local.values()) - x) for x, dot in zip(place, of_case, strict=True)
+        ]
         across = np.array(ends).T if ranges else None
-        limit, bar, label = [r.limit for r in found], [r.error for r in found], "impact, M = {:g}, L = {:g}"
         axes.errorbar(
             place, limit, bar, across, fmt=marker, color=colour, label=label.format(*case), capsize=2, elinewidth=0.8
         )
@@ -230,7 +232,7 @@ def _by_15(nabla2: float) -> str:
     return f"{float(amplitude_reduction.ratio_left(nabla2)):.3f}"
 
 
-def _impact_data(found: Ratios) -> DataFrame:
+def _impact_data(content: Ratios) -> DataFrame:
     return DataFrame(
         {
             **{name: getattr(dot.mark, name) for name in ("M", "L", "wavelength", "X")},
@@ -240,13 +242,13 @@ def _impact_data(found: Ratios) -> DataFrame:
             **dot.mark.ratio.columns(),
             **{f"local, {name}": nabla2 for name, nabla2 in dot.local.items()},
         }
-        for dot in found.impacts
+        for dot in content.impacts
     )
 
 
-def _rolling_data(found: Ratios) -> DataFrame:
+def _rolling_data(content: Ratios) -> DataFrame:
     return DataFrame(
-        {"M": m.M, "L": m.L, "wavelength": m.wavelength, "nabla2": m.local, **m.ratio.columns()} for m in found.rolled
+        {"M": m.M, "L": m.L, "wavelength": m.wavelength, "nabla2": m.local, **m.ratio.columns()} for m in content.rolled
     )
 
 
@@ -259,25 +261,18 @@ PARAMETERS: Mapping[str, Callable[[Dot], float]] = {
 }
 
 
-def _scatter_table(found: Ratios) -> DataFrame:
+def _scatter_table(content: Ratios) -> DataFrame:
     """Deviation of impact and rolling from the curves, for each parameter."""
+    isotropic = amplitude_reduction.ratio_left
+    curves = {"isotropic (15)": isotropic, **ratios.LINE_CONTACT, "fitted to rolling": content.fitted.ratio}
     rows = []
-    for name, chosen in {"last waves": found.last, f"waves further in, X > {FORMED:g}": found.inner}.items():
-        known = [dot for dot in chosen if np.isfinite(list(dot.local.values())).all()]
-        for kind, nabla2 in PARAMETERS.items() if known else ():
-            cells = _about([dot.mark for dot in known], [nabla2(dot) for dot in known], found.own)
-            rows.append({"parameter": f"impact, {name} ({len(known)}), {kind}", **cells})
-    cells = _about(found.rolled, [mark.local for mark in found.rolled], found.own)
+    for name, chosen in {"last waves": content.last, f"waves further in, X > {FORMED:g}": content.inner}.items():
+        dots = [dot for dot in chosen if np.isfinite(list(dot.local.values())).all()]
+        for kind, nabla2 in PARAMETERS.items() if dots else ():
+            cells = scatter_cells([dot.mark for dot in dots], [nabla2(dot) for dot in dots], curves)
+            rows.append({"parameter": f"impact, {name} ({len(dots)}), {kind}", **cells})
+    cells = scatter_cells(content.rolled, [mark.local for mark in content.rolled], curves)
     return DataFrame([*rows, {"parameter": "rolling", **cells}])
-
-
-def _about(marks: Sequence[Mark], nabla2: Sequence[float], own: waves.Reduction) -> dict[str, str]:
-    curves = {
-        "isotropic (15)": amplitude_reduction.ratio_left(nabla2),
-        **{name: amplitude_reduction.in_line_contact(nabla2, c) for name, c in ratios.LINE_CONTACT.items()},
-        "fitted to rolling": own.ratio(nabla2),
-    }
-    return {name: ratios.scatter(marks, curve) for name, curve in curves.items()}
 
 
 def _twins_table(twins: Sequence[Twin]) -> DataFrame:
@@ -332,9 +327,9 @@ def _last_ratio(run: xr.Dataset, height: float, wavelength: float) -> float:
 
 def _by_marching(results: Results, marched: float, plan: Plan) -> DataFrame:
     M, L, wavelength, nodes = plan.waves.marched
-    own = runs.rolled_wavelengths(plan, (M, L), nodes)
-    linear = results[runs.rolling_task(plan, (M, L), nodes).name][own.index(wavelength)]
+    wavelengths = runs.rolled_wavelengths(plan, (M, L), nodes)
+    linear = results[runs.rolling_task(plan, (M, L), nodes).name][wavelengths.index(wavelength)]
     run = f"M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {nodes} nodes"
     steps = f"time steps of one cell, A_i = {HEIGHT:g} of the film scale"
-    found = {"without time steps, to first order": linear, steps: marched}
-    return DataFrame({"rolling": run, "computed": how, "A_d/A_i": f"{ratio:.4f}"} for how, ratio in found.items())
+    computed = {"without time steps, to first order": linear, steps: marched}
+    return DataFrame({"rolling": run, "computed": how, "A_d/A_i": f"{ratio:.4f}"} for how, ratio in computed.items())

@@ -155,13 +155,17 @@ def wavy_impact(
         for (shape, _, length), dH in zip(shapes, data["dH"].values, strict=True)
     ]
     line = data[["H", "dH", "shape", "X_min", "Y_min", "P_max"]].drop_vars("roughness").sel(Y=0.0, method="nearest")
-    found = line.assign(along=(("wave", "X"), np.stack(along)))
-    return found.assign_coords(wave=[wave_name(*wave) for wave in shapes]).drop_attrs().load()
+    with_ridges = line.assign(along=(("wave", "X"), np.stack(along)))
+    return with_ridges.assign_coords(wave=[wave_name(*wave) for wave in shapes]).drop_attrs().load()
 
 
 def wave_name(shape: str, height: float, wavelength: float) -> str:
     """The coordinate of a wave in the result of `wavy_impact`."""
     return f"{shape}, height {height:g}, wavelength {wavelength:g}"
+
+
+def _moes(case: Moes) -> str:
+    return f"M{case[0]:g}_L{case[1]:g}"
 
 
 def _isotropic(wavelengths: Wavelengths) -> tuple[Wave, ...]:
@@ -170,13 +174,12 @@ def _isotropic(wavelengths: Wavelengths) -> tuple[Wave, ...]:
 
 def _impact_task(name: str, case: Moes, shapes: Sequence[Wave], nodes: int, *options: Any) -> Task:
     seconds = impact_seconds(len(shapes) + 1, nodes)
-    return Task(name, wavy_impact, (*case, tuple(shapes), nodes, *options), seconds)
+    return Task(f"{name}_{nodes}", wavy_impact, (*case, tuple(shapes), nodes, *options), seconds)
 
 
 def waves_task(plan: Plan, case: Moes, nodes: int) -> Task:
     """An impact over the isotropic waves of Figs. 5 and 6."""
-    M, L = case
-    return _impact_task(f"waves_M{M:g}_L{L:g}_{nodes}", case, _isotropic(plan.waves.impacts[case]), nodes)
+    return _impact_task(f"waves_{_moes(case)}", case, _isotropic(plan.waves.impacts[case]), nodes)
 
 
 def waves_tasks(plan: Plan) -> list[Task]:
@@ -192,25 +195,22 @@ def check_tasks(plan: Plan) -> dict[str, Task]:
     others = [("isotropic", height, plan.waves.impacts[case][0]) for height in CHECKED]
     seconds = marching_seconds(plan.waves.marched[-1])
     return {
-        "heights": _impact_task(f"waves_heights_{nodes}", case, others, nodes),
-        "linear": _impact_task(f"waves_linear_{nodes}", case, usual[:1], nodes, USUAL, True),
-        "steps": _impact_task(f"waves_steps_{nodes}", case, usual, nodes, USUAL, False, SHORTER**3),
+        "heights": _impact_task("waves_heights", case, others, nodes),
+        "linear": _impact_task("waves_linear", case, usual[:1], nodes, USUAL, True),
+        "steps": _impact_task("waves_steps", case, usual, nodes, USUAL, False, SHORTER**3),
         "marched": Task(f"waves_marched_{nodes}", marched_rolling, plan.waves.marched, seconds),
     }
 
 
 def shapes_task(plan: Plan, case: Moes, nodes: int) -> Task:
     """An impact over the transverse waves and the rings of Fig. 7."""
-    M, L = case
     shapes = [(shape, HEIGHT, length) for length in plan.beyond.shaped[case] for shape in ("transverse", "rings")]
-    return _impact_task(f"shapes_M{M:g}_L{L:g}_{nodes}", case, shapes, nodes)
+    return _impact_task(f"shapes_{_moes(case)}", case, shapes, nodes)
 
 
 def oil_task(case: Moes, oil: str, wavelengths: Wavelengths, nodes: int) -> Task:
     """An impact over isotropic waves with one of the oils of Fig. 8."""
-    M, L = case
-    name = f"{oil.replace(', ', '_')}_M{M:g}_L{L:g}_{nodes}"
-    return _impact_task(name, case, _isotropic(wavelengths), nodes, oil)
+    return _impact_task(f"{oil.replace(', ', '_')}_{_moes(case)}", case, _isotropic(wavelengths), nodes, oil)
 
 
 # -- rolling contacts -------------------------------------------------------------------------------------------------
@@ -292,22 +292,22 @@ def ridged_rolling(M: float, L: float, wavelength: float, nodes: int) -> float:
 
 def rolled_wavelengths(plan: Plan, case: Moes, nodes: int) -> Wavelengths:
     """The wavelengths of a rolling contact of Fig. 6, or that of its check on the grid of the check."""
-    own = plan.waves.rolling.get(case, ())
-    return own if own and nodes in plan.waves.rolling_grids else (plan.waves.marched[2],)
+    lengths = plan.waves.rolling.get(case, ())
+    return lengths if lengths and nodes in plan.waves.rolling_grids else (plan.waves.marched[2],)
 
 
 def rolling_task(plan: Plan, case: Moes, nodes: int) -> Task:
     """A rolling contact over the isotropic waves of Fig. 6."""
-    (M, L), lengths = case, rolled_wavelengths(plan, case, nodes)
+    lengths = rolled_wavelengths(plan, case, nodes)
     seconds = rolling_seconds(len(lengths), nodes)
-    return Task(f"rolling_M{M:g}_L{L:g}_{nodes}", rolling_response, (M, L, lengths, nodes), seconds)
+    return Task(f"rolling_{_moes(case)}_{nodes}", rolling_response, (*case, lengths, nodes), seconds)
 
 
 def rolling_tasks(plan: Plan) -> list[Task]:
     """Each rolling contact on both grids, and the contact of the check on its grid."""
     M, L, _, nodes = plan.waves.marched
-    runs = [(case, grid) for grid in plan.waves.rolling_grids for case in plan.waves.rolling]
-    return [rolling_task(plan, *run) for run in dict.fromkeys([*runs, ((M, L), nodes)])]
+    contacts = [(case, grid) for grid in plan.waves.rolling_grids for case in plan.waves.rolling]
+    return [rolling_task(plan, *contact) for contact in dict.fromkeys([*contacts, ((M, L), nodes)])]
 
 
 def twin_task(twin: tuple[float, float, float, float], nodes: int) -> Task:

@@ -3,10 +3,10 @@
 =================  ====================================================================================================
 server             the server, and access by a token, for pages of the app only
 folder, processes  the folder with its runs; runs as processes of their own: started, watched, stopped, resumed
-form, answer       the fields of a new case, and the answer of ertel to it
-pictures, drawing  pictures, drawn by a process of their own
-site, elements     the frame around all pages, and the elements that they share
-... _page          one file for each page
+form               the fields of a new case, and the answer of ertel to it
+pictures           pictures, drawn by a process of their own
+site               the frame around all pages, and the elements that they share
+new_page, ...      the pages: of a new case, of a run, of two runs
 =================  ====================================================================================================
 
 The web process imports neither JAX nor matplotlib: it writes a case file, starts `ertel run`, and reads what that

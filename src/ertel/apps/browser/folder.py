@@ -11,8 +11,7 @@ from typing import Any
 
 from ertel.apps.terminal import reason_of
 from ertel.inputs.case_files import parse_case, read_toml
-from ertel.runs.directory import CASE, DATA, SUMMARY, numbered, read_summary
-from ertel.runs.listing import find_runs, is_run
+from ertel.runs.directory import CASE, DATA, SUMMARY, find_runs, is_run, numbered, read_summary
 
 RUNS = "runs"  # where `ertel run` puts a run, too
 MOST_FOLDERS = 1000  # that are looked into

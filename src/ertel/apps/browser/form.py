@@ -1,21 +1,34 @@
-"""The fields that a user fills in for a new case, as plain text, and the case that they make.
+"""A new case: the fields that a user fills in, the case that they make, and ertel's answer before it is run.
 
-The values go to ertel as they are written, so that its own messages answer them: a quantity has its unit, "10 mm".
+The values go to ertel as they are written, so that its own messages answer them: a quantity has its unit, "10 mm".  At
+once it is known whether they are a case; all of `ertel check` is there after two seconds, from a process of its own,
+which ends when the case changes again.  A case with measured surfaces is left to that: what reads their files is large.
 """
 
-import tomllib
+import asyncio
+import json
+import os
+from asyncio.subprocess import DEVNULL, PIPE
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
-from ertel.inputs.case_files import apply_overrides
-from ertel.inputs.library import material_names, oil_names
+import tomli_w
+
+from ertel.apps.browser.folder import Folder
+from ertel.apps.browser.processes import ERTEL, messages_in
+from ertel.inputs import materials, oils
+from ertel.inputs.case_files import apply_overrides, parse_case
 from ertel.inputs.templates import GIVEN
+from ertel.results.parameters import parameter_summary
 
 OWN, NAMED = "own", "named"  # oils: by values, "own" also in place of its name; from the library
 NEWTONIAN = "newtonian"
-OILS = {OWN: "by its viscosity", **{name: name for name in oil_names()}}
-MATERIALS = {name: name for name in material_names()}
+OILS = {OWN: "by its viscosity", **{name: name for name in oils.names()}}
+MATERIALS = {name: name for name in materials.names()}
 RHEOLOGIES = {NEWTONIAN: "Newtonian", "ree-eyring": "Ree-Eyring"}
 ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
 METHODS: Mapping[str, dict[str, str]] = {
@@ -120,9 +133,58 @@ def field_of(message: str) -> str | None:
     return name if name in FIELDS and FIELDS[name].section == section else None
 
 
-def read_text(text: str) -> dict[str, Any]:
-    """The plain data of a case file.  Raises ValueError with the line where it is no TOML."""
-    try:
-        return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise ValueError(f"the text is not valid TOML: {str(error)[:200]}") from error
+# -- the answer of ertel -----------------------------------------------------------------------------------------------
+
+
+def at_once(data: Mapping[str, Any], folder: Folder) -> dict[str, Any] | None:
+    """The parameters of the case in plain data, see `parameter_summary`; None where its files must be read first.
+
+    Raises ConfigError with ertel's message, and Outside for files outside the folder.
+    """
+    files = [folder.inside(table["file"]) for table in _with_files(data)]
+    return None if files else parameter_summary(parse_case(data))
+
+
+async def outlook_of(data: Mapping[str, Any], folder: Folder) -> dict[str, Any]:
+    """The answer of `ertel check --json` to a case.  Raises ValueError with its message where it refuses the case.
+
+    The process ends when the task that waits for it is cancelled.
+    """
+    text = tomli_w.dumps(relocated(data, folder.root))
+    with TemporaryDirectory(prefix="ertel-") as place:
+        file = Path(place) / "case.toml"
+        file.write_text(text, encoding="utf-8")
+        command = (*ERTEL, "check", str(file), "--json")
+        process = await asyncio.create_subprocess_exec(
+            *command, stdin=DEVNULL, stdout=PIPE, stderr=PIPE, env={**os.environ, "JAX_PLATFORMS": "cpu"}
+        )
+        try:
+            answer, errors = await process.communicate()
+        except asyncio.CancelledError:
+            with suppress(ProcessLookupError):
+                process.kill()
+            await process.wait()
+            raise
+    if process.returncode:
+        raise ValueError((messages_in(errors) or ["failed"])[0])
+    outlook: dict[str, Any] = json.loads(answer)
+    return outlook
+
+
+def relocated(data: Mapping[str, Any], before: Path, now: Path | None = None) -> dict[str, Any]:
+    """The plain data of a case whose files were named relative to one folder: now relative to another, or absolute."""
+    if not _with_files(data):
+        return dict(data)
+    tables = [dict(table) if isinstance(table, dict) else table for table in data["roughness"]]
+    for table in _with_files({"roughness": tables}):
+        path = os.path.realpath(before / table["file"])
+        table["file"] = os.path.relpath(path, now) if now else path
+    return {**data, "roughness": tables}
+
+
+def _with_files(data: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The tables of a case that name a file."""
+    tables = data.get("roughness", [])
+    if not isinstance(tables, list):
+        return []
+    return [table for table in tables if isinstance(table, dict) and isinstance(table.get("file"), str)]

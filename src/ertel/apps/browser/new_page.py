@@ -1,22 +1,34 @@
 """The page of a new case: a form, or the text of a case file; beside it the answer of ertel, while it is written."""
 
 import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import groupby
-from pathlib import Path
 from typing import Any
 
 import tomli_w
 from nicegui import run, ui
 
-from ertel.apps.browser import answer
-from ertel.apps.browser.form import DECIDE, FIELDS, Form, field_of, read_text
-from ertel.apps.browser.site import Site, address_of
-from ertel.apps.terminal import reason_of
+from ertel.apps.browser import form
+from ertel.apps.browser.form import DECIDE, FIELDS, Form, field_of
+from ertel.apps.browser.site import Site, address_of, show_line, show_notes
+from ertel.apps.terminal import reason_of, rough_time
 from ertel.case.rules import plain_name
+from ertel.inputs.case_files import parse_toml, read_text
+from ertel.results.variables import with_prefix
 from ertel.runs.directory import CASE
-from ertel.runs.files import content_of
 
 PAUSE = 0.5  # seconds after the last change before ertel is asked
+SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
+    "a_m": ("Hertz radius a", "m"),
+    "p_h_Pa": ("Hertz pressure", "Pa"),
+    "delta_m": ("Hertz approach", "m"),
+    "F_N": ("load", "N"),
+    "contact_time_s": ("dry contact time", "s"),
+    "trapped_film_m": ("film at which a rigid ball stops", "m"),
+    "h_c_least_m": ("central film, at least about", "m"),
+    "h_c_most_m": ("central film, at most about", "m"),
+}
 HINTS = {"slide_to_roll": "0", "name": "impact"}
 
 
@@ -62,9 +74,9 @@ class NewCase:
     def _begin_from(self, name: str) -> None:
         try:
             path = self.site.folder.inside(name)
-            text = _text_of(path)
-            data = read_text(text)
-            here = answer.moved(data, path.parent, self.site.folder.root)
+            text = read_text(path, path.name)
+            data = parse_toml(text, path.name)
+            here = form.relocated(data, path.parent, self.site.folder.root)
         except ValueError as error:
             ui.notify(str(error))
             return
@@ -132,18 +144,18 @@ class NewCase:
         await self._client.connected()
         await asyncio.sleep(PAUSE)
         try:
-            data = read_text(self._text.value) if self._tabs.value == "text" else self.form.data()
-            parameters = await run.io_bound(answer.at_once, data, self.site.folder)
+            data = parse_toml(self._text.value, "the text") if self._tabs.value == "text" else self.form.data()
+            parameters = await run.io_bound(form.at_once, data, self.site.folder)
             self._accept(data, parameters)
             async with self.site.checks:
                 if not self._client.has_socket_connection:  # the page was left
                     return
-                found = await answer.outlook(data, self.site.folder)
+                outlook = await form.outlook_of(data, self.site.folder)
         except (ValueError, OSError) as error:
             self._refuse(str(error))
             return
         if not self._answer.is_deleted:
-            answer.show_outlook(self._answer, found)
+            _show_outlook(self._answer, outlook)
             self._run.enable()
 
     def _accept(self, data: dict[str, Any], parameters: dict[str, Any] | None) -> None:
@@ -154,7 +166,7 @@ class NewCase:
         self._data = data
         self._run.set_enabled(parameters is not None)
         self._name.props["placeholder"] = _name_of(data)
-        answer.show_waiting(self._answer, parameters)
+        _show_waiting(self._answer, parameters)
 
     def _refuse(self, message: str) -> None:
         """Say what is wrong, also at the field where the form has it."""
@@ -162,7 +174,7 @@ class NewCase:
             return
         self._run.disable()
         self._mark(message)
-        answer.show_fault(self._answer, message)
+        _show_fault(self._answer, message)
 
     def _mark(self, message: str | None) -> None:
         wrong = field_of(message) if message else None
@@ -182,17 +194,81 @@ class NewCase:
         ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
 
 
-def _text_of(path: Path) -> str:
-    """The text of a case file.  Raises ValueError where it cannot be read."""
-    try:
-        return content_of(path).decode()
-    except OSError as error:
-        raise ValueError(f"{path.name}: cannot be read, {reason_of(error)}") from error
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path.name} is not text in UTF-8") from error
-
-
 def _name_of(data: dict[str, Any]) -> str:
     """The name of a case, or the kind of its contact."""
     contact = data.get("contact")
     return str(data.get("name") or (contact.get("kind") if isinstance(contact, dict) else "") or HINTS["name"])
+
+
+# -- the answer of ertel -----------------------------------------------------------------------------------------------
+
+
+def _show_fault(place: ui.element, message: str) -> None:
+    """Show a message that refuses a case."""
+    with _cleared(place):
+        _verdict("Not a case yet", "error_outline", "wrong")
+        ui.label(f"{message}.").classes("fault").mark("fault")
+
+
+def _show_waiting(place: ui.element, parameters: dict[str, Any] | None) -> None:
+    """Say that a case is one, with what follows at once, while the rest is computed; None: its files are read first."""
+    with _cleared(place):
+        if parameters:
+            _parameters(parameters)
+        with ui.row().classes("line waiting"):
+            ui.spinner(size="sm")
+            ui.label("grid, memory, time and warnings …" if parameters else "reading the files of the case …")
+
+
+def _show_outlook(place: ui.element, outlook: dict[str, Any]) -> None:
+    """Show the whole answer of `ertel check`."""
+    with _cleared(place):
+        _parameters(outlook["parameters"])
+        ui.separator()
+        grid, time = outlook["grid"], outlook["time"]
+        nodes = f"{grid['nodes']} x {grid['nodes_across']}" if grid["nodes_across"] > 1 else f"{grid['nodes']}, radial"
+        steps = f", {time['steps']} steps" if time["steps"] else ""
+        show_line("nodes", nodes)
+        show_line("cells in the pressure sweep", f"{grid['cells_in_sweep']:.1f}, 10 needed")
+        show_line("memory", f"about {outlook['memory']['needed'] / 1e9:.2g} GB")
+        show_line("time", f"roughly {rough_time(time['seconds'])}{steps}")
+        _films(outlook)
+        show_notes(outlook["warnings"])
+
+
+@contextmanager
+def _cleared(place: ui.element) -> Iterator[None]:
+    """New content in place of the old."""
+    place.clear()
+    with place:
+        yield
+
+
+def _verdict(text: str, icon: str, kind: str) -> ui.label:
+    with ui.row().classes(f"verdict {kind}"):
+        ui.icon(icon)
+        return ui.label(text)
+
+
+def _parameters(parameters: dict[str, Any]) -> None:
+    _verdict("Ready to run", "check_circle", "right-one").mark("ready")
+    with ui.row().classes("moes"):
+        for symbol in ("M", "L"):
+            with ui.element("div"):
+                ui.label(symbol).classes("symbol")
+                ui.label(f"{parameters[symbol]:.4g}").classes("value").mark(f"value-{symbol}")
+    scales = parameters.get("si", {})
+    for key, (label, unit) in SHOWN_SCALES.items():
+        if key in scales:
+            show_line(label, with_prefix(scales[key], unit))
+
+
+def _films(outlook: dict[str, Any]) -> None:
+    """The films by the formulas that hold here."""
+    films = [film for film in outlook["films"] if film["central"] is not None and film["inside"]]
+    if films:
+        ui.label("Central film by the formulas").classes("eyebrow")
+    scales = outlook["parameters"].get("si")
+    for film in films:
+        in_si = scales and with_prefix(film["central"] * scales["a_m"] ** 2 / scales["R_m"], "m")
+        show_line(film["name"], in_si or f"{film['central']:.4g} a²/R")

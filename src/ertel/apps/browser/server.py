@@ -29,12 +29,11 @@ from starlette.requests import HTTPConnection
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from ertel.apps.browser.compare_page import compare_page
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.new_page import new_page
 from ertel.apps.browser.pictures import PlotWorker
 from ertel.apps.browser.processes import Processes
-from ertel.apps.browser.run_page import run_page
+from ertel.apps.browser.run_pages import compare_page, run_page
 from ertel.apps.browser.site import LOGO, Site, frame, home_page
 
 LOOPBACK = "127.0.0.1"

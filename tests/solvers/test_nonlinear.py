@@ -12,7 +12,7 @@ from ertel.equations.flow import Rate
 from ertel.numerics import multigrid, newton, stencils
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.scales import Parameters
-from ertel.solvers import nonlinear, preconditioner, steady
+from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import Problem
 
 
@@ -29,11 +29,11 @@ def test_the_diagonal_knows_how_the_viscosity_changes() -> None:
         1.0,
         1.0,
         nonlinear.approach_as_unknown,
-        preconditioner.point_preconditioner,
+        nonlinear.point_preconditioner,
         newton.Options(),
     )
     free = jnp.where(film.P > 0.0, 1.0, 0.0)
-    level = preconditioner.multigrid_levels(problem, film.P, film.H, free, 1.0, multigrid.point_smoother)[0]
+    level = nonlinear.multigrid_levels(problem, film.P, film.H, free, 1.0, multigrid.point_smoother)[0]
     c = level.coefficients
     faces = np.asarray(stencils.face_sum(c.eps, grid.even)) / grid.spacing**2
     steepening = np.asarray(c.steepening) * np.asarray(c.free)

@@ -7,8 +7,7 @@ from cases import OIL, free_ball
 
 from ertel.case.case import Case
 from ertel.case.sections import Solver
-from ertel.equations.measure import measure
-from ertel.equations.state import State
+from ertel.equations.state import State, measure
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.stencils import folded
 from ertel.physics.scales import Parameters

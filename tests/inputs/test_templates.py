@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ertel.inputs.case_files import parse_case
-from ertel.inputs.json_schema import json_schema, pattern
-from ertel.inputs.quantities import _factor, _split, parse_quantity
+from ertel.inputs.quantities import _factor, parse_quantity, split
+from ertel.inputs.templates import json_schema, pattern
 from ertel.physics import units
 from ertel.physics.units import COMPLIANCE, LENGTH, VISCOSITY, Unit
 
@@ -118,7 +118,7 @@ def jsonschema_match(unit, text):
 @pytest.mark.parametrize("name", UNITS)
 def test_what_the_patterns_take_has_the_right_unit(name, data):
     text = data.draw(st.from_regex(pattern(UNITS[name]), fullmatch=True))
-    _, written = _split(text)
+    _, written = split(text)
     assert _factor(written, UNITS[name]) > 0
 
 

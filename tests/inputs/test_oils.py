@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import ertel
 from ertel.case.records import ConfigError
-from ertel.inputs import library, materials, oils
-from ertel.physics.oils import NamedOil, Sourced
+from ertel.inputs import materials, oils
+from ertel.physics.materials import NamedOil, Sourced
 
 OILS = [oils.get(name) for name in oils.names()]
 MATERIALS = [materials.get(name) for name in materials.names()]
@@ -85,7 +85,7 @@ def test_the_temperature_coefficient_is_the_derivative(T):
 
 # -- squalane against measured values ---------------------------------------------------------------------------------
 
-SQUALANE = library.oil("squalane")
+SQUALANE = oils.get("squalane")
 VISCOSITY = {  # T (K): {p (MPa): mPa s}; open repository erichuang384/4YR; 338 K and above: Schmidt et al. 2015
     303.15: {0.1: 22.4, 10: 27.8, 30: 41.7, 60: 74.3},
     313.15: {0.1: 14.9, 10: 18.3, 30: 27.0, 60: 46.0},
@@ -129,8 +129,8 @@ def test_density_of_squalane(T):
 def test_what_a_source_gives_and_what_it_does_not():
     assert (SQUALANE.shear.data.G, SQUALANE.shear.data.n) == (6e6, 0.42)
     assert SQUALANE.limiting_stress is None
-    assert library.oil("pao-100").limiting_stress.data.Lambda == 0.035
-    assert library.oil("pao-100").thermal is None
+    assert oils.get("pao-100").limiting_stress.data.Lambda == 0.035
+    assert oils.get("pao-100").thermal is None
 
 
 @pytest.mark.parametrize(
@@ -144,7 +144,7 @@ def test_what_a_source_gives_and_what_it_does_not():
 def test_the_viscosity_in_the_law_of_arana_et_al(name, C, D, K, off):
     """K exp(C/(D + T)) against the viscosities that they measured: as the notes of these oils say."""
     for T, expected in zip((313.15, 373.15), off, strict=True):
-        assert K * np.exp(C / (D + T)) / library.oil(name).viscosity_at(T) - 1 == pytest.approx(expected, abs=0.006)
+        assert K * np.exp(C / (D + T)) / oils.get(name).viscosity_at(T) - 1 == pytest.approx(expected, abs=0.006)
 
 
 # -- materials --------------------------------------------------------------------------------------------------------
@@ -177,7 +177,7 @@ def test_every_material_is_a_solid(material):
     ("text", "kelvin"), [("40 degC", 313.15), ("40degC", 313.15), ("-9.5 °C", 263.65), ("313.15 K", 313.15), (9, 9)]
 )
 def test_temperatures(text, kelvin):
-    assert library.parse_temperature(text) == kelvin
+    assert oils.parse_temperature(text) == kelvin
 
 
 @pytest.mark.parametrize(
@@ -185,7 +185,7 @@ def test_temperatures(text, kelvin):
 )
 def test_no_temperatures(text):
     with pytest.raises(ValueError, match='must be a temperature with its unit, "40 degC"'):
-        library.parse_temperature(text)
+        oils.parse_temperature(text)
 
 
 @pytest.mark.parametrize("name", ["", "oil", "../materials/steel", "squalane.toml"])
