@@ -26,7 +26,7 @@ MOES_FALLS = {"contact": {"M": 1000, "L": 10}}
 
 def maps(P: np.ndarray, H: np.ndarray) -> dict[str, np.ndarray]:
     """A film with a shear stress that is a share of the pressure."""
-    return {"P": P, "H": H, "tau_x": 3.0 * P, "tau_y": 0.0 * P, "loss": 0.9 * P}
+    return {"P": P, "H": H, "oil": H, "tau_x": 3.0 * P, "tau_y": 0.0 * P, "loss": 0.9 * P}
 
 
 def dry_impact(case_data, radial=False, rebound=True) -> xr.Dataset:

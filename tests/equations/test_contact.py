@@ -11,14 +11,13 @@ from jax import Array
 
 from ertel.equations import contact
 from ertel.equations.contact import Contact
-from ertel.equations.flow import Rate, steady_rate
+from ertel.equations.flow import Rate, flow_aligned, steady_rate
 from ertel.numerics import stencils
 from ertel.numerics.grid import Grid
 from ertel.numerics.stencils import Pair
 from ertel.physics import hertz
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Isoviscous, Lubricant, Roelands
-from ertel.solvers import nonlinear
 
 PLAIN = Lubricant(Isoviscous(), Incompressible())
 REAL = Lubricant(Roelands(20.0, 0.67, 5.0), DowsonHigginson(1.6))
@@ -84,7 +83,7 @@ def test_mass_is_conserved_by_the_fluxes(seed: int) -> None:
 @jax.jit
 def residual_in_any_flow(c: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """As the solver takes it: X along the flow, and back again."""
-    turned = partial(nonlinear.flow_aligned, rate)
+    turned = partial(flow_aligned, rate)
     return turned(contact.residual(c, turned(P), turned(H), Rate(rate.new, turned(rate.past), abs(rate.wedge))))
 
 
@@ -114,7 +113,7 @@ def test_only_what_lies_upstream_makes_the_wedge(seed: int) -> None:
 
 @given(st.floats(-3, 3), st.floats(-3, 3))
 def test_the_wedge_is_exact_for_parabolas(b: float, U: float) -> None:
-    x, turned = jnp.asarray(Grid.square(33, 2.0).x), partial(nonlinear.flow_aligned, steady_rate(U))
+    x, turned = jnp.asarray(Grid.square(33, 2.0).x), partial(flow_aligned, steady_rate(U))
     mass = jnp.broadcast_to(1 + b * x + x**2, (33, 33))
     slope = (1 if U >= 0 else -1) * turned(stencils.upstream_slope(turned(mass), 0.125))
     np.testing.assert_allclose(np.asarray(slope)[:, 2:-2], np.broadcast_to(b + 2 * x, (33, 33))[:, 2:-2], atol=1e-11)

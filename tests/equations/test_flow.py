@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from ertel.equations.flow import Flow, Rate, rate_in_time, steady_rate
+from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time, steady_rate
 from ertel.numerics import bdf, stencils
 
 SPACING = 0.125
@@ -29,7 +29,9 @@ def rate_of(mass, times, U: float, start=NO_START) -> np.ndarray:
     """The rate of a mass (X, T) at times[0], with the earlier times after it, in oil that moves with a speed U."""
     distances = [U * (late - early) / SPACING for late, early in pairwise(times)]
     weights = bdf.derivative_weights(times)
-    rate = rate_in_time(weights, [row(mass(X, T)) for T in times[1:]], Flow(U, distances, start), SPACING)
+    rate = rate_in_time(
+        weights, [row(mass(X, T)) for T in times[1:]], Flow(U, distances, OilContent.without_void(start)), SPACING
+    )
     return np.asarray(rate.of(row(mass(X, times[0])), SPACING))[0]
 
 
@@ -39,7 +41,9 @@ def test_without_flow_the_rate_is_the_squeeze() -> None:
     masses = [row(np.exp(T) * MASS) for T in (1.0, 0.9, 0.75)]
     rate = rate_in_time(weights, masses[1:], None, SPACING).of(masses[0], SPACING)
     assert_allclose(rate, sum(w * m for w, m in zip(weights, masses, strict=True)), rtol=1e-14)
-    still = rate_in_time(weights, masses[1:], Flow(0.0, (0.0, 0.0), row(MASS)), SPACING).of(masses[0], SPACING)
+    still = rate_in_time(weights, masses[1:], Flow(0.0, (0.0, 0.0), OilContent.without_void(row(MASS))), SPACING).of(
+        masses[0], SPACING
+    )
     assert_allclose(still, rate, atol=1e-12)
 
 
@@ -85,7 +89,7 @@ def test_reversing_the_flow_mirrors_the_rate(U: float, seed: int) -> None:
     now, old, older, start = np.random.default_rng(seed).random((4, 1, 65))
 
     def rate(U: float, *fields: np.ndarray) -> np.ndarray:
-        flow = Flow(U, (U, 0.7 * U), jnp.asarray(fields[3]))
+        flow = Flow(U, (U, 0.7 * U), OilContent.without_void(jnp.asarray(fields[3])))
         masses = [jnp.asarray(field) for field in fields[1:3]]
         return np.asarray(rate_in_time([1.5, -2.0, 0.5], masses, flow, SPACING).of(jnp.asarray(fields[0]), SPACING))
 
@@ -113,7 +117,7 @@ def advanced(levels: list, step: float, before: float) -> jnp.ndarray:
 
 @jax.jit
 def without_change(weights: jnp.ndarray, levels: list, distances: tuple) -> jnp.ndarray:
-    rate = rate_in_time(weights, levels, Flow(1.0, distances, jnp.zeros_like(levels[0])), 1.0)
+    rate = rate_in_time(weights, levels, Flow(1.0, distances, OilContent.without_void(jnp.zeros_like(levels[0]))), 1.0)
     return -rate.past / rate.new
 
 

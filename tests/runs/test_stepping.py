@@ -30,7 +30,7 @@ class LikeTheLoad(Method):
 
     def _state(self, T: float) -> State:
         field = np.full((1, 1), self.load(T))
-        return State(T, self.load(T), 0.0, {"P": field, "H": field})
+        return State(T, self.load(T), 0.0, {"P": field, "H": field, "mass": field})
 
     def start(self) -> State:
         return self._state(0.0)

@@ -156,7 +156,7 @@ def test_the_load_is_exact_for_a_cone_and_right_for_hertz() -> None:
 
 
 def equations_after(method: RadialImpact, levels: list[State], rates: Any, line: ClosureLine) -> radial.Equations:
-    past = [(jnp.asarray(level.P), jnp.asarray(level.H)) for level in levels]
+    past = jnp.stack([level.fields["mass"] for level in levels])
     return radial.equations(method.mesh, method.oil, method.lambda_bar, past, rates, line)
 
 

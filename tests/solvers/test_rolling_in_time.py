@@ -155,11 +155,17 @@ def test_each_level_solves_reynolds_equation() -> None:
     )
     following = np.zeros_like(mass)
     following[:, 2:] = (1.5 * mass[:, 2:] - 2.0 * old[:, 1:-1] + 0.5 * older[:, :-2]) / step
+    void = np.asarray(method.start_content.void)  # its slope is of first order
+
+    def full(where: np.ndarray) -> np.ndarray:
+        """Nodes that had no void at the start, nor had the two upstream of them."""
+        return where & ((void[:, 3:-1] == 0) & (void[:, 2:-2] == 0) & (void[:, 1:-3] == 0))
+
     squeeze_and_wedge = contact.residual(method.contact, now.P, H, Rate(0.0, jnp.asarray(following)))
     r = np.asarray(squeeze_and_wedge)[:, 3:-1] * step / 1.5
     P = np.asarray(now.P)[:, 3:-1]
-    assert np.abs(r[P > 0]).max() < 3 * TIGHT
-    assert r.min() > -3 * TIGHT
+    assert np.abs(r[full(P > 0)]).max() < 3 * TIGHT
+    assert r[full(P == 0)].min() > -3 * TIGHT
 
 
 def test_a_film_wave_travels_at_the_mean_speed_of_the_surfaces() -> None:

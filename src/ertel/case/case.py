@@ -33,7 +33,6 @@ from ertel.case.sections import (
     CENTRED_HALF_WIDTH,
     ENDS,
     METHODS,
-    ROLLING_UNTIL,
     SOLVERS,
     START_APPROACH,
     Drive,
@@ -173,6 +172,7 @@ class Case:
         if not self.starts_apart:
             rules.check_outside(self.solver, self.parameters, self.geometry, self.motion)
         rules.check_roughness(self.solver, self.motion, self.features)
+        rules.check_layer(self.oil, self.layer, self.solver, self.geometry, self.motion)
         if self.thermal:
             rules.check_thermal(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
         self.lubricant  # noqa: B018  # raises if its data give no law
@@ -265,6 +265,12 @@ class Case:
             step=None if step is None else plain(step),
             interval=plain(output.interval),
         )
+
+    @cached_property
+    def layer(self) -> float | None:
+        """The oil per area that the surfaces bring along, (u1 h1 + u2 h2)/u_m, in a^2/R; None if the gap is full."""
+        oil = scaled(self.oil, self.scales, "lubricant")
+        return oil.layer_at(0.0 if self.starts_apart else self.motion.slide_to_roll)
 
     @property
     def film_scale(self) -> float:
@@ -373,7 +379,7 @@ def _completed(
     rules.check_method(contact.kind, Solver(method=method))
     default = SOLVERS[method]
     half_width, inlet = default.half_width, default.inlet
-    if method == "transient" and drive and _reverses(contact, drive, time):
+    if method == "transient" and drive and rules.reverses(contact, drive, time):
         half_width, inlet = CENTRED_HALF_WIDTH, None
     if "half_width" not in written:
         rules.check_oil(oil, contact.scales)
@@ -386,15 +392,3 @@ def _completed(
     # not default.inlet itself, which may differ in the last bit and so in the digest
     inlet = default.inlet and default.inlet * written.get("half_width", default.half_width) / default.half_width
     return replace(default, **{"inlet": inlet, **written})
-
-
-def _reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:
-    """Whether the entrainment speed changes sign during a run in time."""
-    if drive.entrainment is None:
-        return False
-    until = None if time is None else scaled(time, contact.scales, "time").until
-    end = ROLLING_UNTIL if until is None or isinstance(until, str) else plain(until)
-    signal = scaled(drive, contact.scales, "motion").entrainment
-    assert signal is not None
-    least, most = signal.range(end)
-    return least < 0 < most

@@ -46,7 +46,7 @@ NOT_THERE = {  # keys that a tribologist may try and that ertel does not support
     "friction": "every run has its friction; there is nothing to give",
     "spin": "ertel does not know spin; the surfaces move along x",
     "beta": "the data for temperatures are in the section [thermal]",
-    "starvation": "ertel's contacts are fully flooded",
+    "starvation": "give the thickness of the oil on the surfaces, lubricant.layer",
 }
 
 

@@ -4,17 +4,30 @@ from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass
 from math import cbrt, inf
 
+import numpy as np
+
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED, Conditions, Kind
-from ertel.case.records import checked, show
-from ertel.case.sections import METHODS, WIDEST_HALF_WIDTH, Drive, Output, Schedule, Solver, Stop, Thermal, Time
+from ertel.case.records import checked, scaled, show
+from ertel.case.sections import (
+    METHODS,
+    ROLLING_UNTIL,
+    WIDEST_HALF_WIDTH,
+    Drive,
+    Output,
+    Schedule,
+    Solver,
+    Stop,
+    Thermal,
+    Time,
+)
 from ertel.numerics import grid
-from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, Geometry
+from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, ContactMotion, Geometry, far_film
 from ertel.physics.lubricant import DowsonHigginson, Oil
 from ertel.physics.motion import Motion
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import ABOVE_ZERO, NOT_NEGATIVE, Bounds, Unit
+from ertel.physics.units import ABOVE_ZERO, NOT_NEGATIVE, Bounds, Unit, plain
 
 LONGEST_NAME = 100  # bytes: a file name may have 255, and a run's directory has temporary ones made of it
 LONGEST_TEXT = 1000  # characters of the source of an oil's data
@@ -22,7 +35,7 @@ LONGEST_RUN = 1e5  # t0; an impact lasts about 3
 MOST_STEPS = 1e7  # of a fixed length
 MOST_MAPS = 1e5
 LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
-FIELDS = 5  # pressure, film, two components of the shear stress, power loss
+FIELDS = 6  # pressure, film, oil, two components of the shear stress, power loss
 SMALLEST_RADIUS = 1.2  # of a radial grid: the contact grows to radius 1 and needs an inlet
 TRANSIENT = 'solver.method = "transient"'
 
@@ -209,6 +222,41 @@ def check_geometry(solver: Solver, contact: Conditions, motion: Motion) -> None:
         )
     if solver.method == "radial" and solver.half_width_y is not None:
         raise ValueError(f"solver.half_width_y = {solver.half_width_y}: a radial grid has none; leave it out")
+
+
+def reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:
+    """Whether the entrainment speed changes sign during a run in time."""
+    if drive.entrainment is None:
+        return False
+    until = None if time is None else scaled(time, contact.scales, "time").until
+    end = ROLLING_UNTIL if until is None or isinstance(until, str) else plain(until)
+    signal = scaled(drive, contact.scales, "motion").entrainment
+    assert signal is not None
+    least, most = signal.range(end)
+    return least < 0 < most
+
+
+def check_layer(oil: Oil, layer: float | None, solver: Solver, geometry: Geometry, motion: Motion) -> None:
+    """The layers of oil are given in one way, move with the flow, and leave the edge of the grid dry."""
+    if layer is None:
+        return
+    if oil.layer is not None and (oil.layer_1 is not None or oil.layer_2 is not None):
+        raise ValueError(f"lubricant.layer = {show(oil.layer)}: give layer, or layer_1 and layer_2")
+    if oil.layer is None and motion.flows and abs(motion.slide_to_roll) > 2:
+        raise ValueError(
+            f"lubricant.layer_1, layer_2: at slide_to_roll = {motion.slide_to_roll:g} one surface takes its oil out of "
+            "the inlet; give layer, the oil that enters per area at the entrainment speed"
+        )
+    across = solver.half_width_y or solver.half_width
+    contact = ContactMotion(geometry.dry_approach(1.0), 0.0, 1.0, 0.0)
+    X, Y = np.array([solver.inlet or solver.half_width, 0.0]), np.array([0.0, across])
+    film = float(far_film(X, Y, contact, geometry).min())
+    if layer > film / 2:
+        raise ValueError(
+            f"lubricant.layer = {layer:.4g} a^2/R: the oil would reach the edge of the grid, where the gap of the dry "
+            f"contact is {film:.4g}; must be at most half of that; leave it out (the gap is full) or use a wider "
+            "solver.half_width"
+        )
 
 
 def check_grid(solver: Solver, geometry: Geometry) -> None:

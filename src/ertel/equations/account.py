@@ -4,12 +4,13 @@ The balances
 ------------
 They say what is stored, what flows and what is lost.
 
-Mass: the Reynolds equation integrated over the grid, with the Poiseuille flux rho q (Newtonian: -eps grad P):
+Mass: the Reynolds equation integrated over the grid, with the Poiseuille flux rho q (Newtonian: -eps grad P) and the
+oil m that is there, rho H less the void of a cavity:
 
-    d/dT [integral of rho H] + outflow - inflow = cavity source
+    d/dT [integral of m] + outflow - inflow = cavity source
 
-* outflow, inflow: the integrals of rho q.n + U rho H n_x along the edge, where it points outwards and where inwards.
-* cavity source: where P = 0 the film grows faster than oil flows in.  The model fills it; a real film cavitates.
+* outflow, inflow: the integrals of rho q.n + U m n_x along the edge, where it points outwards and where inwards.
+* cavity source: the oil that a cavity would make as it grows.  A check: it is zero, because the cavity keeps its void.
 
 Energy: the Reynolds equation times the enthalpy h(P) = integral of dP/rho, integrated over the grid.  The film
 thickness H = -Delta + G + D has the gap G (with the roughness) and the deformation D.  The elastic kernel is
@@ -68,8 +69,8 @@ from jax import Array
 
 from ertel.case.case import Case
 from ertel.equations import discretise
-from ertel.equations.contact import Contact, Details, mass
-from ertel.equations.flow import wedge
+from ertel.equations.contact import Contact, Details
+from ertel.equations.flow import OilContent, wedge
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
@@ -93,6 +94,8 @@ class SteadyFilm(Protocol):
     def P(self) -> Any: ...
     @property
     def H(self) -> Any: ...
+    @property
+    def content(self) -> OilContent: ...
     @property
     def approach(self) -> float: ...
     @property
@@ -172,10 +175,15 @@ def coefficients(friction: Friction) -> dict[str, float]:
     return dict(zip(FRICTION, map(float, friction_numbers(jax.device_get(friction))), strict=True))
 
 
-def whole_maps(whole: Callable[..., Any], P: Any, H: Any, friction: Friction) -> dict[str, np.ndarray]:
-    """Pressure, film, stress and power loss on the whole plane, by name.  whole: as `Method.whole`."""
+def whole_maps(whole: Callable[..., Any], level: Mapping[str, Any], friction: Friction) -> dict[str, np.ndarray]:
+    """Pressure, film, oil, stress and power loss on the whole plane, by name.  whole: as `Method.whole`.
+
+    level: the fields P, H and mass.  A void has ambient pressure, so the oil beside it has its ambient density.
+    """
+    P, H = level["P"], level["H"]
     tau_x, tau_y = np.asarray(friction.stress)
-    fields = {"P": P, "H": H, "tau_x": tau_x, "tau_y": tau_y, "loss": friction.loss}
+    oil = np.where(np.asarray(P) > 0.0, H, level["mass"])
+    fields = {"P": P, "H": H, "oil": oil, "tau_x": tau_x, "tau_y": tau_y, "loss": friction.loss}
     return {name: np.asarray(whole(field, odd=name == "tau_y")) for name, field in fields.items()}
 
 
@@ -202,13 +210,15 @@ def steady_friction(case: Case, s: SteadyFilm) -> Friction:
 class Film(NamedTuple):
     """The film at one time.
 
-    P, H, eps: pressure, film thickness, mobility.  heat: - rho q.grad h at the nodes.  deformation: of the solids.
-     growth: D(rho H)/DT + div(Poiseuille flux), the residual of the Reynolds equation, which is not zero where
-    P = 0.  U: entrainment.  gap_change: DG/DT.
+    P, H, eps: pressure, film thickness, mobility.  oil, passing: what is there and what passes with the flow, as mass.
+    heat: - rho q.grad h at the nodes.  deformation: of the solids.  growth: the rate of the oil + div(Poiseuille
+    flux), which vanishes.  U: entrainment.  gap_change: DG/DT.
     """
 
     P: Array
     H: Array
+    oil: Array
+    passing: Array
     eps: Pair
     heat: Array
     deformation: Array
@@ -245,11 +255,16 @@ class Moment(NamedTuple):
     hertz_load: Number
 
 
-def account(space: Plane, c: Contact, P: Array, H: Array, m: Moment, change: Array) -> Account:
-    """The account of a film on the 2-D grid.  change: D(rho H)/DT."""
+def account(
+    space: Plane, c: Contact, P: Array, H: Array, m: Moment, oil: Array, passing: Array, change: Array
+) -> Account:
+    """The account of a film on the 2-D grid.
+
+    oil: what is there, as mass.  passing: what passes with the flow.  change: the rate of the oil, following the flow.
+    """
     details = c.flow.details(c, P, H, m.sliding, space)
     growth = change - inside(details.gain, c.even)
-    film = Film(P, H, details.mobility, details.heat, H + m.approach - c.gap, growth, m.U, m.gap_change)
+    film = Film(P, H, oil, passing, details.mobility, details.heat, H + m.approach - c.gap, growth, m.U, m.gap_change)
     forces = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)
     return Account(integrals(space, c.lubricant, film), forces)
 
@@ -257,9 +272,9 @@ def account(space: Plane, c: Contact, P: Array, H: Array, m: Moment, change: Arr
 def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
     """All terms of both balances on the grid by name, and "load", the double integral of P."""
     P, H, eps, U = film.P, film.H, film.eps, film.U
-    mass, enthalpy, compressed = oil.density(P) * H, oil.enthalpy(P), oil.compression(P) * H
+    mass, enthalpy, compressed = film.oil, oil.enthalpy(P), oil.compression(P) * H
     squeezed_out = space.flow_out(eps, P)
-    out = squeezed_out + U * space.along_x(mass)
+    out = squeezed_out + U * space.along_x(film.passing)
     energy_out = squeezed_out * space.edge(enthalpy) + U * space.along_x(compressed)
     return {
         "mass": space.total(mass),
@@ -297,14 +312,15 @@ def steady_account(case: Case, s: SteadyFilm) -> tuple[dict[str, float], Frictio
     c, m, scale = discretise.contact_of(case, s.grid), case.motion, case.geometry.hertz_load
     U, load = m.entrainment(0.0), m.load(0.0)
     moment = Moment(s.approach, U, m.sliding(0.0), discretise.gap_change(case, s.grid, 0.0), load, scale)
-    account: Account = _steady_program(Plane.of(s.grid), c, s.P, s.H, moment)
+    account: Account = _steady_program(Plane.of(s.grid), c, s.P, s.H, s.content, moment)
     around = discretise.outside_of(case, s.grid).at(ContactMotion(s.approach, 0.0, load, U))
     plain = jax.device_get(account.terms)
     return terms(plain, 0.0, Around(s.outside, around.uplift), scale), account.friction
 
 
-def _steady(space: Plane, c: Contact, P: Array, H: Array, m: Moment) -> Account:
-    return account(space, c, P, H, m, wedge(mass(c, P, H), m.U, c.spacing))
+def _steady(space: Plane, c: Contact, P: Array, H: Array, content: OilContent, m: Moment) -> Account:
+    change = wedge(content, m.U, c.spacing)
+    return account(space, c, P, H, m, content.oil, content.passing, change)
 
 
 _steady_program = Program(jax.jit(_steady), ANY_SIZE)

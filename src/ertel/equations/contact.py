@@ -13,7 +13,7 @@ All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fi
 """
 
 from dataclasses import dataclass, field, fields, is_dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import jax
@@ -21,7 +21,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.equations.flow import Rate
+from ertel.equations.flow import OilContent, Rate, downstream, flow_aligned, upstream_of, void_downstream
 from ertel.numerics import halfspace
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Plane
@@ -147,9 +147,42 @@ def mass(contact: Contact, P: Array, H: Array) -> Array:
 
 
 def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
-    """Reynolds' equation, eq. (1): rate of change following the flow + div(Poiseuille flux), zero on the edge."""
+    """Reynolds' equation, eq. (1): rate of change following the flow + div(Poiseuille flux), zero on the edge.
+
+    Where P = 0 it is the rate at which a void grows; a starved film has what the flow brings of it from upstream.
+    """
+    r = _of_a_full_gap(contact, P, H, rate)
+    if rate.layer is not None and rate.wedge is not None:
+        void = _void(contact, P, H, rate.wedge, rate.layer, r)
+        r = r + rate.wedge / contact.spacing * upstream_of(void)
+    return inside(r, contact.even)
+
+
+def steady_oil(contact: Contact, P: Array, H: Array, rate: Rate) -> OilContent:
+    """The oil in a steady film; for either sign of U.
+
+    In a cavity the oil is what passes, or where that would fill the gap, what the void leaves of it.
+    """
+    assert rate.wedge is not None
+    turned, speed = partial(flow_aligned, rate), jnp.abs(rate.wedge)
+    P, H = turned(P), turned(H)
+    full, r = mass(contact, P, H), _of_a_full_gap(contact, P, H, rate._replace(wedge=speed))
+    void = _void(contact, P, H, speed, rate.layer, r)
+    passing = jnp.where(P > 0.0, full, downstream(full) - void)
+    oil = jnp.where(passing < full, passing, full - void)  # void = 0 where P > 0
+    return OilContent(*map(turned, (oil, full, void, passing)))
+
+
+def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
+    """The same of a gap that is full; on the edge the rate of change following the flow alone."""
     change = rate.of(mass(contact, P, H), contact.spacing)
-    return inside(change - contact.flow.gain(contact, P, H), contact.even)
+    return change - inside(contact.flow.gain(contact, P, H), contact.even)
+
+
+def _void(contact: Contact, P: Array, H: Array, speed: Number, layer: Number | None, r: Array) -> Array:
+    """The void of a steady film that a layer of oil enters, None: a full gap; X points downstream."""
+    first = 0.0 if layer is None else downstream(mass(contact, P[:, :2], H[:, :2]))[:, 0] - layer
+    return void_downstream(P, r, first, speed, contact.spacing)
 
 
 # -- oil laws as JAX pytrees; the laws themselves do not depend on JAX ------------------------------------------------

@@ -21,8 +21,9 @@ INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
 
 
 def outside_of(case: Case, grid: Grid) -> Outside:
-    """The oil outside the grid."""
-    return outside.around_grid(grid, case.parameters.lambda_bar, case.geometry)
+    """The oil outside the grid; beside a layer of oil the gap is not full, so that there is no pressure."""
+    lambda_bar = case.parameters.lambda_bar if case.layer is None else 0.0
+    return outside.around_grid(grid, lambda_bar, case.geometry)
 
 
 def smooth_contact(case: Case, grid: Grid) -> Contact:

@@ -1,6 +1,10 @@
-"""The rate of change of the mass following the mean flow: squeeze and wedge as one term.
+"""The rate of change of the oil following the mean flow: squeeze and wedge as one term.
 
-    Dm/DT = dm/dT + U dm/dX,    m = rho H
+    Dm/DT = dm/dT + U dm/dX,    m = rho H where the gap is full,  m = rho H - void in a cavity
+
+The past of the film is the oil that was there, `State.fields["mass"]`.  A cavity keeps its void: it fills when the gap
+closes or when oil flows in.  Source: Elrod HG, Adams ML. Leeds-Lyon Symp 1974:37; P and the void as a complementary
+pair: Almqvist A, Wall P. 2016, doi 10.5772/63533.
 
 U is the same everywhere, so all oil moves by the same distance s = integral of U dT.  The oil that is at X now was at
 X - s before, and backward differences along its way need nothing but the earlier masses, moved downstream:
@@ -14,16 +18,20 @@ X - s before, and backward differences along its way need nothing but the earlie
 
 A run in time starts from a film that is steady (rolling) or without pressure (impact).  The rate of that film is its
 steady rate, and only what has changed since follows the oil.  So a steady film stays as it is whatever the step.
+
+In a steady film the void of a cavity is a sum along the flow, `void_downstream`.
 All quantities are dimensionless; U in a/t0.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import Array
 
 from ertel.numerics.bdf import Weights
+from ertel.numerics.programs import exportable
 from ertel.numerics.stencils import shifted_along_x, upstream_slope
 
 Number = Array | float
@@ -34,11 +42,13 @@ class Rate(NamedTuple):
 
     new: weight of the mass at the node now.  past: the known part, from the earlier masses, shape (n, n) or a number.
     wedge: the entrainment speed U >= 0 where the film is steady, so that its past is the film upstream; else None.
+    layer: the oil per area that enters a steady contact, None where the inlet is full.
     """
 
     new: Number
     past: Number
     wedge: Number | None = None
+    layer: Number | None = None
 
     def of(self, mass: Array, spacing: Number) -> Array:
         """The rate of a mass, shape (n, n)."""
@@ -46,21 +56,44 @@ class Rate(NamedTuple):
         return in_time if self.wedge is None else in_time + self.wedge * upstream_slope(mass, spacing)
 
 
-def steady_rate(entrainment: Number) -> Rate:
+def steady_rate(entrainment: Number, layer: Number | None = None) -> Rate:
     """The rate in a steady film; X points downstream (entrainment >= 0)."""
-    return Rate(0.0, 0.0, entrainment)
+    return Rate(0.0, 0.0, entrainment, layer)
+
+
+@exportable
+class OilContent(NamedTuple):
+    """The oil in a steady film, as mass; fields of shape (n, n).
+
+    oil: what is there at the nodes.  full: what would fill the gap.  void: from `void_downstream`.  passing: what
+    passes the faces downstream of the nodes in unit flow.
+    """
+
+    oil: Array
+    full: Array
+    void: Array
+    passing: Array
+
+    @classmethod
+    def without_void(cls, mass: Array) -> "OilContent":
+        """A gap that is full, or a uniform layer."""
+        return cls(mass, mass, jnp.zeros_like(mass), mass)
 
 
 class Flow(NamedTuple):
     """The movement of the oil in one time step.
 
     entrainment: U at the new time.  distances: by which the oil has moved in this step and in the one before, newest
-    first, in nodes.  start: the mass of the film from which the run started, shape (n, n).
+    first, in nodes.  start: the film from which the run started.
     """
 
     entrainment: Number
     distances: Sequence[Number]
-    start: Array
+    start: OilContent
+
+    def passing(self, oil: Array) -> Array:
+        """The oil that passes with the flow where so much is at the nodes."""
+        return oil + (self.start.passing - self.start.oil)
 
 
 def rate_in_time(weights: Weights | Array, masses: Sequence[Array] | Array, flow: Flow | None, spacing: Number) -> Rate:
@@ -71,8 +104,8 @@ def rate_in_time(weights: Weights | Array, masses: Sequence[Array] | Array, flow
     """
     if flow is None:
         return Rate(weights[0], sum(w * m for w, m in zip(weights[1:], masses, strict=True)))
-    changes = [mass - flow.start for mass in masses]
-    past = followed(weights[1:], changes, flow.distances) - weights[0] * flow.start
+    changes = [mass - flow.start.oil for mass in masses]
+    past = followed(weights[1:], changes, flow.distances) - weights[0] * flow.start.oil
     return Rate(weights[0], past + wedge(flow.start, flow.entrainment, spacing))
 
 
@@ -89,8 +122,67 @@ def followed(weights: Weights | Array, masses: Sequence[Array], distances: Seque
     return moved
 
 
-def wedge(mass: Array, entrainment: Number, spacing: Number) -> Array:
-    """The rate of change of a steady film: U dm/dX from upstream, for either sign of U."""
-    downstream = upstream_slope(mass, spacing)
-    upstream = -upstream_slope(mass[:, ::-1], spacing)[:, ::-1]
-    return entrainment * jnp.where(jnp.asarray(entrainment) >= 0, downstream, upstream)
+def wedge(content: OilContent, entrainment: Number, spacing: Number) -> Array:
+    """The rate of change of a steady film: U d(full - void)/dX from upstream, for either sign of U.
+
+    The slope of a full gap is of second order, that of the void of first, because it ends at a meniscus.
+    """
+
+    def slope(full: Array, void: Array) -> Array:
+        return upstream_slope(full, spacing) - jnp.diff(void, axis=1, prepend=void[:, :1]) / spacing
+
+    full, void = content.full, content.void
+    upstream = -slope(full[:, ::-1], void[:, ::-1])[:, ::-1]
+    return entrainment * jnp.where(jnp.asarray(entrainment) >= 0, slope(full, void), upstream)
+
+
+def flow_aligned(rate: Rate, field: Any) -> Any:
+    """A field with X in the direction of entrainment; the same reversal undoes it.  A number is not changed."""
+    if rate.wedge is None or jnp.ndim(field) < 2:
+        return field
+    return jnp.where(rate.wedge >= 0, field, field[..., ::-1])
+
+
+def downstream(full: Array) -> Array:
+    """The mass that passes the faces downstream of the nodes in unit flow, whose differences are `upstream_slope`."""
+    passing = 1.5 * full[:, 1:] - 0.5 * full[:, :-1]
+    return jnp.concatenate([0.5 * (full[:, :1] + full[:, 1:2]), passing], axis=1)
+
+
+def void_downstream(P: Array, r: Array, first: Number, entrainment: Number, spacing: Number) -> Array:
+    """The void w of a steady film, shape (n, n), X pointing downstream, on the faces downstream of the nodes.
+
+    There U dw/dX = r, w >= 0, and w = 0 where P > 0; by upstream differences of first order
+
+        w_i = max(0, w_(i-1) + h r_i/U)  where P = 0,     w_0 = max(0, first)
+
+    The oil that passes a face is `downstream` of the full gap, less w.  Each node maps the void upstream of it to
+    max(least, w + more).  Such maps compose to maps of the same kind, so the sum is an associative scan.
+
+    r: the rate at which the gap grows beyond what flows in.  first: at the inlet.
+    """
+    full, h = -1e30, spacing / entrainment
+    more = jnp.where(P > 0.0, full, h * r).at[:, 0].set(full)
+    least = jnp.zeros_like(P).at[:, 0].set(jnp.maximum(first, 0.0))
+
+    def then(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
+        return jnp.maximum(other[0], other[1] + one[0]), jnp.maximum(one[1] + other[1], full)
+
+    void: Array = jax.lax.associative_scan(then, (least, more), axis=1)[0]
+    return void
+
+
+def void_change(held: Array, r: Array, first: Array, entrainment: Number, spacing: Number) -> Array:
+    """The change of `void_downstream` by changes of r and of the void at the inlet; held: 1 where P = 0, else 0."""
+    change = (held * r * spacing / entrainment).at[:, 0].set(held[:, 0] * first)
+
+    def then(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
+        return one[0] * other[0], other[0] * one[1] + other[1]
+
+    void: Array = jax.lax.associative_scan(then, (held.at[:, 0].set(0.0), change), axis=1)[1]
+    return void
+
+
+def upstream_of(field: Array) -> Array:
+    """The field at the next node upstream, zero at the inlet."""
+    return jnp.pad(field[:, :-1], ((0, 0), (1, 0)))

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.tree_util import register_dataclass
+from numpy.typing import NDArray
 
 from ertel.case.status import Status
 from ertel.numerics import bdf
@@ -110,6 +111,15 @@ def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
     each other about an axis, the one on its positive side is named.
     """
     return named_numbers(grid, np.asarray(_numbers(Axes.of(grid), P, H)).tolist())
+
+
+def lowest_point(r: NDArray[np.float64], H: NDArray[np.float64]) -> tuple[float, float]:
+    """Radius and value of the minimum of H: the vertex of the parabola through the lowest node and its neighbours."""
+    i = int(np.argmin(H))
+    if i in (0, len(r) - 1):
+        return float(r[i]), float(H[i])
+    curvature, slope, value = np.polyfit(r[i - 1 : i + 2] - r[i], H[i - 1 : i + 2], 2)
+    return float(r[i] - slope / (2 * curvature)), float(value - slope**2 / (4 * curvature))
 
 
 def named_numbers(grid: Grid, numbers: Sequence[float]) -> dict[str, float]:

@@ -58,6 +58,9 @@ class _Keywords(TypedDict, total=False):
     oil: Oil | str | None
     temperature: Number
     rheology: str | Mapping[str, Any] | Fluidity | None
+    layer: Number
+    layer_1: Number
+    layer_2: Number
     method: str | None
     nodes: int | None
     half_width: float | None
@@ -112,7 +115,7 @@ SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
     ),
     "name": Meaning("for titles and directories"),
 }
-RECORDS = (Conditions, Materials, NamedLubricant, Solver, Time, Output)
+RECORDS = (Conditions, Materials, NamedLubricant, Oil, Solver, Time, Output)
 
 
 def _explain(function: Callable[..., Case], keywords: Any) -> None:
@@ -265,6 +268,7 @@ def _lubricant(values: Mapping[str, Any]) -> dict[str, Any] | None:
     if "rheology" in values:
         law = values["rheology"]
         data["rheology"] = law_data(law, FLUIDITY_LAWS) if hasattr(law, "fluidity") else law
+    data |= {name: values[name] for name in ("layer", "layer_1", "layer_2") if name in values}
     return data or None
 
 

@@ -62,7 +62,7 @@ NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
 class Solution(NamedTuple):
     """P and H, both (n, n); the maximum residual in units of the tolerance; whether it converged; the work.
 
-    left: the residual that is left over, zero where P is held at zero, shape (n, n).  history: the maximum
+    left: the residual, >= 0 where P is held at zero, elsewhere nearly zero, shape (n, n).  history: the maximum
     residual before the first and after each Newton iteration, shape (newton_limit + 1,), padded with NaN.
     """
 
@@ -122,8 +122,7 @@ def newton_krylov(
     # no residual is needed yet: the first iteration is always done, and begins with it
     first = _Iterate(P, H, s, jnp.zeros_like(P), infinite, zero, zero, history, forcing)
     last = jax.lax.while_loop(system.is_unsolved, system.improve, first)
-    left = _free(last.P, last.r) * last.r
-    return Solution(last.P, last.H, last.s, left, last.size, last.size <= 1.0, last.newton, last.krylov, last.history)
+    return Solution(last.P, last.H, last.s, last.r, last.size, last.size <= 1.0, last.newton, last.krylov, last.history)
 
 
 @dataclass(frozen=True)

@@ -27,13 +27,16 @@ from ertel.physics.units import (
     ABOVE_ZERO,
     COMPLIANCE,
     FINITE,
+    LAYER,
     SHARE,
     STRESS,
     VISCOSITY,
+    Amount,
     Meaning,
     explained,
     in_si,
     marks,
+    plain,
 )
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
@@ -294,17 +297,31 @@ class Oil:
             {"law": "ree-eyring", "tau0": "5 MPa"},
         ),
     ] = "newtonian"
+    layer: Annotated[
+        Amount | None,
+        LAYER,
+        Meaning("thickness of the oil on both surfaces together; left out: the gap is full (flooded)"),
+    ] = None
+    layer_1: Annotated[Amount | None, LAYER, Meaning("of the oil on surface 1, in place of layer", "1 um")] = None
+    layer_2: Annotated[Amount | None, LAYER, Meaning("of the oil on surface 2, in place of layer", "1 um")] = None
 
     def __post_init__(self) -> None:
         for name, laws in {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}.items():
             _check_law(name, getattr(self, name), laws)
         for name, mark in marks(Oil).items():
             value = getattr(self, name)
-            if value is not None:
+            if value is not None and not name.startswith("layer"):  # an amount, which the case checks
                 try:
                     object.__setattr__(self, name, in_si(value, mark))
                 except ValueError as error:
                     raise ValueError(f"{name} = {repr(value)[:60]}: {error}") from error
+
+    def layer_at(self, slide_to_roll: float) -> float | None:
+        """The oil that both surfaces bring along, (u1 h1 + u2 h2)/u_m, in the unit of the layers; None if flooded."""
+        if self.layer is not None or (self.layer_1 is None and self.layer_2 is None):
+            return None if self.layer is None else plain(self.layer)
+        first, second = plain(self.layer_1 or 0.0), plain(self.layer_2 or 0.0)
+        return first + second + (first - second) * slide_to_roll / 2
 
     @property
     def is_isoviscous(self) -> bool:

@@ -91,6 +91,7 @@ DURATION = Unit("s", "5 ms", scale="t0", own="t0")
 TIME = Unit("s", "5 ms", signed=True, scale="t0", own="t0")
 WIDTH = Unit("m", "50 um", scale="a", own="a", least=1e-6, most=1e6)
 POSITION = Unit("m", "50 um", signed=True, scale="a", own="a", most=1e6)
+LAYER = Unit("m", "2 um", scale="film", own="a^2/R", least=1e-9, most=1e6)
 HEIGHT = Unit("m", "20 nm", signed=True, scale="film", own="a^2/R", most=1e6)
 RMS = Unit("m", "50 nm", scale="film", own="a^2/R", least=1e-12, most=1e6)
 

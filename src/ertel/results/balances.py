@@ -39,6 +39,7 @@ Balances = Mapping[str, Mapping[str, float | None]]
 GAINED = ("inflow", "cavity_source", "impulse_of_load", "applied_load", "work_of_load", "work_of_surfaces")
 # by balance: what 1 is, as an attribute of `Scales`, and its unit
 AMOUNTS = {"mass": ("oil", "m3"), "momentum": ("momentum", "N_s"), "energy": ("energy", "J")}
+NOTHING = 1e-9  # of the oil on the grid, flows: the balance of a layer that stays on the grid is round-off
 RATES = {"mass": ("oil_flow", "m3_per_s"), "momentum": ("load", "N"), "energy": ("power", "W")}
 
 
@@ -65,9 +66,10 @@ def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]
         "work_of_load": float(of_load.sum()),
         "work_of_surfaces": sums["power_from_surfaces"] - sums["power_to_surfaces"],
     }
+    flowed = max(mass["inflow"] + mass["cavity_source"], mass["outflow"])
     turned_over = float(kinetic[0] + np.maximum(of_load, 0.0).sum()) + sums["power_from_surfaces"]
     return {
-        "mass": _closed(mass, max(mass["inflow"] + mass["cavity_source"], mass["outflow"])),
+        "mass": _closed(mass, flowed if flowed > NOTHING * v["mass"].max() else 0.0),
         "momentum": _closed(momentum, _integral(np.maximum(v["F"], v["w"]), v["time"])),
         "energy": _closed(energy, turned_over),
     }

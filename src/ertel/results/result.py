@@ -17,8 +17,8 @@ from ertel.results.variables import is_steady, to_si
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
-IN_TIME = ("overview", "film", "pressure", "maps", "profiles", "history", "friction")
-STEADY = ("overview", "film", "pressure", "maps", "midlines", "convergence", "friction")
+IN_TIME = ("overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction")
+STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
 PHYSICAL = "interferogram"  # of a case in SI
 
 

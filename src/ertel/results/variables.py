@@ -101,7 +101,7 @@ BUDGET: Mapping[str, Variable] = {  # the terms of the balances, see `equations.
     "mass": Variable("oil on the grid", "m", "rho0 a*^4/R", "oil", "oil_volume", "m3", comment=AMBIENT),
     "inflow": _oil_flow("oil that flows in through the edge of the grid", "m_in", "inflow", AMBIENT),
     "outflow": _oil_flow("oil that flows out through the edge of the grid", "m_out", "outflow", AMBIENT),
-    "cavity_source": _oil_flow("oil that cavities lack as they grow", "m_c", "cavity_source", AMBIENT),
+    "cavity_source": _oil_flow("oil that cavities make, zero to round-off", "m_c", "cavity_source", AMBIENT),
     "elastic_energy": _energy("elastic energy of the solids", "E_solids", "elastic_energy"),
     "oil_energy": _energy("elastic energy of the compressed oil", "E_oil", "oil_energy"),
     "dissipation": _power("viscous dissipation of the pressure-driven flow", "D", "dissipation"),
@@ -146,6 +146,7 @@ SCALARS: Mapping[str, Variable] = {
 FIELDS: Mapping[str, Variable] = {
     "P": _pressure("pressure", "P"),
     "H": _film("film thickness", "H", "h"),
+    "oil": _film("oil in the gap, H where it is full", "H_oil", "h_oil"),
     "tau_x": _shear("shear stress in the middle of the film along x", "tau_x"),
     "tau_y": _shear("shear stress in the middle of the film along y", "tau_y"),
     "loss": Variable("power loss per area", "q", "p_h* a*^2/(R t0)", "power_per_area", "loss", "W/m2"),

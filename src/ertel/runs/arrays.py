@@ -36,7 +36,7 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results import dataset
 from ertel.results.dataset import provenance
-from ertel.runs.files import Damaged, content_of, reading, replace, require_regular, sealed, unsealed
+from ertel.runs.files import Damaged, StoreError, content_of, reading, replace, require_regular, sealed, unsealed
 
 if TYPE_CHECKING:  # they bring JAX
     from ertel.runs.drive import Run
@@ -252,6 +252,8 @@ class AppendedData:
 
     def restore(self, path: Path, checkpoint: Mapping[str, Any], result: Any) -> None:
         root = read_root(path, self.advice)
+        if self._run.dataset([], [], None).variables.keys() - _metadata(root).keys():
+            raise StoreError(f"{path.parent}: was left unfinished by an earlier version of ertel; {self.advice}")
         present = rows_of(root)
         written: Sequence[int] = checkpoint[WRITTEN].tolist() if checkpoint else [0] * len(present)
         rows = dict(zip(present, written, strict=True))

@@ -160,9 +160,16 @@ def respond_linearly(
         As in `respond`.
     """
     smooth, roughnesses = _smooth(as_case(case), roughnesses)
+    _check_flooded(smooth)
     method = Transient2D(smooth)
     companions = [tangent_run(method, features) for features in roughnesses]
     return _in_lockstep(smooth, method, companions, roughnesses, observers)
+
+
+def _check_flooded(case: Case) -> None:
+    """A meniscus moves with the roughness, which a linear response does not know."""
+    if case.layer is not None:
+        raise ValueError(f"lubricant.layer: must be left out for a linear response; it is {case.layer:.4g} a^2/R here")
 
 
 def _smooth(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> tuple[Case, list[tuple[Feature, ...]]]:
@@ -245,6 +252,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     case = as_case(case)
     if not case.is_steady:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "steady" for the response to passing waves')
+    _check_flooded(case)
     check_fork()
     features = [_passing(case, some, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
     fold = case.solver.fold and all(surfaces.even(some)[0] for some in features)

@@ -169,7 +169,7 @@ def _accept(
         peak = interpolated(levels, turning_time(levels))
         friction = method.friction(peak)
         reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak), **coefficients(friction)}
-        frames.append(Frame(peak.T, whole_maps(method.whole, peak.P, peak.H, friction), "max-approach"))
+        frames.append(Frame(peak.T, whole_maps(method.whole, peak.fields, friction), "max-approach"))
     status = Status.CONVERGED if _ended(case, new, new.record["F"], reached) else Status.RUNNING
     if status is Status.CONVERGED and case.schedule.until != "max-approach":
         frames.append(frame_of(method, new, "end"))
@@ -235,4 +235,4 @@ def _each_time_once(frames: Sequence[Frame]) -> tuple[Frame, ...]:
 
 def frame_of(method: Method, level: State, event: str) -> Frame:
     """The maps of a level."""
-    return Frame(level.T, whole_maps(method.whole, level.P, level.H, method.friction(level)), event)
+    return Frame(level.T, whole_maps(method.whole, level.fields, method.friction(level)), event)

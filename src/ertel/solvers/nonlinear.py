@@ -18,7 +18,7 @@ from jax.tree_util import register_dataclass
 from ertel.equations import contact
 from ertel.equations.approach import ClosureLine
 from ertel.equations.contact import Contact
-from ertel.equations.flow import Rate
+from ertel.equations.flow import Rate, downstream, flow_aligned, upstream_of, void_change
 from ertel.equations.linearised import linear_film
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid
@@ -111,13 +111,6 @@ def _flow_aligned(problem: Problem) -> Problem:
     )
 
 
-def flow_aligned(rate: Rate, field: Any) -> Any:
-    """A field with X in the direction of entrainment; the same reversal undoes it.  A number is not changed."""
-    if rate.wedge is None or jnp.ndim(field) < 2:
-        return field
-    return jnp.where(rate.wedge >= 0, field, field[..., ::-1])
-
-
 def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int) -> float:
     """Work in convolutions on this grid (one on a coarser grid counts by its nodes).
 
@@ -200,7 +193,16 @@ def multigrid_levels(
     free = single(stencils.inside(free, c.even))
     rate, new, wedge = tree.map(single, (rate, problem.rate.new, problem.rate.wedge))
     zero, in_time = jnp.zeros_like(film.P), Rate(new, 0.0, wedge)
+
     # what does not depend on the change is computed once
-    _, jacobian = jax.linearize(lambda e, Ke: film.residual(e, Ke, lambda m: in_time.of(m, film.spacing)), zero, zero)
+    def change(e: Array, Ke: Array) -> Array:
+        r = film.residual(e, Ke, lambda m: in_time.of(m, film.spacing))
+        if problem.rate.layer is None:
+            return r
+        first = downstream(film.change(e, Ke).mass[:, :2])[:, 0]
+        void = void_change(1.0 - free, r, first, wedge, film.spacing)
+        return stencils.inside(r + wedge * upstream_of(void) / film.spacing, c.even)
+
+    _, jacobian = jax.linearize(change, zero, zero)
     finest = multigrid.Coefficients(film.eps, rate * film.by_H.mass, rate * film.by_P.mass, free, film.steepening)
     return multigrid.hierarchy(problem.elastic, finest, smoother, jacobian)

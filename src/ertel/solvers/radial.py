@@ -27,7 +27,7 @@ from ertel.equations.account import Account, Around, Film, Friction
 from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.equations.contact import traceable
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import Method, State, Stepping, Work, padded
+from ertel.equations.state import Method, State, Stepping, Work, lowest_point, padded
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc, disc_weights
 from ertel.numerics.programs import ANY_SIZE, Program, exportable, require_double
@@ -76,7 +76,7 @@ class Equations(NamedTuple):
 class RadialProblem(NamedTuple):
     """One BDF step, ready to be solved; see `transient.StepProblem`.
 
-    predict_P, predict_H: weights of the predicted pressure and film.  tolerance: of the film left over in a step.
+    predict_P, predict_mass: weights of the predicted pressure and oil.  tolerance: of the film left over in a step.
     """
 
     mesh: Mesh
@@ -85,7 +85,7 @@ class RadialProblem(NamedTuple):
     lambda_bar: float
     past: tuple[Mapping[str, Array], ...]
     predict_P: bdf.Weights
-    predict_H: bdf.Weights
+    predict_mass: bdf.Weights
     rates: bdf.Weights
     line: ClosureLine
     around: Surroundings
@@ -235,42 +235,42 @@ def equations(
     mesh: Mesh,
     oil: Lubricant,
     lambda_bar: float,
-    past: Sequence[tuple[Array, Array]],
-    rates: bdf.Weights | Sequence[float],
+    past: Array,
+    rates: bdf.Weights,
     line: ClosureLine,
     uplift: float = 0.0,
 ) -> Equations:
-    """The equations of a level after others: (P, H), newest first.  uplift: the deformation by the oil outside."""
-    masses = [weight * oil.density(P) * H for weight, (P, H) in zip(rates[1:], past, strict=False)]
+    """The equations of a level.  past: the oil of the earlier ones, newest first.  uplift: by the oil outside."""
     apart = CIRCLE.gap(mesh.r, 0.0) + uplift - line.value / line.approach_weight
     stiffness = mesh.kernel + line.load_weight / line.approach_weight * mesh.load
-    return Equations(mesh, oil, lambda_bar, rates[0], sum(masses, jnp.zeros_like(mesh.r)), apart, stiffness)
+    return Equations(mesh, oil, lambda_bar, rates[0], jnp.asarray(rates[1:]) @ past, apart, stiffness)
 
 
 @jax.jit
 def solve_ring_step(p: RadialProblem) -> RadialStep:
     """The fields and the numbers after one step."""
-    past = [(level["P"], level["H"]) for level in p.past]
     line, tolerance = p.line.less(p.around.load), p.tolerance * p.rates[0]
-    eq = equations(p.mesh, p.oil, p.lambda_bar, past[:2], p.rates, line, p.around.uplift)
-    pressures, films = (jnp.stack(fields) for fields in zip(*past, strict=True))
+    pressures, masses = (jnp.stack([level[name] for level in p.past]) for name in ("P", "mass"))
+    eq = equations(p.mesh, p.oil, p.lambda_bar, masses[:2], p.rates, line, p.around.uplift)
     P = jnp.maximum(jnp.tensordot(p.predict_P, pressures, axes=1), 0.0).at[-1].set(p.around.edge[-1])
     s = solve_rings(eq, P, tolerance)
     load = p.mesh.load @ s.P
     approach = line.approach(load)
-    balance = account_of(p.disc, eq, s.P, s.H, approach)
-    error = ring_film_error(p.mesh.volume, s.H, jnp.tensordot(p.predict_H, films, axes=1), s.P)
+    oil = ring_oil(eq, s.P, s.H)
+    balance = account_of(p.disc, eq, s.P, s.H, oil, approach)
+    error = ring_film_error(p.mesh.volume, oil, jnp.tensordot(p.predict_mass, masses, axes=1), s.P)
     values = approach, s.size <= tolerance, s.newton, load, error, *balance.numbers
-    return RadialStep({"P": s.P, "H": s.H}, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
+    fields = {"P": s.P, "H": s.H, "mass": oil}
+    return RadialStep(fields, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
 
 
 _step_program = Program(solve_ring_step)
 
 
-def ring_film_error(volume: Array, H: Array, predicted: Array, P: Array) -> Array:
-    """Relative difference of two films as in `transient.film_error`, by means over at most `RINGS` rings."""
-    width = -(-len(H) // RINGS)
-    rings = jnp.pad(jnp.stack([P, H, predicted]) * volume, ((0, 0), (0, -len(H) % width)))
+def ring_film_error(volume: Array, oil: Array, predicted: Array, P: Array) -> Array:
+    """Relative difference of the oil and its prediction, see `transient.film_error`, by means over `RINGS` at most."""
+    width = -(-len(P) // RINGS)
+    rings = jnp.pad(jnp.stack([P, oil, predicted]) * volume, ((0, 0), (0, -len(P) % width)))
     pressed, film, expected = rings.reshape(3, -1, width).sum(axis=2)
     return jnp.sqrt(jnp.sum(pressed * (1 - expected / film) ** 2) / jnp.maximum(pressed.sum(), jnp.finfo(P.dtype).tiny))
 
@@ -286,7 +286,8 @@ class RadialImpact(Method):
     def __init__(self, case: Case, closure: Closure | None = None):
         self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width))
         self.lambda_bar = case.parameters.lambda_bar
-        self.outside = outside.around_circle(np.asarray(self.mesh.r), self.lambda_bar)
+        self.layer = case.layer
+        self.outside = outside.around_circle(np.asarray(self.mesh.r), 0.0 if case.layer else self.lambda_bar)
         self.oil = traceable(case.lubricant)
         self.closure = closure or NewtonsLaw.of(case.motion)
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
@@ -300,7 +301,9 @@ class RadialImpact(Method):
         around, P = self.outside.at(motion), np.asarray(self.outside.at_first(motion))
         r, kernel, weights = (np.asarray(each) for each in (self.mesh.r, self.mesh.kernel, self.mesh.load))
         H = CIRCLE.gap(r, 0.0) - self.start_approach + kernel @ P + around.uplift
-        fields = jax.device_put({"P": P, "H": H})
+        full = self.oil.density(P) * H
+        oil = full if self.layer is None else np.minimum(full, self.layer)
+        fields = jax.device_put({"P": P, "H": H, "mass": oil})
         return State(0.0, self.start_approach, 1.0, fields, outside=around.load, load=float(weights @ P))
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
@@ -361,12 +364,20 @@ class RadialImpact(Method):
         return field
 
 
-def account_of(disc: Disc, eq: Equations, P: Array, H: Array, approach: float) -> Account:
+def ring_oil(eq: Equations, P: Array, H: Array) -> Array:
+    """The oil that is there after a step, as mass; see `transient.oil_there`."""
+    full, r = eq.oil.density(P) * H, ring_residual(eq, P, H)
+    at_rim = jnp.where(P[-1] > 0.0, 0.0, jnp.maximum(eq.rate * full[-1] + eq.past[-1], 0.0))
+    return full - r.at[-1].set(at_rim) / eq.rate
+
+
+def account_of(disc: Disc, eq: Equations, P: Array, H: Array, oil: Array, approach: float) -> Account:
     """The account after a step.  Nothing slides and nothing rolls."""
     eps = eq.oil.mobility(P, H, eq.lambda_bar)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     heat = disc.of_slopes(Pair(eps), P, eq.oil.enthalpy(P))
-    film = Film(P, H, Pair(eps), heat, deformation, ring_residual(eq, P, H), 0.0, 0.0)
+    growth = ring_residual(eq, P, H) - eq.rate * (eq.oil.density(P) * H - oil).at[-1].set(0.0)
+    film = Film(P, H, oil, oil, Pair(eps), heat, deformation, growth, 0.0, 0.0)
     stress, force = jnp.zeros((2, *P.shape)), jnp.zeros(2)
     friction = Friction(stress, heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
     return Account(account.integrals(disc, eq.oil, film), friction)
@@ -376,17 +387,9 @@ def friction_at_rest(
     mesh: Mesh, disc: Disc, oil: Lubricant, lambda_bar: float, P: Array, H: Array, approach: float
 ) -> Friction:
     """The friction of a film that does not change."""
-    eq = equations(mesh, oil, lambda_bar, [(P, H)], (0.0, 0.0), ClosureLine(1.0, 0.0, approach))
-    return account_of(disc, eq, P, H, approach).friction
+    line = ClosureLine(1.0, 0.0, approach)
+    eq = equations(mesh, oil, lambda_bar, jnp.zeros((1, len(P))), np.zeros(2), line)
+    return account_of(disc, eq, P, H, oil.density(P) * H, approach).friction
 
 
 _program = Program(jax.jit(friction_at_rest), ANY_SIZE)
-
-
-def lowest_point(r: Floats, H: Floats) -> tuple[float, float]:
-    """Radius and value of the minimum of H: the vertex of the parabola through the lowest node and its neighbours."""
-    i = int(np.argmin(H))
-    if i in (0, len(r) - 1):
-        return float(r[i]), float(H[i])
-    curvature, slope, value = np.polyfit(r[i - 1 : i + 2] - r[i], H[i - 1 : i + 2], 2)
-    return float(r[i] - slope / (2 * curvature)), float(value - slope**2 / (4 * curvature))

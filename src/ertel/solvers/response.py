@@ -35,7 +35,7 @@ from ertel.case.status import Status
 from ertel.equations import contact, discretise
 from ertel.equations.approach import ClosureLine, NewtonsLaw, balanced
 from ertel.equations.contact import Contact
-from ertel.equations.flow import Flow, Rate, rate_in_time, steady_rate
+from ertel.equations.flow import Flow, OilContent, Rate, flow_aligned, rate_in_time, steady_rate
 from ertel.equations.linearised import LinearFilm, flux_change, linear_film
 from ertel.equations.state import State, Work
 from ertel.numerics import bdf, multigrid
@@ -128,8 +128,8 @@ def _solve_step(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
     free = jnp.where(P > 0.0, 1.0, 0.0)
     _, mass_change = jax.jvp(partial(contact.mass, c), (old["P"], old["H"]), (change["P"], change["H"]))
     # the mass of the start does not change with the roughness
-    flow = p.flow and p.flow._replace(start=jnp.zeros_like(P))
-    new, past, _ = rate_in_time(p.rates, mass_change, flow, c.spacing)
+    flow = p.flow and p.flow._replace(start=OilContent.without_void(jnp.zeros_like(P)))
+    new, past, *_ = rate_in_time(p.rates, mass_change, flow, c.spacing)
 
     def residual(P: Array, H: Array, past: Array) -> Array:
         return contact.residual(c, P, H, Rate(new, past))
@@ -207,7 +207,7 @@ def wave_response(case: Case, film: GridSolution, wave: RoughnessWave) -> WaveRe
 @jax.jit
 def _solve_wave(p: _WaveProblem) -> tuple[Array, Array, Array, Array]:
     """P', H', Delta' and the number of Krylov iterations."""
-    turned = partial(nonlinear.flow_aligned, steady_rate(p.entrainment))
+    turned = partial(flow_aligned, steady_rate(p.entrainment))
     speed, shape = jnp.abs(p.entrainment), turned(p.shape)
     P, H, c = turned(p.P), turned(p.H), p.contact
     film, flux = linear_film(c, P, H), flux_change(c, P, H)

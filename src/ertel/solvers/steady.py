@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.derived import grid_of
 from ertel.case.status import Status
-from ertel.equations import discretise
+from ertel.equations import contact, discretise
 from ertel.equations.account import Friction, coefficients, steady_account, whole_maps
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
-from ertel.equations.flow import steady_rate
+from ertel.equations.flow import OilContent, steady_rate
 from ertel.equations.state import measure
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Extrapolation, Grid, check_coarsening, expected_next, extrapolate
@@ -83,6 +83,23 @@ class GridSolution:
     def _values(self) -> dict[str, float]:
         return measure(self.grid, self.P, self.H)
 
+    @property
+    def fields(self) -> dict[str, Array]:
+        """P, H and the oil that is there, as mass, as in a `State`."""
+        return {"P": self.P, "H": self.H, "mass": self.content.oil}
+
+    @cached_property
+    def content(self) -> OilContent:
+        """The oil that is there."""
+        c, motion = discretise.contact_of(self.case, self.grid), self.case.motion
+        content: OilContent = _oil_program(c, self.P, self.H, steady_rate(motion.entrainment(0.0), self.case.layer))
+        return content
+
+    @property
+    def load(self) -> float:
+        """The double integral of P on the grid."""
+        return self._values["load"]
+
     @cached_property
     def account(self) -> tuple[dict[str, float], Friction]:
         """The terms of its balances, and its friction."""
@@ -103,7 +120,7 @@ class GridSolution:
     @property
     def maps(self) -> dict[str, Floats]:
         """Its fields on the whole plane by name: those of `account.whole_maps`, and the temperatures."""
-        maps = whole_maps(self.whole, self.P, self.H, self.account[1])
+        maps = whole_maps(self.whole, self.fields, self.account[1])
         heat = self.heat
         if heat is not None:
             maps |= {name: np.asarray(self.whole(getattr(heat, name))) for name in ("T_1", "T_2", "T_film")}
@@ -270,7 +287,7 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: fl
     return Problem(
         c,
         multigrid.deformation_operators(grid, geometry.compliance, precision),
-        steady_rate(case.motion.entrainment(0.0)),
+        steady_rate(case.motion.entrainment(0.0), case.layer),
         balanced(case.motion.load(0.0), geometry.hertz_load).less(outside),
         tolerance,
         tolerance / geometry.hertz_load,
@@ -278,6 +295,9 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: fl
         nonlinear.line_preconditioner,
         OPTIONS,
     )
+
+
+_oil_program = Program(jax.jit(contact.steady_oil), ANY_SIZE)
 
 
 def compile_ahead(case: Case, precision: str = PRECISION) -> None:

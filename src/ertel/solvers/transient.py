@@ -20,7 +20,7 @@ from ertel.equations import account, contact, discretise, outside, state
 from ertel.equations.account import Around, Friction, Moment
 from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
 from ertel.equations.contact import Contact
-from ertel.equations.flow import Flow, Rate, rate_in_time
+from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
 from ertel.equations.state import Axes, Method, State, Stepping, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
@@ -166,16 +166,19 @@ class Transient2D(Method):
     def _first(self) -> State:
         c = self.contact_at(0.0)
         if not self.case.starts_apart:
-            rolling = steady.settled(self.case)
-            s = rolling.finest
-            work = Work(s.newton, s.krylov, rolling.convolutions)
-            fields, load = _first_fields(c, s.P, s.H)
-            return State(0.0, s.approach, 0.0, fields, s.status, work, s.outside, float(load))
+            s = self._rolling.finest
+            work = Work(s.newton, s.krylov, self._rolling.convolutions)
+            return State(0.0, s.approach, 0.0, s.fields, s.status, work, s.outside, s.load)
         motion = ContactMotion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
         around, P = self.outside.at(motion), jax.device_put(self.outside.at_first(motion))
-        fields, load = _squeezed(c, P, motion.approach, around.uplift)
+        fields, load = _squeezed(c, P, motion.approach, around.uplift, self.case.layer)
         work = Work(convolutions=1.0)
         return State(0.0, motion.approach, 1.0, fields, work=work, outside=around.load, load=float(load))
+
+    @cached_property
+    def _rolling(self) -> steady.Rolling:
+        """The steady film from which rolling starts."""
+        return steady.settled(self.case)
 
     def contact_at(self, T: float) -> Contact:
         """The surfaces and the oil at time T."""
@@ -187,12 +190,15 @@ class Transient2D(Method):
             return None
         distance = self.case.motion.entrainment.integral
         ways = [(distance(late) - distance(early)) / self.grid.spacing for late, early in pairwise([T, *times])]
-        return Flow(self.case.motion.entrainment(T), tuple(ways), self.start_mass)
+        return Flow(self.case.motion.entrainment(T), tuple(ways), self.start_content)
 
     @cached_property
-    def start_mass(self) -> Array:
-        """The mass of the film from which the run starts: the steady film of rolling, the smooth gap of an impact."""
-        return self.contact.gap if self.case.starts_apart else self._first.fields["mass"]
+    def start_content(self) -> OilContent:
+        """The oil of the film from which the run starts: of steady rolling, of the gap of an impact, or its layer."""
+        if not self.case.starts_apart:
+            return self._rolling.finest.content
+        gap, layer = self.contact.gap, self.case.layer
+        return OilContent.without_void(gap if layer is None else jnp.full_like(gap, layer))
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         """One BDF step (BDF1 from one level, BDF2 from more): yields one `StepProblem`."""
@@ -270,25 +276,27 @@ class Transient2D(Method):
         return unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
 
 
-def _fields(c: Contact, P: Array, H: Array, left: Array | float = 0.0) -> dict[str, Array]:
-    """The fields of a level.  left: the mass that is left over at each node when the equations are solved.
+@jax.jit
+def _squeezed(
+    c: Contact, P: Array, approach: float, uplift: float, layer: float | None
+) -> tuple[dict[str, Array], Array]:
+    """The fields of a ball that comes near, and its load.  layer: of oil, None where the gap is full."""
+    H = contact.film_thickness(c, P, approach) + uplift
+    oil = contact.mass(c, P, H)
+    oil = oil if layer is None else jnp.minimum(oil, layer)
+    return {"P": P, "H": H, "mass": oil}, contact.pressure_load(c, P)
 
-    The field "mass" is rho H less that rest, so it solves Reynolds' equation exactly.  It is the past of the next
-    steps: they bring the rest into the film, and it does not add up from step to step.
+
+def oil_there(c: Contact, P: Array, H: Array, residual: Array, rate: Rate) -> Array:
+    """The oil that is there after a step, as mass: rho H less what the residual leaves over, shape (n, n).
+
+    This oil obeys Reynolds' equation exactly at every node.  Where P > 0 the rest is what Newton's iteration left; the
+    next step corrects it.  Where P = 0 it is the void of the cavity, which the next step hands on.  On a dry edge the
+    oil moves with the flow alone.
     """
-    return {"P": P, "H": H, "mass": contact.mass(c, P, H) - left}
-
-
-@jax.jit
-def _first_fields(c: Contact, P: Array, H: Array) -> tuple[dict[str, Array], Array]:
-    """The fields of the first level, and its load."""
-    return _fields(c, P, H), contact.pressure_load(c, P)
-
-
-@jax.jit
-def _squeezed(c: Contact, P: Array, approach: float, uplift: float) -> tuple[dict[str, Array], Array]:
-    """The same of a ball that comes near."""
-    return _first_fields(c, P, contact.film_thickness(c, P, approach) + uplift)
+    full = contact.mass(c, P, H)
+    dry = jnp.where(P > 0.0, 0.0, jnp.maximum(rate.of(full, c.spacing), 0.0))
+    return full - (residual + dry - stencils.inside(dry, c.even)) / rate.new
 
 
 def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Symmetry, coarsenings: int) -> Array:
@@ -326,7 +334,8 @@ def solve_step(p: StepProblem) -> StepSolution:
         p.options,
     )
     solution, approach = nonlinear.solve(problem, P, known.approach)
-    fields = _fields(p.contact, solution.P, solution.H, solution.left / rate.new)
+    P, H = solution.P, solution.H
+    fields = {"P": P, "H": H, "mass": oil_there(p.contact, P, H, solution.left, rate)}
     return StepSolution(fields, _numbers(p, known, rate, solution, fields, approach))
 
 
@@ -341,8 +350,9 @@ def _numbers(
     U = 0.0 if p.flow is None else p.flow.entrainment
     load = (contact.pressure_load(c, s.P) + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
+    passing = mass if p.flow is None else p.flow.passing(mass)
     moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
-    balance = account.account(setting.space, c, s.P, s.H, moment, rate.of(mass, c.spacing))
+    balance = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing))
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     error = film_error(mass, predicted, s.P, THIN * setting.film_scale, c.even, setting.coarsenings)
     values = approach, s.converged, s.newton, s.krylov, error, *balance.numbers
