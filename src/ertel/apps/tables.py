@@ -125,6 +125,8 @@ def print_films(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[
     """The films by the formulas, beside the computed ones if there are some."""
     print_rows(film_rows(case, films, computed))
     console().print("(in brackets: the contact is outside the range of the formula)")
+    if case.layer is not None:
+        console().print("(the formulas are for a flooded contact; this one has lubricant.layer)")
 
 
 def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[str, Number]) -> list[list[str]]:

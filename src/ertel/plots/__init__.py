@@ -4,10 +4,10 @@
 
 `interferogram` shows any run in SI as an experimenter sees it, `animation` a run in time.
 
-A run in time has overview, film, pressure, maps, profiles, history and friction, and an impact front; a steady contact
-overview, film, pressure, maps, midlines, convergence and friction.  `at` chooses the moment of a run in time: a time in
-t0 (the map next to it is drawn) or an event, "max-approach" or "end"; by default maximum approach, or the last map
-where there is none.
+A run in time has overview, film, pressure, oil, maps, profiles, history and friction, and an impact front; a steady
+contact overview, film, pressure, oil, maps, midlines, convergence and friction.  `at` chooses the moment of a run in
+time: a time in t0 (the map next to it is drawn) or an event, "max-approach" or "end"; by default maximum approach, or
+the last map where there is none.
 
 Every function raises `NoFigure`, a ValueError, where there is nothing to draw yet, and for a figure or a moment that
 the run does not have.
@@ -30,7 +30,7 @@ from ertel.results.variables import is_steady
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "animation", "comparison",
     "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "midlines", "names_of",
-    "overview", "pressure", "profiles",
+    "oil", "overview", "pressure", "profiles",
 ]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
@@ -61,6 +61,7 @@ IN_TIME: Mapping[str, Rows | Callable[[View], Rows]] = {
     "friction": _friction_rows,
     "film": [[fields.draw_film_map]],
     "pressure": [[fields.draw_pressure_map]],
+    "oil": [[fields.draw_oil_map]],
     "front": [[histories.draw_place, histories.draw_front_speed]],
 }
 STEADY: Mapping[str, Rows | Callable[[View], Rows]] = {
@@ -70,12 +71,13 @@ STEADY: Mapping[str, Rows | Callable[[View], Rows]] = {
     ],
     "film": [[fields.draw_film_map]],
     "pressure": [[fields.draw_pressure_map]],
+    "oil": [[fields.draw_oil_map]],
     "midlines": [[fields.draw_along_the_flow, fields.draw_across_the_flow]],
     "convergence": [[histories.draw_convergence, histories.draw_grids]],
     "friction": _friction_rows,
     "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
 }
-PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "front"), ("maps",)
+PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front"), ("oil", "maps")
 NAMES = tuple(dict.fromkeys((*IN_TIME, *STEADY)))
 
 
@@ -124,6 +126,11 @@ def film(dataset: xr.Dataset, at: At = None) -> Figure:
 def pressure(dataset: xr.Dataset, at: At = None) -> Figure:
     """Pressure over the surface, with contour lines at equal steps."""
     return draw(dataset, "pressure", at)
+
+
+def oil(dataset: xr.Dataset, at: At = None) -> Figure:
+    """The part of the gap that is filled with oil; the rest is the void of a cavity."""
+    return draw(dataset, "oil", at)
 
 
 def maps(dataset: xr.Dataset, at: At = None) -> Figure:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from ertel.plots.drawing import BLUE, GREY, ORANGE, ORDERED_COLOURS, PURPLE, Picture, Scale, Values, levels
+from ertel.plots.drawing import BLUE, GREY, ORANGE, ORDERED_COLOURS, PURPLE, NoFigure, Picture, Scale, Values, levels
 from ertel.plots.view import LOADED, WIDEST, At, Field, View, events_of
 
 MINUS = "\N{MINUS SIGN}"
@@ -49,6 +49,16 @@ def draw_pressure_map(axes: Axes, view: View) -> None:
     z = view.scale("P", top)
     _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P")
     _draw_roughness(axes, view)
+
+
+def draw_oil_map(axes: Axes, view: View) -> None:
+    """The part of the gap that is filled with oil; the rest is void."""
+    if "oil" not in view.dataset:
+        raise NoFigure("oil: an earlier version wrote this run, without the oil in the gap")
+    oil, H = view.map("oil"), view.map("H")
+    field = replace(oil, values=oil.values / H.values)
+    z = Scale(1.0, r"$h_\mathrm{oil}/h$", "", "oil in the gap")
+    _draw_map(axes, view, field, z, levels(1.0), "Oil in the gap", "Blues", "P")
 
 
 def draw_stress_map(axes: Axes, view: View) -> None:
