@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import jax
@@ -19,6 +20,8 @@ from ertel.equations.flow import downstream, void_change, void_downstream
 from ertel.equations.state import State
 from ertel.numerics.stencils import total, upstream_slope
 from ertel.physics.surfaces import Feature, Waviness
+from ertel.results.result import Result
+from ertel.runs.drive import simulate
 from ertel.runs.response import respond_in_rolling, respond_linearly
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
@@ -30,7 +33,7 @@ STARVED = {4: 0.9789, 2: 0.9352, 1: 0.7903, 0.5: 0.4778, 0.25: 0.2463}
 ON_A_LAYER = [(0.5, 0.1482), (0.2, 0.11628), (0.1, 0.07302)]
 
 
-def case_of(kind: str, layer: float | None, M: float = 200, **solver: Any) -> Case:
+def case_of(kind: str, layer: Any, M: float = 200, **solver: Any) -> Case:
     oil = {} if layer is None else {"layer": layer}
     return parse_case({"contact": {"kind": kind, "M": M, "L": 10}, "lubricant": oil, "solver": solver})
 
@@ -142,6 +145,42 @@ def test_other_contacts_starve_too(changes: dict[str, Any]) -> None:
     s = steady.steady_film(case).finest
     assert s.status.ok
     assert s.account[0]["inflow"] == pytest.approx(s.account[0]["outflow"], rel=1e-6)
+
+
+# -- a track ----------------------------------------------------------------------------------------------------------
+
+
+def rolled_after(track: Any, **solver: Any) -> Result:
+    return simulate(case_of("rolling", track, method="steady", **{"nodes": 65, **solver}))
+
+
+def test_a_track_loses_its_oil_to_the_sides() -> None:
+    """Each pass pushes oil to the ridges: the film falls, the oil on the whole track is the same."""
+    runs = [rolled_after(0.0712)]
+    for _ in range(3):
+        runs.append(rolled_after(runs[-1].track))
+    films = [run.summary["H_c"] for run in runs]
+    assert films[0] == pytest.approx(rolled_on(0.0712).measure()["H_c"], rel=1e-12)
+    assert all(0.5 < later / earlier < 0.95 for earlier, later in pairwise(films))
+    for run in runs:
+        oil = np.array(run.track)[:, 1]
+        assert np.mean(oil) == pytest.approx(0.0712, rel=1e-8)
+        assert oil.max() > 2 * 0.0712  # in the ridges
+        assert_allclose(oil, oil[::-1], rtol=1e-12)
+
+
+def test_a_track_with_more_oil_on_one_side_is_the_mirror_of_that_on_the_other() -> None:
+    more = [[-1.0, 0.05], [1.0, 0.1]]
+    one, other = (rolled_after(track, nodes=33) for track in (more, [[-1.0, 0.1], [1.0, 0.05]]))
+    assert_allclose(one.dataset["H"], other.dataset["H"][::-1], atol=1e-8)
+    assert one.dataset["oil"][-1, 0] == pytest.approx(0.1)
+    assert one.dataset["H"].sel(Y=0.75).min() > one.dataset["H"].sel(Y=-0.75).min()
+
+
+def test_a_run_that_leaves_no_track_is_refused() -> None:
+    run = simulate(case_of("impact", 0.1, M=20, method="radial", nodes=33))
+    with pytest.raises(ValueError, match="a rolling contact leaves a track"):
+        run.track  # noqa: B018
 
 
 # -- in time ----------------------------------------------------------------------------------------------------------

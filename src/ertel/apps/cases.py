@@ -1,5 +1,6 @@
 """Commands that need no run: `ertel params`, `film`, `new`, `schema`, `check` and `oils`."""
 
+import json
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -65,6 +66,15 @@ def _case_asked_for(case_file: Path | None, settings: list[str] | None, kind: st
         isoviscous = 0 in (contact.get("L"), contact.get("alpha_bar"))
         data["lubricant"] = {"viscosity": "isoviscous" if isoviscous else "barus", "density": "incompressible", **oil}
     return parse_case(data)
+
+
+def on_track_of(directory: Path | None) -> list[str]:
+    """The setting that takes the oil which an earlier run leaves behind; none without a run."""
+    if directory is None:
+        return []
+    from ertel.runs.store import open_run
+
+    return [f"lubricant.layer={json.dumps(open_run(directory).track)}"]
 
 
 def new(

@@ -74,6 +74,9 @@ def run(
     case_file: CaseFile,
     out: Annotated[Path | None, path_option("New directory for the run; default runs/NAME.")] = None,
     set_: Set = None,
+    after: Annotated[
+        Path | None, path_option("Rolling: the run whose track this one follows; what it leaves behind is the layer.")
+    ] = None,
     as_json: Json = False,
     error: Estimate = False,
     quiet: Quiet = False,
@@ -87,7 +90,7 @@ def run(
     from ertel.inputs.case_files import load_case
     from ertel.runs.compile import jax_prepared
 
-    case = load_case(case_file, set_ or [])
+    case = load_case(case_file, [*(set_ or []), *cases.on_track_of(after)])
 
     def before_compiling() -> None:
         if not quiet:

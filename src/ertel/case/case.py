@@ -49,7 +49,7 @@ from ertel.case.sections import (
 from ertel.physics import film_formulas, surfaces
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, constant, reversed_sign
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Track, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import plain
@@ -172,7 +172,7 @@ class Case:
         if not self.starts_apart:
             rules.check_outside(self.solver, self.parameters, self.geometry, self.motion)
         rules.check_roughness(self.solver, self.motion, self.features)
-        rules.check_layer(self.oil, self.layer, self.solver, self.geometry, self.motion)
+        rules.check_layer(self.oil, self.track, self.solver, self.geometry, self.motion)
         if self.thermal:
             rules.check_thermal(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
         self.lubricant  # noqa: B018  # raises if its data give no law
@@ -267,10 +267,15 @@ class Case:
         )
 
     @cached_property
-    def layer(self) -> float | None:
+    def track(self) -> Track | None:
         """The oil per area that the surfaces bring along, (u1 h1 + u2 h2)/u_m, in a^2/R; None if the gap is full."""
         oil = scaled(self.oil, self.scales, "lubricant")
-        return oil.layer_at(0.0 if self.starts_apart else self.motion.slide_to_roll)
+        return oil.track(0.0 if self.starts_apart else self.motion.slide_to_roll)
+
+    @property
+    def layer(self) -> float | None:
+        """The same in the middle of the track."""
+        return None if self.track is None else self.track(0.0)
 
     @property
     def film_scale(self) -> float:

@@ -30,6 +30,7 @@ def grid_of(case: Case) -> Grid:
 def _symmetry(case: Case, centre_x: float) -> Symmetry:
     """The axes about which a case is symmetric; the flow is along X."""
     in_y, in_x = (a and b for a, b in zip(surfaces.even(case.features), case.geometry.even, strict=True))
+    in_y = in_y and (case.track is None or case.track.is_even)
     return Symmetry(in_y, in_x and not case.motion.flows and centre_x == 0) if case.solver.fold else NO_SYMMETRY
 
 

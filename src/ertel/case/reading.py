@@ -27,10 +27,10 @@ from ertel.case.records import (
 )
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
-from ertel.physics.motion import Oscillation, Polyline, Signal, constant
+from ertel.physics.motion import Oscillation, Polyline, Signal, Track, constant
 from ertel.physics.registry import SHAPES
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import FINITE, TIME, Amount, Bounds, Mark, Quantity, Unit, marks
+from ertel.physics.units import FINITE, Amount, Bounds, Mark, Quantity, Unit, marks
 
 T = TypeVar("T")
 Data = Mapping[str, Any]
@@ -150,6 +150,8 @@ class Reader:
             return self.law(value, law, place, by_name=str in options)
         if Signal in options:
             return self.signal(value, place)
+        if Track in options and isinstance(value, list | tuple):
+            return self.polyline(Track, value, place)
         try:
             return self._plain_value(value, options, mark, names)
         except ValueError as error:
@@ -195,14 +197,18 @@ class Reader:
             return constant(self._value(data, float, FINITE, place))
         if not isinstance(data, list | tuple) or not data:
             raise ValueError(f"{place} = {show(data)}: must be {SIGNAL_TEXT}")
-        points = []
+        return self.polyline(Polyline, data, place)
+
+    def polyline(self, kind: type[Polyline], data: Sequence[Any], place: str) -> Polyline:
+        """A signal or a track from its points."""
+        (x, value), points = kind.NAMES, []
         for number, point in enumerate(data, 1):
             where = f"{place}[{number}]"
             if not isinstance(point, list | tuple) or len(point) != 2:
-                raise ValueError(f"{where} = {show(point)}: must be [T, value]")
-            time, value = self._value(point[0], Amount, TIME, f"{where}[1]"), point[1]
-            points.append((time, self._value(value, float, FINITE, f"{where}[2]")))
-        return named(place, Polyline, tuple(points), text=show(data))
+                raise ValueError(f"{where} = {show(point)}: must be [{x}, {value}]")
+            parts = enumerate(zip(point, kind.MARKS, strict=True), 1)
+            points.append(tuple(self._value(part, float, mark, f"{where}[{i}]") for i, (part, mark) in parts))
+        return named(place, kind, tuple(points), text=show(data))
 
     def law(self, data: Any, kind: Any, place: str, by_name: bool = True) -> Any:
         """A law from a table with its name under `law`; or its name, if its data are those of the oil.

@@ -22,7 +22,7 @@ from ertel.physics.motion import Oscillation, Polyline
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
 from ertel.physics.scales import Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import FINITE, LARGEST, TIME, Bounds, Mark, Quantity, Unit, marks
+from ertel.physics.units import LARGEST, Bounds, Mark, Quantity, Unit, marks
 
 T = TypeVar("T")
 OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}  # by field of an oil
@@ -67,7 +67,7 @@ def _plain(value: Any, mark: object = None) -> Any:
             return [_plain(item) for item in value]
         case Polyline():
             (start, first), *rest = value.points
-            return first if start == 0.0 and not rest else [[_plain(T), v] for T, v in value.points]
+            return _plain(first) if start == 0.0 and not rest else [_plain(point) for point in value.points]
         case Oscillation():
             return data_of(value)
         case HeightMap():
@@ -147,9 +147,9 @@ def checked(record: T, place: str) -> T:
 
 def _check_points(signal: Polyline, place: str) -> None:
     try:
-        for T, value in signal.points:
-            check_value(T, TIME)
-            check_value(value, FINITE)
+        for point in signal.points:
+            for value, mark in zip(point, signal.MARKS, strict=True):
+                check_value(value, mark)
     except ValueError as error:
         raise ValueError(f"{place} = {show(signal)}: {error}") from error
 
@@ -288,6 +288,7 @@ def printable(text: str) -> str:
 # -- a whole case, in a few lines -------------------------------------------------------------------------------------
 
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(e[-+]?\d+)?(?= |$)")
+LISTED = 4  # items at most, of a longer list their number
 LEFT_OUT = ("schema", "name", "reference")
 
 
@@ -319,6 +320,8 @@ def _short(value: Any) -> str:
         return f"{{ {_pairs(value)} }}"
     if isinstance(value, float):
         return f"{value:.4g}"
+    if isinstance(value, list) and len(value) > LISTED:
+        return f"({len(value)} points)"
     return NUMBER.sub(lambda match: f"{float(match[0]):.4g}", value) if isinstance(value, str) else str(value)
 
 
@@ -331,8 +334,11 @@ def scaled(record: T, scales: Scales | None, place: str) -> T:
     Raises ValueError if the case is dimensionless (scales is None).
     """
     if isinstance(record, Polyline):
-        points = tuple((_over(T, TIME, scales, f"{place}[{i}]"), v) for i, (T, v) in enumerate(record.points, 1))
-        return named(place, Polyline, points, text=show(record))  # type: ignore[return-value]
+        points = tuple(
+            tuple(_over(value, mark, scales, f"{place}[{i}]") for value, mark in zip(point, record.MARKS, strict=True))
+            for i, point in enumerate(record.points, 1)
+        )
+        return named(place, type(record), points, text=show(record))
     kinds = marks(type(record))
     changed: dict[str, Any] = {}
     for item in fields(record):  # type: ignore[arg-type]

@@ -23,7 +23,7 @@ from ertel.case.sections import (
 from ertel.numerics import grid
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, ContactMotion, Geometry, far_film
 from ertel.physics.lubricant import DowsonHigginson, Oil
-from ertel.physics.motion import Motion
+from ertel.physics.motion import Motion, Track
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
@@ -236,9 +236,9 @@ def reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:
     return least < 0 < most
 
 
-def check_layer(oil: Oil, layer: float | None, solver: Solver, geometry: Geometry, motion: Motion) -> None:
+def check_layer(oil: Oil, track: Track | None, solver: Solver, geometry: Geometry, motion: Motion) -> None:
     """The layers of oil are given in one way, move with the flow, and leave the edge of the grid dry."""
-    if layer is None:
+    if track is None:
         return
     if oil.layer is not None and (oil.layer_1 is not None or oil.layer_2 is not None):
         raise ValueError(f"lubricant.layer = {show(oil.layer)}: give layer, or layer_1 and layer_2")
@@ -247,15 +247,20 @@ def check_layer(oil: Oil, layer: float | None, solver: Solver, geometry: Geometr
             f"lubricant.layer_1, layer_2: at slide_to_roll = {motion.slide_to_roll:g} one surface takes its oil out of "
             "the inlet; give layer, the oil that enters per area at the entrainment speed"
         )
+    if solver.method == "radial" and len(track.points) > 1:
+        raise ValueError(
+            f'lubricant.layer = {show(oil.layer)}: solver.method = "radial" takes a uniform layer; use '
+            'solver.method = "2d" or one thickness'
+        )
     across = solver.half_width_y or solver.half_width
     contact = ContactMotion(geometry.dry_approach(1.0), 0.0, 1.0, 0.0)
     X, Y = np.array([solver.inlet or solver.half_width, 0.0]), np.array([0.0, across])
     film = float(far_film(X, Y, contact, geometry).min())
-    if layer > film / 2:
+    if track.thickest > film / 2:
         raise ValueError(
-            f"lubricant.layer = {layer:.4g} a^2/R: the oil would reach the edge of the grid, where the gap of the dry "
-            f"contact is {film:.4g}; must be at most half of that; leave it out (the gap is full) or use a wider "
-            "solver.half_width"
+            f"lubricant.layer = {track.thickest:.4g} a^2/R: the oil would reach the edge of the grid, where the gap "
+            f"of the dry contact is {film:.4g}; must be at most half of that; leave it out (the gap is full) "
+            "or use a wider solver.half_width"
         )
 
 

@@ -181,7 +181,7 @@ def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
 
 def _void(contact: Contact, P: Array, H: Array, speed: Number, layer: Number | None, r: Array) -> Array:
     """The void of a steady film that a layer of oil enters, None: a full gap; X points downstream."""
-    first = 0.0 if layer is None else downstream(mass(contact, P[:, :2], H[:, :2]))[:, 0] - layer
+    first = 0.0 if layer is None else (downstream(mass(contact, P[:, :2], H[:, :2]))[:, :1] - layer)[:, 0]
     return void_downstream(P, r, first, speed, contact.spacing)
 
 

@@ -26,6 +26,11 @@ def outside_of(case: Case, grid: Grid) -> Outside:
     return outside.around_grid(grid, lambda_bar, case.geometry)
 
 
+def layer_of(case: Case, grid: Grid) -> Array | None:
+    """The oil per area that the surfaces bring along, at each Y, shape (n, 1); None where the gap is full."""
+    return None if case.track is None else jax.device_put(case.track.across(grid.kept_y)[:, None])
+
+
 def smooth_contact(case: Case, grid: Grid) -> Contact:
     """The two surfaces without roughness, and the oil at T = 0."""
     smooth = contact.bare_contact(case.geometry, grid, case.parameters.lambda_bar, case.lubricant)

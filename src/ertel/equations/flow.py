@@ -42,7 +42,7 @@ class Rate(NamedTuple):
 
     new: weight of the mass at the node now.  past: the known part, from the earlier masses, shape (n, n) or a number.
     wedge: the entrainment speed U >= 0 where the film is steady, so that its past is the film upstream; else None.
-    layer: the oil per area that enters a steady contact, None where the inlet is full.
+    layer: the oil per area that enters a steady contact, a number or of shape (n, 1); None where the inlet is full.
     """
 
     new: Number

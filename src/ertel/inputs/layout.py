@@ -16,7 +16,7 @@ from ertel.case.records import OIL_LAWS, choices_of, hints_of, show
 from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Drive, Output, Solver, Thermal, Time
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics.lubricant import Oil
-from ertel.physics.motion import Oscillation, Signal
+from ertel.physics.motion import Oscillation, Signal, Track
 from ertel.physics.registry import SHAPES, Registry
 from ertel.physics.units import (
     COMPLIANCE,
@@ -174,6 +174,7 @@ class Key(NamedTuple):
         """The kind of a value in words."""
         if isinstance(self.mark, Unit):
             text = f"number ({self.mark.own}) or quantity" if self.mark.scale else "quantity"
+            text += ", or [[y, thickness], ...]" * (Track in self.options)
             return ", ".join([*self.choices, text])
         if self.mark is not None:
             return "integer" if self.mark.whole else "number"

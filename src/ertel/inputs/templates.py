@@ -25,9 +25,9 @@ from ertel.inputs.layout import (
 )
 from ertel.inputs.names import OF_OILS
 from ertel.inputs.quantities import LONGEST
-from ertel.physics.motion import Oscillation, Signal
+from ertel.physics.motion import Oscillation, Polyline, Signal, Track
 from ertel.physics.registry import SHAPES, Registry
-from ertel.physics.units import FINITE, TEMPERATURE, TIME, Bounds, Mark, Unit
+from ertel.physics.units import FINITE, TEMPERATURE, Bounds, Mark, Unit
 
 SCHEMA_FILE = "ertel.schema.json"
 WIDTH, MEANING_FROM = 120, 36  # columns
@@ -199,6 +199,8 @@ def _explained(key: Key) -> Schema:
 
 def _value_schema(key: Key) -> Schema:
     """The schema of the value of a key."""
+    if Track in key.options and key.mark is not None:
+        return {"anyOf": [_marked_schema(key.mark), _points_schema(Track)]}
     if key.mark is not None:
         marked = _marked_schema(key.mark)
         return {"anyOf": [{"enum": list(key.choices)}, *marked["anyOf"]]} if key.choices else marked
@@ -207,22 +209,20 @@ def _value_schema(key: Key) -> Schema:
     if key.choices:
         return {"enum": list(key.choices)}
     if Signal in key.options:
-        point = {
-            "type": "array",
-            "prefixItems": [_marked_schema(TIME), _marked_schema(FINITE)],
-            "minItems": 2,
-            "maxItems": 2,
-        }
-        points = {"type": "array", "items": point, "minItems": 1}
-        return {
-            "anyOf": [_marked_schema(FINITE), points, _table_schema(first_paragraph(Oscillation), keys_of(Oscillation))]
-        }
+        oscillation = _table_schema(first_paragraph(Oscillation), keys_of(Oscillation))
+        return {"anyOf": [_marked_schema(FINITE), _points_schema(Polyline), oscillation]}
     if DataSheet in key.options:
         return {"anyOf": [{"type": "string"}, _record_schema(DataSheet)]}
     if Ellipsis in key.options:
         return {"type": "array", "items": {"type": "number"}}
     types = {bool: "boolean", float: "number", int: "integer"}
     return {"type": next((types[option] for option in key.options if option in types), "string")}
+
+
+def _points_schema(kind: type[Polyline]) -> Schema:
+    """The points of a signal or a track."""
+    point = {"type": "array", "prefixItems": [*map(_marked_schema, kind.MARKS)], "minItems": 2, "maxItems": 2}
+    return {"type": "array", "items": point, "minItems": 1}
 
 
 def _law_schema(laws: Registry, by_name: bool) -> Schema:

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 import numpy as np
 
 from ertel.physics.fluidity import Fluidity, NewtonianOil
+from ertel.physics.motion import Track
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, VISCOSITY_LAWS, OfAnyOil, Registry, arrays_of
 from ertel.physics.units import (
     ABOVE_ZERO,
@@ -298,9 +299,12 @@ class Oil:
         ),
     ] = "newtonian"
     layer: Annotated[
-        Amount | None,
+        Amount | Track | None,
         LAYER,
-        Meaning("thickness of the oil on both surfaces together; left out: the gap is full (flooded)"),
+        Meaning(
+            "thickness of the oil on both surfaces together, or across the track, [[y, thickness], ...]; left out: the "
+            "gap is full (flooded)"
+        ),
     ] = None
     layer_1: Annotated[Amount | None, LAYER, Meaning("of the oil on surface 1, in place of layer", "1 um")] = None
     layer_2: Annotated[Amount | None, LAYER, Meaning("of the oil on surface 2, in place of layer", "1 um")] = None
@@ -316,12 +320,16 @@ class Oil:
                 except ValueError as error:
                     raise ValueError(f"{name} = {repr(value)[:60]}: {error}") from error
 
-    def layer_at(self, slide_to_roll: float) -> float | None:
-        """The oil that both surfaces bring along, (u1 h1 + u2 h2)/u_m, in the unit of the layers; None if flooded."""
-        if self.layer is not None or (self.layer_1 is None and self.layer_2 is None):
-            return None if self.layer is None else plain(self.layer)
+    def track(self, slide_to_roll: float) -> Track | None:
+        """The oil that both surfaces bring along, (u1 h1 + u2 h2)/u_m; None if flooded."""
+        if isinstance(self.layer, Track):
+            return self.layer
+        if self.layer is not None:
+            return Track(((0.0, self.layer),))
+        if self.layer_1 is None and self.layer_2 is None:
+            return None
         first, second = plain(self.layer_1 or 0.0), plain(self.layer_2 or 0.0)
-        return first + second + (first - second) * slide_to_roll / 2
+        return Track(((0.0, first + second + (first - second) * slide_to_roll / 2),))
 
     @property
     def is_isoviscous(self) -> bool:

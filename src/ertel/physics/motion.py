@@ -12,12 +12,24 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from math import cos, inf, pi, sin
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, ClassVar, Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ertel.physics.geometry import FREE_BALL_INERTIA
-from ertel.physics.units import DURATION, FINITE, Amount, Meaning, Quantity, plain
+from ertel.physics.units import (
+    DURATION,
+    FINITE,
+    LAYER,
+    POSITION,
+    TIME,
+    Amount,
+    Mark,
+    Meaning,
+    Quantity,
+    plain,
+)
 
 Surface = Literal[1, 2]
 
@@ -50,19 +62,25 @@ class Signal(Protocol):
 class Polyline:
     """Linear interpolation between points (T, value), T increasing; constant before the first and after the last."""
 
-    points: tuple[tuple[Amount, float], ...]
+    points: tuple[tuple[Amount, Amount], ...]
+
+    NAMES: ClassVar[tuple[str, str]] = ("T", "value")
+    MARKS: ClassVar[tuple[Mark, Mark]] = (TIME, FINITE)
 
     def __post_init__(self) -> None:
-        times = [T for T, _ in self.points if not isinstance(T, Quantity)]  # seconds are checked in units t0
+        x, value = self.NAMES
+        places = [place for place, _ in self.points if not isinstance(place, Quantity)]  # SI is checked when scaled
         if not self.points:
-            raise ValueError("points: are none; must be [T, value] with rising T")
-        for early, late in pairwise(times):
-            if not late > early:
-                raise ValueError(f"points: T = {late} comes after T = {early}; must be [T, value] with rising T")
+            raise ValueError(f"points: are none; must be [{x}, {value}] with rising {x}")
+        for first, second in pairwise(places):
+            if not second > first:
+                raise ValueError(
+                    f"points: {x} = {second} comes after {x} = {first}; must be [{x}, {value}] with rising {x}"
+                )
 
     @property
     def _plain(self) -> tuple[tuple[float, float], ...]:
-        return tuple((plain(T), value) for T, value in self.points)
+        return tuple((plain(T), plain(value)) for T, value in self.points)
 
     def __call__(self, T: float) -> float:
         times, values = zip(*self._plain, strict=True)
@@ -82,6 +100,30 @@ class Polyline:
 
     def shortest_period(self) -> float:
         return inf
+
+
+@dataclass(frozen=True)
+class Track(Polyline):
+    """The oil on a track: linear between points (y, thickness), y increasing; constant beyond them."""
+
+    NAMES: ClassVar[tuple[str, str]] = ("y", "thickness")
+    MARKS: ClassVar[tuple[Mark, Mark]] = (POSITION, LAYER)
+
+    def across(self, Y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The thickness at Y."""
+        places, layers = np.transpose(self._plain)
+        return np.asarray(np.interp(Y, places, layers))
+
+    @property
+    def thickest(self) -> float:
+        """The largest thickness."""
+        return max(layer for _, layer in self._plain)
+
+    @property
+    def is_even(self) -> bool:
+        """Whether it is the same on both sides of Y = 0."""
+        places, layers = np.transpose(self._plain)
+        return len(places) == 1 or bool(np.allclose(places, -places[::-1]) and np.allclose(layers, layers[::-1]))
 
 
 @dataclass(frozen=True)
@@ -119,7 +161,7 @@ def reversed_sign(signal: Signal) -> Signal:
     if isinstance(signal, Oscillation):
         return replace(signal, mean=-signal.mean, amplitude=-signal.amplitude)
     if isinstance(signal, Polyline):
-        return Polyline(tuple((T, -value) for T, value in signal.points))
+        return Polyline(tuple((T, -plain(value)) for T, value in signal.points))
     raise ValueError(f"{signal!r}: its sign cannot be changed")
 
 

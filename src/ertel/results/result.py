@@ -7,6 +7,7 @@ from pathlib import Path
 from types import MethodType
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import xarray as xr
 
 from ertel.case.case import Case
@@ -118,6 +119,22 @@ class Result:
     def si(self) -> xr.Dataset:
         """The Dataset in SI units under SI names (h_c for H_c, t for time).  Raises ValueError if dimensionless."""
         return to_si(self.dataset)
+
+    @property
+    def track(self) -> list[list[float | str]]:
+        """The oil that a rolling contact leaves behind, at its end: points [y, thickness], in SI texts with a unit.
+
+        It is the `layer` of the contact that follows on this track: `ertel.rolling(..., layer=result.track)`.  The oil
+        of both surfaces is taken together.  Raises ValueError for an impact, and for a run without its oil.
+        """
+        if self.case.starts_apart or "oil" not in self.dataset:
+            raise ValueError("track: the run is an impact, or has no oil; a rolling contact leaves a track behind")
+        oil = self.dataset["oil"] if self.case.is_steady else self.dataset["oil"].isel(frame=-1)
+        end = 0.0 if self.case.is_steady else float(self.dataset["time"][-1])
+        outlet = oil.isel(X=-1 if self.case.motion.entrainment(end) >= 0 else 0)
+        points = np.transpose([outlet["Y"].values, outlet.values]).tolist()
+        scales = self.case.scales
+        return [[f"{y * scales.a!r} m", f"{oil * scales.film!r} m"] for y, oil in points] if scales else points
 
     @property
     def plot(self) -> Plot:

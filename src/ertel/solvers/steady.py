@@ -92,7 +92,9 @@ class GridSolution:
     def content(self) -> OilContent:
         """The oil that is there."""
         c, motion = discretise.contact_of(self.case, self.grid), self.case.motion
-        content: OilContent = _oil_program(c, self.P, self.H, steady_rate(motion.entrainment(0.0), self.case.layer))
+        content: OilContent = _oil_program(
+            c, self.P, self.H, steady_rate(motion.entrainment(0.0), discretise.layer_of(self.case, self.grid))
+        )
         return content
 
     @property
@@ -287,7 +289,7 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: fl
     return Problem(
         c,
         multigrid.deformation_operators(grid, geometry.compliance, precision),
-        steady_rate(case.motion.entrainment(0.0), case.layer),
+        steady_rate(case.motion.entrainment(0.0), discretise.layer_of(case, grid)),
         balanced(case.motion.load(0.0), geometry.hertz_load).less(outside),
         tolerance,
         tolerance / geometry.hertz_load,

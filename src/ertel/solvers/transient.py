@@ -139,6 +139,7 @@ class Transient2D(Method):
         self.geometry = case.geometry
         self.contact = jax.device_put(discretise.smooth_contact(case, self.grid))
         self.outside = discretise.outside_of(case, self.grid)
+        self.layer = discretise.layer_of(case, self.grid)
         self.closure = closure or NewtonsLaw.of(case.motion, self.geometry.hertz_load)
         elastic = multigrid.deformation_operators(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
@@ -171,7 +172,7 @@ class Transient2D(Method):
             return State(0.0, s.approach, 0.0, s.fields, s.status, work, s.outside, s.load)
         motion = ContactMotion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
         around, P = self.outside.at(motion), jax.device_put(self.outside.at_first(motion))
-        fields, load = _squeezed(c, P, motion.approach, around.uplift, self.case.layer)
+        fields, load = _squeezed(c, P, motion.approach, around.uplift, self.layer)
         work = Work(convolutions=1.0)
         return State(0.0, motion.approach, 1.0, fields, work=work, outside=around.load, load=float(load))
 
@@ -197,8 +198,8 @@ class Transient2D(Method):
         """The oil of the film from which the run starts: of steady rolling, of the gap of an impact, or its layer."""
         if not self.case.starts_apart:
             return self._rolling.finest.content
-        gap, layer = self.contact.gap, self.case.layer
-        return OilContent.without_void(gap if layer is None else jnp.full_like(gap, layer))
+        gap, layer = self.contact.gap, self.layer
+        return OilContent.without_void(gap if layer is None else jnp.broadcast_to(layer, gap.shape))
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         """One BDF step (BDF1 from one level, BDF2 from more): yields one `StepProblem`."""
@@ -278,7 +279,7 @@ class Transient2D(Method):
 
 @jax.jit
 def _squeezed(
-    c: Contact, P: Array, approach: float, uplift: float, layer: float | None
+    c: Contact, P: Array, approach: float, uplift: float, layer: Array | None
 ) -> tuple[dict[str, Array], Array]:
     """The fields of a ball that comes near, and its load.  layer: of oil, None where the gap is full."""
     H = contact.film_thickness(c, P, approach) + uplift
