@@ -57,14 +57,14 @@ def test_run_show_and_plot(here, empty_figures):
     assert (found["status"], found["T"], found["step"], found["done"]) == ("converged", None, 2, 1.0)
 
 
-def test_a_run_on_the_track_of_another(here):
+def test_a_run_on_the_track_of_another(here, runs):
     options = ("--set", "lubricant.layer=0.2 um", "--quiet")
     ertel_("run", "steady.toml", *options, "--out", "first")
     ertel_("run", "steady.toml", *options, "--out", "second", "--after", "first")
     first, second = (xr.open_zarr(here / name / "run.zarr") for name in ("first", "second"))
     assert load_case(here / "second" / "case.toml").track.thickest == pytest.approx(float(first["oil"][:, -1].max()))
     assert float(second["H_c"][-1]) < float(first["H_c"][-1])
-    assert "lubricant.layer" in ertel_("run", "steady.toml", "--set", "lubricant.layer=2 s", code=2).stderr
+    assert "the run is an impact" in ertel_("run", "steady.toml", "--after", str(runs[0] / "small"), code=2).stderr
 
 
 def test_traction_without_meaning_is_warned_of(here):

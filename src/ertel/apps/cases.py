@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from ertel.apps.arguments import CaseFile, Json, OptionalCase, Set, path_argument
-from ertel.apps.terminal import BAD_INPUT, in_shell, leave, print_json, print_path, rough_time, shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, rough_time, shown
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -74,7 +74,8 @@ def on_track_of(directory: Path | None) -> list[str]:
         return []
     from ertel.runs.store import open_run
 
-    return [f"lubricant.layer={json.dumps(open_run(directory).track)}"]
+    with bad_input():
+        return [f"lubricant.layer={json.dumps(open_run(directory).track)}"]
 
 
 def new(
