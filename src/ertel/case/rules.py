@@ -236,8 +236,10 @@ def reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:
     return least < 0 < most
 
 
-def check_layer(oil: Oil, layer: float | None, solver: Solver, geometry: Geometry, motion: Motion) -> None:
-    """The layers of oil are given in one way, move with the flow, and leave the edge of the grid dry."""
+def check_layer(
+    oil: Oil, layer: float | None, solver: Solver, geometry: Geometry, motion: Motion, features: Sequence[Feature]
+) -> None:
+    """The layers of oil are given in one way, move with the flow, cover the roughness and leave the grid's edge dry."""
     if layer is None:
         return
     if oil.layer is not None and (oil.layer_1 is not None or oil.layer_2 is not None):
@@ -247,6 +249,14 @@ def check_layer(oil: Oil, layer: float | None, solver: Solver, geometry: Geometr
             f"lubricant.layer_1, layer_2: at slide_to_roll = {motion.slide_to_roll:g} one surface takes its oil out of "
             "the inlet; give layer, the oil that enters per area at the entrainment speed"
         )
+    for number, feature in enumerate(features, 1):
+        for key in ("amplitude", "rms"):
+            height = getattr(feature.shape, key, 0.0)
+            if layer < abs(height):
+                raise ValueError(
+                    f"lubricant.layer = {layer:.4g} a^2/R: must be at least roughness[{number}].{key} = {height:.4g} "
+                    "a^2/R; a layer of the same thickness everywhere does not lie on a rougher surface"
+                )
     across = solver.half_width_y or solver.half_width
     contact = ContactMotion(geometry.dry_approach(1.0), 0.0, 1.0, 0.0)
     X, Y = np.array([solver.inlet or solver.half_width, 0.0]), np.array([0.0, across])
