@@ -9,7 +9,7 @@ import xarray as xr
 
 from ertel.apps.boundary_layers import ratios, reduction, runs
 from ertel.apps.boundary_layers.figures import FIGURES
-from ertel.apps.boundary_layers.plans import QUICK, BeyondPlan, Drawn, SmoothPlan, WavesPlan
+from ertel.apps.boundary_layers.plans import QUICK, BeyondPlan, Drawn, SmoothPlan, StarvedPlan, WavesPlan
 from ertel.apps.boundary_layers.ratios import Extrapolated, over_film
 from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
@@ -37,6 +37,11 @@ SMALL = replace(
         grids=(33, 65),
         rolling=((M, L, 1.0),),
         rolling_grids=(33, 65),
+    ),
+    starved=StarvedPlan(
+        contacts={"impact": ((M, L),), "rolling": ((50, 10),)},
+        grids={"impact": (33, 65), "rolling": (33, 65)},
+        seconds={"impact": 1.0, "rolling": 1.0},
     ),
 )
 
@@ -121,6 +126,16 @@ def test_figures_of_waves():
     assert made.data["impact"]["last"].sum() == 1
     assert (drawn("fig7", results).data["impact"]["fine"] < 1.05).all()
     assert len(drawn("fig8", results).tables[f"Compared with {runs.USUAL}"]) == 2
+
+
+@pytest.mark.slow
+def test_a_starved_impact_follows_a_curve_like_that_of_rolling():
+    made = drawn("fig9", {})
+    fits = made.tables["Exponents of the curve"]
+    assert list(fits["contact"]) == ["impact", "rolling"]
+    assert fits["g"].astype(float).between(1.8, 3.2).all()
+    shares = made.data["starved"]
+    assert (shares["R"] < np.minimum(shares["r"], 1.0) + 0.02).all()
 
 
 @pytest.mark.slow

@@ -62,7 +62,7 @@ def test_a_run_on_the_track_of_another(here, runs):
     ertel_("run", "steady.toml", *options, "--out", "first")
     ertel_("run", "steady.toml", *options, "--out", "second", "--after", "first")
     first, second = (xr.open_zarr(here / name / "run.zarr") for name in ("first", "second"))
-    assert load_case(here / "second" / "case.toml").track.thickest == pytest.approx(float(first["oil"][:, -1].max()))
+    assert load_case(here / "second" / "case.toml").track.extremes[1] == pytest.approx(float(first["oil"][:, -1].max()))
     assert float(second["H_c"][-1]) < float(first["H_c"][-1])
     assert "the run is an impact" in ertel_("run", "steady.toml", "--after", str(runs[0] / "small"), code=2).stderr
 

@@ -2,13 +2,16 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import pytest
 from app_runs import refused
 from cases import ertel_, names
 
+import ertel
 from ertel.runs.directory import STOP, ask_to_stop
+from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore
 
 STUDY = """
@@ -83,6 +86,21 @@ def test_a_part_gathers_nothing(here):
     assert done.stderr == "2 runs, 1 of them to do in part 2 of 2\n" and done.stdout == ""
     assert names(here / "study") == {"runs"} and len(names(here / "study/runs")) == 1
     assert ertel_("sweep", "loads.toml", "--out", "study", "--jobs", "1").stderr == "2 runs, 1 of them to do\n"
+
+
+def test_files_of_the_user_are_left_alone(here):
+    """Also from Python.  A study may have other files beside it, and a killed one goes on."""
+    (here / "mine").mkdir()
+    (here / "mine/sweep.csv").write_text("mine")
+    complaint = f"{here / 'mine'}: holds other files (sweep.csv); give a new or empty directory, or that of an earlier"
+    assert f"--out {complaint} study" in refused("sweep", "loads.toml", "--out", "mine")
+    with pytest.raises(StoreError, match=re.escape(f"directory {complaint} study")):
+        ertel.sweep("loads.toml", "mine")
+    assert names(here / "mine") == {"sweep.csv"} and (here / "mine/sweep.csv").read_text() == "mine"
+    (here / "study/runs").mkdir(parents=True)
+    ertel_("sweep", "loads.toml", "--jobs", "1", "-q", "--out", "study")
+    (here / "study/notes.txt").write_text("mine")
+    ertel_("sweep", "loads.toml", "--jobs", "1", "-q", "--out", "study")
 
 
 def test_runs_that_fail_are_named_and_the_others_go_on(here):

@@ -14,12 +14,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+import ertel
 from ertel.case.case import Case
+from ertel.case.derived import starvation, wet_radius
 from ertel.equations import contact, discretise
 from ertel.equations.flow import downstream, void_change, void_downstream
 from ertel.equations.state import State
 from ertel.numerics.stencils import total, upstream_slope
-from ertel.physics.surfaces import Feature, Waviness
+from ertel.physics.film_formulas import starved_share
+from ertel.physics.surfaces import Feature, SelfAffine, Waviness
+from ertel.results.diagnostics import case_warnings
+from ertel.results.parameters import formula_films
 from ertel.results.result import Result
 from ertel.runs.drive import simulate
 from ertel.runs.response import respond_in_rolling, respond_linearly
@@ -244,6 +249,50 @@ def test_impacts_on_a_layer_against_another_program(layer: float, H_c: float) ->
     volume = np.asarray(method.mesh.volume)
     stored = [float(volume @ np.asarray(level.fields["mass"])) for level in levels]
     assert_allclose(stored, stored[-1], rtol=1e-10)
+    wet = max(float(np.max(method.mesh.r, where=np.asarray(level.P) > 0, initial=0.0)) for level in levels)
+    assert 0.85 < wet / wet_radius(layer) < 1.0
+
+
+# -- estimates --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("r", STARVED)
+def test_the_formula_of_the_starved_film(r: float) -> None:
+    assert starved_share(r) == pytest.approx(STARVED[r], abs=0.02)
+
+
+@pytest.mark.parametrize(("layer", "H_c"), ON_A_LAYER)
+def test_the_film_that_is_expected_of_a_layer(layer: float, H_c: float) -> None:
+    """In an impact, by the range of the flooded film, which is 5 % below the computed one here."""
+    assert starvation(case_of("impact", layer))[1] == pytest.approx(H_c / 0.15347, rel=0.07)
+
+
+def test_formulas_say_both_films() -> None:
+    """A layer of what the flooded film takes leaves 2^(-1/g) of it, a thin one itself at the density in the contact."""
+    case = case_of("rolling", None)
+    flooded, density = formula_films(case)[0], float(case.lubricant.density(1.0))
+    assert flooded.central is not None
+    films = {film.name: film for film in formula_films(case_of("rolling", flooded.central * density))}
+    assert films[flooded.name] == flooded
+    assert films[f"{flooded.name}, starved"].central == pytest.approx(2 ** (-1 / 2.7) * flooded.central, rel=1e-12)
+    thin = {film.name: film for film in formula_films(case_of("rolling", 1e-3))}[f"{flooded.name}, starved"]
+    assert thin.central == pytest.approx(1e-3 / density, rel=1e-4) and thin.minimum is None
+
+
+def test_a_ball_starts_above_its_layer() -> None:
+    def starting(layer: float, **time: float) -> Case:
+        data = {"contact": {"M": 200, "L": 10}, "lubricant": {"layer": layer}, "time": time}
+        return parse_case({**data, "solver": {"half_width": 6.0}})
+
+    assert starting(0.5).schedule.start_approach == -1.0
+    assert starting(3.0).schedule.start_approach == -3.0 and "starts in" not in " ".join(case_warnings(starting(3.0)))
+    assert "the ball starts in the oil" in " ".join(case_warnings(starting(3.0, start_approach=-2.0)))
+
+
+def test_oil_that_reaches_the_edge_is_said_before_the_run() -> None:
+    said = case_warnings(case_of("impact", 0.5))
+    assert len(said) == 1 and "may get to 2.1 a*, the edge is at 2); use solver.half_width >= 2.25" in said[0]
+    assert not case_warnings(case_of("impact", 0.5, half_width=2.25))
 
 
 def test_a_starved_film_stays_steady_whatever_the_step() -> None:
@@ -291,6 +340,23 @@ def test_the_oil_that_both_surfaces_bring() -> None:
 def test_layers_that_make_no_sense_are_refused(lubricant: Any, motion: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         parse_case({"contact": {"kind": "rolling", "M": 200, "L": 10}, "lubricant": lubricant, "motion": motion})
+
+
+@pytest.mark.parametrize(
+    ("shape", "field"), [(Waviness(0.1, 0.5), "amplitude = 0.1"), (SelfAffine(0.1, 0.8, 0.2, 1.0), "rms = 0.1")]
+)
+def test_a_layer_covers_the_roughness(shape: Any, field: str) -> None:
+    smooth = case_of("impact", 0.05)
+    with pytest.raises(ValueError, match=rf"lubricant\.layer = 0\.05.*roughness\[1\]\.{field}"):
+        replace(smooth, roughness=(Feature(shape),))
+    assert replace(smooth, roughness=(Feature(Waviness(0.05, 0.5)),)).layer == 0.05
+
+
+def test_layers_that_are_not_there_are_refused_in_python() -> None:
+    for layer in (0.0, -1.0):
+        for key in ("layer", "layer_1"):
+            with pytest.raises(ValueError, match=rf"{key} = .*above zero"):
+                ertel.rolling(M=200, L=10, **{key: layer})
 
 
 @pytest.mark.parametrize("respond", [respond_linearly, respond_in_rolling])

@@ -1,8 +1,8 @@
 """Validate starved contacts: films and restitution on layers of oil; writes the tables in this folder.
 
-    python validation/starvation/validate.py [reduction] [impact] [track]
+    python validation/starvation/validate.py [impact] [track]
 
-Times on two cores: reduction 6 minutes, impact 4, track 4.
+Times on two cores: impact 4 minutes, track 4.
 """
 
 import sys
@@ -11,17 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 import ertel
-from ertel.numerics.programs import double_precision
 
 HERE = Path(__file__).parent
 L = 10
-RATIOS = (0.25, 0.5, 1.0, 2.0, 4.0)
 PASSES = (1, 2, 3, 5, 10, 20)
-# R of rolling at M = 200, L = 10 by a dense program of its own, on a spacing of 0.05
-DENSE = {0.25: 0.2463, 0.5: 0.4778, 1.0: 0.7903, 2.0: 0.9352, 4.0: 0.9789}
 # layer: H_c and restitution of impacts by a radial program of its own, to 0.3 % and 0.002
 RADIAL: Mapping[float, Mapping[float | None, tuple[float, float]]] = {
     200: {
@@ -41,10 +36,6 @@ def table(head: list[str], rows: list[list[str]]) -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
 
 
-def rolling(M: float, layer: float | None) -> dict[str, Any]:
-    return roll(M, layer, 129).summary
-
-
 def roll(M: float, layer: Any, nodes: int) -> ertel.Result:
     return ertel.simulate(ertel.rolling(M=M, L=L, nodes=nodes, layer=layer))
 
@@ -52,40 +43,6 @@ def roll(M: float, layer: Any, nodes: int) -> ertel.Result:
 def impact(M: float, layer: float | None, **more: Any) -> dict[str, Any]:
     case = ertel.impact(M=M, L=L, method="radial", nodes=201, half_width=3.0, layer=layer, **more)
     return ertel.simulate(case).summary
-
-
-@double_precision()
-def oil_at_centre(M: float, kind: str, summary: Mapping[str, Any]) -> float:
-    """rho H in the centre, of an impact at maximum approach."""
-    case = ertel.impact(M=M, L=L) if kind == "impact" else ertel.rolling(M=M, L=L)
-    return float(case.lubricant.density(summary["P_c"]) * summary["H_c"])
-
-
-def exponent(reductions: Mapping[float, float]) -> tuple[float, float]:
-    """The exponent of R = r/(1 + r^g)^(1/g) that fits best, and the largest deviation of R."""
-    r, R = (np.array(values) for values in zip(*reductions.items(), strict=True))
-
-    def deviation(g: float) -> np.ndarray:
-        found: np.ndarray = r / (1 + r**g) ** (1 / g) - R
-        return found
-
-    g = float(minimize_scalar(lambda g: float(np.sum(deviation(g) ** 2)), bounds=(1, 8), method="bounded").x)
-    return g, float(np.abs(deviation(g)).max())
-
-
-def reduction() -> str:
-    """The film over the flooded one, R, against the oil that is offered over that of the flooded film, r."""
-    rows = []
-    for kind, M in (("rolling", 50), ("rolling", 200), ("impact", 200), ("impact", 1000)):
-        solve = rolling if kind == "rolling" else impact
-        flooded = oil_at_centre(M, kind, solve(M, None))
-        reductions = {r: oil_at_centre(M, kind, solve(M, r * flooded)) / flooded for r in RATIOS}
-        g, largest = exponent(reductions)
-        rows.append([kind, str(M), *(f"{R:.4f}" for R in reductions.values()), f"{g:.2f}", f"{largest:.3f}"])
-        print(*rows[-1], flush=True)
-    by_ratio = [f"r = {r:g}" for r in RATIOS]
-    rows.append(["rolling, dense program", "200", *(f"{DENSE[r]:.4f}" for r in RATIOS), *map(str, ("", ""))])
-    return table(["contact", "M", *by_ratio, "exponent", "largest deviation"], rows)
 
 
 def impacts() -> str:
@@ -126,7 +83,6 @@ def track() -> str:
 
 
 TABLES: Mapping[str, tuple[str, Callable[[], str]]] = {
-    "reduction": ("Starved films over flooded ones", reduction),
     "impact": ("Impacts on layers of oil", impacts),
     "track": ("A track that is rolled over many times", track),
 }

@@ -183,8 +183,14 @@ def _needs(content: dict[str, Any]) -> dict[str, str]:
     in_si = f" = {with_prefix(grid['spacing_m'], 'm')}" if "spacing_m" in grid else ""
     there = f" of {memory['available'] / 1e9:.3g} GB" if memory["available"] else ""
     steps = f", {time['steps']} time steps" if time["steps"] else ""
+    starved, layers = content["starvation"], {}
+    if starved:
+        layers["layers of oil"] = f"r = {starved['r']:.3g}, about {starved['share']:.0%} of the flooded film"
+    if "wet_radius" in starved:
+        layers["wet radius"] = f"at most {starved['wet_radius']:.3g} a at maximum approach"
     return {
         "rheology": content["rheology"],
+        **layers,
         "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
         "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
         "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",

@@ -126,7 +126,7 @@ def print_films(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[
     print_rows(film_rows(case, films, computed))
     console().print("(in brackets: the contact is outside the range of the formula)")
     if case.layer is not None:
-        console().print("(the formulas are for a flooded contact; this one has lubricant.layer)")
+        console().print("(starved: on the layers of oil, Chevalier et al. 1998; the others: flooded)")
 
 
 def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[str, Number]) -> list[list[str]]:

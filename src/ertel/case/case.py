@@ -149,7 +149,9 @@ class Case:
             object.__setattr__(self, "solver", checked(replace(self.solver, half_width_y=across), "solver"))
         if not self.is_steady:
             given = self.time or Time()
-            start = START_APPROACH if given.start_approach is None and self.starts_apart else given.start_approach
+            start = given.start_approach
+            if start is None and self.starts_apart:
+                start = min(START_APPROACH, -(self.layer or 0.0))  # above the oil
             until = ENDS[self.kind] if given.until is None else given.until
             object.__setattr__(self, "time", replace(given, start_approach=start, until=until))
             object.__setattr__(self, "output", self.output or Output())
@@ -172,7 +174,7 @@ class Case:
         if not self.starts_apart:
             rules.check_outside(self.solver, self.parameters, self.geometry, self.motion)
         rules.check_roughness(self.solver, self.motion, self.features)
-        rules.check_layer(self.oil, self.track, self.solver, self.geometry, self.motion)
+        rules.check_layer(self.oil, self.track, self.solver, self.geometry, self.motion, self.features)
         if self.thermal:
             rules.check_thermal(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
         self.lubricant  # noqa: B018  # raises if its data give no law

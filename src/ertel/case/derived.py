@@ -1,13 +1,14 @@
 """Nodes of a case, and estimates of its film, pressure and shear stress without a run.  No JAX."""
 
-from math import cbrt, floor, inf, log2
+from math import cbrt, floor, inf, log2, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry, nodes_across
-from ertel.physics import surfaces
+from ertel.physics import hertz, surfaces
+from ertel.physics.film_formulas import IMPACT_EXPONENT, ROLLING_EXPONENT, starved_share
 
 CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
 EDGE = 1.0  # maximum radius of the dry contact: the grid is finest here, where the film is thinnest
@@ -66,12 +67,40 @@ def extent(half_width: float) -> float:
     return _evenly(EDGE, WIDENING_INSIDE) + _evenly(half_width - EDGE, WIDENING_OUTSIDE)
 
 
+# -- estimates for layers of oil --------------------------------------------------------------------------------------
+
+
+def starvation(case: Case) -> tuple[float, float]:
+    """r, the oil of the layers over that of the flooded film, and the share of that film which is expected.
+
+    Of an impact at maximum approach.  Infinite and 1 for a full gap.
+    """
+    if case.layer is None:
+        return inf, 1.0
+    flooded, exponent = case.film_scale, ROLLING_EXPONENT
+    if case.starts_apart:
+        flooded, exponent = sum(case.parameters.impact_films) / 2, IMPACT_EXPONENT
+    r = case.layer / (float(case.lubricant.density(1.0)) * flooded)
+    return r, starved_share(r, exponent)
+
+
+def wet_radius(layer: float) -> float:
+    """The radius (a) up to which a layer (a^2/R) is wet by a ball at maximum approach, at most.
+
+    The oil that the ball displaces fills the dry gap around the contact.  In the computed impacts it is 6 to 13 %
+    smaller: the film holds oil back.  Early, where the ball is rigid, it is 2 sqrt(layer - H_0).
+    """
+    r = np.linspace(0.0, 2.0 * sqrt(layer + 1.0), 1001)[1:]
+    mean_gap = 2.0 * np.cumsum(hertz.gap(r) * r) * r[0] / r**2
+    return float(np.interp(layer, mean_gap, r))
+
+
 # -- estimates of a physical contact --------------------------------------------------------------------------------
 
 
 def film_estimate(case: Case) -> float:
     """The expected central film thickness (m), an impact's by its scale; infinite for a dimensionless case."""
-    return case.film_scale * case.scales.film if case.scales else inf
+    return case.film_scale * starvation(case)[1] * case.scales.film if case.scales else inf
 
 
 def largest_pressure(case: Case) -> float:

@@ -236,8 +236,10 @@ def reverses(contact: Conditions, drive: Drive, time: Time | None) -> bool:
     return least < 0 < most
 
 
-def check_layer(oil: Oil, track: Track | None, solver: Solver, geometry: Geometry, motion: Motion) -> None:
-    """The layers of oil are given in one way, move with the flow, and leave the edge of the grid dry."""
+def check_layer(
+    oil: Oil, track: Track | None, solver: Solver, geometry: Geometry, motion: Motion, features: Sequence[Feature]
+) -> None:
+    """The layers of oil are given in one way, move with the flow, cover the roughness and leave the grid's edge dry."""
     if track is None:
         return
     if oil.layer is not None and (oil.layer_1 is not None or oil.layer_2 is not None):
@@ -252,13 +254,22 @@ def check_layer(oil: Oil, track: Track | None, solver: Solver, geometry: Geometr
             f'lubricant.layer = {show(oil.layer)}: solver.method = "radial" takes a uniform layer; use '
             'solver.method = "2d" or one thickness'
         )
+    thinnest, thickest = track.extremes
+    for number, feature in enumerate(features, 1):
+        for key in ("amplitude", "rms"):
+            height = getattr(feature.shape, key, 0.0)
+            if thinnest < abs(height):
+                raise ValueError(
+                    f"lubricant.layer = {thinnest:.4g} a^2/R: must be at least roughness[{number}].{key} = "
+                    f"{height:.4g} a^2/R; a layer of the same thickness everywhere does not lie on a rougher surface"
+                )
     across = solver.half_width_y or solver.half_width
     contact = ContactMotion(geometry.dry_approach(1.0), 0.0, 1.0, 0.0)
     X, Y = np.array([solver.inlet or solver.half_width, 0.0]), np.array([0.0, across])
     film = float(far_film(X, Y, contact, geometry).min())
-    if track.thickest > film / 2:
+    if thickest > film / 2:
         raise ValueError(
-            f"lubricant.layer = {track.thickest:.4g} a^2/R: the oil would reach the edge of the grid, where the gap "
+            f"lubricant.layer = {thickest:.4g} a^2/R: the oil would reach the edge of the grid, where the gap "
             f"of the dry contact is {film:.4g}; must be at most half of that; leave it out (the gap is full) "
             "or use a wider solver.half_width"
         )

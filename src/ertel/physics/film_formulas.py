@@ -1,7 +1,7 @@
 """Film thickness formulas for steady rolling, for comparison and for extrapolation.
 
 All formulas are for fully flooded, isothermal, Newtonian contacts with smooth surfaces.  `films` evaluates them for a
-circular or an elliptical contact.
+circular or an elliptical contact.  `starved_share` is the part of a flooded film that a thin layer of oil leaves.
 
 =========  ========================================================================================================
 symbol     meaning, in every formula here
@@ -29,11 +29,15 @@ from ertel.physics.units import require_not_negative, require_positive
 BALL = 1.03  # ellipticity of a ball by Hamrock and Dowson's fit k = 1.03 (Ry/Rx)^0.64; the exact value is 1
 CLOSE = 0.1  # an asymptote holds if it is within this relative distance of the Nijenbanning-Venner-Moes formula
 
+ROLLING_EXPONENT = 2.7  # g of `starved_share`, within 0.02 of ertel's films at M = 200, L = 10; published: 2 to 5
+IMPACT_EXPONENT = 2.2  # within 2 % at maximum approach, M = 200 and 1000, L = 10
+
 SOURCES = {
     "Nijenbanning-Venner-Moes": "Nijenbanning G, Venner CH, Moes H. Wear 1994;176:217-229",
     "Hamrock-Dowson": "Hamrock BJ, Dowson D. J Lubr Technol 1977;99:264-276",
     "Chittenden et al.": "Chittenden RJ, Dowson D, Dunn JF, Taylor CM. Proc R Soc Lond A 1985;397:245-294",
     "Dowson-Higginson": "Dowson D. Proc Inst Mech Eng 1967-68;182(3A):151-167",
+    "Chevalier et al.": "Chevalier F, Lubrecht AA, Cann PME, Colin F, Dalmaz G. J Tribol 1998;120:126-133",
     "Dowson-Toyoda": "Dowson D, Toyoda S. Proc 5th Leeds-Lyon Symp on Tribology 1979:60-65",
 }
 
@@ -226,6 +230,18 @@ def _own_unit(parameters: Parameters, flow: FlowDirection) -> float:
     return 1.0 / (sqrt(flow.curvature) * cbrt(1.5 * e.kappa * e.beta * parameters.M) ** 2)
 
 
+def starved_share(r: float, exponent: float = ROLLING_EXPONENT) -> float:
+    """The film over the flooded one, R = r/(1 + r^g)^(1/g), g: exponent.
+
+    Chevalier F, Lubrecht AA, Cann PME, Colin F, Dalmaz G. Film thickness in starved EHL point contacts. J Tribol
+    1998;120:126-133, for circular rolling contacts at maximum pressures where the oil hardly flows to the sides.
+    r: the oil that enters over what the flooded film takes, layer/(rho_c H_c), rho_c: the density in the contact over
+    that at ambient pressure; above zero.
+    """
+    require_positive("r", r)
+    return (1.0 + r**-exponent) ** (-1.0 / exponent)
+
+
 class FormulaFilm(NamedTuple):
     """Result of one formula for one contact.
 
@@ -239,6 +255,13 @@ class FormulaFilm(NamedTuple):
     source: str
     valid: str
     inside: bool | None
+
+    def starved(self, oil: float) -> "FormulaFilm":
+        """The central film on a layer of oil (a^2/R, at the density in the contact); the minimum falls by less."""
+        assert self.central is not None
+        valid = f"R = r/(1 + r^g)^(1/g), g = {ROLLING_EXPONENT} (published: 2 to 5), r = layer/(rho_c H_c flooded)"
+        film = self.central * starved_share(oil / self.central)
+        return FormulaFilm(f"{self.name}, starved", film, None, SOURCES["Chevalier et al."], valid, self.inside)
 
 
 def films(parameters: Parameters, ugw: HamrockDowson | None = None, angle: float = 0.0) -> list[FormulaFilm]:

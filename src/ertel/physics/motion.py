@@ -115,9 +115,10 @@ class Track(Polyline):
         return np.asarray(np.interp(Y, places, layers))
 
     @property
-    def thickest(self) -> float:
-        """The largest thickness."""
-        return max(layer for _, layer in self._plain)
+    def extremes(self) -> tuple[float, float]:
+        """The least and the largest thickness."""
+        layers = [layer for _, layer in self._plain]
+        return min(layers), max(layers)
 
     @property
     def is_even(self) -> bool:

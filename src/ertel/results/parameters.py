@@ -104,7 +104,8 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> li
     Returns
     -------
     list of FormulaFilm
-        Empty for an impact, and without load or without speed, where the formulas have no meaning.
+        Empty for an impact, and without load or without speed, where the formulas have no meaning.  With layers of oil
+        the flooded films, then what the layers leave of those that are made for such a contact.
     """
     speed = abs(entrainment)
     if case.starts_apart or load <= 0 or speed == 0:
@@ -118,7 +119,11 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> li
     def in_units_of_the_case(film: float | None) -> float | None:
         return None if film is None else film * unit
 
-    return [
+    flooded = [
         film._replace(central=in_units_of_the_case(film.central), minimum=in_units_of_the_case(film.minimum))
         for film in formulas
     ]
+    if case.layer is None:
+        return flooded
+    oil = case.layer / float(case.lubricant.density(cbrt(load)))
+    return [*flooded, *(film.starved(oil) for film in flooded if film.central and film.inside is not False)]

@@ -20,9 +20,12 @@ from ertel.case.derived import (
     largest_pressure,
     newtonian_stress,
     radii,
+    starvation,
+    wet_radius,
 )
 from ertel.case.sections import Time
 from ertel.inputs import materials
+from ertel.physics.geometry import CIRCLE
 from ertel.results import diagnostics
 from ertel.results.numbers import numbers
 from ertel.results.parameters import formula_films, parameter_summary, rheology_of
@@ -62,8 +65,9 @@ def outlook(case: Case) -> dict[str, Any]:
     dict
         name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
         rolling contact at T = 0 by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a),
-        cells_in_sweep, and spacing_m of a physical case; memory: needed and available bytes, None where that is not
-        known; time: steps and seconds, roughly; warnings.
+        cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `derived.starvation`, and
+        wet_radius (a) of an impact of circular symmetry, empty for a full gap; memory: needed and available bytes, None
+        where that is not known; time: steps and seconds, roughly; warnings.
     """
     available, needed = memory_available(), memory_needed(case)
     shortage = memory_shortage(case) if 0 < available < needed else ""
@@ -83,6 +87,7 @@ def outlook(case: Case) -> dict[str, Any]:
         "parameters": parameter_summary(case),
         "films": [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))],
         "grid": _grid(case),
+        "starvation": _starvation(case),
         "memory": {"needed": needed, "available": available or None},
         "time": {"steps": expected_steps(case), "seconds": expected_seconds(case)},
         "warnings": [sentence for sentence in sentences if sentence],
@@ -118,6 +123,14 @@ def _resolution_warning(case: Case) -> str:
     if case.starts_apart:
         return diagnostics.front_warning(case, _spacing(case))
     return diagnostics.sweep_warning(case, abs(case.motion.entrainment(0.0)))
+
+
+def _starvation(case: Case) -> dict[str, float]:
+    """The expected effect of the layers of oil; empty for a full gap."""
+    if case.layer is None:
+        return {}
+    wet = {"wet_radius": wet_radius(case.layer)} if case.starts_apart and case.geometry is CIRCLE else {}
+    return dict(zip(("r", "share"), starvation(case), strict=True)) | wet
 
 
 # -- time -------------------------------------------------------------------------------------------------------------

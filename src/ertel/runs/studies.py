@@ -33,7 +33,7 @@ from ertel.results.numbers import scalars
 from ertel.results.study_result import MISSING, StudyResult, StudyRun, study_dataset
 from ertel.runs.batch import STEPS, program_of
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import CASE, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
+from ertel.runs.directory import CASE, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
 from ertel.runs.files import StoreError, locked
 from ertel.runs.store import RunStore, compute
@@ -42,6 +42,7 @@ from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, ne
 
 RUNS = "runs"
 NAME, ENDINGS = "sweep", ("zarr", "csv", "png")  # of the files with the numbers
+LISTED = 5  # names of files in a message
 FAILED = "failed: "  # how the status of a run begins that raised an exception
 EVERY = (1, 1)  # the part that is all of it
 
@@ -95,13 +96,14 @@ def sweep(
     ConfigError
         A value is not allowed; the message names the field, its value and what is allowed.
     StoreError
-        Another process is working on the study.
+        Another process is working on the study, or the directory holds other files.
     """
     check_jax()
     file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
     engine = Engine(jobs, scheduler, file, keys)
     planned = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
     path = Path(directory).absolute()
+    require_place(path)
     left = left_of(planned.cases, path)
     with engine.workers(len(left)) as workers, alone(path):
         statuses = run_study(planned.cases, path, workers, progress=progress)
@@ -133,6 +135,20 @@ def _is_done(directory: Path) -> bool:
         return RunStore.open(directory).outcome() is not None
     except (StoreError, OSError):
         return False
+
+
+def require_place(directory: Path, name: str = NAME, option: str = "directory") -> None:
+    """Raise Taken, naming the option, where a directory holds files that a study would overwrite or be mixed with.
+
+    name: of the files of the study.  The directory of an earlier one may hold other files as well.
+    """
+    visible = {path.name for path in directory.glob("[!.]*")}
+    own = {RUNS, STOP, *(f"{name}.{ending}" for ending in ENDINGS)}
+    is_own = f"{name}.zarr" in visible or (RUNS in visible and visible <= own)
+    if visible and not is_own:
+        some = ", ".join(sorted(visible)[:LISTED])
+        allowed = "give a new or empty directory, or that of an earlier " + ("study" if name == NAME else "curve")
+        raise Taken(f"{option} {directory}: holds other files ({some}); {allowed}")
 
 
 @contextmanager

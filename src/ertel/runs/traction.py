@@ -42,7 +42,7 @@ from ertel.results.study_result import (
 from ertel.results.variables import with_coefficients
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import STOP, Taken
+from ertel.runs.directory import Taken
 from ertel.runs.drive import GridStep, bars, drive, run_of, warn
 from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
@@ -52,7 +52,6 @@ from ertel.solvers.steady import Rolling
 
 NAME = "traction"  # of the files with the points
 OLDER = "traction.json"  # what earlier versions kept their points in
-LISTED = 5  # names of files in a message
 NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but not that of a surface
 
 FilmChoice = Literal["each", "once"]
@@ -117,9 +116,16 @@ def traction(
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
     if directory:
         place = Path(directory).absolute()
-        require_place(place, "directory")
+        require_place(place)
         return store_curve(curve, place, progress)
     return compute_curve(curve, progress)
+
+
+def require_place(directory: Path, option: str = "directory") -> None:
+    """Raise Taken, naming the option, for the directory of a curve of an earlier version, or see `studies`."""
+    if (directory / OLDER).exists():
+        raise Taken(f"{option} {directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
+    studies.require_place(directory, NAME, option)
 
 
 # -- the curve --------------------------------------------------------------------------------------------------------
@@ -253,24 +259,6 @@ def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Co
         result = replace(_curve(curve, film_of), directory=directory)
         studies.write_study(result, directory, NAME)
     return result
-
-
-def require_place(directory: Path, option: str) -> None:
-    """Raise Taken, naming the option, where a directory holds files that a curve would overwrite or be mixed with.
-
-    The directory of an earlier curve may hold other files as well.
-    """
-    if not directory.exists():
-        return
-    visible = {path.name for path in directory.iterdir() if not path.name.startswith(".")}
-    if OLDER in visible:
-        raise Taken(f"{option} {directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
-    of_a_curve = {studies.RUNS, STOP, *(f"{NAME}.{ending}" for ending in studies.ENDINGS)}
-    is_curve = f"{NAME}.zarr" in visible or (studies.RUNS in visible and visible <= of_a_curve)
-    if visible and not is_curve:
-        some = ", ".join(sorted(visible)[:LISTED])
-        allowed = "give a new or empty directory, or that of an earlier curve"
-        raise Taken(f"{option} {directory}: holds other files ({some}); {allowed}")
 
 
 def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:

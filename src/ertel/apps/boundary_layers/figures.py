@@ -19,7 +19,7 @@ from matplotlib import rc_context
 from pandas import DataFrame, option_context
 
 import ertel
-from ertel.apps.boundary_layers import front, ratios, reduction, runs
+from ertel.apps.boundary_layers import front, ratios, reduction, runs, starvation
 from ertel.apps.boundary_layers.plans import FULL, QUICK, Drawn, Plan
 from ertel.apps.boundary_layers.runs import Results
 from ertel.runs.tasks import Failure, Task, kept, run_tasks
@@ -53,6 +53,7 @@ FIGURES: Mapping[str, PaperFigure] = {
     "fig6": PaperFigure("Fig. 6  Amplitude reduction in impact and rolling", reduction.tasks, reduction.reduction),
     "fig7": PaperFigure("Beyond the paper: Fig. 7  Waves of other shapes", ratios.shape_tasks, ratios.other_waves),
     "fig8": PaperFigure("Beyond the paper: Fig. 8  Other lubricants", ratios.oil_tasks, ratios.other_oils),
+    "fig9": PaperFigure("Beyond the paper: Fig. 9  Starved films", starvation.tasks, starvation.starved),
 }
 
 

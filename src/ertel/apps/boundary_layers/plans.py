@@ -76,6 +76,15 @@ class BeyondPlan:
 
 
 @dataclass(frozen=True)
+class StarvedPlan:
+    """Contacts on layers of oil, Fig. 9, by "impact" and "rolling": M and L, nodes of both grids, expected seconds."""
+
+    contacts: Mapping[str, tuple[Moes, ...]]
+    grids: Mapping[str, tuple[int, int]]
+    seconds: Mapping[str, float]
+
+
+@dataclass(frozen=True)
 class Plan:
     """The runs of all figures."""
 
@@ -83,6 +92,7 @@ class Plan:
     smooth: SmoothPlan
     waves: WavesPlan
     beyond: BeyondPlan
+    starved: StarvedPlan
 
 
 QUICK = Plan(
@@ -104,6 +114,11 @@ QUICK = Plan(
         grids=(97, 193),
         rolling=((200, 10, 1.0), (1000, 10, 1.0)),
         rolling_grids=(65, 129),
+    ),
+    StarvedPlan(
+        contacts={"impact": ((200, 10), (1000, 10)), "rolling": ((50, 10), (200, 10))},
+        grids={"impact": (65, 129), "rolling": (65, 129)},
+        seconds={"impact": 20.0, "rolling": 20.0},
     ),
 )
 FULL = Plan(
@@ -157,6 +172,14 @@ FULL = Plan(
         grids=(193, 385),
         rolling=((200, 10, 0.5), (200, 10, 1.0), (1000, 10, 0.5), (1000, 10, 1.0)),
         rolling_grids=(257, 513),
+    ),
+    StarvedPlan(
+        contacts={
+            "impact": ((100, 10), (200, 5), (200, 10), (200, 20), (1000, 10), (2000, 10)),
+            "rolling": ((50, 10), (200, 5), (200, 10), (200, 20), (1000, 10)),
+        },
+        grids={"impact": (129, 257), "rolling": (129, 257)},
+        seconds={"impact": 60.0, "rolling": 60.0},
     ),
 )
 
