@@ -255,13 +255,19 @@ def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Arra
     """Pressure from the coarser grid, and the approach, reduced if the surfaces would overlap."""
     H_min = coarse.measure()["H_min"]
     least, thinnest = LEAST_FILM * max(H_min, 0.0), H_min + coarse.approach - approach
-    return _refined(c, coarse.P), approach - max(least - thinnest, 0.0)
+    return _refined(c, coarse.P, np.asarray(coarse.case.layer is not None)), approach - max(least - thinnest, 0.0)
 
 
-def _from_coarse(c: Contact, coarse: Array) -> Array:
+def _from_coarse(c: Contact, coarse: Array, starved: Array) -> Array:
+    """Pressure on the finer grid; starved: only where it is above zero at all nodes around.
+
+    Newton's iteration moves a meniscus upstream in fewer steps than it takes to correct one that lies too far upstream.
+    """
+    coarse = unfolded(coarse, c.even)
+    full = multigrid.prolong(jnp.where(coarse > 0.0, 1.0, 0.0)) == 1.0
     # linear interpolation has steps in the slope, which cause a large residual in the inlet
-    P = folded(multigrid.prolong_smooth(unfolded(coarse, c.even)), c.even)
-    return stencils.inside(jnp.maximum(P, 0.0), c.even)
+    P = jnp.where(full | ~starved, multigrid.prolong_smooth(coarse), 0.0)
+    return stencils.inside(folded(jnp.maximum(P, 0.0), c.even), c.even)
 
 
 _refined = Program(jax.jit(_from_coarse), ANY_SIZE)
