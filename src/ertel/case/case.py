@@ -166,6 +166,7 @@ class Case:
         rules.check_drive(self.kind, self.contact, self.drive)
         rules.check_geometry(self.solver, self.contact, self.motion)
         rules.check_grid(self.solver, self.geometry)
+        rules.check_layer(self.oil, self.layer, self.solver, self.geometry, self.motion, self.features)
         until: Stop | float = inf
         if self.time and self.output:
             until = self.schedule.until
@@ -174,7 +175,6 @@ class Case:
         if not self.starts_apart:
             rules.check_outside(self.solver, self.parameters, self.geometry, self.motion)
         rules.check_roughness(self.solver, self.motion, self.features)
-        rules.check_layer(self.oil, self.layer, self.solver, self.geometry, self.motion, self.features)
         if self.thermal:
             rules.check_thermal(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
         self.lubricant  # noqa: B018  # raises if its data give no law

@@ -1,6 +1,6 @@
 """Warnings if grid, domain, inlet or initial gap are not sufficient, each with a remedy."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import cbrt, ceil, inf
 from typing import TYPE_CHECKING
 
@@ -59,8 +59,11 @@ def rolling_warnings(case: Case, data: "xr.Dataset") -> list[str]:
 
 def case_warnings(case: Case) -> list[str]:
     """Warnings that follow from the case alone, without a run; an empty list if there are none."""
-    start = [_gap_warning(case), *_layer_warnings(case)] if case.starts_apart else [_centre_warning(case)]
-    return _given([*start, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
+    if case.starts_apart:
+        start = _gap_warning(case) if case.layer is None else _layer_warning(case, case.layer)
+    else:
+        start = _centre_warning(case)
+    return _given([start, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
 
 
 def balance_warnings(case: Case, balances: Balances) -> list[str]:
@@ -382,20 +385,21 @@ def _gap_warning(case: Case) -> str:
     )
 
 
-def _layer_warnings(case: Case) -> Iterator[str]:
-    """Warnings where the ball starts in its layer of oil, and where this may reach the edge of the grid."""
-    layer, start = case.layer or 0.0, case.schedule.start_approach
+def _layer_warning(case: Case, layer: float) -> str:
+    """A warning where the ball starts in its layer of oil, or where this may reach the edge of the grid."""
+    start, edge = case.schedule.start_approach, min(case.solver.half_width, case.solver.half_width_y or inf)
     if layer > -start:
-        yield (
+        return (
             f"the ball starts in the oil: lubricant.layer = {layer:.4g} a*^2/R is thicker than the initial gap "
             f"{-start:.4g}; use time.start_approach <= {-layer:.4g}, or leave it out"
         )
-    edge = min(case.solver.half_width, case.solver.half_width_y or inf)
-    if layer and case.geometry is CIRCLE and (wet := wet_radius(layer)) > edge:
-        yield (
-            "the oil that the ball displaces may reach the edge of the grid, where it is lost (it may get to "
-            f"{wet:.3g} a*, the edge is at {edge:g}); use solver.half_width >= {ceil(4 * wet) / 4:g}"
-        )
+    wet = wet_radius(layer)
+    if case.geometry is not CIRCLE or wet <= edge:
+        return ""
+    return (
+        "the oil that the ball displaces may reach the edge of the grid, where it is lost (it may get to "
+        f"{wet:.3g} a*, the edge is at {edge:g}); use solver.half_width >= {ceil(4 * wet) / 4:g}"
+    )
 
 
 def _domain_warning(case: Case, data: "xr.Dataset") -> str:
