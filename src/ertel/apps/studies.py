@@ -77,7 +77,7 @@ def traction(
 ) -> None:
     """Compute what is left of a traction curve, write and print it."""
     curve = curves.curve_of(case, given, film)
-    curves.require_place(directory, "--out")
+    curves.require_curve_place(directory, "--out")
     if not quiet:
         running.say_before([max(curve.cases, key=newtonian_stress)])
     prepare_jax()
