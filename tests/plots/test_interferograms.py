@@ -246,16 +246,18 @@ def test_animation_shows_every_moment_alike(ball, few_pixels, monkeypatch):
 
 
 def test_edge_moves_with_the_film(ball, few_pixels):
-    """It is there only while the gap is not full."""
+    """It is there only while a part of the gap is full: not before the ball is wet, and not in a pool."""
     run = on_a_layer(ball)
-    run["oil"][0] = run["H"][0]
-    movie = plots.animation(run.isel(frame=[0, 24, 48]))
+    run["oil"][1] = run["H"][1]
+    movie = plots.animation(run.isel(frame=[0, 1, 24, 48]))
     movie._draw_was_started = True
-    radii = []
-    for frame in (0, 1, 2, 0):
+    axes, radii = movie._fig.axes[0], []
+    for frame in (0, 1, 2, 3, 0):
         movie._draw_frame(frame)
-        radii.append(np.hypot(*edge_of_oil(movie._fig.axes[0]).T).mean() if words(movie._fig.axes[0]) else 0.0)
-    assert radii[0] == radii[3] == 0.0 < radii[1] < radii[2]
+        edge = np.hypot(*edge_of_oil(axes).T)
+        assert bool(words(axes)) == bool(len(edge))
+        radii.append(edge.mean() if len(edge) else 0.0)
+    assert radii[0] == radii[1] == radii[4] == 0.0 < radii[2] < radii[3]
 
 
 def test_what_does_not_move(ball, rolls):

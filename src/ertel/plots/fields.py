@@ -147,7 +147,7 @@ def _draw_roughness(axes: Axes, view: View) -> list[Line2D]:
 
 
 def draw_edge_of_oil(axes: Axes, view: View, film: Field, void: Field) -> list[Line2D]:
-    """Draw a line where the gap stops being full, and return it for the legend; nothing where all that is seen is full.
+    """Draw a line where the gap stops being full, and return it for the legend; nothing where all or nothing is full.
 
     film, void: the gap and the part of it without oil, over the same places.
     """
@@ -155,7 +155,7 @@ def draw_edge_of_oil(axes: Axes, view: View, film: Field, void: Field) -> list[L
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     columns, rows = (left <= x) & (x <= right), (low <= y) & (y <= high)
     missing = (void.values - NOT_FULL * film.values)[np.ix_(rows, columns)]
-    if not missing.max() > 0.0:
+    if not missing.min() < 0.0 < missing.max():
         return []
     axes.contour(x[columns], y[rows], missing, levels=[0.0], colors=ORANGE, linewidths=1.0)
     return [Line2D([], [], color=ORANGE, linewidth=1.0, label="edge of the full film")]
