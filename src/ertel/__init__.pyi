@@ -26,9 +26,8 @@ from ertel.physics.surfaces import Spot as Spot
 from ertel.physics.surfaces import Waviness as Waviness
 from ertel.results import fronts as fronts
 from ertel.results import waves as waves
+from ertel.results.contact_law import contact_law as contact_law
 from ertel.results.result import Result as Result
-from ertel.results.study_result import StudyResult as StudyResult
-from ertel.results.study_result import TractionCurve as TractionCurve
 from ertel.results.variables import to_si as to_si
 from ertel.runs import tasks as tasks
 from ertel.runs.batch import simulate_batch as simulate_batch
@@ -68,6 +67,9 @@ from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSIT
 from ertel.physics.scales import Parameters as Parameters
 from ertel.physics.scales import Scales as Scales
 from ertel.results import result
+from ertel.results.contact_law import ContactLaw as ContactLaw
+from ertel.results.study_result import StudyResult as StudyResult
+from ertel.results.study_result import TractionCurve as TractionCurve
 
 accessor = result
 density_laws = DENSITY_LAWS

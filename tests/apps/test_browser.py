@@ -193,6 +193,22 @@ def test_a_sliding_contact_may_thin_its_oil():
     assert not parse_case(form.data()).oil.is_newtonian
 
 
+@pytest.mark.parametrize(("given", "layer", "thickness"), [("si", "2 um", 2e-6), ("moes", "0.05", 0.05)])
+def test_layer_of_oil(given, layer, thickness):
+    """In both kinds of units; left empty, the contact is flooded."""
+    for kind in ("impact", "rolling"):
+        form = Form(given=given)
+        form.choose("kind", kind)
+        assert "lubricant.layer" not in str(form.data()) and parse_case(form.data()).layer is None
+        form.choose("layer", layer)
+        case = parse_case(form.data())
+        assert case.layer == pytest.approx(thickness / (case.scales.film if case.scales else 1.0))
+        form.choose("layer", "-1 um" if given == "si" else "-1")
+        with pytest.raises(ConfigError) as error:
+            parse_case(form.data())
+        assert field_of(str(error.value)) == "layer"
+
+
 def test_messages_name_their_field():
     form = Form(radius="10 furlong")
     with pytest.raises(ConfigError) as error:

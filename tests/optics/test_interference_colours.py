@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ertel.optics import BlackBody, Chart, Daylight, Monochromatic, Rig, White
+from ertel.optics import BlackBody, Chart, Daylight, Monochromatic, Rig, TwoBeams, White, reflection
 from ertel.optics import light as colour
 
 NM = 1e-9
@@ -116,6 +116,67 @@ def test_no_ghost_rings(pixels):
     plain = chart.linear(film, 1.0)[..., 0]
     fine = change < 0.03 * 532 * NM / 2
     np.testing.assert_allclose(light[fine], plain[fine], atol=0.01)
+
+
+# -- oil above air ----------------------------------------------------------------------------------------------------
+
+LASER = Monochromatic(coherence=np.inf)
+GLASS, METAL, STEEL_INDEX = (RIG.glass, RIG.coatings[0].medium, RIG.surface)
+
+
+def layered(film, void, order=("oil", "air"), wavelength=532 * NM):
+    """The reflectance of the whole stack of layers, without harmonics."""
+    index, thickness = {"oil": 1.5, "air": 1.0}, {"oil": film - void, "air": void}
+    ends = [medium.index(wavelength) for medium in (GLASS, METAL, STEEL_INDEX)]
+    stack = [*ends[:2], *(index[each] for each in order), ends[2]]
+    return np.abs(reflection(stack, [8 * NM, *(thickness[each] for each in order)], wavelength)) ** 2
+
+
+def test_a_void_is_a_layer_of_air_below_the_oil():
+    """Against the stack of layers, which has all beams; in white light thin films, of which every line is coherent."""
+    film, void = np.meshgrid(np.linspace(0.8e-6, 3e-6, 41), np.linspace(1 * NM, 0.7e-6, 17))
+    found = Chart(RIG, LASER, film.max()).linear(film, 1.0, void=void)[..., 0]
+    np.testing.assert_allclose(found, layered(film, void), atol=4e-3)
+    thin, air = film / 4, void / 4
+    lines = zip(*colour.weights(Daylight()), strict=True)
+    expected = sum(layered(thin, air, wavelength=wavelength)[..., None] * weight for wavelength, weight in lines)
+    np.testing.assert_allclose(Chart(RIG, White(), thin.max()).linear(thin, 1.0, void=air), expected, atol=4e-3)
+
+
+@pytest.mark.parametrize("light", [LASER, White()])
+@pytest.mark.parametrize("rig", [RIG, TwoBeams(oil_index=1.5)])
+def test_a_void_begins_as_a_full_film(light, rig):
+    film = np.linspace(0.1e-6, 2e-6, 101)
+    chart = Chart(rig, light, film.max())
+    np.testing.assert_allclose(chart.linear(film, 1.0, void=1e-15), chart.linear(film, 1.0), atol=4e-3)
+
+
+def test_beyond_the_coherence_the_oil_keeps_the_colour_of_its_own():
+    oil, turn = np.linspace(0.0, 1e-6, 51)[:, None], 266 * NM * np.arange(32) / 32
+    far = Chart(RIG, Monochromatic(), 1e-4).linear(oil + 60e-6, 1.0, void=60e-6)[..., 0]
+    mean = layered(oil + turn, turn).mean(axis=1, keepdims=True)
+    np.testing.assert_allclose(far, mean, atol=4e-3)
+    assert np.ptp(mean) > 0.1
+
+
+def test_rings_hardly_tell_which_surface_carries_the_oil():
+    """Their phase over the path n oil + air, as a share of a fringe; oil on the glass gives the stronger ones."""
+    share = np.arange(32) / 32
+    path, wave = 266 * NM * share, np.exp(-2j * np.pi * share)
+    oil, air = path[:, None] / 1.5, path[None, :]
+    orders = ("oil", "air"), ("air", "oil")
+    on_glass, on_steel = (wave @ layered(oil + air, air, order) @ wave for order in orders)
+    assert abs(np.angle(on_glass / on_steel)) / (2 * np.pi) < 0.05
+    assert abs(on_glass) > 1.5 * abs(on_steel)
+
+
+def test_no_ghost_rings_beside_air():
+    """The air below a layer of oil: where its fringes are too fine, the picture has the one colour of the layer."""
+    x = np.linspace(-1.0, 1.0, 96)
+    film = 0.5e-6 + 20e-6 * (x[:, None] ** 2 + x[None, :] ** 2)
+    picture = Chart(RIG, LASER, film.max()).picture(film, np.ones_like(film), np.maximum(film - 1e-6, 0.0))[..., 0]
+    far = np.hypot(x[:, None], x[None, :])[1:-1, 1:-1] > 0.7  # the gradient is one-sided on the edge
+    assert np.ptp(picture[1:-1, 1:-1][far]) < 0.02 < np.ptp(picture)
 
 
 def test_brightest_film_is_white():

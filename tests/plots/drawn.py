@@ -33,8 +33,15 @@ def of_type(axes, name):
 
 def roughness_lines(axes):
     """Level of the contour lines round hills and valleys, and whether they are solid."""
-    sets = [contours for contours in of_type(axes, "QuadContourSet") if len(contours.levels) == 1]
+    sets = [each for each in of_type(axes, "QuadContourSet") if len(each.levels) == 1 and each.levels[0] != 0.0]
     return [(float(contours.levels[0]), contours.get_linestyle()[0][1] is None) for contours in sets]
+
+
+def edge_of_oil(axes):
+    """The corners of the line where the gap stops being full, (corners, 2); empty where there is none."""
+    lines = [path for contours in of_type(axes, "QuadContourSet") if list(contours.levels) == [0.0]
+             for path in contours.get_paths()]  # fmt: skip
+    return np.concatenate([path.vertices for path in lines]) if lines else np.empty((0, 2))
 
 
 def flow_arrows(axes):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from drawn import edge_of_oil, words
 from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, as_in_time, dry_impact, in_time, steady
 from PIL import Image
 
@@ -59,7 +60,8 @@ def test_rings_of_a_paraboloid_on_a_coarse_grid(ball, every):
     """As many as its film has half wavelengths, also where a ring is finer than a cell; none that is not there."""
     coarse = ball.isel(X=slice(0, None, every), Y=slice(0, None, every), frame=[48])
     r2 = coarse["X"] ** 2 + coarse["Y"] ** 2
-    coarse = coarse.assign(H=(coarse["H"].dims, np.broadcast_to(r2.T, coarse["H"].shape).copy(), coarse["H"].attrs))
+    H = coarse["H"].copy(data=np.broadcast_to(r2.T, coarse["H"].shape))
+    coarse = coarse.assign(H=H, oil=H)
     light, rig = Monochromatic(coherence=np.inf), TwoBeams()
     scale = 4 * light.wavelength / rig.oil_index  # m: eight rings to r = a, the last ones a sixteenth of it wide
     figure = plots.interferogram(coarse, light=light, rig=rig, film_scale=scale)
@@ -80,7 +82,7 @@ def test_picture_is_the_film_of_the_run(ball, rolls, few_pixels):
     np.testing.assert_allclose(seen.film, nodes, atol=4e-9)
     np.testing.assert_array_equal(seen.density, 1.0)  # BARUS is incompressible
     (grey, _) = images(plots.interferogram(rolls, light=light, rig=rig))
-    expected = page.Chart(rig, light, seen.film.max()).picture(seen.film, seen.density)[..., 0]
+    expected = page.Chart(rig, light, seen.film.max()).picture(seen.film, seen.density, seen.void)[..., 0]
     np.testing.assert_allclose(grey, expected, atol=0.01)
     view = View(ball, 48)
     density = page.Seen.of(view, page.Window.around([view]), 1e-6).density  # of oil under pressure
@@ -127,6 +129,58 @@ def test_profile_is_the_film_of_the_mid_line(ball, few_pixels):
     line = axes.get_lines()[0]
     assert line.get_ydata()[20] == pytest.approx(0.05 * ball["H"].attrs["si_factor"] * 1e9, rel=0.1)
     assert axes.get_ylim()[0] == 0.0 and axes.get_ylim()[1] > line.get_ydata()[20]
+
+
+# -- where the gap is not full ----------------------------------------------------------------------------------------
+
+LAYER = 0.3  # a^2/R
+
+
+def on_a_layer(run):
+    """The same film, with a layer of oil that does not fill it everywhere."""
+    return run.assign(oil=run["H"].copy(data=np.minimum(run["H"].values, LAYER)))
+
+
+@pytest.mark.parametrize("radial", [False, True])
+def test_edge_of_the_full_film(radial, few_pixels):
+    """A line where the film is as thick as the layer, in the film map and in the interferogram, with its name."""
+    run = dry_impact(BALL_FALLS, radial=radial)
+    frame = int(np.flatnonzero(run["event"].values)[0])
+    H, axis = run["H"].values[frame], (run["r"] if radial else run["X"]).values
+    middle = H if radial else H[40]
+    radius = np.interp(LAYER, middle[axis >= 0], axis[axis >= 0]) * run["r" if radial else "X"].attrs["si_factor"] * 1e6
+    wet = on_a_layer(run)
+    for axes in (plots.film(wet).axes[0], plots.interferogram(wet).axes[0]):
+        r = np.hypot(*edge_of_oil(axes).T)
+        assert len(r) and np.all(abs(r - radius) < 0.05 * radius)  # a cell
+        assert "edge of the full film" in words(axes)
+    for axes in (plots.film(run).axes[0], plots.interferogram(run).axes[0]):
+        assert not len(edge_of_oil(axes)) and not words(axes)
+
+
+def test_picture_has_oil_and_air(ball, few_pixels):
+    """The layer where the gap is not full; the full film and its chart are the same to the last bit."""
+    optics = {"light": Monochromatic(coherence=np.inf), "rig": TwoBeams(), "film_scale": 4e-7}
+    grey, chart = images(plots.interferogram(on_a_layer(ball), **optics))
+    full, of_films = images(plots.interferogram(ball, **optics))
+    view = View.of(on_a_layer(ball))
+    seen = page.Seen.of(view, page.Window.around([view]), 4e-7)
+    beyond = seen.film > 1.3 * LAYER * 4e-7  # a cell
+    np.testing.assert_allclose((seen.film - seen.void)[beyond], LAYER * 4e-7, rtol=5e-3)
+    wet = seen.film < 0.4 * LAYER * 4e-7
+    np.testing.assert_array_equal(grey[wet], full[wet])
+    np.testing.assert_array_equal(chart[:, 20], of_films[:, 20])
+    assert np.abs(grey - full)[beyond].max() > 0.1 and np.abs(chart - of_films)[:, 0].max() > 0.1
+
+
+def test_a_run_that_does_not_know_its_oil_is_full(ball, few_pixels):
+    """An earlier version wrote it; also where nothing is known of the oil."""
+    picture = images(plots.interferogram(ball))[0]
+    unknown = ball.assign(oil=np.nan * ball["oil"])
+    for run in (ball.drop_vars("oil"), unknown):
+        np.testing.assert_array_equal(images(plots.interferogram(run))[0], picture)
+    with pytest.raises(plots.NoFigure, match=r"oil: an earlier version wrote this run .*; run it again"):
+        plots.oil(ball.drop_vars("oil"))
 
 
 # -- what cannot be drawn --------------------------------------------------------------------------------------------
@@ -189,6 +243,21 @@ def test_animation_shows_every_moment_alike(ball, few_pixels, monkeypatch):
     seen = page.Seen.of(View(ball, 48), window, ball["H"].attrs["si_factor"])
     expected = page.Chart(Rig(), Monochromatic(), 1e-5, seen.density.max()).picture(seen.film, seen.density)
     np.testing.assert_allclose(grey, expected[..., 0], atol=0.01)
+
+
+def test_edge_moves_with_the_film(ball, few_pixels):
+    """It is there only while a part of the gap is full: not before the ball is wet, and not in a pool."""
+    run = on_a_layer(ball)
+    run["oil"][1] = run["H"][1]
+    movie = plots.animation(run.isel(frame=[0, 1, 24, 48]))
+    movie._draw_was_started = True
+    axes, radii = movie._fig.axes[0], []
+    for frame in (0, 1, 2, 3, 0):
+        movie._draw_frame(frame)
+        edge = np.hypot(*edge_of_oil(axes).T)
+        assert bool(words(axes)) == bool(len(edge))
+        radii.append(edge.mean() if len(edge) else 0.0)
+    assert radii[0] == radii[1] == radii[4] == 0.0 < radii[2] < radii[3]
 
 
 def test_what_does_not_move(ball, rolls):

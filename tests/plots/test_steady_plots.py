@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn import flow_arrows, line, of_type, panels, right_of, roughness_lines
+from drawn import edge_of_oil, flow_arrows, line, of_type, panels, right_of, roughness_lines
 from made_up import BALL_ROLLS as BALL
 from made_up import C1, H_C, H_MIN, in_time, solutions, steady
 from made_up import MOES_ROLLS as MOES
@@ -79,10 +79,12 @@ def test_error_bars_are_those_of_the_run(moes):
 def test_horseshoe(ball):
     (axes,) = panels(plots.film(ball))
     assert axes.get_xlabel() == "$x$ (µm)"
-    (mesh,), (contours,) = of_type(axes, "QuadMesh"), of_type(axes, "QuadContourSet")
+    (mesh,), (contours, _) = of_type(axes, "QuadMesh"), of_type(axes, "QuadContourSet")
     assert np.asarray(mesh.get_array()).min() == pytest.approx(ball["H"].values.min() * C1.film * 1e9)
     np.testing.assert_allclose(np.diff(contours.levels), float(axes.get_title().split()[-2]))
     assert axes.get_aspect() == 1.0
+    cavity = ball["X"].values[(ball["oil"] < 0.99 * ball["H"]).any("Y").values].min()
+    assert edge_of_oil(axes)[:, 0].min() == pytest.approx(cavity * C1.a * 1e6, abs=0.075 * C1.a * 1e6)  # a cell
 
 
 def test_midlines_carry_both_fields(ball):

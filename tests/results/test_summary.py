@@ -7,6 +7,7 @@ from made_up import BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impa
 
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
+from ertel.physics import hertz
 from ertel.results import parameters, variables
 from ertel.results.numbers import lines, more_lines
 from ertel.results.summary import extremes, impact_summary, rolling_summary
@@ -31,6 +32,20 @@ def test_si_summary_has_units_in_its_names():
     }
     dimensionless = impact_summary(parse_case(MOES_FALLS), dry_impact(MOES_FALLS), None, {}, Status.CONVERGED)
     assert "si" not in dimensionless
+
+
+def test_duration_and_largest_load_of_an_impact():
+    """Of the dry one F = Delta^(3/2), so that F = 0.01 at Delta = 0.01^(2/3)."""
+    case, data = parse_case({"contact": BALL, "lubricant": OIL}), dry_impact(MOES_FALLS)
+    assert impact_summary(case, data, None, {}, Status.CONVERGED)["contact_time"] is None  # not yet free
+    left = data.assign(F=data["F"].where(data["time"] < 3.9, 0.0))
+    summary = impact_summary(case, left, None, {}, Status.CONVERGED)
+    duration = hertz.CONTACT_TIME - 2 * float(hertz.time_at(0.01 ** (2 / 3)))
+    assert summary["contact_time"] == pytest.approx(duration, abs=0.02)  # the steps are 0.05
+    assert summary["F_max"] == pytest.approx(1.0, abs=1e-3)
+    assert case.scales is not None
+    assert summary["si"]["t_contact_s"] == pytest.approx(summary["contact_time"] * case.scales.t0)
+    assert summary["si"]["f_max_N"] == pytest.approx(summary["F_max"] * case.scales.load)
 
 
 def test_films_of_another_load_and_speed():

@@ -9,6 +9,7 @@ import pytest
 from cases import python
 
 RUNS = """
+import tempfile
 import warnings
 from dataclasses import dataclass
 
@@ -35,6 +36,12 @@ ROLLING = {"M": 20, "L": 5, "nodes": 17}
 
 def final(result):
     return result.dataset.H.values.ravel()[-289:].tolist()
+
+
+def swept():
+    fall = {"contact": {"M": [20, 25], "L": 5}, "solver": {"method": "radial", "nodes": 65}}
+    found = ertel.sweep({**fall, "time": {"until": 0.5, "tolerance": 0.05}}, tempfile.mkdtemp())
+    return found.dataset.newton_iterations.values.tolist()
 
 
 def on_the_plane():
@@ -90,7 +97,7 @@ said = {{
 }}
 sys.stdout.write(json.dumps([said, found]))
 """
-QUICK, SLOW = ("on_the_plane", "radial", "steady"), ("batch", "respond", "respond_in_rolling")
+QUICK, SLOW = ("on_the_plane", "radial", "swept", "steady"), ("batch", "respond", "respond_in_rolling")
 
 
 def single(code: str) -> str:

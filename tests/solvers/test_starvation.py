@@ -23,10 +23,10 @@ from ertel.equations.state import State
 from ertel.numerics.stencils import total, upstream_slope
 from ertel.physics.film_formulas import starved_share
 from ertel.physics.surfaces import Feature, SelfAffine, Waviness
-from ertel.results.diagnostics import case_warnings
 from ertel.results.parameters import formula_films
 from ertel.results.result import Result
 from ertel.runs.drive import simulate
+from ertel.runs.outlook import warnings_of
 from ertel.runs.response import respond_in_rolling, respond_linearly
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
@@ -285,14 +285,14 @@ def test_a_ball_starts_above_its_layer() -> None:
         return parse_case({**data, "solver": {"half_width": 6.0}})
 
     assert starting(0.5).schedule.start_approach == -1.0
-    assert starting(3.0).schedule.start_approach == -3.0 and "starts in" not in " ".join(case_warnings(starting(3.0)))
-    assert "the ball starts in the oil" in " ".join(case_warnings(starting(3.0, start_approach=-2.0)))
+    assert starting(3.0).schedule.start_approach == -3.0 and "starts in" not in " ".join(warnings_of(starting(3.0)))
+    assert "the ball starts in the oil" in " ".join(warnings_of(starting(3.0, start_approach=-2.0)))
 
 
 def test_oil_that_reaches_the_edge_is_said_before_the_run() -> None:
-    said = case_warnings(case_of("impact", 0.5))
+    said = warnings_of(case_of("impact", 0.5))
     assert len(said) == 1 and "may get to 2.1 a*, the edge is at 2); use solver.half_width >= 2.25" in said[0]
-    assert not case_warnings(case_of("impact", 0.5, half_width=2.25))
+    assert not warnings_of(case_of("impact", 0.5, half_width=2.25))
 
 
 def test_a_starved_film_stays_steady_whatever_the_step() -> None:

@@ -179,11 +179,14 @@ def sweep(
     """
     from ertel.apps import studies
     from ertel.inputs.studies import load_study
+    from ertel.runs.studies import require_place
 
     engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
     chosen = studies.part_of(part)
     study = load_study(study_file, set_ or [])
-    studies.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
+    directory = out or Path("sweeps").absolute() / study.name
+    require_place(directory, option="--out")
+    studies.sweep(study, directory, engine, chosen, as_json, quiet)
 
 
 @app.command("warm-up")

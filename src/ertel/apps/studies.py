@@ -28,18 +28,7 @@ from ertel.results.study_result import StudyResult
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
 from ertel.runs.drive import bars
-from ertel.runs.studies import (
-    EVERY,
-    NAME,
-    Part,
-    alone,
-    files_in,
-    gather,
-    left_of,
-    require_place,
-    run_study,
-    write_study,
-)
+from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, write_study
 from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
@@ -58,7 +47,6 @@ def part_of(text: str | None) -> Part:
 
 def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bool, quiet: bool) -> None:
     """Do what is left of a study, write and print what all its runs say."""
-    require_place(directory, option="--out")
     prepare_jax()
     left = left_of(study.cases, directory, part)
     if not quiet:
@@ -89,7 +77,7 @@ def traction(
 ) -> None:
     """Compute what is left of a traction curve, write and print it."""
     curve = curves.curve_of(case, given, film)
-    curves.require_place(directory, "--out")
+    curves.require_curve_place(directory, "--out")
     if not quiet:
         running.say_before([max(curve.cases, key=newtonian_stress)])
     prepare_jax()

@@ -149,9 +149,8 @@ class Case:
             object.__setattr__(self, "solver", checked(replace(self.solver, half_width_y=across), "solver"))
         if not self.is_steady:
             given = self.time or Time()
-            start = given.start_approach
-            if start is None and self.starts_apart:
-                start = min(START_APPROACH, -(self.layer or 0.0))  # above the oil
+            above = min(START_APPROACH, -(self.layer or 0.0)) if self.starts_apart else None  # the oil
+            start = above if given.start_approach is None else given.start_approach
             until = ENDS[self.kind] if given.until is None else given.until
             object.__setattr__(self, "time", replace(given, start_approach=start, until=until))
             object.__setattr__(self, "output", self.output or Output())
@@ -166,6 +165,7 @@ class Case:
         rules.check_drive(self.kind, self.contact, self.drive)
         rules.check_geometry(self.solver, self.contact, self.motion)
         rules.check_grid(self.solver, self.geometry)
+        rules.check_layer(self.oil, self.track, self.solver, self.geometry, self.motion, self.features)
         until: Stop | float = inf
         if self.time and self.output:
             until = self.schedule.until
@@ -174,7 +174,6 @@ class Case:
         if not self.starts_apart:
             rules.check_outside(self.solver, self.parameters, self.geometry, self.motion)
         rules.check_roughness(self.solver, self.motion, self.features)
-        rules.check_layer(self.oil, self.track, self.solver, self.geometry, self.motion, self.features)
         if self.thermal:
             rules.check_thermal(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
         self.lubricant  # noqa: B018  # raises if its data give no law
@@ -271,8 +270,8 @@ class Case:
     @cached_property
     def track(self) -> Track | None:
         """The oil per area that the surfaces bring along, (u1 h1 + u2 h2)/u_m, in a^2/R; None if the gap is full."""
-        oil = scaled(self.oil, self.scales, "lubricant")
-        return oil.track(0.0 if self.starts_apart else self.motion.slide_to_roll)
+        slide_to_roll = 0.0 if self.starts_apart else self.motion.slide_to_roll
+        return scaled(self.oil, self.scales, "lubricant").track(slide_to_roll)
 
     @property
     def layer(self) -> float | None:

@@ -171,7 +171,7 @@ class Time:
     start_approach: Annotated[
         float | None,
         Bounds(ge=-1000, lt=0),
-        Meaning("impact: approach Delta at the start, below zero: the surfaces are apart", -1.0),
+        Meaning("impact: approach Delta at the start, below zero: apart; left out: above the layer of oil, too", -1.0),
     ] = None
     until: Annotated[
         Stop | Amount | None,

@@ -5,8 +5,9 @@
     rgb = chart.picture(film, density)                   # film in m and rho/rho0 over the pixels of a picture
     film = film_of_intensity(intensity, rig, 532e-9, start=0.4e-6)   # and back, along a profile
 
-All is in SI.  Light comes at normal incidence, and the oil fills the gap everywhere; cavities behind a rolling contact
-are seen as oil.  The layers, their indices and the oil's index are parameters, with sources in `rig`.
+All is in SI.  Light comes at normal incidence.  Where a gap is not full, the oil is a layer on the glass, at ambient
+pressure, above a layer of air: streamers and menisci are far wider than a wavelength, so that no mixture of oil and air
+has an index.  The layers, their indices and the oil's index are parameters, with sources in `rig`.
 """
 
 from ertel.optics.inverse import DoubtfulFilm, film_of_intensity

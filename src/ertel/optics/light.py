@@ -6,16 +6,17 @@ reflected, with one channel or three.  Fringes fade with the path difference, be
 Spectra are summed with the CIE 1931 functions of the 2 degree observer every 5 nm.  sRGB is that of IEC 61966-2-1.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import log, pi, sqrt
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import map_coordinates
 
-from ertel.optics.rig import NM, Rig, Visibility, data_table
+from ertel.optics.rig import NM, ORDERS, Rig, Visibility, data_table
 
 Array = NDArray[np.float64]
 GREEN = 532e-9  # m
@@ -118,8 +119,16 @@ def luminance(linear: ArrayLike) -> Any:
 # -- lights -----------------------------------------------------------------------------------------------------------
 
 
+class Line(NamedTuple):
+    """A spectral line.  wavelength: in m.  weight: in each channel.  visibility: of its fringes."""
+
+    wavelength: float
+    weight: Array
+    visibility: Visibility
+
+
 class Light(Protocol):
-    """The light of an interferometer.
+    """The light of an interferometer, as a sum of lines; a light inherits from this.
 
     typical: the wavelength of its fringes (m).  reach: the optical path n h (m) beyond which nothing interferes.
     """
@@ -128,12 +137,25 @@ class Light(Protocol):
     def typical(self) -> float: ...
     @property
     def reach(self) -> float: ...
-    def colours(self, rig: Rig, film: ArrayLike, index: ArrayLike) -> Array: ...
+    @property
+    def lines(self) -> Sequence[Line]: ...
     def mean(self, rig: Rig, index: ArrayLike) -> Array: ...
+
+    def colours(self, rig: Rig, film: ArrayLike, index: ArrayLike) -> Array:
+        """Linear light, of the broadcast shape of film (m) and index of the oil with a last axis of the channels.
+
+        Components of sRGB may be negative: colours that no screen shows, see `into_gamut`.
+        """
+        path = np.asarray(film) * np.asarray(index)
+        light: Array = np.zeros(())
+        for line in self.lines:
+            bright = rig.fringes(line.wavelength, index).reflectance(path, line.visibility)
+            light = light + bright[..., None] * line.weight
+        return light
 
 
 @dataclass(frozen=True)
-class Monochromatic:
+class Monochromatic(Light):
     """Light of one wavelength with a Gaussian line.
 
     Attributes
@@ -172,10 +194,9 @@ class Monochromatic:
         """The contrast of fringes at a path difference in m, of its shape."""
         return np.exp(-0.5 * pi * (difference / self.coherence) ** 2)
 
-    def colours(self, rig: Rig, film: ArrayLike, index: ArrayLike) -> Array:
-        """The reflected share, of the broadcast shape of film (m) and index of the oil with a last axis of 1."""
-        path = np.asarray(film) * np.asarray(index)
-        return rig.fringes(self.wavelength, index).reflectance(path, self.visibility)[..., None]
+    @property
+    def lines(self) -> Sequence[Line]:
+        return [Line(self.wavelength, np.ones(1), self.visibility)]
 
     def mean(self, rig: Rig, index: ArrayLike) -> Array:
         """The mean where fringes have faded, of the shape of the index with a last axis of 1."""
@@ -183,7 +204,7 @@ class Monochromatic:
 
 
 @dataclass(frozen=True)
-class White:
+class White(Light):
     """White light as a person sees it, in linear sRGB, adapted to the lamp.
 
     The spectrum is linear between the wavelengths of the CIE's tables, every 5 nm, and the fringes are integrated over
@@ -201,18 +222,9 @@ class White:
     def reach(self) -> float:
         return 50e-6  # the lines of 10 nm reach that far at the red end
 
-    def colours(self, rig: Rig, film: ArrayLike, index: ArrayLike) -> Array:
-        """Linear sRGB, of the broadcast shape of film (m) and index of the oil with a last axis of 3.
-
-        Components may be negative: colours that no screen shows, see `into_gamut`.
-        """
-        path = np.asarray(film) * np.asarray(index)
-        shape = np.broadcast_shapes(path.shape, np.shape(index))
-        light = np.zeros((*shape, 3))
-        for wavelength, weight in zip(*weights(self.lamp), strict=True):
-            bright = rig.fringes(wavelength, index).reflectance(path, _triangular(wavelength))
-            light += bright[..., None] * weight
-        return light
+    @property
+    def lines(self) -> Sequence[Line]:
+        return [Line(w, weight, _triangular(w)) for w, weight in zip(*weights(self.lamp), strict=True)]
 
     def mean(self, rig: Rig, index: ArrayLike) -> Array:
         """The mean where fringes have faded, of the shape of the index with a last axis of 3."""
@@ -234,6 +246,7 @@ def _triangular(wavelength: float) -> Visibility:
 
 SPACING = 4e-9  # m of the optical path n h between two colours of the chart
 INDICES = 5  # of the oil: at the same path the colours hardly change with it
+FAINT = 3e-4  # share of the light: fainter orders of fringes beside air are left out
 BLUR = 0.8  # pixels: the standard deviation of a microscope's own blur
 
 
@@ -246,7 +259,7 @@ class Chart:
     rig, light : Rig, Light
         The layers, and what they are lit with.
     thickest : float
-        The largest film of the pictures (m); a thicker one has its colour.
+        The largest gap of the pictures (m); a thicker one has its colour.
     density : float
         The largest rho/rho0 of the pictures.
     """
@@ -273,16 +286,60 @@ class Chart:
         film = np.arange(0.0, 1e-6, SPACING)
         return 1.0 / float(np.max(luminance(self.light.colours(self.rig, film, np.full(film.shape, self._indices[0])))))
 
-    def linear(self, film: ArrayLike, density: ArrayLike, change: ArrayLike = 0.0) -> Array:
+    @cached_property
+    def _beside_air(self) -> list[tuple[int, int, Array]]:
+        """The orders m of the oil and k of the air, and their linear light over the path m n h_oil + k h_air.
+
+        The light has the shape (channels, paths); paths from -x to x in steps of SPACING.
+        """
+        lines, n = self.light.lines, self.rig.oil_index
+        of_lines = np.array([self.rig.orders_beside_air(line.wavelength) for line in lines])
+        bright = (np.abs(of_lines).max(axis=0) > FAINT) & (ORDERS[:, None] >= 0)
+        oil, air = (ORDERS[each] for each in np.nonzero(bright))
+        shares = of_lines[:, bright] * np.where(oil > 0, 2.0, 1.0)  # those of -m, -k are conjugate
+        end = min(float((n * oil + np.abs(air)).max()) * self.thickest, self.light.reach)
+        path = SPACING * np.arange(-int(end / SPACING) - 1, int(end / SPACING) + 2)
+        light: Array = np.zeros(())
+        for line, share in zip(lines, shares, strict=True):
+            wave = np.exp(4j * np.pi * path / line.wavelength)
+            contrast = line.visibility(2.0 * path + oil[:, None] * self.rig.fringes(line.wavelength, n).coatings)
+            light = light + (np.real(share[:, None] * wave) * contrast)[:, None] * line.weight[:, None]
+        return list(zip(oil.tolist(), air.tolist(), light, strict=True))
+
+    def _above_air(self, path: Array, air: Array, change: Array, air_change: Array) -> Array:
+        """Linear light of oil above layers of air (m), where `path` is that through both; 1-D arrays, see `linear`."""
+        light: Array = np.zeros(())
+        for m, k, channels in self._beside_air:
+            place = (m * path + (k - m) * air) / SPACING + channels.shape[1] // 2
+            order = [map_coordinates(channel, [place], order=1, mode="nearest") for channel in channels]
+            light = light + np.stack(order, axis=-1) * self._fading(m * change + (k - m) * air_change)
+        return light
+
+    def _fading(self, change: ArrayLike) -> Array:
+        """The contrast that pixels leave of fringes whose path changes so much, with a last axis of 1."""
+        wave: Array = 4.0 * np.pi * BLUR * np.hypot(np.real(change), np.imag(change))[..., None] / self.light.typical
+        return np.exp(-0.5 * wave**2)
+
+    def linear(
+        self,
+        film: ArrayLike,
+        density: ArrayLike,
+        change: ArrayLike = 0.0,
+        void: ArrayLike = 0.0,
+        void_change: ArrayLike = 0.0,
+    ) -> Array:
         """Linear light of films, 1 where everything is reflected.
 
         Parameters
         ----------
         film, density : arrays that broadcast
-            Film thickness (m) and rho/rho0 of the oil in it.
+            Thickness of the gap (m) and rho/rho0 of the oil in it.
         change : array
-            How much n h changes from a pixel to the next (m).  Fringes as fine as the pixels fade to the mean, and
-            make no rings that are not there.
+            How much the optical path changes from a pixel to the next (m), as a complex number down and across.
+            Fringes as fine as the pixels fade to the mean, and make no rings that are not there.
+        void, void_change : arrays
+            The part of the gap that is not filled (m), and its change: a layer of air between the other surface and
+            the oil, which is on the glass at ambient pressure.
 
         Returns
         -------
@@ -296,18 +353,25 @@ class Chart:
         seen = np.stack([map_coordinates(c, places, order=1, mode="nearest") for c in channels], axis=-1)
         means = self.light.mean(self.rig, self._indices)  # of films without fringes
         mean: Array = np.stack([np.interp(n, self._indices, channel) for channel in means.T], axis=-1)
-        wave = 4.0 * np.pi * BLUR * np.asarray(change)[..., None] / self.light.typical
-        return mean + (seen - mean) * np.exp(-0.5 * wave**2)
+        light: Array = mean + (seen - mean) * self._fading(change)
+        air, *changes = (np.broadcast_to(each, film.shape) for each in (void, change, void_change))
+        if np.any(partly := air > 0.0):
+            path = (film - air) * self.rig.oil_index + air
+            light[partly] = self._above_air(*(each[partly] for each in (path, air, *changes)))
+        return light
 
-    def shown(self, film: ArrayLike, density: ArrayLike, change: ArrayLike = 0.0) -> Array:
+    def shown(self, film: ArrayLike, density: ArrayLike, *others: ArrayLike, **named: ArrayLike) -> Array:
         """The values for a screen, 0 to 1, in grey or sRGB: the arguments and the shape of `linear`."""
-        light = self.exposure * self.linear(film, density, change)
+        light = self.exposure * self.linear(film, density, *others, **named)
         return encode(into_gamut(light) if light.shape[-1] == 3 else np.clip(light, 0.0, 1.0))
 
-    def picture(self, film: Array, density: Array) -> Array:
+    def picture(self, film: Array, density: Array, void: ArrayLike = 0.0) -> Array:
         """The picture of a map of films whose nodes are its pixels: `shown` with the change between pixels.
 
-        film, density : arrays of shape (rows, columns), two of each at least.
+        film, density, void : arrays of shape (rows, columns), two of each at least.
         """
-        down, across = np.gradient(film * self.rig.index(density))
-        return self.shown(film, density, np.hypot(down, across))
+        void = np.broadcast_to(void, film.shape)
+        path = (film - void) * self.rig.index(density) + void
+        down, across = np.gradient(np.array([path, void]), axis=(1, 2))
+        change, void_change = down + 1j * across
+        return self.shown(film, density, change, void, void_change)

@@ -14,6 +14,9 @@ the beam that turns back at the coatings, then those that went once, twice, ... 
 Principles of Optics, 7th ed, section 1.6; Foord CA, Wedeven LD, Westlake FJ, Cameron A. Optical elastohydrodynamics.
 Proc Inst Mech Eng 1969;184:487-505.
 
+Where the gap is not full, the oil is taken as a layer on the glass and the void as a layer of air below it, so that r_s
+is the reflection of air and surface together.  The main fringes follow n h_oil + h_air whichever surface the oil is on.
+
 A medium is a small frozen record; `index(wavelength)` gives n + ik at a wavelength in m, k > 0 where light is absorbed.
 """
 
@@ -33,6 +36,9 @@ Visibility = Callable[[Array], Array]  # the contrast of fringes, 1 to 0, at a p
 OIL_INDEX = 1.48  # assumed: mineral oils have 1.47 to 1.49 at ambient pressure, squalane 1.45; better measure yours
 CHROMIUM_THICKNESS = 8e-9  # m, half transparent; rigs have 5 to 20 nm
 NEGLIGIBLE = 1e-6  # of the first beam through the film
+AIR = 1.0  # index of what fills a gap beside the oil
+PHASES = 32  # over a fringe of oil or of air
+ORDERS = np.arange(PHASES) - PHASES // 2  # of these fringes
 NM = 1e-9  # m
 FOLDER = files("ertel.optics") / "data"
 
@@ -273,14 +279,19 @@ class Rig:
         """The index of the oil at rho/rho0, of its shape, by `lorentz_lorenz`."""
         return lorentz_lorenz(density, self.oil_index)
 
-    def beams(self, wavelength: ArrayLike, index: ArrayLike) -> Beams:
-        """The beams that come back.  wavelength: in m.  index: of the oil; they broadcast."""
+    def beams(self, wavelength: ArrayLike, index: ArrayLike, below: Complex | None = None) -> Beams:
+        """The beams that come back.
+
+        wavelength: in m.  index: of the oil.  below: the reflection below the oil, of the surface if it is not given.
+        They broadcast.
+        """
         n = np.asarray(index)
         coatings = [layer.medium.index(wavelength) for layer in self.coatings]
         media = [self.glass.index(wavelength), *coatings, n]
         a, b, c, d = seen_through(media, [layer.thickness for layer in self.coatings], wavelength)
-        steel = self.surface.index(wavelength)
-        below = (n - steel) / (n + steel)
+        if below is None:
+            steel = self.surface.index(wavelength)
+            below = (n - steel) / (n + steel)
         return Beams(b / d, below * (a * d - b * c) / d**2, -below * c / d)
 
     def fringes(self, wavelength: ArrayLike, index: ArrayLike) -> Fringes:
@@ -296,6 +307,22 @@ class Rig:
             np.asarray(sum(paths, np.zeros(np.shape(wavelength)))),
         )
 
+    def orders_beside_air(self, wavelength: float) -> NDArray[np.complex128]:
+        """The orders c of the fringes of oil on the glass above a layer of air, both at ambient pressure.
+
+        The reflectance is the sum of c[m, k] exp(2 i K (m n h_oil + k h_air)) over m and k of `ORDERS`.
+
+        wavelength: in m.
+        """
+        share = np.arange(PHASES) / PHASES
+        steel = self.surface.index(wavelength)
+        below = reflection([self.oil_index, AIR, steel], [0.5 * wavelength * share], wavelength)
+        top, second, ratio = self.beams(wavelength, self.oil_index, below)
+        z = np.exp(2j * np.pi * share)[:, None]
+        waves = np.exp(-2j * np.pi * ORDERS[:, None] * share) / PHASES
+        orders: NDArray[np.complex128] = waves @ np.abs(top + second * z / (1.0 - ratio * z)) ** 2 @ waves.T
+        return orders
+
 
 @dataclass(frozen=True)
 class TwoBeams(Rig):
@@ -305,6 +332,6 @@ class TwoBeams(Rig):
     to 11, 16, 20 nm with 5, 10, 15 nm of chromium in light of 550 nm.
     """
 
-    def beams(self, wavelength: ArrayLike, index: ArrayLike) -> Beams:
+    def beams(self, wavelength: ArrayLike, index: ArrayLike, below: Complex | None = None) -> Beams:
         """The beam of the coatings and the first one through the film."""
-        return super().beams(wavelength, index)._replace(ratio=0.0)
+        return super().beams(wavelength, index, below)._replace(ratio=0.0)

@@ -129,7 +129,7 @@ def pressure(dataset: xr.Dataset, at: At = None) -> Figure:
 
 
 def oil(dataset: xr.Dataset, at: At = None) -> Figure:
-    """The part of the gap that is filled with oil; the rest is the void of a cavity."""
+    """The part of the gap that is filled with oil; the rest is void, in a cavity or beside a thin layer of oil."""
     return draw(dataset, "oil", at)
 
 

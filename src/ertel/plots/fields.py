@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from ertel.plots.drawing import BLUE, GREY, ORANGE, ORDERED_COLOURS, PURPLE, NoFigure, Picture, Scale, Values, levels
-from ertel.plots.view import LOADED, WIDEST, At, Field, View, events_of
+from ertel.plots.view import LOADED, NOT_FULL, WIDEST, At, Field, View, events_of
 
 MINUS = "\N{MINUS SIGN}"
 LONG = 2.0  # ratio of the sides from which a map is long
@@ -32,14 +32,16 @@ LOOKS = ((BLUE, "-"), (ORANGE, "--"))  # of two runs
 
 
 def draw_film_map(axes: Axes, view: View) -> None:
-    """Film thickness, with contour lines at equal steps as an interferometer shows them."""
+    """Film thickness, with contour lines at equal steps as an interferometer shows them, and the edge of the oil."""
     if view.frame is None:
         top, lines = 1.75 * float(view.dataset["H_c"].values[-1]), 16
     else:
         top, lines = 1.5 * view.film_inside(), 10
     z = view.scale("H", top / 2)
-    _draw_map(axes, view, view.map("H"), z, levels(top * z.factor, lines), "Film thickness", "YlGnBu_r", "P")
-    _draw_roughness(axes, view)
+    film = view.map("H")
+    _draw_map(axes, view, film, z, levels(top * z.factor, lines), "Film thickness", "YlGnBu_r", "P")
+    edge = draw_edge_of_oil(axes, view, film, view.map("void"))
+    draw_legend(axes, [*edge, *_draw_roughness(axes, view)])
 
 
 def draw_pressure_map(axes: Axes, view: View) -> None:
@@ -48,13 +50,13 @@ def draw_pressure_map(axes: Axes, view: View) -> None:
     top = max(float(field.values.max()), 0.01)  # p_h*: something to divide where the contact carries nothing
     z = view.scale("P", top)
     _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P")
-    _draw_roughness(axes, view)
+    draw_legend(axes, _draw_roughness(axes, view))
 
 
 def draw_oil_map(axes: Axes, view: View) -> None:
     """The part of the gap that is filled with oil; the rest is void."""
     if "oil" not in view.dataset:
-        raise NoFigure("oil: an earlier version wrote this run, without the oil in the gap")
+        raise NoFigure("oil: an earlier version wrote this run and did not store the oil in the gap; run it again")
     oil, H = view.map("oil"), view.map("H")
     field = replace(oil, values=oil.values / H.values)
     z = Scale(1.0, r"$h_\mathrm{oil}/h$", "", "oil in the gap")
@@ -125,21 +127,42 @@ def _draw_flow(axes: Axes, direction: float) -> None:
     axes.text(0.12, 0.94, "flow", transform=axes.transAxes, ha="center", fontsize="small")
 
 
-def _draw_roughness(axes: Axes, view: View) -> None:
-    """Draw lines at half the height of the roughness, solid round hills and dotted round valleys; none if smooth."""
+def _draw_roughness(axes: Axes, view: View) -> list[Line2D]:
+    """Draw lines at half the height of the roughness, solid round hills and dotted round valleys; none if smooth.
+
+    Returns the lines for the legend.
+    """
     across = view.across.factor
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     x, y = np.linspace(left, right, NODES), np.linspace(low, high, NODES)
     height = view.roughness(x[None, :] / across, y[:, None] / across)
     half = float(np.abs(height).max()) / 2
-    if half == 0.0:
-        return
     z, lines = view.scale("H", half), []
     for sign, style in STYLES.items():
         if (sign * height).max() > half:
             axes.contour(x, y, height, levels=[sign * half], colors=PURPLE, linewidths=1.0, linestyles=style)
             label = f"roughness {sign * half * z.factor:+.3g} {z.unit}".replace("-", MINUS)
             lines.append(Line2D([], [], color=PURPLE, linewidth=1.0, linestyle=style, label=label))
+    return lines
+
+
+def draw_edge_of_oil(axes: Axes, view: View, film: Field, void: Field) -> list[Line2D]:
+    """Draw a line where the gap stops being full, and return it for the legend; nothing where all or nothing is full.
+
+    film, void: the gap and the part of it without oil, over the same places.
+    """
+    x, y = film.x * view.across.factor, film.y * view.across.factor
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    columns, rows = (left <= x) & (x <= right), (low <= y) & (y <= high)
+    missing = (void.values - NOT_FULL * film.values)[np.ix_(rows, columns)]
+    if not missing.min() < 0.0 < missing.max():
+        return []
+    axes.contour(x[columns], y[rows], missing, levels=[0.0], colors=ORANGE, linewidths=1.0)
+    return [Line2D([], [], color=ORANGE, linewidth=1.0, label="edge of the full film")]
+
+
+def draw_legend(axes: Axes, lines: Sequence[Line2D]) -> None:
+    """Name the lines of a map in its corner."""
     if lines:
         axes.legend(handles=lines, loc="lower left", fontsize="small", framealpha=0.85, handlelength=1.5)
 

@@ -1,8 +1,10 @@
 """Interferograms: a run as a microscope above coated glass shows it, as a picture and as an animation.
 
 The film and the density of the oil are interpolated from the grid to the pixels of the picture, so that fringes finer
-than the grid are drawn as they are.  Beside the picture is the film along the mid-line on the colour chart: the colour
-that every film thickness would have there, with the oil as dense as it is there.
+than the grid are drawn as they are.  Where the gap is not full, the light crosses the oil and then air.
+
+Beside the picture is the film along the mid-line on the colour chart: the colour that every film thickness would have
+there, with the oil as dense as it is there, and with as much oil where the gap is not full.
 """
 
 from collections.abc import Sequence
@@ -18,7 +20,8 @@ from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from ertel.optics import Chart, Light, Monochromatic, Rig
 from ertel.plots.drawing import NoFigure, Scale, Values, compose
-from ertel.plots.view import At, View
+from ertel.plots.fields import draw_edge_of_oil, draw_legend
+from ertel.plots.view import At, Field, View
 from ertel.results.variables import is_steady
 
 PIXELS = 480  # along the longer side of a picture
@@ -63,17 +66,19 @@ def _side(view: View) -> float:
 
 @dataclass(frozen=True)
 class Seen:
-    """Film (m) and rho/rho0 of the oil over the pixels of a window, (y, x)."""
+    """Film (m), rho/rho0 of the oil and void, the part of the film that is air (m), over a window's pixels, (y, x)."""
 
     film: Values
     density: Values
+    void: Values
 
     @classmethod
     def of(cls, view: View, window: Window, film_scale: float) -> "Seen":
         """The film and the oil at a moment.  film_scale: a*^2/R in m."""
         H = np.maximum(_on_pixels(view, "H", window, smooth=True), 0.0)
         P = np.maximum(_on_pixels(view, "P", window, smooth=False), 0.0)
-        return cls(H * film_scale, _density(view, P))
+        void = np.minimum(_on_pixels(view, "void", window, smooth=False), H)
+        return cls(H * film_scale, _density(view, P), void * film_scale)
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,7 @@ class Scene:
 
     def picture(self) -> Values:
         """The interferogram on the pixels, in grey (y, x) or in colour (y, x, 3)."""
-        return _without_grey_axis(self.chart.picture(self.seen.film, self.seen.density))
+        return _without_grey_axis(self.chart.picture(self.seen.film, self.seen.density, self.seen.void))
 
     def limits(self) -> tuple[float, float, float, float]:
         """The edges of the picture, as shown."""
@@ -121,7 +126,7 @@ def _on_pixels(view: View, name: str, window: Window, smooth: bool) -> Values:
 
 
 def draw_interferogram(axes: Axes, scene: Scene) -> None:
-    """The interferogram."""
+    """The interferogram, with a line where the gap stops being full."""
     view = scene.view
     arrow = "\N{RIGHTWARDS ARROW}" if view.flow > 0 else "\N{LEFTWARDS ARROW}"
     _show(axes, scene.picture(), scene.limits())
@@ -129,6 +134,15 @@ def draw_interferogram(axes: Axes, scene: Scene) -> None:
     axes.set_title(_heading(scene.chart.light) + (f", flow {arrow}" if view.flow else ""))
     for axis, pixels in ((axes.xaxis, scene.window.x), (axes.yaxis, scene.window.y)):
         axis.set_major_locator(MaxNLocator(max(1, round(TICKS * len(pixels) / PIXELS)), min_n_ticks=1))
+    _draw_edge(axes, scene)
+
+
+def _draw_edge(axes: Axes, scene: Scene) -> None:
+    """Draw the edge of the full gap at the moment of the scene, in place of an earlier one."""
+    for earlier in filter(None, (*axes.collections, axes.get_legend())):
+        earlier.remove()
+    film, void = (Field(scene.window.x, scene.window.y, each) for each in (scene.seen.film, scene.seen.void))
+    draw_legend(axes, draw_edge_of_oil(axes, scene.view, film, void))
 
 
 def _heading(light: Light) -> str:
@@ -142,12 +156,14 @@ def _show(axes: Axes, picture: Values, limits: tuple[float, float, float, float]
 
 def draw_chart(axes: Axes, scene: Scene) -> None:
     """The film along the mid-line, on the colours that films would have there.  scene: of one row of pixels."""
-    view, chart, (film,), x = scene.view, scene.chart, scene.seen.film, scene.window.x
+    view, chart, (film,), (void,), x = scene.view, scene.chart, scene.seen.film, scene.seen.void, scene.window.x
     inside = np.abs(x) < x[-1] / ROUND
     top = max(1.2 * float(film[inside].max()), ORDERS * chart.light.typical / (2.0 * chart.rig.oil_index))
     nm = Scale(1e9, view.scale("H").symbol if view.in_si else "$h$", "nm", "film thickness")
     left, right, *_ = scene.limits()
-    colours = chart.shown(np.linspace(0.0, top, PIXELS)[:, None], scene.seen.density)
+    films = np.linspace(0.0, top, PIXELS)[:, None]
+    voids = np.where(void > 0.0, np.maximum(films - (film - void), 0.0), 0.0)
+    colours = chart.shown(films, scene.seen.density, void=voids)
     _show(axes, _without_grey_axis(colours), (left, right, 0.0, top * nm.factor))
     for colour, width in (("white", 3.0), ("black", 1.2)):
         axes.plot(x * view.across.factor, film * nm.factor, color=colour, linewidth=width)
@@ -166,6 +182,8 @@ def interferogram(
     film_scale: float | None = None,
 ) -> Figure:
     """The contact as an experimenter sees it, and the film along its mid-line on the colours of films.
+
+    Where the gap is not full, the oil is a layer on the glass and the rest is air; a line shows where that begins.
 
     Parameters
     ----------
@@ -246,7 +264,9 @@ def animation(
     time, heading = views[0].scale("time"), _heading(chart.light)
 
     def update(frame: int) -> list[object]:
-        image.set_data(scene(frame).picture())
+        shown = scene(frame)
+        image.set_data(shown.picture())
+        _draw_edge(axes, shown)
         axes.set_title(f"{heading}, {time.symbol} = {views[frame].time * time.factor:.4g} {time.unit}")
         return []
 

@@ -27,6 +27,7 @@ MAXIMUM, LAST, END, CHOSEN = "maximum approach", "last map", "end of the run", "
 NAMES = {"max-approach": MAXIMUM, "end": END}
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
+NOT_FULL = 0.01  # void, as a share of the gap, from which on the gap is not full
 ROUNDING = 1e-9  # t0
 NOTHING = 1e-6  # of the scale of a load or a speed
 NO_FRICTION = 1e-12  # in a/R: a coefficient that is zero but for round-off
@@ -244,7 +245,11 @@ class View:
         return -float(np.sign(np.mean(X[(self.dataset["P"].values > 0).any(axis=0)])))
 
     def values(self, name: str) -> Values:
-        """A variable over the grid."""
+        """A variable over the grid; "void" is the part of the gap without oil, zero where that is less than 1 %."""
+        if name == "void":
+            H = self.values("H")
+            void = H - self.values("oil") if "oil" in self.dataset else np.zeros_like(H)
+            return np.where(void > NOT_FULL * H, void, 0.0)
         values = self.dataset[name] if self.frame is None else self.dataset[name].isel(frame=self.frame)
         return np.asarray(values.values)
 

@@ -1,18 +1,16 @@
 """Warnings if grid, domain, inlet or initial gap are not sufficient, each with a remedy."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import cbrt, ceil, inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.derived import wet_radius
 from ertel.case.height_map import Measured
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
 from ertel.numerics.grid import allowed_nodes, extrapolate
 from ertel.physics import hertz
-from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_KEPT, has_waves
 from ertel.physics.thermal import AT_REST, INLET_FACTORS, SLOWEST, slow_excess
@@ -59,8 +57,8 @@ def rolling_warnings(case: Case, data: "xr.Dataset") -> list[str]:
 
 def case_warnings(case: Case) -> list[str]:
     """Warnings that follow from the case alone, without a run; an empty list if there are none."""
-    start = [_gap_warning(case), *_layer_warnings(case)] if case.starts_apart else [_centre_warning(case)]
-    return _given([*start, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
+    start = _gap_warning(case) if case.starts_apart else _centre_warning(case)
+    return _given([start, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
 
 
 def balance_warnings(case: Case, balances: Balances) -> list[str]:
@@ -374,28 +372,12 @@ def front_warning(case: Case, spacing: float) -> str:
 
 def _gap_warning(case: Case) -> str:
     gap, film = -case.schedule.start_approach, case.parameters.trapped_film
-    if gap >= GAP_SHARE * film:
+    if gap >= GAP_SHARE * film or case.layer is not None:  # whose oil has no pressure before the ball is in it
         return ""
     return (
         f"the initial gap {gap:.3g} is not much larger than the trapped film {film:.3g} (units a*^2/R): the shape of "
         f"the film depends on it; use time.start_approach <= {-GAP_SHARE * film:.3g}"
     )
-
-
-def _layer_warnings(case: Case) -> Iterator[str]:
-    """Warnings where the ball starts in its layer of oil, and where this may reach the edge of the grid."""
-    layer, start = case.layer or 0.0, case.schedule.start_approach
-    if layer > -start:
-        yield (
-            f"the ball starts in the oil: lubricant.layer = {layer:.4g} a*^2/R is thicker than the initial gap "
-            f"{-start:.4g}; use time.start_approach <= {-layer:.4g}, or leave it out"
-        )
-    edge = min(case.solver.half_width, case.solver.half_width_y or inf)
-    if layer and case.geometry is CIRCLE and (wet := wet_radius(layer)) > edge:
-        yield (
-            "the oil that the ball displaces may reach the edge of the grid, where it is lost (it may get to "
-            f"{wet:.3g} a*, the edge is at {edge:g}); use solver.half_width >= {ceil(4 * wet) / 4:g}"
-        )
 
 
 def _domain_warning(case: Case, data: "xr.Dataset") -> str:

@@ -83,7 +83,7 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     """
     values = {"M": summary["M"], "L": summary["L"], **values_of(summary)}
     values |= {f"{name}_extreme": one["value"] for name, one in summary.get("extremes", {}).items()}
-    values["restitution"] = summary.get("restitution")
+    values |= {name: summary.get(name) for name in ("restitution", "contact_time", "F_max")}
     thermal = summary.get("thermal") or {}
     values |= {name: thermal.get(key) for key, name in WARM.items()}
     values |= {name: summary.get(key) for key, name in WORK.items()}

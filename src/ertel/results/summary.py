@@ -17,6 +17,7 @@ from ertel.results.variables import AT_MAXIMUM, FILMS, FRICTION, MEASURED, TEMPE
 
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
 NARROW = 0.1
+LIGHT = 0.01  # of the largest load, from which an impact counts as contact
 EXTREMES = {"H_min": np.argmin, "P_max": np.argmax}
 PLACES = {"H_min": ("X_min", "Y_min"), "P_max": ("X_P_max", "Y_P_max")}
 
@@ -30,6 +31,18 @@ def restitution(data: xr.Dataset) -> float | None:
         return None
     V, F = float(data["V"][-1]), float(data["F"][-1])
     return -V if V < 0 and F < 1e-8 else None
+
+
+def _contact(data: xr.Dataset) -> dict[str, float | None]:
+    """Restitution, the time in which the load is above `LIGHT` of its largest value, and that value; None before."""
+    e = restitution(data)
+    if e is None:
+        return dict.fromkeys(("restitution", "contact_time", "F_max"))
+    T, F = data["time"].values, data["F"].values
+    above = np.flatnonzero(F > LIGHT * F.max())
+    ends = [max(above[0] - 1, 0), above[0]], [above[-1] + 1, above[-1]]  # the lighter side first
+    start, end = (float(np.interp(LIGHT * F.max(), F[pair], T[pair])) for pair in ends)
+    return {"restitution": e, "contact_time": end - start, "F_max": float(F.max())}
 
 
 def impact_summary(
@@ -69,11 +82,12 @@ def impact_summary(
         values = {name: float(max_approach[name]) for name in names}
         reached = _without_zero(with_coefficients(values, case.scales))
     top = _without_zero({name: (reached or {}).get(name) for name in names if name not in ("T", "F")})
+    contact = _contact(data)
     content: dict[str, Any] = {
         **_heading(case),
         **top,
         "max_approach": reached,
-        "restitution": restitution(data),
+        **contact,
         **_over_time(case, data, status),
         **work,
         "status": status.value,
@@ -81,8 +95,10 @@ def impact_summary(
     content["warnings"] = diagnostics.impact_warnings(case, data) + _account_warnings(case, data, content["budgets"])
     if case.scales is None:
         return content
+    whole = {name: contact[name] for name in ("contact_time", "F_max")}
     si = {
         **_numbers_in_si(case, top if reached else {}),
+        **values_in_si(whole, case.scales),
         "max_approach": reached and values_in_si(reached, case.scales),
     }
     return {**content, "si": {**si, **_parts_in_si(case, content)}}

@@ -171,9 +171,13 @@ OF_A_CURVE: Mapping[str, Variable] = {  # of a traction curve, with some of the 
     "T_film_max": Variable("highest temperature of the film", "T_film_max", KELVIN),
     "phi_T": Variable("inlet factor of the film", "phi_T"),
 }
+OF_AN_IMPACT: Mapping[str, Variable] = {  # as a whole
+    "contact_time": _time("contact time, with more than 1 % of the largest load", "T_contact"),
+    "F_max": Variable("largest load carried by the film", "F_max", "F*", "load", "f_max", "N"),
+}
 EVENT = Variable("why the map was kept", "event")
 VARIABLES: Mapping[str, Variable] = {
-    **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE},
+    **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE, **OF_AN_IMPACT},
     "event": EVENT,
 }
 OUTCOME: Mapping[str, Variable] = {  # of the numbers of a run, besides `VARIABLES`

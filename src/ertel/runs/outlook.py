@@ -7,7 +7,7 @@ in `results.diagnostics`.
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from math import isfinite, prod
+from math import ceil, inf, isfinite, prod
 from typing import Any
 
 import numpy as np
@@ -210,7 +210,7 @@ def warnings_of(case: Case) -> list[str]:
 
 
 def beyond(case: Case, computed: float | None = None) -> list[str]:
-    """Warnings of a physical case beyond the range of the model.
+    """Warnings of a case beyond the range of the model.
 
     computed: the minimum film (m) of the run, None where only the expected one is known.
     """
@@ -219,7 +219,7 @@ def beyond(case: Case, computed: float | None = None) -> list[str]:
         if computed is None
         else _thin_film("the minimum film", computed)
     )
-    sentences = (*_yielding(case), _pressure_of_the_oil(case), _stress_of_the_oil(case), thin)
+    sentences = (*_yielding(case), _pressure_of_the_oil(case), _stress_of_the_oil(case), thin, _layer(case))
     return [sentence for sentence in sentences if sentence]
 
 
@@ -269,6 +269,25 @@ def _stress_of_the_oil(case: Case) -> str:
         f"the oil is Newtonian, and sliding would give it a mean shear stress of about {with_prefix(stress, 'Pa')}; "
         "oils begin to thin at some MPa: friction and power loss are not meaningful, the film hardly depends on it; "
         'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
+    )
+
+
+def _layer(case: Case) -> str:
+    """A sentence where a ball starts in its layer of oil, or where this may reach the edge of the grid."""
+    if case.layer is None or not case.starts_apart:
+        return ""
+    start, edge = case.schedule.start_approach, min(case.solver.half_width, case.solver.half_width_y or inf)
+    if case.layer > -start:
+        return (
+            f"the ball starts in the oil: lubricant.layer = {case.layer:.4g} a*^2/R is thicker than the initial gap "
+            f"{-start:.4g}; use time.start_approach <= {-case.layer:.4g}, or leave it out"
+        )
+    wet = wet_radius(case.layer)
+    if case.geometry is not CIRCLE or wet <= edge:
+        return ""
+    return (
+        "the oil that the ball displaces may reach the edge of the grid, where it is lost (it may get to "
+        f"{wet:.3g} a*, the edge is at {edge:g}); use solver.half_width >= {ceil(4 * wet) / 4:g}"
     )
 
 

@@ -29,6 +29,7 @@ from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
 from ertel.case.status import Status
 from ertel.inputs.studies import Study, coordinates, load_study, parse_study
+from ertel.numerics.programs import double_precision
 from ertel.results.numbers import scalars
 from ertel.results.study_result import MISSING, StudyResult, StudyRun, study_dataset
 from ertel.runs.batch import STEPS, program_of
@@ -207,6 +208,7 @@ def has_compiled(case: Case, directory: Path) -> bool:
     return progress is not None and progress["status"] == Status.RUNNING.value and progress["step"] > STEPS
 
 
+@double_precision()
 def run_case(directory: str, data: Mapping[str, Any], maps: Mapping[str, HeightMap], stop: Condition) -> str:
     """Begin or continue the run of a case in a directory, on whichever worker takes it; its status.
 

@@ -116,12 +116,12 @@ def traction(
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
     if directory:
         place = Path(directory).absolute()
-        require_place(place)
+        require_curve_place(place)
         return store_curve(curve, place, progress)
     return compute_curve(curve, progress)
 
 
-def require_place(directory: Path, option: str = "directory") -> None:
+def require_curve_place(directory: Path, option: str = "directory") -> None:
     """Raise Taken, naming the option, for the directory of a curve of an earlier version, or see `studies`."""
     if (directory / OLDER).exists():
         raise Taken(f"{option} {directory}: holds a curve of an earlier version ({OLDER}); choose another directory")

@@ -5,10 +5,11 @@ same.  Each kind of contact is compared with R = r/(1 + r^g)^(1/g), `film_formul
 """
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullLocator
 from pandas import DataFrame
 from scipy.optimize import least_squares
 
@@ -126,10 +127,10 @@ def _draw(marks: list[Mark], fits: Curve) -> Figure:
         curve = [starved_share(r, g) for r in line]
         left.loglog(line, curve, style, color=plots.GREY, linewidth=0.9, label=f"{kind}: $\\gamma$ = {g:.2f}")
     left.loglog(line, np.minimum(line, 1.0), ":", color="black", linewidth=0.7)
-    shades = {kind: iter(plots.ORDERED_COLOURS(np.linspace(0.9, 0.1, len(marks)))) for kind in fits}
+    shades = iter(plots.ORDERED_COLOURS(np.linspace(0.9, 0.1, len(marks))))
     for mark, marker in zip(marks, MARKERS * len(marks), strict=False):
-        colour = next(shades[mark.kind])
-        look = {"marker": marker, "color": colour, "linestyle": "none", "markersize": 5}
+        colour = next(shades) if mark.kind == "impact" else plots.ORANGE
+        look: dict[str, Any] = {"marker": marker, "color": colour, "linestyle": "none", "markersize": 5}
         look |= {"markerfacecolor": "white"} if mark.kind == "rolling" else {}
         label = f"{mark.kind}, M = {mark.case[0]:g}, L = {mark.case[1]:g}"
         found, bars = [share.fine for share in mark.shares], [abs(s.fine - s.coarse) for s in mark.shares]
@@ -139,5 +140,9 @@ def _draw(marks: list[Mark], fits: Curve) -> Figure:
     right.axhline(0.0, color=plots.GREY, linewidth=0.8)
     right.set(xscale="log", ylabel="$R$ less the curve of its kind", xlabel="$r$")
     left.set(xlabel="$r$, layer over the oil of the flooded film", ylabel="$R$, film over the flooded one")
+    for axis in (left.xaxis, left.yaxis, right.xaxis):
+        axis.set_minor_locator(NullLocator())
+        axis.set_major_formatter("{x:g}")
+        axis.set_major_locator(FixedLocator([0.25, 0.5, 1.0, 2.0, 4.0]))
     left.legend(loc="lower right", frameon=False, fontsize="xx-small")
     return figure

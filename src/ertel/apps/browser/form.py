@@ -81,6 +81,7 @@ FIELDS = {
     "alpha": Field("lubricant", "Oil", "Pressure-viscosity coefficient", OIL["alpha"], f"si {OWN}"),
     "rheology": Field("lubricant", "Oil", "Rheology", NEWTONIAN, "si rolling", RHEOLOGIES),
     "tau0": Field("lubricant", "Oil", "Eyring stress", "5 MPa", "si rolling ree-eyring"),
+    "layer": Field("lubricant", "Oil", "Layer of oil on the surfaces", ""),
     "method": Field("solver", "Computation", "Method", "radial"),
     "nodes": Field("solver", "Computation", "Nodes", USUAL["radial"]),
     "until": Field("time", "Computation", "End", "max-approach", "impact", ENDS),

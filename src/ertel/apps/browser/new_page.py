@@ -29,7 +29,7 @@ SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "h_c_least_m": ("central film, at least about", "m"),
     "h_c_most_m": ("central film, at most about", "m"),
 }
-HINTS = {"slide_to_roll": "0", "name": "impact"}
+HINTS = {"slide_to_roll": "0", "layer": "flooded", "name": "impact"}
 
 
 def new_page(site: Site, case: str = "") -> None:

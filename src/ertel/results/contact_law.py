@@ -1,0 +1,134 @@
+"""The law of a contact: restitution, duration and largest force of impacts, interpolated between the runs of a study.
+
+It is for programs that move many wet particles and need a rule for what happens when two of them meet.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from ertel.results.study_result import StudyResult
+from ertel.results.variables import name_in_si
+
+NUMBERS = {"restitution": "restitution", "contact_time": "duration", "F_max": "force"}  # of a run, in a law
+
+
+class ContactValues(NamedTuple):
+    """The outcome of impacts, each of the shape of what was asked.
+
+    restitution: speed after the impact over speed before.  duration: time (s) in which the load is above 1 % of its
+    largest value.  force: that value (N).  Duration and force are in t0 and F* of each impact where the study is
+    dimensionless.
+    """
+
+    restitution: Any
+    duration: Any
+    force: Any
+
+
+@dataclass(frozen=True, eq=False)
+class ContactLaw:
+    """Restitution, duration and largest force over what a study varies.
+
+    The logarithms of 1 - e, duration and force are interpolated linearly between the logarithms of what varies.  So
+    power laws are exact, such as 1 - e = St_c/St.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The table: restitution, duration (s) and force (N) over what varies, each rising.  That of a file is
+        `ContactLaw(xarray.load_dataset(path))`.
+    """
+
+    dataset: xr.Dataset
+
+    def __call__(self, *values: ArrayLike) -> ContactValues:
+        """The outcome of impacts between those of the study.
+
+        Parameters
+        ----------
+        *values : array_like
+            What varies, in the order of the study and in its units in SI: `law(speed, layer)` in m/s and m, and
+            `law(drop_height, layer)` in m.  They broadcast.
+
+        Returns
+        -------
+        ContactValues
+            restitution, duration (s) and force (N).
+
+        Raises
+        ------
+        ValueError
+            A value is outside the table, or there are too few or too many.
+        """
+        from scipy.interpolate import RegularGridInterpolator
+
+        axes = {str(name): self.dataset[name] for name in self.dataset.sizes}
+        if len(values) != len(axes):
+            raise ValueError(f"law: got {len(values)} values; give {' and '.join(axes)}")
+        for (name, axis), value in zip(axes.items(), values, strict=True):
+            least, most, given = float(axis[0]), float(axis[-1]), np.asarray(value, dtype=float)
+            if not np.all((least <= given) & (given <= most)):
+                wrong = given[~((least <= given) & (given <= most))].flat[0]
+                raise ValueError(f"{name} = {wrong:g}: must be from {least:g} to {most:g} {axis.attrs['units']}")
+        loss, *others = (self.dataset[name].transpose(*axes).values for name in ContactValues._fields)
+        table = np.log(np.stack([1.0 - loss, *others], axis=-1))
+        between = RegularGridInterpolator(
+            [np.log(axis.values) for axis in axes.values()], table, bounds_error=False, fill_value=None
+        )
+        loss, duration, force = np.moveaxis(np.exp(between(tuple(map(np.log, values)))), -1, 0)
+        return ContactValues(1.0 - loss, duration, force)
+
+    def save(self, path: str | Path) -> None:
+        """Write the table with its units as a NetCDF file, which xarray and others read without ertel."""
+        self.dataset.to_netcdf(path, engine="scipy")
+
+
+def contact_law(study: StudyResult) -> ContactLaw:
+    """The law of a contact from a study of impacts, over speed (or drop height) and layer, or whatever it varies.
+
+    Parameters
+    ----------
+    study : StudyResult
+        All combinations of two or more values of each, above zero, whose runs went on until the rebound.
+
+    Returns
+    -------
+    ContactLaw
+        `law(speed, layer)` gives restitution, duration (s) and largest force (N); `law.save("law.nc")` writes them.
+
+    Raises
+    ------
+    ValueError
+        The study does not vary numbers above zero in all combinations, or a run is missing, failed or has no rebound;
+        the message names it.
+
+    Examples
+    --------
+    >>> study = ertel.sweep("examples/sweeps/wet_restitution.toml", "sweeps/wet")  # doctest: +SKIP
+    >>> ertel.contact_law(study)(0.5, 10e-6).restitution  # doctest: +SKIP
+    """
+    data = study.dataset
+    if data.attrs["kind"] != "impact" or data.attrs["mode"] != "product":
+        raise ValueError(
+            f'study: is a "{data.attrs["mode"]}" of {data.attrs["kind"]} cases; must be a "product" of impacts'
+        )
+    for name, axis in data.coords.items():
+        if axis.dtype.kind != "f" or len(axis) < 2 or not np.all(axis > 0):
+            raise ValueError(f"study: {name} must have two or more values above zero; it has {axis.values.tolist()}")
+    stored = {name if name in data else name_in_si(name): new for name, new in NUMBERS.items()}
+    empty = xr.full_like(data["warnings"], np.nan, dtype=float)
+    about = {name: data.attrs[name] for name in ("title", "source", "date_created")}
+    table = xr.Dataset({new: data.get(name, empty) for name, new in stored.items()}, attrs=about)
+    lacking = table.to_array().isnull().any("variable").values
+    if lacking.any():
+        first, status = (data[name].values[lacking][0] for name in ("directory", "status"))
+        raise ValueError(
+            f"study: {lacking.sum()} of {lacking.size} runs have no rebound, the first is {first} ({status}); all must "
+            'converge with time.until = "rebound"'
+        )
+    return ContactLaw(table.sortby(list(data.sizes)))

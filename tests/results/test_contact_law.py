@@ -1,0 +1,90 @@
+"""The law of a contact from a study: exact at its runs and for power laws, and read from a file without ertel."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose
+
+import ertel
+from ertel.results.numbers import Scalar
+from ertel.results.study_result import StudyResult, StudyRun, study_dataset
+
+SPEEDS, LAYERS = [0.4, 0.1, 0.2], [3e-6, 12e-6]
+METRES, PER_SECOND = {"units": "m"}, {"units": "m/s"}
+
+
+def loss(v: Any, h: Any) -> Any:
+    """1 - e = St_c/St."""
+    return 0.03 / v * (h / 1e-6) ** 0.3
+
+
+def run(v: float, h: float, status: str = "converged") -> StudyRun:
+    values = {"restitution": (1 - loss(v, h), "1"), "t_contact": (5e-5 * v**-0.2, "s"), "f_max": (300 * v**1.2, "N")}
+    numbers = {name: Scalar(value, {"units": unit}) for name, (value, unit) in values.items()}
+    return StudyRun(numbers if status == "converged" else {}, [], status, f"runs/{v}-{h}")
+
+
+def study(runs: list[StudyRun], mode: str = "product", kind: str = "impact", layers: Any = LAYERS) -> StudyResult:
+    along = {"speed": (SPEEDS, PER_SECOND), "layer": (layers, METRES)}
+    return StudyResult(study_dataset(mode, [3, 2], along, runs, {"title": "wet", "kind": kind}))
+
+
+RUNS = [run(v, h) for v in SPEEDS for h in LAYERS]
+LAW = ertel.contact_law(study(RUNS))
+
+
+def test_the_runs_of_the_study_are_given_again() -> None:
+    for one, (v, h) in zip(RUNS, ((v, h) for v in SPEEDS for h in LAYERS), strict=True):
+        assert_allclose(LAW(v, h), [scalar.value for scalar in one.numbers.values()], rtol=1e-13)
+
+
+def test_a_power_law_is_exact_between_them() -> None:
+    v, h = np.linspace(0.1, 0.4, 7)[:, None], np.geomspace(3e-6, 12e-6, 5)
+    found = LAW(v, h)
+    assert_allclose(found.restitution, 1 - loss(v, h), rtol=1e-13)
+    assert_allclose(found.duration, np.broadcast_to(5e-5 * v**-0.2, (7, 5)), rtol=1e-13)
+    assert_allclose(found.force, np.broadcast_to(300 * v**1.2, (7, 5)), rtol=1e-13)
+
+
+def test_the_file_is_read_without_ertel(tmp_path: Path) -> None:
+    LAW.save(tmp_path / "law.nc")
+    table = xr.load_dataset(tmp_path / "law.nc")
+    assert table["speed"].values.tolist() == [0.1, 0.2, 0.4]
+    assert {name: table[name].attrs["units"] for name in ("speed", "layer", "duration", "force")} == {
+        **{"speed": "m/s", "layer": "m", "duration": "s", "force": "N"}
+    }
+    assert float(table["restitution"].sel(speed=0.2, layer=3e-6)) == pytest.approx(1 - loss(0.2, 3e-6), rel=1e-15)
+    assert replace(LAW, dataset=table)(0.3, 5e-6) == LAW(0.3, 5e-6)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ((0.5, 3e-6), r"speed = 0\.5: must be from 0\.1 to 0\.4 m/s"),
+        ((0.2, [3e-6, 2e-6]), r"layer = 2e-06: must be from 3e-06 to 1\.2e-05 m"),
+        ((float("nan"), 3e-6), r"speed = nan: must be from"),
+        ((0.2,), r"got 1 values; give speed and layer"),
+    ],
+)
+def test_outside_the_table_there_is_no_law(values: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        LAW(*values)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (study([*RUNS[:4], run(0.2, 3e-6, "missing"), RUNS[5]]), r"1 of 6 runs.*runs/0\.2-3e-06 \(missing\)"),
+        (study([run(1, 1, "failed: no film")] * 6), r"6 of 6 runs have no rebound.*failed: no film.*rebound"),
+        (study(RUNS, kind="rolling"), r'"product" of rolling cases'),
+        (study(RUNS, layers=[0.0, 3e-6]), r"layer must have two or more values above zero"),
+        (study(RUNS, layers=["thin", "thick"]), r"layer must have two or more values above zero"),
+    ],
+)
+def test_studies_that_give_no_law(wrong: StudyResult, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        ertel.contact_law(wrong)
