@@ -355,7 +355,8 @@ def _numbers(
     moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
     balance = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing))
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
-    error = film_error(mass, predicted, s.P, THIN * setting.film_scale, c.even, setting.coarsenings)
+    weight = stencils.inside(s.P, c.even)  # the edge is given
+    error = film_error(mass, predicted, weight, THIN * setting.film_scale, c.even, setting.coarsenings)
     values = approach, s.converged, s.newton, s.krylov, error, *balance.numbers
     stepped = jnp.stack([jnp.asarray(value, s.P.dtype) for value in values])
     return jnp.concatenate([stepped, state.extreme_numbers(setting.axes, s.P, s.H)])
