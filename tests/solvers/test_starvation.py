@@ -211,6 +211,30 @@ def test_a_rebound_loses_no_oil_to_its_cavity() -> None:
     assert_allclose(late, early, rtol=0.02)  # the oil stays; BDF2 swings a little where a node has just emptied
 
 
+@pytest.mark.parametrize(("layer", "imbalance"), [(None, 0.05), (0.15, 1e-5)])
+def test_a_contact_that_rolls_back_finds_what_it_left(layer: float | None, imbalance: float) -> None:
+    """The cavity behind the contact becomes its inlet; on a layer the film of both ways is nearly the same."""
+    case = case_of("rolling", layer, M=20, method="transient", nodes=33)
+    changes = {"motion": {"entrainment": [[0.0, 1.0], [2.0, -1.0]]}, "time": {"until": 9.0, "tolerance": 5e-3}}
+    run = simulate(parse_case({**case.to_data(), "solver": {"method": "transient", "nodes": 33}, **changes}))
+    assert run.status.ok
+    assert run.summary["budgets"]["mass"]["imbalance"] < imbalance
+    there, back = run.dataset["H_c"].values[[0, -1]]
+    assert back == pytest.approx(there, rel=0.15 if layer is None else 0.01)
+
+
+def test_a_ball_that_falls_again_finds_the_cavity_that_it_left() -> None:
+    """A load pulls the ball back into the pool, which has not filled all of the gap again."""
+    case = case_of("impact", None, M=20, nodes=33)
+    changes = {"motion": {"load": 0.3}, "time": {"until": 12.0, "tolerance": 5e-3}}
+    run = simulate(parse_case({**case.to_data(), **changes}))
+    assert run.status.ok
+    V, H = run.dataset["V"].values, run.dataset["H_c"].values
+    first, second = H[1:][(V[:-1] > 0) & (V[1:] <= 0)]
+    assert second < 0.6 * first
+    assert run.summary["budgets"]["mass"]["imbalance"] < 0.01
+
+
 def test_a_layer_is_neither_made_nor_lost_in_an_impact() -> None:
     case = case_of("impact", 0.1, M=20, nodes=33)
     method = Transient2D(case)

@@ -170,7 +170,7 @@ def steady_oil(contact: Contact, P: Array, H: Array, rate: Rate) -> OilContent:
     void = _void(contact, P, H, speed, rate.layer, r)
     passing = jnp.where(P > 0.0, full, downstream(full) - void)
     oil = jnp.where(passing < full, passing, full - void)  # void = 0 where P > 0
-    return OilContent(*map(turned, (oil, full, void, passing)))
+    return OilContent(turned(oil), turned(full), turned(void), turned(passing), rate.wedge)
 
 
 def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:

@@ -24,6 +24,7 @@ All quantities are dimensionless; U in a/t0.
 """
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
@@ -66,18 +67,19 @@ class OilContent(NamedTuple):
     """The oil in a steady film, as mass; fields of shape (n, n).
 
     oil: what is there at the nodes.  full: what would fill the gap.  void: from `void_downstream`.  passing: what
-    passes the faces downstream of the nodes in unit flow.
+    passes the faces downstream of the nodes in unit flow.  entrainment: of that film.
     """
 
     oil: Array
     full: Array
     void: Array
     passing: Array
+    entrainment: Number
 
     @classmethod
     def without_void(cls, mass: Array) -> "OilContent":
         """A gap that is full, or a uniform layer."""
-        return cls(mass, mass, jnp.zeros_like(mass), mass)
+        return cls(mass, mass, jnp.zeros_like(mass), mass, 1.0)
 
 
 class Flow(NamedTuple):
@@ -92,7 +94,7 @@ class Flow(NamedTuple):
     start: OilContent
 
     def passing(self, oil: Array) -> Array:
-        """The oil that passes with the flow where so much is at the nodes."""
+        """The oil that passes with the flow where so much is at the nodes, in unit flow."""
         return oil + (self.start.passing - self.start.oil)
 
 
@@ -123,17 +125,22 @@ def followed(weights: Weights | Array, masses: Sequence[Array], distances: Seque
 
 
 def wedge(content: OilContent, entrainment: Number, spacing: Number) -> Array:
-    """The rate of change of a steady film: U d(full - void)/dX from upstream, for either sign of U.
+    """The rate of change of a steady film when it moves with the speed U: U d(oil)/dX from upstream.
 
-    The slope of a full gap is of second order, that of the void of first, because it ends at a meniscus.
+    The slope of a full gap is of second order, that of a void of first, because it ends at a meniscus.  Against the way
+    of the steady film the void is not a sum along the flow: nodes that are not full pass on the oil that they have.
     """
+    turned = partial(flow_aligned, steady_rate(content.entrainment))
+    oil, full, void = map(turned, content[:3])
+    speed = jnp.where(jnp.asarray(content.entrainment) >= 0, entrainment, -entrainment)
 
-    def slope(full: Array, void: Array) -> Array:
-        return upstream_slope(full, spacing) - jnp.diff(void, axis=1, prepend=void[:, :1]) / spacing
+    def slope(passing: Array) -> Array:
+        return jnp.diff(passing, axis=1, prepend=passing[:, :1]) / spacing
 
-    full, void = content.full, content.void
-    upstream = -slope(full[:, ::-1], void[:, ::-1])[:, ::-1]
-    return entrainment * jnp.where(jnp.asarray(entrainment) >= 0, slope(full, void), upstream)
+    onwards = upstream_slope(full, spacing) - slope(void)
+    oil, full = oil[:, ::-1], full[:, ::-1]
+    back = -slope(jnp.where(oil < full, oil, downstream(full)))[:, ::-1]
+    return turned(speed * jnp.where(speed >= 0, onwards, back))  # type: ignore[no-any-return]
 
 
 def flow_aligned(rate: Rate, field: Any) -> Any:
