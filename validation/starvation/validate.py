@@ -1,8 +1,8 @@
 """Validate starved contacts: films and restitution on layers of oil; writes the tables in this folder.
 
-    python validation/starvation/validate.py [impact] [track]
+    python validation/starvation/validate.py [impact] [track] [again]
 
-Times on two cores: impact 4 minutes, track 4.
+Times on two cores: impact 4 minutes, track 4, again 1.
 """
 
 import sys
@@ -82,9 +82,39 @@ def track() -> str:
     return table(["layer (a²/R)", "nodes", *passes, "exponent of the last two", "change of all oil"], rows)
 
 
+def again() -> str:
+    """What a contact finds of its own cavity: a ball that falls twice, a track that stops or turns back."""
+    rows = []
+    for layer in (None, 0.3, 0.2, 0.1, 0.05):
+        more = {"motion": {"load": 0.1}, "until": 40.0, "time_tolerance": 1e-3, "half_width": 3.0}
+        run = ertel.simulate(ertel.impact(M=200, L=L, nodes=65, layer=layer, **more))
+        V, H = run.dataset["V"].values, run.dataset["H_c"].values
+        first, second = H[1:][(V[:-1] > 0) & (V[1:] <= 0)][:2]
+        rows.append(["two impacts, M = 200, load 0.1", *_cells(layer, first, second, run)])
+    motions = {
+        "stop and start": [[0, 1], [2, 0], [3, 0], [5, 1]],
+        "there and back": [[0, 1], [4, -1]],
+    }
+    for name, entrainment in motions.items():
+        for layer in (None, 0.4, 0.15):
+            more = {"motion": {"entrainment": entrainment}, "until": 12.0, "time_tolerance": 1e-3}
+            run = ertel.simulate(ertel.rolling(M=20, L=L, nodes=65, layer=layer, method="transient", **more))
+            first, second = run.dataset["H_c"].values[[0, -1]]
+            rows.append([f"{name}, M = 20", *_cells(layer, first, second, run)])
+    return table(["contact", "layer", "H_c before", "H_c after", "after/before", "imbalance of mass"], rows)
+
+
+def _cells(layer: float | None, first: float, second: float, run: ertel.Result) -> list[str]:
+    imbalance = run.summary["budgets"]["mass"]["imbalance"]
+    told = ["flooded" if layer is None else f"{layer:g}", f"{first:.4f}", f"{second:.4f}", f"{second / first:.3f}"]
+    print(*told, flush=True)
+    return [*told, "nothing flows" if imbalance is None else f"{imbalance:.0e}"]
+
+
 TABLES: Mapping[str, tuple[str, Callable[[], str]]] = {
     "impact": ("Impacts on layers of oil", impacts),
     "track": ("A track that is rolled over many times", track),
+    "again": ("Twice over the same place", again),
 }
 
 if __name__ == "__main__":

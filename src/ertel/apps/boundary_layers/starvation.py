@@ -13,13 +13,10 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from pandas import DataFrame
 from scipy.optimize import least_squares
 
-from ertel import plots, simulate
+from ertel import formulas, parse_case, plots, simulate
 from ertel.apps.boundary_layers.plans import Drawn, Moes, Plan, new_figure
 from ertel.apps.boundary_layers.ratios import Extrapolated
 from ertel.apps.boundary_layers.runs import Results
-from ertel.inputs.case_files import parse_case
-from ertel.numerics.programs import double_precision
-from ertel.physics.film_formulas import SOURCES, starved_share
 from ertel.runs.tasks import Task
 
 RATIOS = (0.25, 0.5, 0.7, 1.0, 1.5, 2.0, 4.0)  # r
@@ -28,7 +25,6 @@ MARKERS = "ovD^P*<>"
 Curve = Mapping[str, tuple[float, float, float]]  # by kind of contact: g, its standard error, largest deviation of R
 
 
-@double_precision()
 def starved_films(kind: str, M: float, L: float, nodes: int) -> tuple[float, ...]:
     """R at each of `RATIOS`, of an impact by the radial method or of steady rolling; RuntimeError where one fails."""
     solver = {"method": "radial", "half_width": HALF_WIDTH} if kind == "impact" else {"method": "steady"}
@@ -81,8 +77,8 @@ def starved(results: Results, plan: Plan) -> Drawn:
         "Beyond the paper: a starved impact follows a curve like that of starved rolling.  R is the oil in the centre "
         "over that of the flooded contact, r the layer of oil over the same.  Left: all contacts, with "
         "R = r/(1 + r^g)^(1/g) and g fitted to each kind.  Right: their difference.  Values of the finer grid; bars: "
-        f"difference of the two grids.  Grids: {used}.  Curve: {SOURCES['Chevalier et al.']}, g of circular contacts "
-        "in the literature: 2 to 5."
+        f"difference of the two grids.  Grids: {used}.  Curve: {formulas.SOURCES['Chevalier et al.']}, g of circular "
+        "contacts in the literature: 2 to 5."
     )
     rows = [
         {"contact": kind, "g": f"{g:.2f}", "standard error": f"{error:.2f}", "largest difference": f"{largest:.3f}"}
@@ -112,7 +108,7 @@ def _fit(marks: list[Mark]) -> tuple[float, float, float]:
     found = np.array([[share.fine for share in mark.shares] for mark in marks])
 
     def differences(g: np.ndarray) -> np.ndarray:
-        curve = np.array([starved_share(r, float(g[0])) for r in RATIOS])
+        curve = np.array([formulas.starved_share(r, float(g[0])) for r in RATIOS])
         return np.asarray(found - curve).ravel()
 
     fit = least_squares(differences, 2.5)
@@ -124,7 +120,7 @@ def _draw(marks: list[Mark], fits: Curve) -> Figure:
     figure, (left, right) = new_figure(1, 2)
     line = np.geomspace(RATIOS[0] / 1.5, RATIOS[-1] * 1.5)
     for style, (kind, (g, _, _)) in zip(("-", "--"), fits.items(), strict=True):
-        curve = [starved_share(r, g) for r in line]
+        curve = [formulas.starved_share(r, g) for r in line]
         left.loglog(line, curve, style, color=plots.GREY, linewidth=0.9, label=f"{kind}: $\\gamma$ = {g:.2f}")
     left.loglog(line, np.minimum(line, 1.0), ":", color="black", linewidth=0.7)
     shades = iter(plots.ORDERED_COLOURS(np.linspace(0.9, 0.1, len(marks))))
@@ -135,7 +131,7 @@ def _draw(marks: list[Mark], fits: Curve) -> Figure:
         label = f"{mark.kind}, M = {mark.case[0]:g}, L = {mark.case[1]:g}"
         found, bars = [share.fine for share in mark.shares], [abs(s.fine - s.coarse) for s in mark.shares]
         left.loglog(RATIOS, found, label=label, **look)
-        curve = [starved_share(r, fits[mark.kind][0]) for r in RATIOS]
+        curve = [formulas.starved_share(r, fits[mark.kind][0]) for r in RATIOS]
         right.errorbar(RATIOS, np.subtract(found, curve), bars, capsize=2, elinewidth=0.8, **look)
     right.axhline(0.0, color=plots.GREY, linewidth=0.8)
     right.set(xscale="log", ylabel="$R$ less the curve of its kind", xlabel="$r$")
