@@ -1,8 +1,8 @@
 """Validate starved contacts: films and restitution on layers of oil; writes the tables in this folder.
 
-    python validation/starvation/validate.py [impact] [track] [again]
+    python validation/starvation/validate.py [impact] [order] [track] [again]
 
-Times on two cores: impact 4 minutes, track 4, again 1.
+Times on two cores: impact 4 minutes, order 4, track 4, again 1.
 """
 
 import sys
@@ -16,6 +16,7 @@ import ertel
 
 HERE = Path(__file__).parent
 L = 10
+GRIDS = (65, 129, 257, 513)
 PASSES = (1, 2, 3, 5, 10, 20)
 # layer: H_c and restitution of impacts by a radial program of its own, to 0.3 % and 0.002
 RADIAL: Mapping[float, Mapping[float | None, tuple[float, float]]] = {
@@ -61,6 +62,24 @@ def impacts() -> str:
             rows.append([*about, f"{bounce:.4f}", f"{bounce - e:+.4f}", str(s["steps"])])
             print(*rows[-1], flush=True)
     return table(["M", "layer (a*²/R)", "H_c", "deviation (%)", "restitution", "deviation", "steps"], rows)
+
+
+def order() -> str:
+    """Steady films on four grids, with the order that the last three show, and the error that the third one tells."""
+    rows = []
+    for layer in (None, 0.62, 0.162, 0.081, 0.04, 0.02):
+        runs = [roll(200, layer, nodes).summary for nodes in GRIDS]
+        for film in ("H_c", "H_min"):
+            values = [run[film] for run in runs]
+            changes = np.diff(values)
+            falls = abs(changes[-1]) < abs(changes[-2]) and changes[-2] * changes[-1] > 0
+            shown = f"{np.log2(changes[-2] / changes[-1]):.1f}" if falls else "irregular"
+            told, left = runs[2][f"{film}_error"], abs(runs[3][f"{film}_extrapolated"] - values[2])
+            row = ["flooded" if layer is None else f"{layer:g}", film, *(f"{value:.5f}" for value in values)]
+            rows.append([*row, shown, f"{told:.5f}", f"{left:.5f}"])
+            print(*rows[-1], flush=True)
+    grids = [f"{nodes} nodes" for nodes in GRIDS]
+    return table(["layer (a²/R)", "film", *grids, "order", "error told on 257", "found"], rows)
 
 
 def track() -> str:
@@ -113,6 +132,7 @@ def _cells(layer: float | None, first: float, second: float, run: ertel.Result) 
 
 TABLES: Mapping[str, tuple[str, Callable[[], str]]] = {
     "impact": ("Impacts on layers of oil", impacts),
+    "order": ("Steady films on layers of oil, M = 200, L = 10", order),
     "track": ("A track that is rolled over many times", track),
     "again": ("Twice over the same place", again),
 }

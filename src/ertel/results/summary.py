@@ -173,7 +173,7 @@ def steady_summary(
         parts["thermal"] = thermal_summary(case, finest)
         warnings += diagnostics.thermal_warnings(case, finest.heat)
     values = {**nodes, **_without_zero({name: record[name] for name in (*MEASURED, *FRICTION)})}
-    return _rolling_summary(case, values, _estimates(solutions), {**parts, **counts}, status, warnings)
+    return _rolling_summary(case, values, _estimates(case, solutions), {**parts, **counts}, status, warnings)
 
 
 def thermal_summary(case: Case, solution: SteadyGrid) -> dict[str, Any]:
@@ -201,13 +201,17 @@ def thermal_summary(case: Case, solution: SteadyGrid) -> dict[str, Any]:
     }
 
 
-def _estimates(solutions: Sequence[SteadyGrid]) -> dict[str, float]:
-    """Errors and extrapolated values of the films; empty without two grids that converged."""
+def _estimates(case: Case, solutions: Sequence[SteadyGrid]) -> dict[str, float]:
+    """Errors and extrapolated values of the films; empty without two grids that converged.
+
+    On a layer of oil a film changes irregularly from grid to grid where the meniscus is in the contact.
+    """
     if len(solutions) < 2 or not all(s.status.ok for s in solutions[-2:]):
         return {}
     estimates: dict[str, float] = {}
     for name in FILMS:
-        film = extrapolate(*(s.measure()[name] for s in solutions[-2:]))
+        *coarser, coarse, fine = (s.measure()[name] for s in solutions)
+        film = extrapolate(coarse, fine, *(coarser[-1:] if case.layer else ()))
         estimates |= {f"{name}_error": film.error, f"{name}_extrapolated": film.extrapolated}
     return estimates
 
