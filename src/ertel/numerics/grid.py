@@ -182,7 +182,7 @@ class Extrapolation(NamedTuple):
 def extrapolate(coarse: float, fine: float, coarsest: float | None = None) -> Extrapolation:
     """Extrapolation from a grid and the grid with half its spacing; the error is proportional to spacing squared.
 
-    coarsest: the value on a third grid, where the order is not regular: the error is at least what this one lets expect.
+    coarsest: a value where the order is not regular: the error is at least what the change from it lets expect.
     """
     step, expected = (fine - coarse) / 3, 0.0 if coarsest is None else (coarse - coarsest) / 12
     return Extrapolation(fine, max(abs(step), abs(expected)), fine + step)
