@@ -304,13 +304,17 @@ def test_formulas_say_both_films() -> None:
 
 
 def test_a_ball_starts_above_its_layer() -> None:
-    def starting(layer: float, **time: float) -> Case:
+    def starting(layer: Any, **time: float) -> Case:
         data = {"contact": {"M": 200, "L": 10}, "lubricant": {"layer": layer}, "time": time}
         return parse_case({**data, "solver": {"half_width": 6.0}})
 
+    beside = [[0.0, 0.1], [0.3, 3.0]]  # thick where the ball comes near, too
+
     assert starting(0.5).schedule.start_approach == -1.0
     assert starting(3.0).schedule.start_approach == -3.0 and "starts in" not in " ".join(warnings_of(starting(3.0)))
-    assert "the ball starts in the oil" in " ".join(warnings_of(starting(3.0, start_approach=-2.0)))
+    assert starting(beside).schedule.start_approach == -3.0
+    for layer in (3.0, beside):
+        assert "the ball starts in the oil" in " ".join(warnings_of(starting(layer, start_approach=-2.0)))
 
 
 def test_oil_that_reaches_the_edge_is_said_before_the_run() -> None:
