@@ -182,6 +182,16 @@ def test_a_track_with_more_oil_on_one_side_is_the_mirror_of_that_on_the_other() 
     assert one.dataset["H"].sel(Y=0.75).min() > one.dataset["H"].sel(Y=-0.75).min()
 
 
+def test_an_oil_may_have_the_track() -> None:
+    points = [[-1.0, 0.05], [1.0, 0.1]]
+    oil, layer = (
+        ertel.rolling(M=200, L=10, **given) for given in ({"oil": ertel.Oil(layer=points)}, {"layer": points})
+    )
+    assert oil.digest == layer.digest
+    with pytest.raises(ValueError, match=r"lubricant\.layer\[2\]\[2\] = -0\.1: must be .* above zero"):
+        ertel.rolling(M=200, L=10, oil=ertel.Oil(layer=[[0.0, 0.1], [1.0, -0.1]]))
+
+
 def test_a_run_that_leaves_no_track_is_refused() -> None:
     run = simulate(case_of("impact", 0.1, M=20, method="radial", nodes=33))
     with pytest.raises(ValueError, match="a rolling contact leaves a track"):

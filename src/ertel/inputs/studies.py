@@ -12,8 +12,9 @@ gives equal ratios.  A quantity has its unit at both ends, or at one of them for
 is combined with every other, with "zip" the first values of all belong together, then the second ones, ...
 
 Three keys may have a list as their plain value: motion.load and motion.entrainment, whose points [T, value] are one
-signal, and lubricant.layer, whose points [y, thickness] are one track.  A list of such lists makes these vary.  Tables (of an oscillation, of a law, of a data sheet, of a shape) do not vary as a
-whole unless they stand in a list; each value in them may.
+signal, and lubricant.layer, whose points [y, thickness] are one track.  A list of such lists makes these vary.  Tables
+(of an oscillation, of a law, of a data sheet, of a shape) do not vary as a whole unless they stand in a list; each
+value in them may.
 """
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
