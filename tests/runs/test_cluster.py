@@ -145,7 +145,7 @@ def test_the_others_need_not_wait_for_its_end(two, tmp_path):
 def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
     """Signal 9 while a run is computed: another worker continues it, and the numbers are those without the signal."""
     impacts = {"contact": {"M": [20, 40, 60, 80], "L": 5}, "solver": {"method": "radial", "nodes": 17}}
-    study = parse_study({**impacts, "time": {"until": 1.0, "tolerance": 0.01}})
+    study = parse_study({**impacts, "time": {"until": 1.0, "tolerance": 1e-4}})
     killed: list[str] = []
 
     def kill_once() -> bool:

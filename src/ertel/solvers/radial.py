@@ -38,7 +38,7 @@ from ertel.physics.lubricant import Lubricant
 Floats = NDArray[np.float64]
 
 NEWTON_LIMIT = 15
-RINGS = 65  # on which the error in time is taken
+RINGS, RINGS_BESIDE_A_MENISCUS = 65, 33  # on which the error in time is taken
 LARGEST_CHANGE = 0.3  # of P in one Newton iteration
 
 
@@ -77,6 +77,7 @@ class RadialProblem(NamedTuple):
     """One BDF step, ready to be solved; see `transient.StepProblem`.
 
     predict_P, predict_mass: weights of the predicted pressure and oil.  tolerance: of the film left over in a step.
+    ring: that of each node, on which the error is taken.
     """
 
     mesh: Mesh
@@ -90,6 +91,7 @@ class RadialProblem(NamedTuple):
     line: ClosureLine
     around: Surroundings
     tolerance: float
+    ring: Array
 
 
 @exportable
@@ -258,7 +260,7 @@ def solve_ring_step(p: RadialProblem) -> RadialStep:
     approach = line.approach(load)
     oil = ring_oil(eq, s.P, s.H)
     balance = account_of(p.disc, eq, s.P, s.H, oil, approach)
-    error = ring_film_error(p.mesh.volume, oil, jnp.tensordot(p.predict_mass, masses, axes=1), s.P)
+    error = ring_film_error(p.ring, p.mesh.volume, oil, jnp.tensordot(p.predict_mass, masses, axes=1), s.P)
     values = approach, s.size <= tolerance, s.newton, load, error, *balance.numbers
     fields = {"P": s.P, "H": s.H, "mass": oil}
     return RadialStep(fields, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
@@ -267,12 +269,11 @@ def solve_ring_step(p: RadialProblem) -> RadialStep:
 _step_program = Program(solve_ring_step)
 
 
-def ring_film_error(volume: Array, oil: Array, predicted: Array, P: Array) -> Array:
-    """Relative difference of the oil and its prediction, see `transient.film_error`, by means over `RINGS` at most."""
-    width = -(-len(P) // RINGS)
-    rings = jnp.pad(jnp.stack([P, oil, predicted]) * volume, ((0, 0), (0, -len(P) % width)))
-    pressed, film, expected = rings.reshape(3, -1, width).sum(axis=2)
-    return jnp.sqrt(jnp.sum(pressed * (1 - expected / film) ** 2) / jnp.maximum(pressed.sum(), jnp.finfo(P.dtype).tiny))
+def ring_film_error(ring: Array, volume: Array, oil: Array, predicted: Array, P: Array) -> Array:
+    """Relative difference of the oil and its prediction, see `transient.film_error`, by means over rings of nodes."""
+    pressed, film, expected = (jax.ops.segment_sum(field * volume, ring, RINGS) for field in (P, oil, predicted))
+    errors = jnp.where(film > 0.0, 1 - expected / film, 0.0)  # there may be fewer rings
+    return jnp.sqrt(jnp.sum(pressed * errors**2) / jnp.maximum(pressed.sum(), jnp.finfo(P.dtype).tiny))
 
 
 class RadialImpact(Method):
@@ -294,6 +295,8 @@ class RadialImpact(Method):
         self.start_approach = case.schedule.start_approach
         self.coordinates = {"r": np.asarray(self.mesh.r)}
         self.disc = Disc.of(self.coordinates["r"])
+        nodes, rings = case.solver.nodes, RINGS if self.layer is None else RINGS_BESIDE_A_MENISCUS
+        self.ring = np.arange(nodes) // -(-nodes // rings)
 
     def start(self) -> State:
         """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
@@ -327,6 +330,7 @@ class RadialImpact(Method):
             self.closure.line(T, rates, approaches, [level.velocity for level in levels]),
             around,
             self.tolerance,
+            jax.device_put(self.ring),
         )
         numbers = dict(zip(NUMBERS, np.asarray(solution.numbers).tolist(), strict=True))
         approach, load = numbers["approach"], numbers["load on nodes"]
