@@ -183,11 +183,9 @@ def test_a_track_with_more_oil_on_one_side_is_the_mirror_of_that_on_the_other() 
 
 
 def test_an_oil_may_have_the_track() -> None:
-    points = [[-1.0, 0.05], [1.0, 0.1]]
-    oil, layer = (
-        ertel.rolling(M=200, L=10, **given) for given in ({"oil": ertel.Oil(layer=points)}, {"layer": points})
-    )
-    assert oil.digest == layer.digest
+    points: Any = [[-1.0, 0.05], [1.0, 0.1]]
+    in_oil = ertel.rolling(M=200, L=10, oil=ertel.Oil(layer=points))
+    assert in_oil.digest == ertel.rolling(M=200, L=10, layer=points).digest
     with pytest.raises(ValueError, match=r"lubricant\.layer\[2\]\[2\] = -0\.1: must be .* above zero"):
         ertel.rolling(M=200, L=10, oil=ertel.Oil(layer=[[0.0, 0.1], [1.0, -0.1]]))
 
