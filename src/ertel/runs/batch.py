@@ -154,7 +154,7 @@ def shape_of(case: Case) -> dict[str, object]:
         "solver.half_width_y": case.solver.half_width_y,
         "contact.radius_ratio": case.contact.ratio,
         "solver.inlet": grid.centre_x,
-        "roughness (axes of symmetry)": tuple(grid.even),
+        "roughness, lubricant.layer (axes of symmetry)": tuple(grid.even),
         "lubricant.viscosity": _structure(oil.viscosity_law),
         "lubricant.density": _structure(oil.density_law),
         "lubricant.rheology": _structure(traceable(case.oil.fluidity_law)),
