@@ -89,6 +89,15 @@ def test_the_points_of_a_signal_are_one_value():
     assert coordinates(study)["load"][0] == ["[[0, 1], [1, 2]]", "[[0, 1], [1, 0.5]]", "1.5"]
 
 
+def test_the_points_of_a_track_are_one_value():
+    """Thicknesses in a list vary, and so do tracks."""
+    rolling = {"contact": {"kind": "rolling", "M": [100, 200], "L": 10}}
+    thin, thick = [[-1, 0.05], [1, 0.1]], [[-1, 0.1], [1, 0.2]]
+    assert parse_study({**rolling, "lubricant": {"layer": thin}}).shape == (2,)
+    for layers in ([0.05, 0.1], [thin, thick], [0.05, thick]):
+        assert parse_study({**rolling, "lubricant": {"layer": layers}}).shape == (2, 2)
+
+
 def test_names_and_events_are_texts():
     data = {**moes(), "lubricant": {"viscosity": ["roelands", "barus"]}, "time": {"until": [0.5, "max-approach"]}}
     found = coordinates(parse_study(data))

@@ -37,6 +37,13 @@ def test_linear_and_quadratic_fields_on_a_plane(even: Symmetry) -> None:
     assert float(space.around(space.edge(one.x))) == pytest.approx(8 * W, rel=1e-14)
 
 
+def test_nothing_flows_out_of_a_cavity_at_the_edge() -> None:
+    space, X, _ = plane(NO_SYMMETRY)
+    pressure = jnp.asarray(np.where(np.abs(X) < W - 1.5 * space.spacing, 1.0, 0.0)).at[jnp.array([0, 1, -2, -1])].set(0)
+    one = Pair(jnp.ones_like(pressure), jnp.ones_like(pressure))
+    assert float(jnp.abs(space.flow_out(one, pressure)).max()) == 0.0
+
+
 def test_what_flows_along_x_enters_on_one_side_and_leaves_on_the_other() -> None:
     for even in (NO_SYMMETRY, Symmetry(y=True)):
         space, X, _ = plane(even)

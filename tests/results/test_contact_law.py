@@ -50,6 +50,14 @@ def test_a_power_law_is_exact_between_them() -> None:
     assert_allclose(found.force, np.broadcast_to(300 * v**1.2, (7, 5)), rtol=1e-13)
 
 
+def test_a_study_may_vary_one_value_only() -> None:
+    runs = [run(v, 3e-6) for v in SPEEDS]
+    dataset = study_dataset("product", [3], {"speed": (SPEEDS, PER_SECOND)}, runs, {"title": "wet", "kind": "impact"})
+    law = ertel.contact_law(StudyResult(dataset))
+    assert law(0.3).restitution == pytest.approx(1 - loss(0.3, 3e-6), rel=1e-13)
+    assert law([0.2, 0.3]).force == pytest.approx(300 * np.array([0.2, 0.3]) ** 1.2, rel=1e-13)
+
+
 def test_the_file_is_read_without_ertel(tmp_path: Path) -> None:
     LAW.save(tmp_path / "law.nc")
     table = xr.load_dataset(tmp_path / "law.nc")

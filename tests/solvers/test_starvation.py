@@ -182,6 +182,14 @@ def test_a_track_with_more_oil_on_one_side_is_the_mirror_of_that_on_the_other() 
     assert one.dataset["H"].sel(Y=0.75).min() > one.dataset["H"].sel(Y=-0.75).min()
 
 
+def test_an_oil_may_have_the_track() -> None:
+    points: Any = [[-1.0, 0.05], [1.0, 0.1]]
+    in_oil = ertel.rolling(M=200, L=10, oil=ertel.Oil(layer=points))
+    assert in_oil.digest == ertel.rolling(M=200, L=10, layer=points).digest
+    with pytest.raises(ValueError, match=r"lubricant\.layer\[2\]\[2\] = -0\.1: must be .* above zero"):
+        ertel.rolling(M=200, L=10, oil=ertel.Oil(layer=[[0.0, 0.1], [1.0, -0.1]]))
+
+
 def test_a_run_that_leaves_no_track_is_refused() -> None:
     run = simulate(case_of("impact", 0.1, M=20, method="radial", nodes=33))
     with pytest.raises(ValueError, match="a rolling contact leaves a track"):
@@ -304,13 +312,17 @@ def test_formulas_say_both_films() -> None:
 
 
 def test_a_ball_starts_above_its_layer() -> None:
-    def starting(layer: float, **time: float) -> Case:
+    def starting(layer: Any, **time: float) -> Case:
         data = {"contact": {"M": 200, "L": 10}, "lubricant": {"layer": layer}, "time": time}
         return parse_case({**data, "solver": {"half_width": 6.0}})
 
+    beside = [[0.0, 0.1], [0.3, 3.0]]  # thick where the ball comes near, too
+
     assert starting(0.5).schedule.start_approach == -1.0
     assert starting(3.0).schedule.start_approach == -3.0 and "starts in" not in " ".join(warnings_of(starting(3.0)))
-    assert "the ball starts in the oil" in " ".join(warnings_of(starting(3.0, start_approach=-2.0)))
+    assert starting(beside).schedule.start_approach == -3.0
+    for layer in (3.0, beside):
+        assert "the ball starts in the oil" in " ".join(warnings_of(starting(layer, start_approach=-2.0)))
 
 
 def test_oil_that_reaches_the_edge_is_said_before_the_run() -> None:

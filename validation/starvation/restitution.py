@@ -32,7 +32,9 @@ LESS_OUTSIDE = 3 * np.log(2) - 1
 ANSWER = """# Restitution on a layer of oil
 
 A 10 mm steel ball falls on glass, oil of 0.1 Pa s and 18 /GPa. `restitution.py` writes this page. Twice the nodes
-change e by 0.001 at most.
+change e by 0.001 at most. St = m v/(6π η₀ R²) is the Stokes number of the ball. Lubrication theory has
+St_c = ln(layer/x_r) - 1.08 on a layer without oil outside; x_r = (8 η₀ v R^1.5/(π E'))^0.4 is the gap at which the
+sphere gives way. `restitution.py` has the sources.
 
 * **One St_c for each layer is a good rule**: e = 1 - St_c/St holds to 0.02 from St = 9 to 140 (0.04 in an isoviscous
   oil). St_c grows by 0.7 = ln 2 where the layer doubles, as lubrication theory says, once it is thicker than the film.

@@ -149,7 +149,7 @@ class Case:
             object.__setattr__(self, "solver", checked(replace(self.solver, half_width_y=across), "solver"))
         if not self.is_steady:
             given = self.time or Time()
-            above = min(START_APPROACH, -(self.layer or 0.0)) if self.starts_apart else None  # the oil
+            above = min(START_APPROACH, -self.track.extremes[1] if self.track else 0.0) if self.starts_apart else None
             start = above if given.start_approach is None else given.start_approach
             until = ENDS[self.kind] if given.until is None else given.until
             object.__setattr__(self, "time", replace(given, start_approach=start, until=until))

@@ -63,7 +63,7 @@ def _plain(value: Any, mark: object = None) -> Any:
             return str(value)
         case bool() | int() | float() | str():
             return with_unit(value, mark)
-        case tuple():
+        case tuple() | list():
             return [_plain(item) for item in value]
         case Polyline():
             (start, first), *rest = value.points

@@ -11,9 +11,10 @@ A list, or a table with `from`, `to` and `number`, in the place of any value mak
 gives equal ratios.  A quantity has its unit at both ends, or at one of them for both.  With mode "product" every value
 is combined with every other, with "zip" the first values of all belong together, then the second ones, ...
 
-Two keys have a list as their plain value: motion.load and motion.entrainment, whose points [T, value] are one signal.
-A list of signals makes these vary.  Tables (of an oscillation, of a law, of a data sheet, of a shape) do not vary as a
-whole unless they stand in a list; each value in them may.
+Three keys may have a list as their plain value: motion.load and motion.entrainment, whose points [T, value] are one
+signal, and lubricant.layer, whose points [y, thickness] are one track.  A list of such lists makes these vary.  Tables
+(of an oscillation, of a law, of a data sheet, of a shape) do not vary as a whole unless they stand in a list; each
+value in them may.
 """
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
@@ -37,7 +38,7 @@ from ertel.physics.units import Unit
 SWEEP, MODE, MODES = "sweep", "mode", ("product", "zip")
 RANGE = ("from", "to", "number", "spacing")
 SPACINGS = ("linear", LOG)
-SIGNALS = (("motion", "load"), ("motion", "entrainment"))
+SIGNALS = (("motion", "load"), ("motion", "entrainment"), ("lubricant", "layer"))
 MOST_RUNS = 10_000
 
 Place = tuple[str | int, ...]  # of a value in a case: section, key, ... ; ("roughness", 0, "amplitude")
@@ -154,7 +155,7 @@ def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
 
 
 def _is_signal(place: Place, value: Sequence[Any]) -> bool:
-    """Tell whether a list is one signal: points [T, value]."""
+    """Tell whether a list is one signal, points [T, value], or one track, points [y, thickness]."""
     return place in SIGNALS and all(
         isinstance(point, list) and not any(isinstance(part, list) for part in point) for point in value
     )

@@ -64,9 +64,14 @@ class Plane:
         return self._line(f, f, 0)
 
     def flow_out(self, c: Pair, f: Array) -> Array:
-        """- c df/dn on the edge, n pointing outwards; third order, so that it does not dominate the error."""
-        slope = sum(weight * self._line(f, f, depth) for depth, weight in enumerate(SLOPE))
-        return -self._line(c.x, c.y, 0) * slope / self.spacing
+        """- c df/dn on the edge, n pointing outwards; third order, so that it does not dominate the error.
+
+        Zero where f is zero on the edge and beside it, in a cavity.
+        """
+        lines = [self._line(f, f, depth) for depth in range(len(SLOPE))]
+        slope = sum(weight * line for weight, line in zip(SLOPE, lines, strict=True))
+        empty = (lines[0] == 0.0) & (lines[1] == 0.0)
+        return jnp.where(empty, 0.0, -self._line(c.x, c.y, 0) * slope / self.spacing)
 
     def along_x(self, f: Array) -> Array:
         """f n_x on the edge, n pointing outwards."""

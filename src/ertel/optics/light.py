@@ -139,7 +139,6 @@ class Light(Protocol):
     def reach(self) -> float: ...
     @property
     def lines(self) -> Sequence[Line]: ...
-    def mean(self, rig: Rig, index: ArrayLike) -> Array: ...
 
     def colours(self, rig: Rig, film: ArrayLike, index: ArrayLike) -> Array:
         """Linear light, of the broadcast shape of film (m) and index of the oil with a last axis of the channels.
@@ -151,6 +150,13 @@ class Light(Protocol):
         for line in self.lines:
             bright = rig.fringes(line.wavelength, index).reflectance(path, line.visibility)
             light = light + bright[..., None] * line.weight
+        return light
+
+    def mean(self, rig: Rig, index: ArrayLike) -> Array:
+        """The mean where fringes have faded, of the shape of the index with a last axis of the channels."""
+        light: Array = np.zeros(())
+        for line in self.lines:
+            light = light + rig.fringes(line.wavelength, index).mean[..., None] * line.weight
         return light
 
 
@@ -198,10 +204,6 @@ class Monochromatic(Light):
     def lines(self) -> Sequence[Line]:
         return [Line(self.wavelength, np.ones(1), self.visibility)]
 
-    def mean(self, rig: Rig, index: ArrayLike) -> Array:
-        """The mean where fringes have faded, of the shape of the index with a last axis of 1."""
-        return rig.fringes(self.wavelength, index).mean[..., None]
-
 
 @dataclass(frozen=True)
 class White(Light):
@@ -225,11 +227,6 @@ class White(Light):
     @property
     def lines(self) -> Sequence[Line]:
         return [Line(w, weight, _triangular(w)) for w, weight in zip(*weights(self.lamp), strict=True)]
-
-    def mean(self, rig: Rig, index: ArrayLike) -> Array:
-        """The mean where fringes have faded, of the shape of the index with a last axis of 3."""
-        wavelengths, weight = weights(self.lamp)
-        return rig.fringes(wavelengths, np.asarray(index)[..., None]).mean @ weight
 
 
 def _triangular(wavelength: float) -> Visibility:

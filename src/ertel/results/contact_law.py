@@ -80,7 +80,9 @@ class ContactLaw:
         between = RegularGridInterpolator(
             [np.log(axis.values) for axis in axes.values()], table, bounds_error=False, fill_value=None
         )
-        loss, duration, force = np.moveaxis(np.exp(between(tuple(map(np.log, values)))), -1, 0)
+        places = np.stack(np.broadcast_arrays(*map(np.log, values)), axis=-1)
+        numbers = np.exp(between(places)).reshape(*places.shape[:-1], len(NUMBERS))
+        loss, duration, force = np.moveaxis(numbers, -1, 0)
         return ContactValues(1.0 - loss, duration, force)
 
     def save(self, path: str | Path) -> None:

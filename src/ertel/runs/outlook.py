@@ -127,9 +127,9 @@ def _resolution_warning(case: Case) -> str:
 
 def _starvation(case: Case) -> dict[str, float]:
     """The expected effect of the layers of oil; empty for a full gap."""
-    if case.layer is None:
+    if case.track is None:
         return {}
-    wet = {"wet_radius": wet_radius(case.layer)} if case.starts_apart and case.geometry is CIRCLE else {}
+    wet = {"wet_radius": wet_radius(case.track.extremes[1])} if case.starts_apart and case.geometry is CIRCLE else {}
     return dict(zip(("r", "share"), starvation(case), strict=True)) | wet
 
 
@@ -274,15 +274,16 @@ def _stress_of_the_oil(case: Case) -> str:
 
 def _layer(case: Case) -> str:
     """A sentence where a ball starts in its layer of oil, or where this may reach the edge of the grid."""
-    if case.layer is None or not case.starts_apart:
+    if case.track is None or not case.starts_apart:
         return ""
-    start, edge = case.schedule.start_approach, min(case.solver.half_width, case.solver.half_width_y or inf)
-    if case.layer > -start:
+    layer, start = case.track.extremes[1], case.schedule.start_approach
+    edge = min(case.solver.half_width, case.solver.half_width_y or inf)
+    if layer > -start:
         return (
-            f"the ball starts in the oil: lubricant.layer = {case.layer:.4g} a*^2/R is thicker than the initial gap "
-            f"{-start:.4g}; use time.start_approach <= {-case.layer:.4g}, or leave it out"
+            f"the ball starts in the oil: lubricant.layer = {layer:.4g} a*^2/R is thicker than the initial gap "
+            f"{-start:.4g}; use time.start_approach <= {-layer:.4g}, or leave it out"
         )
-    wet = wet_radius(case.layer)
+    wet = wet_radius(layer)
     if case.geometry is not CIRCLE or wet <= edge:
         return ""
     return (
