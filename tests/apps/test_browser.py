@@ -203,10 +203,11 @@ def test_layer_of_oil(given, layer, thickness):
         form.choose("layer", layer)
         case = parse_case(form.data())
         assert case.layer == pytest.approx(thickness / (case.scales.film if case.scales else 1.0))
-        form.choose("layer", "-1 um" if given == "si" else "-1")
-        with pytest.raises(ConfigError) as error:
-            parse_case(form.data())
-        assert field_of(str(error.value)) == "layer"
+        for wrong in ("-1 um" if given == "si" else "-1", "[[0, 0]]"):
+            form.choose("layer", wrong)
+            with pytest.raises(ConfigError) as error:
+                parse_case(form.data())
+            assert field_of(str(error.value)) == "layer"
 
 
 def test_messages_name_their_field():

@@ -55,6 +55,9 @@ def test_a_study_may_vary_one_value_only() -> None:
     dataset = study_dataset("product", [3], {"speed": (SPEEDS, PER_SECOND)}, runs, {"title": "wet", "kind": "impact"})
     law = ertel.contact_law(StudyResult(dataset))
     assert law(0.3).restitution == pytest.approx(1 - loss(0.3, 3e-6), rel=1e-13)
+    without_unit = replace(law, dataset=law.dataset.assign_coords(speed=law.dataset["speed"].assign_attrs(units="1")))
+    with pytest.raises(ValueError, match=r"must be from 0\.1 to 0\.4$"):
+        without_unit(0.5)
     assert law([0.2, 0.3]).force == pytest.approx(300 * np.array([0.2, 0.3]) ** 1.2, rel=1e-13)
 
 

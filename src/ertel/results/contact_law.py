@@ -74,7 +74,8 @@ class ContactLaw:
             least, most, given = float(axis[0]), float(axis[-1]), np.asarray(value, dtype=float)
             if not np.all((least <= given) & (given <= most)):
                 wrong = given[~((least <= given) & (given <= most))].flat[0]
-                raise ValueError(f"{name} = {wrong:g}: must be from {least:g} to {most:g} {axis.attrs['units']}")
+                unit = axis.attrs.get("in_units_of", axis.attrs["units"])
+                raise ValueError(f"{name} = {wrong:g}: must be from {least:g} to {most:g} {unit}".removesuffix(" 1"))
         loss, *others = (self.dataset[name].transpose(*axes).values for name in ContactValues._fields)
         table = np.log(np.stack([1.0 - loss, *others], axis=-1))
         between = RegularGridInterpolator(

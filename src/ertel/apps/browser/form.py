@@ -130,7 +130,7 @@ class Form:
 def field_of(message: str) -> str | None:
     """The field of the form that a message of ertel names first, contact.radius = ...; None where there is none."""
     section, _, rest = message.partition(".")
-    name = rest.split(" ")[0].rstrip(":").rpartition(".")[2]
+    name = rest.split(" ")[0].rstrip(":").rpartition(".")[2].partition("[")[0]  # layer[1][2] is a point of a track
     return name if name in FIELDS and FIELDS[name].section == section else None
 
 
