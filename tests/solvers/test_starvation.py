@@ -138,7 +138,7 @@ def test_the_film_of_a_starved_contact(r: float, nodes: int) -> None:
 @pytest.mark.parametrize(
     "changes",
     [
-        {"contact": {"radius_ratio": 0.5}},
+        pytest.param({"contact": {"radius_ratio": 0.5}}, marks=pytest.mark.slow),
         {"contact": {"radius_ratio": 0.5, "entrainment_angle": "30 deg"}, "solver": {"nodes": 65}},
     ],
     ids=["ellipse", "at an angle"],
