@@ -40,8 +40,8 @@ SMALL = replace(
     ),
     starved=StarvedPlan(
         contacts={"impact": ((M, L),), "rolling": ((50, 10),)},
-        grids={"impact": (33, 65), "rolling": (33, 65)},
-        seconds={"impact": 1.0, "rolling": 1.0},
+        grids=(33, 65),
+        seconds=1.0,
     ),
 )
 

@@ -143,7 +143,10 @@ def test_the_load_is_balanced_at_every_step() -> None:
 
 @pytest.mark.usefixtures("nothing_outside")
 def test_each_level_solves_reynolds_equation() -> None:
-    """With the roughness where it is by then, and the earlier oil from upstream, here exactly one node in each step."""
+    """With the roughness where it is by then, and the earlier oil from upstream, here exactly one node in each step.
+
+    The slope of the void of the start, which is of first order, is put in the place of that of second order.
+    """
     case = rolling(None, Feature(Waviness(0.02, 0.8)))
     method, step = Transient2D(case), 6 / 32
     now, before, earlier, *_ = march(case, step, 6)
@@ -155,17 +158,15 @@ def test_each_level_solves_reynolds_equation() -> None:
     )
     following = np.zeros_like(mass)
     following[:, 2:] = (1.5 * mass[:, 2:] - 2.0 * old[:, 1:-1] + 0.5 * older[:, :-2]) / step
-    void = np.asarray(method.start_content.void)  # its slope is of first order
-
-    def full(where: np.ndarray) -> np.ndarray:
-        """Nodes that had no void at the start, nor had the two upstream of them."""
-        return where & ((void[:, 3:-1] == 0) & (void[:, 2:-2] == 0) & (void[:, 1:-3] == 0))
-
+    oil, full, void, *_ = map(np.asarray, method.start_content)
+    missing = full - oil
+    following[:, 2:] += (1.5 * missing[:, 2:] - 2.0 * missing[:, 1:-1] + 0.5 * missing[:, :-2]) / step
+    following[:, 2:] -= (void[:, 2:] - void[:, 1:-1]) / step
     squeeze_and_wedge = contact.residual(method.contact, now.P, H, Rate(0.0, jnp.asarray(following)))
     r = np.asarray(squeeze_and_wedge)[:, 3:-1] * step / 1.5
     P = np.asarray(now.P)[:, 3:-1]
-    assert np.abs(r[full(P > 0)]).max() < 3 * TIGHT
-    assert r[full(P == 0)].min() > -3 * TIGHT
+    assert np.abs(r[P > 0]).max() < 3 * TIGHT
+    assert r.min() > -3 * TIGHT
 
 
 def test_a_film_wave_travels_at_the_mean_speed_of_the_surfaces() -> None:
@@ -205,6 +206,7 @@ def test_second_order_in_time_with_a_rough_surface_that_moves() -> None:
     assert np.log2(coarse / fine) > 1.7
 
 
+@cache
 def shaken(halvings: int) -> dict[str, float]:
     """The end of a run under a load that oscillates quickly, with both tolerances halved so many times."""
     share = 0.5**halvings
@@ -216,27 +218,35 @@ def shaken(halvings: int) -> dict[str, float]:
 
 
 def check_refining(halvings: Sequence[int]) -> None:
-    """The error of a run falls with the power 2/3 of the tolerances: what the steps leave over does not add up.
-
-    The number of steps grows with the power -1/2: the rate of change jumps where a node of the cavity fills or empties.
-    """
+    """The error of a run falls with the power 2/3 of the tolerances: what the steps leave over does not add up."""
     *runs, finest = (shaken(each) for each in halvings)
     for each, run in zip(halvings, runs, strict=False):
         bound = 0.5 ** (2 / 3 * each)
         assert abs(run["H_c"] / finest["H_c"] - 1) < 5e-4 * bound
         assert abs(run["H_min"] / finest["H_min"] - 1) < 1e-3 * bound
         assert abs(run["Delta"] - finest["Delta"]) < 5e-4 * bound
-    growth = finest["steps"] / runs[0]["steps"]
-    assert growth < 1.2 * 2 ** ((halvings[-1] - halvings[0]) / 2)
+
+
+def check_steps(halvings: Sequence[int]) -> None:
+    """The number of steps grows with the power -1/3 of the tolerances, as the local error is of third order."""
+    growth = shaken(halvings[-1])["steps"] / shaken(halvings[0])["steps"]
+    assert growth < 1.5 * 2 ** ((halvings[-1] - halvings[0]) / 3)
 
 
 def test_refining_in_time_does_not_drift() -> None:
     check_refining((0, 3))
+    check_steps((0, 3))
 
 
 @pytest.mark.slow
 def test_halving_the_tolerances_ten_times_converges() -> None:
     check_refining(range(11))
+
+
+@pytest.mark.slow
+@pytest.mark.xfail(strict=True, reason="29.3 times the steps, 15.1 allowed: a node of the cavity that fills has a kink")
+def test_halving_the_tolerances_ten_times_takes_few_steps() -> None:
+    check_steps(range(11))
 
 
 # -- the run ----------------------------------------------------------------------------------------------------------

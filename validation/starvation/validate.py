@@ -1,8 +1,8 @@
 """Validate starved contacts: films and restitution on layers of oil; writes the tables in this folder.
 
-    python validation/starvation/validate.py [impact] [order] [track] [again]
+    python validation/starvation/validate.py [impact] [order] [track] [work] [settled] [again]
 
-Times on two cores: impact 4 minutes, order 4, track 4, again 1.
+Times on two cores: impact 4 minutes, order 4, track 4, work 3, settled 3, again 1.
 """
 
 import sys
@@ -16,6 +16,7 @@ import ertel
 
 HERE = Path(__file__).parent
 L = 10
+RATIOS = (8.0, 2.0, 1.0, 0.5, 0.25)
 GRIDS = (65, 129, 257, 513)
 PASSES = (1, 2, 3, 5, 10, 20)
 # layer: H_c and restitution of impacts by a radial program of its own, to 0.3 % and 0.002
@@ -61,6 +62,10 @@ def impacts() -> str:
             ]
             rows.append([*about, f"{bounce:.4f}", f"{bounce - e:+.4f}", str(s["steps"])])
             print(*rows[-1], flush=True)
+    thin = ertel.simulate(ertel.impact(M=1000, L=L, nodes=257, half_width=2.0, layer=0.02)).summary["H_c"]
+    rows.append(
+        ["1000", "0.02, 2-D, 257 nodes", f"{thin:.5f}", f"{100 * (thin / RADIAL[1000][0.02][0] - 1):+.2f}", *"   "]
+    )
     return table(["M", "layer (a*²/R)", "H_c", "deviation (%)", "restitution", "deviation", "steps"], rows)
 
 
@@ -101,6 +106,35 @@ def track() -> str:
     return table(["layer (a²/R)", "nodes", *passes, "exponent of the last two", "change of all oil"], rows)
 
 
+def work() -> str:
+    """Newton and Krylov iterations of steady films on all grids together, flooded and for each r, at M = 200."""
+    rows = []
+    for nodes in GRIDS:
+        flooded = roll(200, None, nodes)
+        s = flooded.summary
+        oil = float(flooded.case.lubricant.density(s["P_c"])) * s["H_c"]
+        runs = [s, *(roll(200, r * oil, nodes).summary for r in RATIOS)]
+        rows.append([f"{nodes}", *(f"{run['newton_iterations']}, {run['krylov_iterations']}" for run in runs)])
+        print(*rows[-1], flush=True)
+    return table(["nodes", "flooded", *(f"r = {r:g}" for r in RATIOS)], rows)
+
+
+def settled() -> str:
+    """Steady films, and those of runs in time 13 t0 after the speed has come to the same value, at M = 200."""
+    rows = []
+    for layer in (None, 0.0712, 0.2):
+        for nodes in (65, 129):
+            steady = roll(200, layer, nodes).summary["H_c"]
+            for start in (1.2, 0.8):
+                more = {"motion": {"entrainment": [[0, start], [1, 1]]}, "until": 14.0}
+                case = ertel.rolling(M=200, L=L, nodes=nodes, layer=layer, method="transient", **more)
+                H = ertel.simulate(case).dataset["H_c"].values
+                row = ["flooded" if layer is None else f"{layer:g}", f"{nodes}", f"{start:g}", f"{H[0]:.5f}"]
+                rows.append([*row, f"{H[-1]:.5f}", f"{steady:.5f}", f"{H[-1] / steady - 1:+.2%}"])
+                print(*rows[-1], flush=True)
+    return table(["layer (a²/R)", "nodes", "first speed", "H_c then", "H_c at the end", "steady", "deviation"], rows)
+
+
 def again() -> str:
     """What a contact finds of its own cavity: a ball that falls twice, a track that stops or turns back."""
     rows = []
@@ -134,6 +168,8 @@ TABLES: Mapping[str, tuple[str, Callable[[], str]]] = {
     "impact": ("Impacts on layers of oil", impacts),
     "order": ("Steady films on layers of oil, M = 200, L = 10", order),
     "track": ("A track that is rolled over many times", track),
+    "work": ("Newton and Krylov iterations of steady films", work),
+    "settled": ("Steady films and films after a long time", settled),
     "again": ("Twice over the same place", again),
 }
 

@@ -275,7 +275,7 @@ class Case:
 
     @property
     def layer(self) -> float | None:
-        """The same in the middle of the track."""
+        """The oil per area in the middle of the track, in a^2/R; None if the gap is full."""
         return None if self.track is None else self.track(0.0)
 
     @property

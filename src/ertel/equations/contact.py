@@ -149,7 +149,7 @@ def mass(contact: Contact, P: Array, H: Array) -> Array:
 def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """Reynolds' equation, eq. (1): rate of change following the flow + div(Poiseuille flux), zero on the edge.
 
-    Where P = 0 it is the rate at which a void grows; a starved film has what the flow brings of it from upstream.
+    Where P = 0 it is the rate at which a void grows.  In a starved film the flow also brings void from upstream.
     """
     r = _of_a_full_gap(contact, P, H, rate)
     if rate.layer is not None and rate.wedge is not None:
@@ -174,13 +174,13 @@ def steady_oil(contact: Contact, P: Array, H: Array, rate: Rate) -> OilContent:
 
 
 def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
-    """The same of a gap that is full; on the edge the rate of change following the flow alone."""
+    """The residual of a gap that is full of oil; on the edge only the rate of change following the flow."""
     change = rate.of(mass(contact, P, H), contact.spacing)
     return change - inside(contact.flow.gain(contact, P, H), contact.even)
 
 
 def _void(contact: Contact, P: Array, H: Array, speed: Number, layer: Number | None, r: Array) -> Array:
-    """The void of a steady film that a layer of oil enters, None: a full gap; X points downstream."""
+    """The void of a steady film.  layer: the oil that enters, None where the inlet is full.  X points downstream."""
     first = 0.0 if layer is None else (downstream(mass(contact, P[:, :2], H[:, :2]))[:, :1] - layer)[:, 0]
     return void_downstream(P, r, first, speed, contact.spacing)
 

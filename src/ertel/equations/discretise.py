@@ -28,7 +28,7 @@ def outside_of(case: Case, grid: Grid) -> Outside:
 
 def layer_of(case: Case, grid: Grid) -> Array | None:
     """The oil per area that the surfaces bring along, at each Y, shape (n, 1); None where the gap is full."""
-    return None if case.track is None else jax.device_put(np.vectorize(case.track)(grid.kept_y)[:, None])
+    return None if case.track is None else jax.device_put(case.track.across(grid.kept_y)[:, None])
 
 
 def smooth_contact(case: Case, grid: Grid) -> Contact:

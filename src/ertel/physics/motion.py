@@ -15,6 +15,7 @@ from math import cos, inf, pi, sin
 from typing import Annotated, ClassVar, Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ertel.physics.geometry import FREE_BALL_INERTIA
 from ertel.physics.units import (
@@ -107,6 +108,11 @@ class Track(Polyline):
 
     NAMES: ClassVar[tuple[str, str]] = ("y", "thickness")
     MARKS: ClassVar[tuple[Mark, Mark]] = (POSITION, LAYER)
+
+    def across(self, Y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The thickness at all Y at once."""
+        places, layers = np.transpose(self._plain)
+        return np.asarray(np.interp(Y, places, layers))
 
     @property
     def extremes(self) -> tuple[float, float]:

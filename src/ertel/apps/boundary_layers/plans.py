@@ -77,11 +77,11 @@ class BeyondPlan:
 
 @dataclass(frozen=True)
 class StarvedPlan:
-    """Contacts on layers of oil, Fig. 9, by "impact" and "rolling": M and L, nodes of both grids, expected seconds."""
+    """Contacts on layers of oil, Fig. 9: M and L by "impact" and "rolling"; nodes of both grids, expected seconds."""
 
     contacts: Mapping[str, tuple[Moes, ...]]
-    grids: Mapping[str, tuple[int, int]]
-    seconds: Mapping[str, float]
+    grids: tuple[int, int]
+    seconds: float
 
 
 @dataclass(frozen=True)
@@ -117,8 +117,8 @@ QUICK = Plan(
     ),
     StarvedPlan(
         contacts={"impact": ((200, 10), (1000, 10)), "rolling": ((50, 10), (200, 10))},
-        grids={"impact": (65, 129), "rolling": (65, 129)},
-        seconds={"impact": 20.0, "rolling": 20.0},
+        grids=(65, 129),
+        seconds=20.0,
     ),
 )
 FULL = Plan(
@@ -178,8 +178,8 @@ FULL = Plan(
             "impact": ((100, 10), (200, 5), (200, 10), (200, 20), (1000, 10), (2000, 10)),
             "rolling": ((50, 10), (200, 5), (200, 10), (200, 20)),
         },
-        grids={"impact": (129, 257), "rolling": (129, 257)},
-        seconds={"impact": 60.0, "rolling": 60.0},
+        grids=(129, 257),
+        seconds=60.0,
     ),
 )
 

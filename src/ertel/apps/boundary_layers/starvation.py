@@ -43,7 +43,7 @@ def starved_films(kind: str, M: float, L: float, nodes: int) -> tuple[float, ...
 
 def tasks(plan: Plan) -> list[Task]:
     """The contacts of Fig. 9, each on two grids."""
-    return [_task(kind, case, nodes, plan) for kind, case in _contacts(plan) for nodes in plan.starved.grids[kind]]
+    return [_task(kind, case, nodes, plan) for kind, case in _contacts(plan) for nodes in plan.starved.grids]
 
 
 def _contacts(plan: Plan) -> Iterator[tuple[str, Moes]]:
@@ -54,7 +54,7 @@ def _contacts(plan: Plan) -> Iterator[tuple[str, Moes]]:
 def _task(kind: str, case: Moes, nodes: int, plan: Plan) -> Task:
     M, L = case
     name = f"starved_{kind}_M{M:g}_L{L:g}_{nodes}"
-    return Task(name, starved_films, (kind, float(M), float(L), nodes), plan.starved.seconds[kind])
+    return Task(name, starved_films, (kind, float(M), float(L), nodes), plan.starved.seconds)
 
 
 class Mark(NamedTuple):
@@ -69,16 +69,16 @@ def starved(results: Results, plan: Plan) -> Drawn:
     """Fig. 9."""
     marks = []
     for kind, case in _contacts(plan):
-        grids = [results[_task(kind, case, nodes, plan).name] for nodes in plan.starved.grids[kind]]
+        grids = [results[_task(kind, case, nodes, plan).name] for nodes in plan.starved.grids]
         marks.append(Mark(kind, case, tuple(Extrapolated(*pair) for pair in zip(*grids, strict=True))))
     fits = {kind: _fit([mark for mark in marks if mark.kind == kind]) for kind in plan.starved.contacts}
-    used = ", ".join(f"{kind} on {coarse} and {fine} nodes" for kind, (coarse, fine) in plan.starved.grids.items())
+    coarse, fine = plan.starved.grids
     caption = (
         "Beyond the paper: a starved impact follows a curve like that of starved rolling.  R is the oil in the centre "
         "over that of the flooded contact, r the layer of oil over the same.  Left: all contacts, with "
         "R = r/(1 + r^g)^(1/g) and g fitted to each kind.  Right: their difference.  Values of the finer grid; bars: "
-        f"difference of the two grids.  Grids: {used}.  Curve: {formulas.SOURCES['Chevalier et al.']}, g of circular "
-        "contacts in the literature: 2 to 5."
+        f"difference of the two grids, of {coarse} and {fine} nodes.  Curve: {formulas.SOURCES['Chevalier et al.']}, "
+        "g of circular contacts in the literature: 2 to 5."
     )
     rows = [
         {"contact": kind, "g": f"{g:.2f}", "standard error": f"{error:.2f}", "largest difference": f"{largest:.3f}"}
