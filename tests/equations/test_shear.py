@@ -16,7 +16,7 @@ from scipy.integrate import quad_vec
 from scipy.optimize import root
 
 from ertel.equations import across
-from ertel.equations.across import series_of
+from ertel.equations.across import Vector, series_of
 from ertel.equations.contact import traceable
 from ertel.equations.shear import LIMIT, Shear, secant_mobility, shear, tangent_mobility
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
@@ -345,9 +345,9 @@ def test_the_series_agrees_with_the_nodes(law: Fluidity, monkeypatch: pytest.Mon
         return jax.tree.leaves(jax.jit(lambda *p: jax.jvp(partial(values, law), p, (one, s, g)))(pressure, s, g))
 
     by_series = with_derivatives()
-    share = float(jnp.mean(series_of(law, pressure, s, g).holds))
+    share = float(jnp.mean(series_of(law, pressure, Vector(*s), Vector(*g)).holds))
     monkeypatch.setattr(across, "SERIES_END", -1.0)
-    assert 0.3 < share < 0.9 and not jnp.any(series_of(law, pressure, s, g).holds)
+    assert 0.3 < share < 0.9 and not jnp.any(series_of(law, pressure, Vector(*s), Vector(*g)).holds)
     walls = jnp.linalg.norm(s, axis=0) + jnp.linalg.norm(g, axis=0)
     for ours, by_nodes, error in zip(by_series, with_derivatives(), (2e-9, 2e-9, 4e-8, 4e-8), strict=True):
         assert float(jnp.max(jnp.abs(ours - by_nodes) / walls)) <= error

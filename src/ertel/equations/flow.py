@@ -171,7 +171,7 @@ def void_downstream(P: Array, r: Array, first: Number, entrainment: Number, spac
 
     r: the rate at which the gap grows beyond what flows in.  first: at the inlet, shape (n,) or a number.
     """
-    return _void(P > 0.0, r * spacing / entrainment, jnp.asarray(first))  # type: ignore[no-any-return]
+    return _void(P > 0.0, r * spacing / entrainment, jnp.asarray(first))
 
 
 @jax.custom_jvp
