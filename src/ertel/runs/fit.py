@@ -249,18 +249,17 @@ class Search:
             where = ", ".join(f"{u.field} = {amount(u.start, u.unit)}" for u in unknowns)
             raise FitError(f"the fit cannot begin: a run at {where}, or next to it, failed: {self._failures[0]}")
         # One is added to the logarithms so that scipy's xtol, relative to their norm, is a relative change of values.
-        zero = np.log(start) - 1.0
         found = least_squares(
-            lambda u: self.at(np.exp(u + zero)).rows[0],
-            np.log(start) - zero,
-            lambda u: self.at(np.exp(u + zero)).rows[1],
-            (np.log(lower) - zero, np.log(upper) - zero),
+            lambda u: self.at(start * np.exp(u - 1.0)).rows[0],
+            np.ones_like(start),
+            lambda u: self.at(start * np.exp(u - 1.0)).rows[1],
+            (np.log(lower / start) + 1.0, np.log(upper / start) + 1.0),
             xtol=NEAR,
             ftol=FLAT / len(self.measured),
             gtol=None,
             max_nfev=MOST_POINTS,
         )
-        return self.at(np.exp(found.x + zero)), found.status > 0
+        return self.at(start * np.exp(found.x - 1.0)), found.status > 0
 
     def at(self, values: Values) -> Solution:
         """The point with these values; its residuals are nan where a run failed, from which the search steps back."""
