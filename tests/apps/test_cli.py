@@ -101,8 +101,8 @@ def test_a_second_run_gets_its_own_directory_and_is_as_quiet_unless_jax_computes
 
 def test_error_estimate(here):
     radial = ("run", "small.toml", "--json", "--set", "solver.method=radial", "--set")
-    summary = json.loads(ertel_(*radial, "solver.nodes=65", "--out", "fine", "--error").stdout)
-    half = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "half").stdout)
+    summary = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "fine", "--error").stdout)
+    half = json.loads(ertel_(*radial, "solver.nodes=17", "--out", "half").stdout)
     assert list(summary["error_estimate"]) == ["H_c", "H_min", "Delta_max"]
     H_c = summary["error_estimate"]["H_c"]
     fine, coarse = summary["max_approach"]["H_c"], half["max_approach"]["H_c"]
