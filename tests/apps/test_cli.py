@@ -169,7 +169,7 @@ def test_interrupt_of_the_half_grid(here, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(running, "drive", interrupted)
-        result = ertel_("run", "ball.toml", "--error", "--set", "solver.nodes=65", code=130)
+        result = ertel_("run", "ball.toml", "--error", code=130)
     assert "to continue: ertel resume runs/ball" in result.stderr
     assert "; to start it: ertel resume runs/ball" in ertel_("show", "runs/ball", code=2).stderr
     ertel_("resume", "runs/ball", "-q")
