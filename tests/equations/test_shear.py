@@ -16,7 +16,7 @@ from scipy.integrate import quad_vec
 from scipy.optimize import root
 
 from ertel.equations import across
-from ertel.equations.across import series_of
+from ertel.equations.across import Vector, series_of
 from ertel.equations.contact import traceable
 from ertel.equations.shear import LIMIT, Shear, secant_mobility, shear, tangent_mobility
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
@@ -363,7 +363,7 @@ def test_the_series_agrees_with_the_nodes(law: Fluidity, monkeypatch: pytest.Mon
     arguments = (law, pressure, s, g), (numbers(law, 0.0), pressure, s, g)
 
     def holding() -> np.ndarray:
-        return np.asarray(jax.jit(lambda *fields: series_of(law, *fields).holds)(pressure, s, g))
+        return np.asarray(jax.jit(lambda p, s, g: series_of(law, p, Vector(*s), Vector(*g)).holds)(pressure, s, g))
 
     by_series, share = jax.tree.leaves(WITH_CHANGES(*arguments)), holding().mean()
     monkeypatch.setattr(across, "SERIES_END", -1.0)
