@@ -197,11 +197,10 @@ def report(
     if as_json:
         print_json(summary)
     elif not quiet:
-        out = tables.console()
-        tables.print_summary(out, run.case, summary)
-        status = Status(summary["status"])
+        out, status = tables.console(), Status(summary["status"])
         with bad_input():
             line = verdict(Result(run.case, run.dataset(), dict(summary), status), *sigma) if status.ok else ""
+        tables.print_summary(out, run.case, summary)
         if line:
             out.print(f"{line[0].upper()}{line[1:]}", style="bold")
         out.print(f"Stored in {shown(run.directory)}; for figures: ertel plot {in_shell(run.directory)}")

@@ -95,7 +95,7 @@ def verdict(result: Finished, *sigma: Sigma) -> str:
     parts += [f"restitution {table['restitution'].value:.3f}"] if "restitution" in table else []
     thermal, data = result.summary.get("thermal"), result.case.thermal
     if thermal and data:
-        parts.append(f"{thermal['T_film_mean_K'] - data.temperature:.2g} K")
+        parts.append(f"{thermal['T_film_mean_K'] - data.temperature:.3g} K")
     return ", ".join(parts)
 
 
