@@ -202,8 +202,8 @@ def newton_change(eq: Equations, P: Array, H: Array) -> Array:
     """Newton's change of P, with the exact Jacobian; none where P is held at zero and on the outer node.
 
     The residual is local in P and H: its Jacobian is the sum of d/dP (three diagonals) and d/dH (three diagonals) times
-    stiffness.  In the rebound the film cavitates outside the contact: the matrix of the nodes inside is enough, which is
-    much smaller.
+    stiffness.  In the rebound the film cavitates outside the contact; the matrix then has the nodes inside only, and
+    its factorisation, which takes most of the time, is much cheaper.
     """
     r, change_of_r = jax.linearize(lambda P, H: ring_residual(eq, P, H), P, H)
     zero, holds = jnp.zeros_like(P), free(P, r)
