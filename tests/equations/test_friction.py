@@ -126,7 +126,7 @@ def test_the_mean_stress_of_an_eyring_oil_under_hertz_pressure(alpha_bar: float)
 
 
 def test_an_eyring_oil_of_high_stress_is_newtonian():
-    grid, P = hertz(33)
+    grid, P = hertz(129)
     H = jnp.full(grid.shape, 0.1) + 0.02 * jnp.asarray(grid.x[None, :])
     thin, plain = (of(grid, contact(grid, 0.1, 4.0, tau0), P, H, 0.7) for tau0 in (1e8, None))
     for name in Friction._fields:

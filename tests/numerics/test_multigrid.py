@@ -1,4 +1,6 @@
 import itertools
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -21,7 +23,7 @@ def impact_on(grid: Grid, dt: float = 0.01, depth: float = 3e-6) -> Coefficients
     eps = depth + np.where(r > 1, (r**2 - 1) ** 3, 0) * 50
     free = np.pad(np.ones((grid.nodes_y - 2, grid.nodes_x - 2)), 1)
     stretch, local = np.full_like(r, 1.5 / dt), np.zeros_like(r)
-    return Coefficients(Pair(jnp.asarray(eps)), *(jnp.asarray(f) for f in (stretch, local, free)))
+    return Coefficients(Pair(eps), stretch, local, free)
 
 
 def impact_like(nodes: int, dt: float = 0.01, depth: float = 3e-6) -> Coefficients:
@@ -29,10 +31,11 @@ def impact_like(nodes: int, dt: float = 0.01, depth: float = 3e-6) -> Coefficien
     return impact_on(Grid.square(nodes, 2.0), dt, depth)
 
 
-def levels_of(nodes: int, coefficients: Coefficients) -> tuple[GridLevel, ...]:
-    return multigrid.hierarchy(
-        multigrid.deformation_operators(Grid.square(nodes, 2.0), CIRCLE.compliance, "float64"), coefficients
-    )
+def of_levels(of: Callable[..., Any], nodes: int, c: Coefficients, *fields: np.ndarray) -> Any:
+    """What a function makes of the levels of the grids and of some fields, compiled as a whole, as NumPy's arrays."""
+    elastic = multigrid.deformation_operators(Grid.square(nodes, 2.0), CIRCLE.compliance, "float64")
+    whole = jax.jit(lambda elastic, c, *fields: of(multigrid.hierarchy(elastic, c), *fields))
+    return jax.tree.map(np.asarray, whole(elastic, c, *fields))
 
 
 @jax.jit
@@ -74,7 +77,7 @@ def test_a_v_cycle_contracts_on_a_rectangle(nodes_x: int, nodes_y: int) -> None:
 def test_each_regime_alone(ruled_by: str) -> None:
     nodes = 65
     c = impact_like(nodes)
-    one = jnp.ones_like(c.free)
+    one = np.ones_like(c.free)
     c = (
         c._replace(eps=Pair(one), stretch=0 * one)
         if ruled_by == "diffusion"
@@ -94,7 +97,7 @@ def test_a_v_cycle_contracts_where_the_oil_flows_twice_as_readily_one_way(dt: fl
 def test_the_solution_with_two_mobilities_is_that_of_the_matrix() -> None:
     """The plain twin: flux by flux in loops, the deformation by its coefficients, solved by elimination."""
     nodes, rng = 17, np.random.default_rng(3)
-    c = impact_like(nodes)._replace(eps=Pair(*(jnp.asarray(0.5 + rng.random((nodes, nodes))) for _ in range(2))))
+    c = impact_like(nodes)._replace(eps=Pair(*(0.5 + rng.random((nodes, nodes)) for _ in range(2))))
     h = 4.0 / (nodes - 1)
     eps_x, eps_y, stretch, free = (np.asarray(f) for f in (c.eps.x, c.eps.y, c.stretch, c.free))
     K = CIRCLE.compliance * halfspace.love_coefficients(nodes, nodes, h)
@@ -130,18 +133,20 @@ def test_held_nodes_stay_zero_and_take_no_part() -> None:
     hole = np.ones((nodes, nodes))
     hole[20:28, 5:11] = 0
     c = c._replace(free=c.free * hole)
-    levels = levels_of(nodes, c)
-    r = jnp.asarray(np.random.default_rng(0).standard_normal((nodes, nodes))) * levels[0].coefficients.free
-    e = multigrid.v_cycle(levels, r)
-    assert np.all(np.asarray(e)[np.asarray(levels[0].coefficients.free) == 0] == 0)
+    r = np.random.default_rng(0).standard_normal((nodes, nodes)) * c.free
+    e = of_levels(multigrid.v_cycle, nodes, c, r)
+    assert np.all(e[c.free == 0] == 0) and np.any(e[c.free == 1] != 0)
     assert contraction_of(nodes, c) < 0.5
 
 
 def test_the_direct_solve_solves() -> None:
-    level = levels_of(9, impact_like(9))[0]
-    r = jnp.asarray(np.random.default_rng(0).standard_normal((9, 9))) * level.coefficients.free
-    e = multigrid.v_cycle([level], r)
-    np.testing.assert_allclose(np.asarray(multigrid.apply(level, e)), np.asarray(r), atol=1e-9)
+    c = impact_like(9)
+    r = np.random.default_rng(0).standard_normal((9, 9)) * c.free
+
+    def applied(levels: Sequence[GridLevel], r: Array) -> Array:
+        return multigrid.apply(levels[0], multigrid.v_cycle(levels[:1], r))
+
+    np.testing.assert_allclose(of_levels(applied, 9, c, r), r, atol=1e-9)
 
 
 @settings(max_examples=10, deadline=None)
@@ -165,23 +170,29 @@ def test_transfers_keep_linear_functions() -> None:
 
 def test_a_spread_change_deforms_only_nearby() -> None:
     """The dipole's displacement falls with the third power of the distance, the monopole's with the first."""
-    levels = levels_of(65, impact_like(65)._replace(eps=Pair(jnp.zeros((65, 65))), stretch=jnp.ones((65, 65))))
-    d = jnp.zeros((65, 65)).at[32, 32].set(1.0)
+    c = impact_like(65)._replace(eps=Pair(np.zeros((65, 65))), stretch=np.ones((65, 65)))
+    d = np.zeros((65, 65))
+    d[32, 32] = 1.0
 
-    def fall(change: Array) -> float:
-        u = np.abs(np.asarray(multigrid.apply(levels[0], change)))
-        return float(np.log2(u[32, 40] / u[32, 48]))
+    def deformed(levels: Sequence[GridLevel], d: Array) -> list[Array]:
+        return [multigrid.apply(levels[0], change) for change in (d, multigrid.spread(d))]
 
-    assert fall(d) == pytest.approx(1, abs=0.05)
-    assert fall(multigrid.spread(d)) == pytest.approx(3, abs=0.2)
+    alone, spread = (np.log2(np.abs(u[32, 40] / u[32, 48])) for u in of_levels(deformed, 65, c, d))
+    assert alone == pytest.approx(1, abs=0.05)
+    assert spread == pytest.approx(3, abs=0.2)
 
 
 def test_nothing_is_spread_to_where_diffusion_dominates() -> None:
     """There, a share of a change would leave a residual far larger than the one it removes."""
-    level = levels_of(65, impact_like(65))[0]
-    alone = np.asarray(level.smoother.jacobi) > 0
-    soft = ~alone & (np.asarray(level.coefficients.free) > 0)
-    change = np.asarray(level.smoother.change(jnp.asarray(soft.astype(float))))
+    c = impact_like(65)
+
+    def changed(levels: Sequence[GridLevel]) -> tuple[Array, Array, Array]:
+        smoother = levels[0].smoother
+        alone = smoother.jacobi > 0
+        soft = ~alone & (c.free > 0)
+        return alone, soft, smoother.change(soft.astype(float))
+
+    alone, soft, change = of_levels(changed, 65, c)
     assert alone.any() and soft.any()
     assert np.all(change[alone] == 0.0)
     assert np.any(change[soft] != 0.0)
@@ -190,10 +201,12 @@ def test_nothing_is_spread_to_where_diffusion_dominates() -> None:
 def test_multilevel_integration_is_near_the_sum() -> None:
     """Of the worst there is, a random field, within 0.3; of a smooth one far nearer, and more so on fine grids."""
 
+    def both(levels: Sequence[GridLevel], field: Array) -> tuple[Array, Array]:
+        fine, coarse = levels[:2]
+        return fine.elasticity.displacement(field), multigrid.nearly_deformed(fine, coarse, field)
+
     def error(nodes: int, field: np.ndarray) -> float:
-        fine, coarse = levels_of(nodes, impact_like(nodes))[:2]
-        exact = np.asarray(fine.elasticity.displacement(jnp.asarray(field)))
-        near = np.asarray(multigrid.nearly_deformed(fine, coarse, jnp.asarray(field)))
+        exact, near = of_levels(both, nodes, impact_like(nodes), field)
         return float(np.linalg.norm(near - exact) / np.linalg.norm(exact))
 
     def bump(nodes: int) -> np.ndarray:
@@ -214,8 +227,10 @@ def test_smooth_prolongation_is_exact_for_cubics_inside() -> None:
 
 
 def test_lowest_mean_is_a_bound_that_sees_the_neighbourhood() -> None:
-    field = jnp.ones((33, 33)).at[16, 16].set(-100.0)
-    least = np.asarray(multigrid.lowest_mean(field, NO_SYMMETRY, 2))
-    assert np.all(least <= np.asarray(field))
+    lowest_mean = jax.jit(lambda field: multigrid.lowest_mean(field, NO_SYMMETRY, 2))
+    field = np.ones((33, 33))
+    field[16, 16] = -100.0
+    least = np.asarray(lowest_mean(field))
+    assert np.all(least <= field)
     assert np.all(least[14:19, 14:19] < 0) and np.all(least[:8] > 0)
-    np.testing.assert_allclose(multigrid.lowest_mean(jnp.ones((33, 33)), NO_SYMMETRY, 2)[4:-4, 4:-4], 1.0)
+    np.testing.assert_allclose(np.asarray(lowest_mean(np.ones((33, 33))))[4:-4, 4:-4], 1.0)

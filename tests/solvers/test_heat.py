@@ -36,7 +36,7 @@ BATH = 313.15  # K
 
 def case_of(contact: dict[str, Any] | None = None, **thermal: Any) -> Case:
     return parse_case(
-        {"contact": {**CONTACT, **(contact or {})}, "lubricant": OIL, "solver": {"nodes": 65}, "thermal": thermal}
+        {"contact": {**CONTACT, **(contact or {})}, "lubricant": OIL, "solver": {"nodes": 33}, "thermal": thermal}
     )
 
 

@@ -155,12 +155,15 @@ def test_the_load_is_exact_for_a_cone_and_right_for_hertz() -> None:
 # -- the equations ----------------------------------------------------------------------------------------------------
 
 
+EQUATIONS = jax.jit(radial.equations)
+
+
 def equations_after(method: RadialImpact, levels: list[State], rates: Any, line: ClosureLine) -> radial.Equations:
-    past = jnp.stack([level.fields["mass"] for level in levels])
-    return radial.equations(method.mesh, method.oil, method.lambda_bar, past, rates, line)
+    past = np.stack([level.fields["mass"] for level in levels])
+    return EQUATIONS(method.mesh, method.oil, method.lambda_bar, past, rates, line)
 
 
-def some_equations(seed: int, nodes: int = 33) -> tuple[radial.Equations, jax.Array]:
+def some_equations(seed: int, nodes: int = 33) -> tuple[radial.Equations, Floats]:
     """Equations of a level after some other, and a pressure in the middle of nowhere."""
     method = RadialImpact(roelands(200, 10, nodes))
     random = np.random.default_rng(seed)
@@ -169,7 +172,19 @@ def some_equations(seed: int, nodes: int = 33) -> tuple[radial.Equations, jax.Ar
     rates = bdf.derivative_weights([1.0, 0.7, 0.0])
     line = method.closure.line(1.0, rates, [level.approach for level in levels], [1.0, 1.0])
     P = np.append(random.random(nodes - 1) * (random.random(nodes - 1) < 0.8), 0.0)
-    return equations_after(method, levels, rates, line), jnp.asarray(P)
+    return equations_after(method, levels, rates, line), P
+
+
+@jax.jit
+def of_level(eq: radial.Equations, P: jax.Array, H: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """The residuals of the rings, what squeezes the oil, and what flows out of each ring."""
+    return radial.ring_residual(eq, P, H), eq.rate * eq.oil.density(P) * H + eq.past, radial.outflow(eq, P, H)
+
+
+@jax.jit
+def balance(eq: radial.Equations, P: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """The same with the film that a pressure makes."""
+    return of_level(eq, P, eq.apart + eq.stiffness @ P)
 
 
 @settings(max_examples=10)
@@ -177,13 +192,21 @@ def some_equations(seed: int, nodes: int = 33) -> tuple[radial.Equations, jax.Ar
 def test_the_residuals_add_up_to_what_is_stored_and_what_leaves(seed: int) -> None:
     """Finite volumes: what flows out of one ring flows into the next."""
     eq, P = some_equations(seed)
-    H = eq.apart + eq.stiffness @ P
-    squeeze = eq.rate * eq.oil.density(P) * H + eq.past
-    volume = eq.mesh.volume[:-1]
-    total = volume @ radial.ring_residual(eq, P, H)[:-1]
-    out = radial.outflow(eq, P, H)
-    scale = float(jnp.max(jnp.abs(out)) + volume @ jnp.abs(squeeze[:-1]))
-    assert float(total - (volume @ squeeze[:-1] + out[-1])) == pytest.approx(0.0, abs=1e-13 * scale)
+    residual, squeeze, out = (np.asarray(field) for field in balance(eq, P))
+    volume = np.asarray(eq.mesh.volume)[:-1]
+    scale = np.max(np.abs(out)) + volume @ np.abs(squeeze[:-1])
+    assert volume @ residual[:-1] - (volume @ squeeze[:-1] + out[-1]) == pytest.approx(0.0, abs=1e-13 * scale)
+
+
+@jax.jit
+def newton_of(eq: radial.Equations, P: jax.Array) -> tuple[jax.Array, ...]:
+    """The derivative of the residual by JAX, the residual, where it counts, and the change by the assembled matrix."""
+
+    def of_pressure(P: jax.Array) -> jax.Array:
+        return radial.ring_residual(eq, P, eq.apart + eq.stiffness @ P)
+
+    r = of_pressure(P)
+    return jax.jacfwd(of_pressure)(P), r, radial.free(P, r), radial.newton_change(eq, P, eq.apart + eq.stiffness @ P)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -194,14 +217,8 @@ def test_the_assembled_jacobian_is_the_derivative_of_the_residual(seed: int, pre
     inside = np.arange(len(P)) < pressed * len(P)
     P = jnp.where(inside, P, 0.0)
     eq = eq._replace(past=jnp.where(inside, eq.past, 1e3))  # oil enough, so that the residual is positive
-
-    def of_pressure(P: jax.Array) -> jax.Array:
-        return radial.ring_residual(eq, P, eq.apart + eq.stiffness @ P)
-
-    J, r = np.asarray(jax.jacfwd(of_pressure)(P)), np.asarray(of_pressure(P))
-    holds = np.asarray(radial.free(P, jnp.asarray(r)))
+    J, r, holds, change = (np.asarray(part) for part in newton_of(eq, P))
     assert holds[~inside].sum() <= 1  # beside the last node inside oil flows in
-    change = np.asarray(radial.newton_change(eq, P, eq.apart + eq.stiffness @ P))
     scale = np.abs(J) @ np.abs(change) + np.abs(r)
     assert np.max(np.abs(J @ change + r)[holds] / scale[holds]) < 1e-9
     np.testing.assert_allclose(change[~holds], -np.asarray(P)[~holds], atol=1e-13)
@@ -224,13 +241,13 @@ def test_oil_is_conserved_by_every_step_of_an_impact() -> None:
     """Before anything cavitates: the rate of what is stored and what leaves over the rim balance to the tolerance."""
     method, levels = roelands_impact()
     levels = levels[-54:]
-    volume = method.mesh.volume[:-1]
+    volume = np.asarray(method.mesh.volume)[:-1]
     for k in range(0, len(levels) - 2, 5):
         new, *old = levels[k : k + 3]
         eq, rates = equations_of(method, new, old)
-        stored = volume @ (eq.rate * eq.oil.density(new.P) * new.H + eq.past)[:-1]
-        allowed = rates[0] * method.tolerance * float(jnp.sum(volume))
-        assert float(stored + radial.outflow(eq, new.P, new.H)[-1]) == pytest.approx(0.0, abs=allowed)
+        _, squeeze, out = of_level(eq, new.P, new.H)
+        allowed = rates[0] * method.tolerance * np.sum(volume)
+        assert volume @ np.asarray(squeeze)[:-1] + out[-1] == pytest.approx(0.0, abs=allowed)
 
 
 def test_pressure_is_positive_or_the_film_parts() -> None:
@@ -238,7 +255,7 @@ def test_pressure_is_positive_or_the_film_parts() -> None:
     method, levels = roelands_impact()
     new, *old = levels[:3]
     eq, rates = equations_of(method, new, old)
-    r, P = np.asarray(radial.ring_residual(eq, new.P, new.H)), np.asarray(new.P)
+    r, P = np.asarray(of_level(eq, new.P, new.H)[0]), np.asarray(new.P)
     assert new.velocity < 0 and np.all(P >= 0) and 10 < np.sum(P == 0) < 60
     allowed = rates[0] * method.tolerance
     assert np.all(r[P == 0] >= 0) and np.max(np.abs(r[P > 0])) <= allowed
@@ -247,7 +264,7 @@ def test_pressure_is_positive_or_the_film_parts() -> None:
 def test_far_apart_the_ball_slows_down_as_a_rigid_one() -> None:
     """Reynolds' squeeze film: v(h) = v0 [1 - ln(h_init/h)/St], h the smallest gap."""
     St = 500.0  # hardly any pressure, so hardly any deformation
-    levels = march(isoviscous(16 / (15 * St), 129, 30.0, start_approach=-2.0), 0.02, 1.5)
+    levels = march(isoviscous(16 / (15 * St), 201, 30.0, start_approach=-2.0), 0.02, 1.5)
     for level in levels[:60:10]:
         assert 1 - level.velocity == pytest.approx(log(2.0 / -level.approach) / St, rel=0.02)
 
@@ -300,9 +317,9 @@ def test_a_users_own_law_takes_the_place_of_a_shipped_one() -> None:
 
 
 def test_one_compilation_serves_every_step_and_every_oil_of_a_kind() -> None:
-    march(barus(50, 5, 35), 0.1, 0.3)
+    march(barus(50, 5, 33), 0.1, 0.3)
     compiled = len(radial._step_program._compiled)
-    march(barus(80, 7, 35), 0.05, 0.3)
+    march(barus(80, 7, 33), 0.05, 0.3)
     assert len(radial._step_program._compiled) == compiled > 0
 
 
@@ -420,7 +437,7 @@ def test_reference_impacts(name: str) -> None:
 
 
 def test_reference_restitution() -> None:
-    result = alone(CASES["isoviscous St 50"](129, tolerance=3e-4, until="rebound"))
+    result = alone(CASES["isoviscous St 50"](201, tolerance=3e-4, until="rebound"))
     assert result.summary["restitution"] == pytest.approx(REFERENCE["isoviscous St 50"]["e"], abs=0.002)
     assert float(result.dataset.F[-1]) == 0.0  # the ball flies freely
 
@@ -457,10 +474,10 @@ def test_without_viscosity_the_ball_comes_back_as_fast_as_it_went() -> None:
 def test_half_width_2_gives_what_8_gives() -> None:
     """The oil outside carries 1 % of the load here, and Delta would be off by as much without it."""
     narrow, wide = (
-        simulate(roelands(200, 10, nodes, w, tolerance=2e-4)).summary["max_approach"]
-        for w, nodes in ((2.0, 129), (8.0, 161))
+        simulate(roelands(200, 10, 201, half_width, tolerance=2e-4)).summary["max_approach"]
+        for half_width in (2.0, 8.0)
     )
     for name in ("Delta", "F", "H_c", "T"):
         assert narrow[name] == pytest.approx(wide[name], rel=1e-3), name
-    without = alone(roelands(200, 10, 129, 2.0, tolerance=2e-4)).summary["max_approach"]
+    without = alone(roelands(200, 10, 201, 2.0, tolerance=2e-4)).summary["max_approach"]
     assert abs(without["Delta"] / wide["Delta"] - 1) > 8e-3

@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import OIL, free_ball, impact, march, rolled, steps_of
+from cases import BARUS_LIMIT, OIL, free_ball, impact, march, rolled, steps_of
 
 from ertel.case.case import Case
 from ertel.case.derived import coarsenings
@@ -43,11 +44,11 @@ def test_mass_what_leaves_and_what_is_stored_balance() -> None:
     levels = march(method, 0.02, 60)
     c, h, oil = method.contact, method.grid.spacing, method.contact.lubricant
     now, before, earlier = levels[:3]
-    assert float(now.P[1:-1, 1:-1].min()) > 0  # nothing cavitates
+    assert np.asarray(now.P)[1:-1, 1:-1].min() > 0  # nothing cavitates
     rates = bdf.derivative_weights([now.T, before.T, earlier.T])
-    masses = [oil.density(level.P) * level.H for level in (now, before, earlier)]
-    stored = sum(w * float(jnp.sum(m[1:-1, 1:-1])) * h**2 for w, m in zip(rates, masses, strict=True))
-    eps = np.asarray(c.flow.mobilities(c, now.P, now.H).secant.x)
+    masses = [oil.density(np.asarray(level.P)) * np.asarray(level.H) for level in (now, before, earlier)]
+    stored = sum(w * np.sum(m[1:-1, 1:-1]) * h**2 for w, m in zip(rates, masses, strict=True))
+    eps = np.asarray(jax.jit(lambda P, H: c.flow.mobilities(c, P, H).secant.x)(now.P, now.H))
     P = np.asarray(now.P)
     outflow = 0.0
     for e, p in ((eps, P), (eps[::-1], P[::-1]), (eps.T, P.T), (eps.T[::-1], P.T[::-1])):
@@ -64,9 +65,9 @@ def test_mass_in_an_adaptive_run_is_kept_to_round_off() -> None:
     now, before, earlier = last.state.levels
     c, masses = method.contact, [level.fields["mass"] for level in (now, before, earlier)]
     rates = bdf.derivative_weights([now.T, before.T, earlier.T])
-    squeeze = sum(w * mass for w, mass in zip(rates, masses, strict=True))
-    r = contact.residual(c, now.P, now.H, Rate(0.0, squeeze))
-    left = np.asarray(contact.mass(c, now.P, now.H) - masses[0])
+    squeeze = sum(w * np.asarray(mass) for w, mass in zip(rates, masses, strict=True))
+    r = jax.jit(lambda P, H: contact.residual(c, P, H, Rate(0.0, squeeze)))(now.P, now.H)
+    left = np.asarray(jax.jit(contact.mass)(c, now.P, now.H)) - np.asarray(masses[0])
     solved = (np.asarray(now.P) > 0) | (left < 0)
     assert np.abs(np.asarray(r)[solved]).max() < 1e-10 * rates[0]
     assert 1e-12 < np.abs(left).max()
@@ -77,14 +78,14 @@ def test_mass_in_an_adaptive_run_is_kept_to_round_off() -> None:
 def test_the_film_is_what_its_pressure_makes_it() -> None:
     method = Transient2D(impact(200, 10, 65))
     now = march(method, 0.02, 60)[0]
-    H = contact.film_thickness(method.contact, now.P, now.approach)
+    H = jax.jit(contact.film_thickness)(method.contact, now.P, now.approach)
     np.testing.assert_allclose(np.asarray(now.H), np.asarray(H), atol=1e-12)
 
 
 @pytest.mark.parametrize("solver", [TIGHT, {"tolerance": 1e-10, "fold": False}], ids=["quarter", "whole plane"])
 def test_symmetry_to_round_off(solver: dict[str, object]) -> None:
     """The whole plane, where nothing makes it symmetric, is so to 1.5e-12 when solved to 1e-8 only."""
-    method = Transient2D(impact(200, 10, 65, solver=solver))
+    method = Transient2D(impact(200, 10, 65 if solver is TIGHT else 33, solver=solver))
     now = march(method, 0.02, 70)[0]
     for field in (np.asarray(method.whole(now.P)), np.asarray(method.whole(now.H))):
         for image in (field[::-1], field[:, ::-1], field.T):
@@ -97,7 +98,7 @@ def test_newtons_law_is_kept_by_the_discrete_motion() -> None:
     rates = bdf.derivative_weights([level.T for level in levels[:3]])
     V, a = (sum(w * getattr(o, k) for w, o in zip(rates, levels, strict=False)) for k in ("approach", "velocity"))
     assert levels[0].velocity == pytest.approx(V, rel=1e-12)
-    carried = float(contact.pressure_load(method.contact, levels[0].P)) + levels[0].outside
+    carried = float(jax.jit(contact.pressure_load)(method.contact, levels[0].P)) + levels[0].outside
     assert a == pytest.approx(-15 / (8 * np.pi) * carried, rel=1e-9)
 
 
@@ -173,10 +174,13 @@ def test_the_tolerance_rules_the_time_error_on_two_decades() -> None:
     assert default < 1.5e-3
 
 
+BARUS = {"viscosity": "barus", "density": "incompressible"}
+
+
 def isoviscous(lambda_bar: float, nodes: int, **time: object) -> Case:
-    contact = {"kind": "impact", "lambda_bar": lambda_bar}
-    oil = {"viscosity": "isoviscous", "density": "incompressible"}
-    return parse_case({"contact": contact, "lubricant": oil, "solver": {"nodes": nodes}, "time": time})
+    """By Barus' law, whose programs serve other tests."""
+    contact = {"kind": "impact", "lambda_bar": lambda_bar, "alpha_bar": BARUS_LIMIT}
+    return parse_case({"contact": contact, "lubricant": BARUS, "solver": {"nodes": nodes}, "time": time})
 
 
 @pytest.mark.parametrize(
@@ -195,10 +199,13 @@ def test_without_viscosity_the_ball_comes_back_with_its_speed(
     assert 0 < losses[-1] < 0.005
 
 
+OILS: dict[str, dict[str, str]] = {"roelands": {}, "barus": BARUS}
+
+
 @pytest.mark.parametrize("oil", ["roelands", "barus", "isoviscous"])
 def test_work_per_step_is_bounded(oil: str) -> None:
     """Work is counted, not timed: what a step costs must not creep up."""
-    case = isoviscous(0.0137, 65) if oil == "isoviscous" else impact(200, 10, 65, lubricant={"viscosity": oil})
+    case = isoviscous(0.0137, 65) if oil == "isoviscous" else impact(200, 10, 65, lubricant=OILS[oil])
     s = simulate(case).summary
     assert s["status"] == "converged"
     assert s["steps"] <= 120
@@ -254,10 +261,12 @@ def test_one_compilation_serves_every_case_of_a_shape() -> None:
 
 
 def test_the_film_formula_for_trapped_oil() -> None:
-    """Isoviscous: H_c = 0.3135 sqrt(lambda_bar); Barus incompressible: 0.85 to 0.88 sqrt(L/M) (design/equations.md)."""
-    oil = {"viscosity": "barus", "density": "incompressible"}
-    H_c = simulate(impact(200, 10, 129, lubricant=oil)).summary["max_approach"]["H_c"]
-    assert 0.84 < H_c / np.sqrt(10 / 200) < 0.89
+    """Isoviscous: H_c = 0.3135 sqrt(lambda_bar); Barus incompressible: 0.85 to 0.88 sqrt(L/M) (design/equations.md).
+
+    Extrapolated from two grids.
+    """
+    coarse, fine = (simulate(impact(200, 10, n, lubricant=BARUS)).summary["max_approach"]["H_c"] for n in (33, 65))
+    assert 0.84 < (fine + (fine - coarse) / 3) / np.sqrt(10 / 200) < 0.89
 
 
 # -- what a step costs besides its solve ------------------------------------------------------------------------------
@@ -295,7 +304,7 @@ def test_a_step_reads_the_device_once_and_asks_the_roughness_for_its_height_as_o
     case = rolled(
         Parameters.from_moes(20, 5),
         OIL,
-        replace(SOLVERS["transient"], nodes=33),
+        replace(SOLVERS["transient"], nodes=17),
         Drive(slide_to_roll=slide_to_roll),
         Feature(Ridges()),
     )

@@ -63,23 +63,25 @@ def dense(case: Case, s: GridSolution, wave: RoughnessWave) -> tuple[np.ndarray,
     """P' and Delta' from the matrix of the equations with the three masses along the flow written out."""
     c, h, shape = discretise.smooth_contact(case, s.grid), s.grid.spacing, s.P.shape
     q = np.exp(-1j * wave.frequency * h)
-    _, flux = jax.linearize(lambda P, H: contact.residual(c, P, H, Rate(0.0, 0.0)), s.P, s.H)
-    _, mass = jax.linearize(lambda P, H: contact.mass(c, P, H), s.P, s.H)
+    _, flux = jax.linearize(jax.jit(lambda P, H: contact.residual(c, P, H, Rate(0.0, 0.0))), s.P, s.H)
+    _, mass = jax.linearize(jax.jit(lambda P, H: contact.mass(c, P, H)), s.P, s.H)
+    of_changes = jax.jit(lambda es, ds: [jax.vmap(linear)(es, ds) for linear in (mass, flux)])
     free = np.flatnonzero(np.asarray(s.P) > 0)
 
     def residuals(es, ds) -> np.ndarray:
         """Those of real changes of P and H, each of shape (m, n, n), on the free nodes: one row for each."""
-        m, flow = (np.asarray(jax.vmap(linear)(es, ds)) for linear in (mass, flux))
+        m, flow = map(np.asarray, of_changes(es, ds))
         rate = (3 * m - 4 * q * np.roll(m, 1, axis=2) + q**2 * np.roll(m, 2, axis=2)) / (2 * h)
         rate[:, :, 1] = (m[:, :, 1] - q * m[:, :, 0]) / h
         return (rate + flow).reshape(len(m), -1)[:, free]
 
-    es = jnp.eye(s.P.size)[free].reshape(-1, *shape)
-    rows = residuals(es, jax.vmap(lambda e: contact.deformation(c, e))(es))
-    loads = jax.vmap(lambda e: contact.pressure_load(c, e))(es)[:, None]
-    approach, *parts = residuals(
-        jnp.zeros((3, *shape)), jnp.stack([-jnp.ones(shape), wave.shape.real, wave.shape.imag])
-    )
+    es = np.eye(s.P.size)[free].reshape(-1, *shape)
+    each = jax.jit(jax.vmap(lambda e: (contact.deformation(c, e), contact.pressure_load(c, e))))
+    deformed, loads = map(np.asarray, each(es))
+    # the last three, without a pressure: the approach and both parts of the wave
+    waves = np.stack([-np.ones(shape), np.real(wave.shape), np.imag(wave.shape)])
+    rows = residuals(np.append(es, np.zeros((3, *shape)), 0), np.append(deformed, waves, 0))
+    rows, (approach, *parts), loads = rows[:-3], rows[-3:], loads[:, None]
     matrix = np.block([[rows, loads], [approach, 0.0]]).T
     found = np.linalg.solve(matrix, np.append(parts[0] + 1j * parts[1], 0.0))
     P = np.zeros(s.P.size, complex)
