@@ -1,6 +1,7 @@
 """The Python blocks of README and docs run, page by page in one process, and their links lead somewhere.
 
-A block that is only to be read has `<!-- not run -->` on the line before it.
+They run on grids of at most 65 nodes, as most pages have them; the full grids are `slow`.  A block that is only to be
+read has `<!-- not run -->` on the line before it.
 """
 
 import re
@@ -14,6 +15,8 @@ import ertel
 ROOT = Path(__file__).parents[1]
 PAGES = sorted({ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "examples").glob("*.md")})
 BLOCK = re.compile(r"(?P<skip><!-- not run -->[ \t]*\n+)?```python\n(?P<code>.*?)\n```", re.DOTALL)
+NODES = re.compile(r"\bnodes=(\d+)")
+MOST_NODES = 65
 LINK = re.compile(r"\]\((?!https?:)([^)#\s]+)")
 
 
@@ -28,16 +31,32 @@ def named(page: Path) -> str:
     return page.relative_to(ROOT).as_posix()
 
 
+def coarser(code: str) -> str:
+    """The same code on coarser grids, with as many lines."""
+    return NODES.sub(lambda found: f"nodes={min(int(found[1]), MOST_NODES)}", code)
+
+
+WITH_CODE = {page: "".join(code for _, code in blocks(page)) for page in PAGES if blocks(page)}
+RUNS = [
+    *(pytest.param(page, coarser, id=named(page)) for page in WITH_CODE),
+    *(
+        pytest.param(page, str, id=f"{named(page)}-all nodes", marks=pytest.mark.slow)
+        for page, code in WITH_CODE.items()
+        if coarser(code) != code
+    ),
+]
+
+
 @pytest.mark.filterwarnings("ignore::UserWarning:ertel", "ignore::UserWarning:__main__")
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page)], ids=named)
-def test_python_of_the_documents_runs(page, tmp_path, monkeypatch):
+@pytest.mark.parametrize(("page", "made"), RUNS)
+def test_python_of_the_documents_runs(page, made, tmp_path, monkeypatch):
     """In an empty directory that has the examples, on the names that the blocks before have left."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     matplotlib.use("agg")
     names = {"__name__": "__main__"}
     for line, code in blocks(page):
-        exec(compile("\n" * line + code, str(page), "exec"), names)
+        exec(compile("\n" * line + made(code), str(page), "exec"), names)
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES], ids=named)

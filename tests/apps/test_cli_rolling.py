@@ -58,7 +58,7 @@ def test_run_show_and_plot(here, empty_figures):
 
 
 def test_a_run_on_the_track_of_another(here, runs):
-    options = ("--set", "lubricant.layer=0.2 um", "--quiet")
+    options = (*given("lubricant.layer=0.2 um", "solver.nodes=33"), "--quiet")
     ertel_("run", "steady.toml", *options, "--out", "first")
     ertel_("run", "steady.toml", *options, "--out", "second", "--after", "first")
     first, second = (xr.open_zarr(here / name / "run.zarr") for name in ("first", "second"))
@@ -68,7 +68,8 @@ def test_a_run_on_the_track_of_another(here, runs):
 
 
 def test_traction_without_meaning_is_warned_of(here):
-    values = ('contact.load="40 N"', "contact.slide_to_roll=0.1", "lubricant.viscosity=barus", "solver.tolerance=0.01")
+    contact = ('contact.load="20 N"', 'contact.mean_speed="2 m/s"', "contact.slide_to_roll=0.1")
+    values = (*contact, "lubricant.viscosity=barus", "solver.tolerance=0.01", "solver.nodes=33")
     assert "lubricant.viscosity" in ertel_("run", "steady.toml", *given(*values)).stdout
     warnings = json.loads(ertel_("show", "runs/steady", "--json").stdout)["warnings"]
     assert any(said.startswith('lubricant.viscosity = "barus"') for said in warnings)

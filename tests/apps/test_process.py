@@ -56,14 +56,6 @@ def test_closed_streams():
     assert done([sys.executable, "-c", code, *PARAMS]).returncode == 0
 
 
-@pytest.mark.skipif(not Path(FULL).exists(), reason=f"no {FULL}")
-def test_results_are_kept_where_the_output_fails(here):
-    with open(FULL, "w") as full:
-        ended = done([*ERTEL, *RADIAL, "--out", "a"], stdout=full)
-    assert (ended.returncode, len(ended.stderr.splitlines())) == (1, 1)
-    assert RunStore.open(here / "a").summary()["status"] == "converged"
-
-
 def test_a_terminal_without_greek_letters(ball):
     run = RunStore.open(ball)
     run.finish({**run.summary(), "warnings": ["1 µm → ∞, λ"]})
@@ -140,7 +132,7 @@ def test_arrays_that_come_and_go_keep_their_pages_unless_the_user_chooses_otherw
 
 def started(command, **more):
     """A process that runs."""
-    return subprocess.Popen(command, env=CHILD, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+    return subprocess.Popen(command, env=CHILD, **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **more})
 
 
 IN_COMPILED_CODE = """
@@ -155,6 +147,7 @@ with interruptible() as stop:
     hashlib.pbkdf2_hmac("sha256", b"", b"", 1_000_000_000)  # ten minutes without Python
 """
 LISTENING = """
+import sys
 from ertel.__main__ import main
 from ertel.apps import cli
 
@@ -165,7 +158,7 @@ def told():
     watch = running.watch
 
     def tell(*arguments):
-        print("listening", flush=True)
+        print("listening", file=sys.stderr, flush=True)
         return watch(*arguments)
 
     running.watch = tell
@@ -180,7 +173,7 @@ def test_control_c(here, monkeypatch):
     """XLA has nothing to add on stderr."""
     monkeypatch.delitem(CHILD, "TF_CPP_MIN_LOG_LEVEL", raising=False)
     with started([sys.executable, "-c", LISTENING, *RADIAL, "--set", "time.until=100"]) as process:
-        assert process.stdout.readline() == b"listening\n"
+        assert process.stderr.readline() == b"listening\n"
         process.send_signal(signal.SIGINT)
         _, said = process.communicate()
     assert process.returncode == 130
@@ -196,14 +189,18 @@ def test_a_second_signal_ends_at_once():
         assert process.wait(30) == -signal.SIGTERM
 
 
-def test_nohup_goes_on(here):
+@pytest.mark.skipif(not Path(FULL).exists(), reason=f"no {FULL}")
+def test_nohup_goes_on_and_results_are_kept_where_the_output_fails(here):
     def ignore():
         signal.signal(signal.SIGHUP, signal.SIG_IGN)
 
-    with started([sys.executable, "-c", LISTENING, *RADIAL, "-q"], preexec_fn=ignore) as process:
-        assert process.stdout.readline() == b"listening\n"
+    command = [sys.executable, "-c", LISTENING, *RADIAL, "--out", "a"]
+    with open(FULL, "w") as full, started(command, preexec_fn=ignore, stdout=full) as process:
+        assert process.stderr.readline() == b"listening\n"
         process.send_signal(signal.SIGHUP)
-        assert process.wait(120) == 0
+        _, said = process.communicate(timeout=120)
+    assert RunStore.open(here / "a").summary()["status"] == "converged"
+    assert (process.returncode, said) == (1, b"ertel: cannot write to standard output: no space left on device\n")
 
 
 def children(process):

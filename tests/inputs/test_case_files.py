@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from case_file_strategies import HEIGHTS, case_data, case_files, outcome
-from hypothesis import HealthCheck, given, reject, settings
+from hypothesis import given, reject, settings
 
 from ertel.case.case import Case
 from ertel.case.records import show
@@ -400,27 +400,40 @@ def test_true_is_no_number_one():
 # -- whole files, valid and spoiled -----------------------------------------------------------------------------------
 
 
-@settings(max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(data=case_data())
-def test_a_case_reads_back_as_the_same_to_the_last_bit(tmp_path: Path, data: dict[str, Any]) -> None:
+MANY = pytest.mark.parametrize("examples", [300, pytest.param(1000, marks=pytest.mark.slow)])
+
+
+@MANY
+def test_a_case_reads_back_as_the_same_to_the_last_bit(tmp_path: Path, examples: int) -> None:
     np.save(tmp_path / HEIGHTS, np.sin(np.arange(256.0)).reshape(16, 16))
-    try:
-        case = parse_case(data, tmp_path)
-    except ConfigError:
-        reject()
-    written = case.to_data()
-    again = Case.from_data(written, case.maps)
-    assert again == case
-    assert again.digest == case.digest
-    assert (again.name, again.oil.reference) == (case.name, case.oil.reference)
-    assert again.to_data() == written
-    assert json.loads(json.dumps(written)) == written  # nothing but what JSON and TOML can hold
-    assert (again.motion, again.features, again.lubricant) == (case.motion, case.features, case.lubricant)
+
+    @settings(max_examples=examples)
+    @given(data=case_data())
+    def reads_back(data: dict[str, Any]) -> None:
+        try:
+            case = parse_case(data, tmp_path)
+        except ConfigError:
+            reject()
+        written = case.to_data()
+        again = Case.from_data(written, case.maps)
+        assert again == case
+        assert again.digest == case.digest
+        assert (again.name, again.oil.reference) == (case.name, case.oil.reference)
+        assert again.to_data() == written
+        assert json.loads(json.dumps(written)) == written  # nothing but what JSON and TOML can hold
+        assert (again.motion, again.features, again.lubricant) == (case.motion, case.features, case.lubricant)
+
+    reads_back()
 
 
-@settings(max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(content=case_files())
-def test_any_file_is_a_case_or_refused_in_one_line(tmp_path: Path, content: bytes) -> None:
+@MANY
+def test_any_file_is_a_case_or_refused_in_one_line(tmp_path: Path, examples: int) -> None:
     path = tmp_path / "case.toml"
-    path.write_bytes(content)
-    outcome(path)
+
+    @settings(max_examples=examples)
+    @given(content=case_files())
+    def is_a_case_or_refused(content: bytes) -> None:
+        path.write_bytes(content)
+        outcome(path)
+
+    is_a_case_or_refused()

@@ -2,9 +2,11 @@
 
 from math import pi
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax import Array
 
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Disc, Plane
@@ -26,15 +28,22 @@ def plane(even: Symmetry, nodes: int = 17) -> tuple[Plane, np.ndarray, np.ndarra
 @every_symmetry
 def test_linear_and_quadratic_fields_on_a_plane(even: Symmetry) -> None:
     space, X, Y = plane(even)
-    assert float(space.total(jnp.asarray(3 + np.abs(X) + np.abs(Y)))) == pytest.approx(4 * W**2 * (3 + W), rel=1e-14)
-    f = jnp.asarray(X**2 / 2 + Y**2)
-    one = Pair(jnp.ones_like(f), jnp.ones_like(f))
+    f = X**2 / 2 + Y**2
+
+    @jax.jit
+    def integrals(one: Pair, linear: Array, f: Array) -> tuple[Array, ...]:
+        slopes, out = space.total(space.of_slopes(one, f, f)), space.around(-space.flow_out(one, f))
+        return space.total(linear), slopes, out, space.around(space.edge(one.x))
+
+    one = np.ones_like(f)
+    total, slopes, out, edge = map(float, integrals(Pair(one, one), 3 + np.abs(X) + np.abs(Y), f))
+    assert total == pytest.approx(4 * W**2 * (3 + W), rel=1e-14)
     # second order in the slopes of f, exact in what flows out: 4 w (w + 2 w) through the four sides
     h2 = space.spacing**2
     inside = 4 * W**2 * (W**2 / 3 + 4 * W**2 / 3 - h2 * (1 + 4) / 12)
-    assert float(space.total(space.of_slopes(one, f, f))) == pytest.approx(inside, rel=1e-13)
-    assert float(space.around(-space.flow_out(one, f))) == pytest.approx(4 * W**2 * 3, rel=1e-13)
-    assert float(space.around(space.edge(one.x))) == pytest.approx(8 * W, rel=1e-14)
+    assert slopes == pytest.approx(inside, rel=1e-13)
+    assert out == pytest.approx(4 * W**2 * 3, rel=1e-13)
+    assert edge == pytest.approx(8 * W, rel=1e-14)
 
 
 def test_nothing_flows_out_of_a_cavity_at_the_edge() -> None:
@@ -55,26 +64,34 @@ def test_a_part_of_the_plane_gives_what_the_whole_gives(even: Symmetry) -> None:
     whole, X, Y = plane(NO_SYMMETRY)
     f, g = np.exp(-(X**2) - 2 * Y**2) + 1, np.cos(X) * np.cosh(Y)
     part, *_ = plane(even)
+
+    @jax.jit
+    def terms(space: Plane, c: Pair) -> tuple[Array, ...]:
+        slopes, out = space.total(space.of_slopes(c, c.x, c.y)), space.around(space.flow_out(c, c.y))
+        return space.total(c.x), slopes, out, *space.push(c.x, c.y)
+
     found = []
     for space, (a, b) in ((whole, (f, g)), (part, (folded(f, even), folded(g, even)))):
-        c = Pair(jnp.asarray(a), jnp.asarray(a + b))
-        terms = space.total(c.x), space.total(space.of_slopes(c, c.x, c.y)), space.around(space.flow_out(c, c.y))
-        found.append([float(term) for term in (*terms, *space.push(c.x, c.y))])
+        found.append([float(term) for term in terms(space, Pair(a, a + b))])
     assert found[1] == pytest.approx(found[0], rel=1e-13, abs=1e-13)
 
 
 def test_a_disc() -> None:
     """Second order inside, on an uneven grid; a cubic field's slope at the edge is exact."""
+
+    @jax.jit
+    def integrals(space: Disc, f: Array, g: Array, cubic: Array, c: Pair) -> tuple[Array, Array, Array]:
+        return space.total(f), space.total(space.of_slopes(c, f, g)), space.around(space.flow_out(c, cubic))
+
     errors = []
     for nodes in (21, 41, 81):
         r = 2 * np.linspace(0, 1, nodes) ** 1.5
-        space, f, g = Disc.of(r), jnp.asarray(np.exp(-(r**2))), jnp.asarray(r**2)
-        c = Pair(jnp.asarray(1 + r**2))
-        of_f = float(space.total(f)) - pi * (1 - np.exp(-4))
+        total, slopes, out = map(float, integrals(Disc.of(r), np.exp(-(r**2)), r**2, r**3, Pair(1 + r**2)))
+        of_f = total - pi * (1 - np.exp(-4))
         # int (1 + r^2) (-2 r exp(-r^2)) 2 r 2 pi r dr = -4 pi int_0^4 (1 + u) u exp(-u) du / 1
         u = np.linspace(0, 4, 20001)
-        slopes = float(space.total(space.of_slopes(c, f, g))) + 4 * pi * np.trapezoid((1 + u) * u * np.exp(-u), u)
+        slopes += 4 * pi * np.trapezoid((1 + u) * u * np.exp(-u), u)
         errors.append([of_f, slopes])
-        assert float(space.around(space.flow_out(c, jnp.asarray(r**3)))) == pytest.approx(-4 * pi * 5 * 12, rel=1e-12)
+        assert out == pytest.approx(-4 * pi * 5 * 12, rel=1e-12)
     orders = np.log2(np.abs(np.divide(errors[:-1], errors[1:])))
     assert np.all(orders > 1.9), orders

@@ -16,7 +16,8 @@ def identity(r: Array) -> Array:
     return r
 
 
-def obstacle(force: np.ndarray, P: np.ndarray, **options: float) -> newton.Solution:
+@jax.jit
+def obstacle(force: Array, P: Array) -> newton.Solution:
     """-P'' - force >= 0, P >= 0 with a little of a cubic, in two dimensions: H = 2 + P stands for the partner."""
 
     def diffuse(P: Array) -> Array:
@@ -24,14 +25,14 @@ def obstacle(force: np.ndarray, P: np.ndarray, **options: float) -> newton.Solut
         return jnp.pad(4 * p[1:-1, 1:-1] - p[:-2, 1:-1] - p[2:, 1:-1] - p[1:-1, :-2] - p[1:-1, 2:], 1)
 
     def residual(P: Array, H: Array) -> Array:
-        return diffuse(P) + 0.1 * (H - 2) ** 3 - jnp.pad(jnp.asarray(force)[1:-1, 1:-1], 1)
+        return diffuse(P) + 0.1 * (H - 2) ** 3 - jnp.pad(force[1:-1, 1:-1], 1)
 
     return newton.newton_krylov(
         residual,
         identity,
         lambda P, H, free: lambda r: r / 4,
-        jnp.asarray(P),
-        jnp.asarray(2 + P),
+        P,
+        2 + P,
         1e-9,
         newton.Options(krylov_limit=60, krylov_reduction=1e-4, largest_change=10.0),
     )
@@ -139,14 +140,18 @@ def residual_itself(k: Array, r: Array) -> Array:
     return r
 
 
+@jax.jit
+def solved_by_gcr(A: Array, b: Array) -> tuple[Array, Array]:
+    return gcr(lambda v: (A @ v.ravel()).reshape(6, 6), residual_itself, b, 1e-10, 36)
+
+
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 10**6))
 def test_gcr_solves_unsymmetric_systems(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    A = jnp.asarray(np.eye(36) + 0.3 * rng.standard_normal((36, 36)) / 6)
-    b = jnp.asarray(rng.standard_normal((6, 6)))
-    x, k = gcr(lambda v: (A @ v.ravel()).reshape(6, 6), residual_itself, b, 1e-10, 36)
-    assert float(jnp.linalg.norm((A @ x.ravel()).reshape(6, 6) - b)) <= 1.1e-10 * float(jnp.linalg.norm(b))
+    A, b = np.eye(36) + 0.3 * rng.standard_normal((36, 36)) / 6, rng.standard_normal((6, 6))
+    x, k = solved_by_gcr(A, b)
+    assert np.linalg.norm((A @ np.ravel(x)).reshape(6, 6) - b) <= 1.1e-10 * np.linalg.norm(b)
     assert 1 <= int(k) <= 36
 
 

@@ -50,12 +50,17 @@ def face_sum_in_loops(eps: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
 def test_diffusion_is_that_of_plain_loops(even: Symmetry, directions: str) -> None:
     f, eps_x, other = some_fields(even)
     eps_y = {"twice as readily along X": eps_x / 2, "independent": other, "equal": eps_x}[directions]
-    kept = [jnp.asarray(folded(field, even)) for field in (f, eps_x, eps_y)]
+    kept = [folded(field, even) for field in (f, eps_x, eps_y)]
     pair = Pair(kept[1], None if directions == "equal" else kept[2])
     assert (pair.other is None) == (directions == "equal")
-    found = stencils.inside(stencils.diffusion(pair, kept[0], even), even)
+
+    @jax.jit
+    def both(pair: Pair, f: jax.Array) -> list[jax.Array]:
+        sums = stencils.diffusion(pair, f, even), stencils.face_sum(pair, even)
+        return [stencils.inside(each, even) for each in sums]
+
+    found, faces = both(pair, kept[0])
     np.testing.assert_allclose(found, folded(diffusion_in_loops((eps_x, eps_y), f), even), atol=1e-14)
-    faces = stencils.inside(stencils.face_sum(pair, even), even)
     np.testing.assert_allclose(faces, folded(face_sum_in_loops((eps_x, eps_y)), even), atol=1e-14)
 
 
@@ -63,8 +68,8 @@ def test_diffusion_is_that_of_plain_loops(even: Symmetry, directions: str) -> No
 def test_the_largest_value_around_a_node(even: Symmetry) -> None:
     f, _, _ = some_fields(even)
     around = [f[max(j - 1, 0) : j + 2, max(i - 1, 0) : i + 2].max() for j in range(NODES) for i in range(NODES)]
-    found = stencils.largest_around(folded(jnp.asarray(f), even), even)
-    np.testing.assert_array_equal(found, folded(jnp.asarray(around).reshape(NODES, NODES), even))
+    found = jax.jit(lambda f: stencils.largest_around(f, even))(folded(f, even))
+    np.testing.assert_array_equal(found, folded(np.array(around).reshape(NODES, NODES), even))
 
 
 # -- shifts along X ---------------------------------------------------------------------------------------------------

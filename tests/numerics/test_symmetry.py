@@ -1,14 +1,17 @@
 """Fields kept on one side of an axis: the same numbers as on the whole plane."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import OIL, free_ball, rolled, steady_solver
+from jax import Array
 from numpy.testing import assert_allclose
 
 from ertel.case.derived import grid_of
 from ertel.case.sections import Solver, Time
 from ertel.equations import contact
+from ertel.equations.contact import Contact
 from ertel.equations.flow import Rate
 from ertel.equations.state import State
 from ertel.numerics import halfspace
@@ -56,8 +59,8 @@ def test_the_total_is_that_of_the_whole_plane(even) -> None:
 
 @every_symmetry
 def test_beyond_an_axis_is_the_mirror_image(even) -> None:
-    whole = jnp.asarray(bump(even))
-    found, expected = extended(jnp.asarray(folded(whole, even)), even), extended(whole, NO_SYMMETRY)
+    whole = bump(even)
+    found, expected = (np.asarray(extended(*field)) for field in ((folded(whole, even), even), (whole, NO_SYMMETRY)))
     rows, columns = found.shape
     assert_allclose(found, expected[-rows:, -columns:])
 
@@ -66,11 +69,17 @@ def test_beyond_an_axis_is_the_mirror_image(even) -> None:
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 def test_the_deformation_is_that_of_the_whole_plane(even, dtype) -> None:
     whole = bump(even)
-    expected = halfspace.surface_displacement(halfspace.spectrum(grid()), jnp.asarray(whole))
-    kept = jnp.asarray(folded(whole, even), dtype)
+    expected = halfspace.surface_displacement(halfspace.spectrum(grid()), whole)
+    kept = folded(whole, even).astype(dtype)
     found = halfspace.surface_displacement(halfspace.spectrum(grid(even), dtype=dtype), kept, even)
     assert found.dtype == dtype
     assert_allclose(unfolded(found, even), expected, atol=1e-13 if dtype == "float64" else 1e-5)
+
+
+@jax.jit
+def film_residual_and_load(c: Contact, P: Array, U: float) -> tuple[Array, Array, Array]:
+    H = contact.film_thickness(c, P, -0.2)
+    return H, contact.residual(c, P, H, Rate(3.0, 0.1 * P, U)), contact.pressure_load(c, P)
 
 
 @every_symmetry
@@ -80,10 +89,8 @@ def test_the_residual_is_that_of_the_whole_plane(even) -> None:
     results = []
     for g in (grid(), grid(even)):
         c = contact.bare_contact(CIRCLE, g, 0.1, LAWS)
-        P = jnp.asarray(folded(whole, g.even))
-        H = contact.film_thickness(c, P, -0.2)
-        r = contact.residual(c, P, H, Rate(3.0, 0.1 * P, U))
-        results.append([unfolded(f, g.even) for f in (H, r)] + [contact.pressure_load(c, P)])
+        H, r, load = film_residual_and_load(c, folded(whole, g.even), U)
+        results.append([unfolded(np.asarray(f), g.even) for f in (H, r)] + [load])
     for expected, found in zip(*results, strict=True):
         assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
 

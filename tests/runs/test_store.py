@@ -2,11 +2,13 @@
 
 import errno
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import textwrap
 import warnings
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -35,9 +37,10 @@ OWN = ("wall_s", "compilations", "date_created")  # of the process
 BALL = {"name": "small", "contact": {"M": 200, "L": 10}}
 RADIAL = {**BALL, "solver": {"method": "radial", "nodes": 33}}
 SHORT = parse_case({**RADIAL, "time": {"tolerance": 0.01, "until": 0.15}, "output": {"interval": 0.05}})
+NINE_STEPS = {"time": {"tolerance": 0.01, "until": 0.2}, "output": {"interval": 0.05}}
 CASES = {
-    "impact": parse_case({**BALL, "solver": {"nodes": 33}, "time": {"tolerance": 0.01, "until": 0.9}}),
-    "radial": parse_case({**RADIAL, "time": {"tolerance": 0.01, "until": 0.9}}),
+    "impact": parse_case({**BALL, "solver": {"nodes": 33}, **NINE_STEPS}),
+    "radial": parse_case({**RADIAL, **NINE_STEPS}),
     "steady": parse_case({"name": "small", "contact": {"kind": "rolling", "M": 20, "L": 10}, "solver": {"nodes": 65}}),
 }
 
@@ -72,6 +75,19 @@ def kind(request, kinds):
 @pytest.fixture
 def impact(kinds):
     return kinds["impact"]
+
+
+@pytest.fixture(scope="module")
+def grids():
+    """The solutions of the steady contact."""
+    return list(steady.nested(CASES["steady"]))
+
+
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory):
+    """Runs that have not started; to copy one takes a fifth of the time in which it is made."""
+    place = tmp_path_factory.mktemp("begun")
+    return {name: RunStore.create(place / name, case).directory for name, case in CASES.items()}
 
 
 # -- a whole run ------------------------------------------------------------------------------------------------------
@@ -128,7 +144,7 @@ def test_nothing_computed_yet(tmp_path, kind):
 # -- interrupted ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "steps"), [("impact", 1), ("impact", 2), ("radial", 9), ("steady", 1)])
+@pytest.mark.parametrize(("name", "steps"), [("impact", 1), ("impact", 2), ("radial", 5), ("steady", 1)])
 def test_resumed_equals_uninterrupted(tmp_path, kinds, name, steps):
     kind, run = kinds[name], RunStore.create(tmp_path / "run", CASES[name])
     first = compute(run, [stop_after(steps)])
@@ -152,25 +168,28 @@ def deaths():
     """Where a run can die: the functions that a flush calls, before and after each, sooner or later."""
     both = [(arrays, "write_root"), (Path, "replace"), (RunStore, "_write_checkpoint")]
     places = {
-        "impact": [*both, (arrays, "append"), (TransientRun, "to_arrays")],
+        "radial": [*both, (arrays, "append"), (TransientRun, "to_arrays")],
         "steady": [*both, (ReplacedData, "_write"), (Path, "rename")],
     }
-    quick = {"impact": [("before", 2), ("after", 5)], "steady": [("before", 1), ("after", 2), ("before", 4)]}
-    slow = {
-        "impact": [("before", 5), ("after", 2)],
-        "steady": [("before", 2), ("before", 3), ("after", 1), ("after", 3), ("after", 4)],
+    sooner = {"radial": [("before", 2), ("after", 3)], "steady": [("before", 1), ("after", 2)]}
+    later = {
+        "radial": [("after", 2), ("before", 5), ("after", 5)],
+        "steady": [("before", 2), ("before", 3), ("before", 4), ("after", 1), ("after", 3), ("after", 4)],
     }
+    at_the_end, between_renames = ("steady", "write_root", "before", 4), ("steady", "rename", "before", 4)
     for name, functions in places.items():
         for place, function in functions:
-            yield from ((name, place, function, *moment) for moment in quick[name])
-            yield from (pytest.param(name, place, function, *each, marks=pytest.mark.slow) for each in slow[name])
+            yield from ((name, place, function, *moment) for moment in sooner[name])
+            for moment in later[name]:
+                quick = (name, function, *moment) in (at_the_end, between_renames)
+                yield pytest.param(name, place, function, *moment, marks=[] if quick else pytest.mark.slow)
 
 
 @pytest.mark.parametrize(("name", "place", "function", "when", "count"), list(deaths()))
-def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, name, place, function, when, count):
+def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, begun, name, place, function, when, count):
     if name == "steady":
         monkeypatch.setattr(steady, "nested", lambda case, done: iter(grids[len(done) :]))
-    run = RunStore.create(tmp_path / "run", kinds[name].case)
+    run = RunStore.open(Path(shutil.copytree(begun[name], tmp_path / "run")))
     with killed(monkeypatch, place, function, when, count):
         compute(run, [lambda result: run.flush()])
     xr.open_zarr(arrays.present(tmp_path / "run" / "run.zarr")).load()  # a whole, if shorter, run
@@ -179,12 +198,6 @@ def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, name, place, f
     compute(again)
     assert kinds[name].is_whole(again)
     assert not list((tmp_path / "run").rglob("*.partial")) and not list((tmp_path / "run").glob("*.old"))
-
-
-@pytest.fixture(scope="module")
-def grids():
-    """The solutions of the steady contact."""
-    return list(steady.nested(CASES["steady"]))
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
@@ -197,23 +210,24 @@ def test_killed_process(tmp_path):
         import sys
         from pathlib import Path
         from ertel.runs import store
-        run = store.RunStore.open(Path(sys.argv[1]))
         def tell(item):
             print("step", flush=True)
             run.flush()
-        store.compute(run, [tell])
+        for directory in sys.argv[1:]:
+            run = store.RunStore.open(Path(directory))
+            store.compute(run, [tell])
     """
     environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
     start = [sys.executable, "-c", textwrap.dedent(program)]
-    whole, broken = (RunStore.create(tmp_path / name, CASES["impact"]) for name in ("whole", "broken"))
-    subprocess.run([*start, whole.directory], env=environment, check=True, capture_output=True)
+    whole, broken = (RunStore.create(tmp_path / name, CASES["radial"]) for name in ("whole", "broken"))
     with subprocess.Popen([*start, broken.directory], stdout=subprocess.PIPE, env=environment) as process:
         assert process.stdout is not None
-        for _ in range(4):
+        for _ in range(3):
             process.stdout.readline()
         process.kill()
-    assert 0 < RunStore.open(broken.directory).summary_so_far()["steps"] < whole.summary()["steps"]
-    subprocess.run([*start, broken.directory], env=environment, check=True, capture_output=True)
+    before = RunStore.open(broken.directory).summary_so_far()["steps"]
+    subprocess.run([*start, broken.directory, whole.directory], env=environment, check=True, capture_output=True)
+    assert 0 < before < whole.summary()["steps"]
     assert of_no_process(broken.summary()) == of_no_process(whole.summary())
     xr.testing.assert_identical(physics(broken.dataset()), physics(whole.dataset()))
 
@@ -221,8 +235,10 @@ def test_killed_process(tmp_path):
 # -- the end ----------------------------------------------------------------------------------------------------------
 
 
-def test_a_steady_run_that_ended_is_not_computed_again_without_its_summary(tmp_path, monkeypatch, kinds):
-    compute(RunStore.create(tmp_path / "run", CASES["steady"]))
+def test_a_steady_run_that_ended_is_not_computed_again_without_its_summary(tmp_path, monkeypatch, kinds, grids):
+    with monkeypatch.context() as patch:
+        patch.setattr(steady, "nested", lambda case, done: iter(grids[len(done) :]))
+        compute(RunStore.create(tmp_path / "run", CASES["steady"]))
     (tmp_path / "run" / "summary.json").unlink()
     monkeypatch.setattr(steady, "nested", lambda *_: pytest.fail("the run has ended"))
     again = RunStore.open(tmp_path / "run")
@@ -252,30 +268,50 @@ def ends():
     return {"time": (SHORT, None), "event": (event, None), "given up": (SHORT, limits)}
 
 
-@pytest.fixture(scope="module", params=["time", "event", "given up"])
-def ended(request, tmp_path_factory):
-    """A run that has ended, its course and its summary."""
-    case, limits = ends()[request.param]
-    course = TransientRun(case, method_of(case), limits)
-    run = RunStore.create(tmp_path_factory.mktemp("ended") / "run", case, course)
-    return course, compute(run), run.dataset()
+class Ended(NamedTuple):
+    """A run that has ended: its course, its summary and its data, and the directory as it was before it started."""
+
+    course: TransientRun
+    summary: dict
+    data: xr.Dataset
+    begun: Path
 
 
-def test_a_run_that_has_ended_keeps_what_it_has(ended):
-    course, summary, data = ended
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory):
+    """A function that gives the run with an end."""
+
+    @cache
+    def run(end):
+        case, limits = ends()[end]
+        course, place = TransientRun(case, method_of(case), limits), tmp_path_factory.mktemp("ended")
+        store = RunStore.create(place / "run", case, course)
+        begun = Path(shutil.copytree(place / "run", place / "begun"))
+        return Ended(course, compute(store), store.dataset(), begun)
+
+    return run
+
+
+@pytest.mark.parametrize("end", ends())
+def test_a_run_that_has_ended_keeps_what_it_has(ended, end):
+    course, summary, data, _ = ended(end)
     assert summary["status"] == (Status.STEP_TOO_SMALL if course.limits.smallest == 0.02 else Status.CONVERGED).value
     assert 0 < data.sizes["time"] == summary["steps"]
     assert data.attrs["status"] == summary["status"]
 
 
 CUTS = [(RunStore, "summarise"), (RunStore, "finish"), (arrays, "update_attributes"), (store, "sealed")]
+QUICK = [*(("event", name) for _, name in CUTS), ("time", "summarise"), ("given up", "finish")]
+EACH_CUT = [
+    pytest.param(end, *cut, marks=[] if (end, cut[1]) in QUICK else pytest.mark.slow) for end in ends() for cut in CUTS
+]
 
 
-@pytest.mark.parametrize(("place", "name"), CUTS)
-def test_a_cut_between_the_last_checkpoint_and_the_summary(ended, tmp_path, monkeypatch, place, name):
+@pytest.mark.parametrize(("end", "place", "name"), EACH_CUT)
+def test_a_cut_between_the_last_checkpoint_and_the_summary(ended, tmp_path, monkeypatch, end, place, name):
     """A resumed run stepped past its end: restitution changed after an event, and a time raised an error."""
-    course, summary, data = ended
-    run = RunStore.create(tmp_path / "run", course.case, course)
+    course, summary, data, begun = ended(end)
+    run = RunStore(Path(shutil.copytree(begun, tmp_path / "run")), course.case, course)
     with killed(monkeypatch, place, name):
         compute(run)
     (tmp_path / "run" / "summary.json").unlink(missing_ok=True)
@@ -326,15 +362,15 @@ def test_a_system_that_cannot_sync(tmp_path, monkeypatch):
     assert compute(RunStore.create(tmp_path / "run", SHORT))["status"] == "converged"
 
 
-@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO])
-def test_a_disk_that_fails_loses_nothing(tmp_path, monkeypatch, number):
+def test_a_disk_that_fails_loses_nothing(tmp_path, monkeypatch):
     whole, run = simulate(SHORT), RunStore.create(tmp_path / "run", SHORT)
     compute(run, [stop_after(2)])
-    with monkeypatch.context() as patch:
-        patch.setattr(os, "fsync", failing(number))
-        with pytest.raises(OSError, match=os.strerror(number)):
-            compute(run)
-    assert not list((tmp_path / "run").rglob("*.partial"))
+    for number in (errno.ENOSPC, errno.EIO):
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", failing(number))
+            with pytest.raises(OSError, match=os.strerror(number)):
+                compute(run)
+        assert not list((tmp_path / "run").rglob("*.partial"))
     again = RunStore.open(tmp_path / "run")
     assert compute(again)["steps"] == whole.summary["steps"]
     xr.testing.assert_identical(physics(again.dataset()), physics(whole.dataset))

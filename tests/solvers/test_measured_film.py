@@ -36,15 +36,15 @@ def undisturbed(nodes: int) -> dict[str, float]:
 
 
 def test_the_undisturbed_film_lies_where_it_was_measured() -> None:
-    """206 to 217 nm; extrapolated from 129 and 65 nodes."""
-    summary = undisturbed(129)
+    """206 to 217 nm; extrapolated from 65 and 33 nodes, 0.4 % below that from 129 and 65."""
+    summary = undisturbed(65)
     unit = summary["si"]["h_c_m"] / summary["H_c"]
     assert 206e-9 < summary["H_c_extrapolated"] * unit < 217e-9
 
 
 def test_the_undisturbed_film_is_the_measured_curve() -> None:
     """In the flat middle, in the median of the measured points."""
-    summary, measured = undisturbed(129), curve("exp_1")
+    summary, measured = undisturbed(65), curve("exp_1")
     flat = np.median(measured[np.abs(measured[:, 0]) < 90, 1])
     film = summary["H_c_extrapolated"] * summary["si"]["h_c_m"] / summary["H_c"] * 1e9
     assert film == pytest.approx(flat, rel=0.02)

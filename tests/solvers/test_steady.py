@@ -7,7 +7,7 @@ The reference numbers are those of reference/rolling.json: "grids" (the exact so
 from functools import cache
 from typing import Any
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 import pytest
 from cases import BARUS, BARUS_LIMIT, rolled, steady_solver
@@ -27,6 +27,7 @@ pytestmark = pytest.mark.usefixtures("nothing_outside")
 
 ROELANDS = Oil(alpha=2.2e-8, p0=196078400.0, z=0.668678)  # "rheology" of the reference
 OILS = {"barus": BARUS, "roelands": ROELANDS}
+FILM_THICKNESS = jax.jit(contact.film_thickness)
 NAMES = ("Delta", "H_c", "H_min", "P_c")
 
 GRIDS = {  # fluid, M, L: nodes: Delta, H_c, H_min, P_c
@@ -197,7 +198,7 @@ def test_the_load_is_carried_by_the_film(key, nodes) -> None:
     s = rolling(key, nodes).finest
     assert s.measure()["load"] == pytest.approx(HERTZ_LOAD, abs=2e-8)
     c = discretise.contact_of(case_of(key, nodes), s.grid)
-    H = contact.film_thickness(c, s.P, s.approach)
+    H = FILM_THICKNESS(c, s.P, s.approach)
     np.testing.assert_allclose(np.asarray(s.H), np.asarray(H), atol=1e-12)
 
 
@@ -206,7 +207,7 @@ def test_pressure_is_nowhere_negative_and_oil_lacks_only_where_there_is_none() -
     key = ("roelands", 200, 10)
     s = rolling(key).finest
     c = discretise.contact_of(case_of(key, 129), s.grid)
-    r = np.asarray(contact.residual(c, s.P, s.H, steady_rate(1.0)))
+    r = np.asarray(jax.jit(lambda c, P, H: contact.residual(c, P, H, steady_rate(1.0)))(c, s.P, s.H))
     P = np.asarray(s.P)
     assert P.min() >= 0
     assert np.abs(r[P > 0]).max() <= 1e-8
@@ -222,8 +223,8 @@ def test_mass_is_conserved_along_the_flow() -> None:
     s = rolling(key, 33, fold=False).finest
     c = discretise.contact_of(case_of(key, 33), s.grid)
     h, P = s.grid.spacing, np.asarray(s.P)
-    mass = np.asarray(c.lubricant.density(s.P) * s.H)
-    eps = np.asarray(c.flow.mobilities(c, s.P, s.H).secant.x)
+    mass = c.lubricant.density(P) * np.asarray(s.H)
+    eps = np.asarray(jax.jit(lambda c, P, H: c.flow.mobilities(c, P, H).secant.x)(c, s.P, s.H))
     carried = (1.5 * mass[:, 1:-1] - 0.5 * mass[:, :-2])[1:-1]
     pressed = (-(eps[:, 2:] + eps[:, 1:-1]) / 2 * (P[:, 2:] - P[:, 1:-1]) / h)[1:-1]
     through = h * np.sum(carried + pressed, axis=0)  # at the faces i + 1/2, i = 1 ...
@@ -239,7 +240,7 @@ def test_mass_is_conserved_along_the_flow() -> None:
 def test_pressure_tends_to_hertz() -> None:
     s = rolling(("roelands", 1000, 10)).finest
     hertz, _ = steady.dry_guess(CIRCLE, s.grid, 1.0)
-    assert float(jnp.sqrt(jnp.mean((s.P - hertz) ** 2))) < 0.02
+    assert np.sqrt(np.mean((np.asarray(s.P) - hertz) ** 2)) < 0.02
 
 
 @pytest.mark.parametrize("part", ["load", "entrainment"])
@@ -277,7 +278,7 @@ def test_what_is_left_is_less_than_a_tenth_of_the_error_of_the_grid_at_half_the_
 
 
 @pytest.mark.parametrize("fluid", ["barus", "roelands"])
-@pytest.mark.parametrize("M", [10, 30, 100, 300, 1000, 3000])
+@pytest.mark.parametrize("M", [10, 100, 3000, *(pytest.param(M, marks=pytest.mark.slow) for M in (30, 300, 1000))])
 def test_every_load_and_lubricant_converges(fluid: str, M: float) -> None:
     """From the default start, to 1e-8, on 65 nodes a side and half of them, resolved or not."""
     for L in (0, 2.5, 5, 10, 20):

@@ -1,16 +1,17 @@
 """Integrals of an oil's fluidity across the film, with the linear stress tau = t + zeta g, zeta from -1/2 to 1/2.
 
-They are sums over Gauss nodes, or exact integrals of a series for phi where the oil hardly thins.  t and g have the
-shape (2, ...): along X and along Y, then the shape of the fields.
+They are sums over Gauss nodes, or exact integrals of a series for phi where the oil hardly thins.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.tree_util import register_dataclass
 
 from ertel.physics.fluidity import Fluidity
 
@@ -25,7 +26,56 @@ TINY = 1e-150  # length of a vector that stands for zero
 Nodes = tuple[Array, Array]  # zeta > 0 and weight of each pair, shape (NODES/2, ...)
 
 
-def gauss_nodes(law: Fluidity, across: int, pressure: Array, stress: Array, gradient: Array) -> Nodes:
+# -- vectors -----------------------------------------------------------------------------------------------------------
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Vector:
+    """Its components along X and along Y, two arrays.  One array for both would be taken apart in every product."""
+
+    x: Array
+    y: Array
+
+    def __add__(self, other: "Vector") -> "Vector":
+        return Vector(self.x + other.x, self.y + other.y)
+
+    def __sub__(self, other: "Vector") -> "Vector":
+        return Vector(self.x - other.x, self.y - other.y)
+
+    def __mul__(self, factor: Any) -> "Vector":
+        return Vector(factor * self.x, factor * self.y)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: Array) -> "Vector":
+        return Vector(self.x / divisor, self.y / divisor)
+
+
+def dot(a: Vector, b: Vector) -> Array:
+    """The scalar product."""
+    return a.x * b.x + a.y * b.y
+
+
+def square(a: Vector) -> Array:
+    """The square of the length."""
+    return dot(a, a)
+
+
+def length(a: Vector) -> Array:
+    """The length, at least `TINY`, so that it can divide."""
+    return jnp.sqrt(jnp.maximum(square(a), TINY**2))
+
+
+def dyad(a: Vector, b: Vector) -> Tensor:
+    """The symmetric part of the product a b."""
+    return a.x * b.x, 0.5 * (a.x * b.y + a.y * b.x), a.y * b.y
+
+
+# -- sums over nodes ---------------------------------------------------------------------------------------------------
+
+
+def gauss_nodes(law: Fluidity, across: int, pressure: Array, stress: Vector, gradient: Vector) -> Nodes:
     """Gauss nodes for the middle stress and gradient, near the walls where the fluidity grows steeply there.
 
     zeta = asinh(z sinh c)/(2 c) with Gauss nodes z in (-1, 1), which are those for c = 0.  c grows with the rate of
@@ -54,25 +104,34 @@ def with_slope(law: Fluidity, pressure: Array, size: Array) -> tuple[Array, Arra
     return phi, slope / size
 
 
-def both_sides(law: Fluidity, pressure: Array, t: Array, g: Array, zeta: Array) -> tuple[Array, Array]:
+def both_sides(law: Fluidity, pressure: Array, t: Vector, g: Vector, zeta: Array) -> tuple[Array, Array]:
     """phi and phi'/|tau| at + zeta and at - zeta, each of shape (2, NODES/2, ...)."""
+    return with_slope(law, pressure, _sizes(t, g, zeta))
+
+
+def _sizes(t: Vector, g: Vector, zeta: Array) -> Array:
+    """|tau| at + zeta and at - zeta."""
     mean, along = square(t) + zeta**2 * square(g), 2.0 * zeta * dot(t, g)
-    size = jnp.sqrt(jnp.maximum(jnp.stack([mean + along, mean - along]), TINY**2))
-    return with_slope(law, pressure, size)
+    return jnp.sqrt(jnp.maximum(jnp.stack([mean + along, mean - along]), TINY**2))
 
 
 class Moments(NamedTuple):
-    """The sums over the nodes with phi (s0, s1, s2), and A, C, D."""
+    """The sums S_0, S_1, S_2 of zeta^k phi, and A, C, D."""
 
-    s0: Array
-    s1: Array
-    s2: Array
+    s: Sequence[Array]
     A: Tensor
     C: Tensor
     D: Tensor
 
 
-def moments_by_nodes(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> Moments:
+def sums_by_nodes(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes: Nodes) -> Sequence[Array]:
+    """S_0, S_1 and S_2 over the Gauss nodes."""
+    zeta, weight = nodes
+    phi = law.fluidity(_sizes(t, g, zeta), pressure)
+    return [_paired(weight * zeta**k, phi, k) for k in range(3)]
+
+
+def moments_by_nodes(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes: Nodes) -> Moments:
     """The sums over the Gauss nodes."""
     zeta, weight = nodes
     phi, slope = both_sides(law, pressure, t, g, zeta)
@@ -81,20 +140,13 @@ def moments_by_nodes(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: 
     return _assembled(s, [_paired(w, slope, k) for k, w in enumerate(weights)], t, g)
 
 
-def _assembled(s: Sequence[Array], r: Sequence[Array], t: Array, g: Array) -> Moments:
-    """From the sums with phi and with phi'/|tau|, by the power of zeta."""
-    A, C, D = (_tensor(s[k], r[k], r[k + 1], r[k + 2], t, g) for k in range(3))
-    return Moments(s[0], s[1], s[2], A, C, D)
-
-
-def sliding_moments(law: Fluidity, pressure: Array, t: Array, g: Array, nodes: Nodes) -> tuple[Array, Array, Tensor]:
-    """The moments that the sliding needs: s0, s1 and A."""
+def sliding_moments(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes: Nodes) -> tuple[Array, Array, Tensor]:
+    """The moments that the sliding needs: S_0, S_1 and A."""
     zeta, weight = nodes
     phi, slope = both_sides(law, pressure, t, g, zeta)
     weights = [weight, weight * zeta, weight * zeta**2]
     s0, s1 = (_paired(w, phi, k) for k, w in enumerate(weights[:2]))
-    r0, r1, r2 = (_paired(w, slope, k) for k, w in enumerate(weights))
-    return s0, s1, _tensor(s0, r0, r1, r2, t, g)
+    return s0, s1, _tensor(s0, [_paired(w, slope, k) for k, w in enumerate(weights)], _products(t, g))
 
 
 def _paired(weight: Array, values: Array, power: int) -> Array:
@@ -103,11 +155,23 @@ def _paired(weight: Array, values: Array, power: int) -> Array:
     return jnp.sum(weight * both, axis=0)
 
 
-def _tensor(s: Array, r0: Array, r1: Array, r2: Array, t: Array, g: Array) -> Tensor:
-    """Integral of zeta^k (phi + tau tau phi'/|tau|) with tau = t + zeta g."""
-    xx = s + (r0 * t[0] ** 2 + 2.0 * r1 * t[0] * g[0] + r2 * g[0] ** 2)
-    yy = s + (r0 * t[1] ** 2 + 2.0 * r1 * t[1] * g[1] + r2 * g[1] ** 2)
-    return xx, r0 * t[0] * t[1] + r1 * (t[0] * g[1] + t[1] * g[0]) + r2 * g[0] * g[1], yy
+def _assembled(s: Sequence[Array], r: Sequence[Array], t: Vector, g: Vector) -> Moments:
+    """From the sums with phi and with phi'/|tau|, by the power of zeta."""
+    products = _products(t, g)
+    return Moments(s, *(_tensor(s[k], r[k : k + 3], products) for k in range(3)))
+
+
+def _tensor(s: Array, r: Sequence[Array], products: Sequence[Tensor]) -> Tensor:
+    """Integral of zeta^k (phi + tau tau phi'/|tau|): s of zeta^k phi, r of zeta^(k + 0, 1, 2) phi'/|tau|."""
+    xx, xy, yy = (
+        sum((a * b for a, b in zip(r, parts, strict=True)), jnp.zeros(())) for parts in zip(*products, strict=True)
+    )
+    return s + xx, xy, s + yy
+
+
+def _products(t: Vector, g: Vector) -> Sequence[Tensor]:
+    """tau tau with tau = t + zeta g, by the power of zeta."""
+    return dyad(t, t), dyad(t, 2.0 * g), dyad(g, g)
 
 
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
@@ -121,7 +185,7 @@ class Series(NamedTuple):
     holds: Array
 
 
-def series_of(law: Fluidity, pressure: Array, stress: Array, gradient: Array) -> Series:
+def series_of(law: Fluidity, pressure: Array, stress: Vector, gradient: Vector) -> Series:
     """The series through phi at the largest stress T that there can be, and at T/sqrt(2); it is checked at T/2."""
     T = jax.lax.stop_gradient(jnp.maximum(length(stress) + 0.5 * length(gradient), NO_STRESS))  # without influence
     end, middle, check = (law.fluidity(T * share**0.5, pressure) - 1.0 for share in (1.0, 0.5, 0.25))
@@ -131,40 +195,31 @@ def series_of(law: Fluidity, pressure: Array, stress: Array, gradient: Array) ->
     return Series(first / T**2, second / T**4, holds)
 
 
-def series_moments(series: Series, t: Array, g: Array) -> Moments:
+def series_moments(series: Series, t: Vector, g: Vector) -> Moments:
     """The same integrals as `moments_by_nodes`, exact."""
-    a, b, c, (first, second, _) = square(t), dot(t, g), square(g), series  # |tau|^2 = a + 2 b zeta + c zeta^2
-    phi = (
-        1.0 + a * (first + second * a),
-        2.0 * b * (first + 2.0 * second * a),
-        first * c + second * (2.0 * a * c + 4.0 * b**2),
-        4.0 * second * b * c,
-        second * c**2,
+    squares, fourths = _powers(t, g)
+    s = [WHOLE[k] + series.first * squares[k] + series.second * fourths[k] for k in range(3)]
+    r = [2.0 * series.first * WHOLE[k] + 4.0 * series.second * squares[k] for k in range(5)]
+    return _assembled(s, r, t, g)
+
+
+def series_change(change: Series, t: Vector, g: Vector) -> Sequence[Array]:
+    """The changes of S_0, S_1 and S_2 with those of the two terms."""
+    squares, fourths = _powers(t, g)
+    return [change.first * squares[k] + change.second * fourths[k] for k in range(3)]
+
+
+WHOLE = 1.0, 0.0, 1.0 / 12.0, 0.0, 1.0 / 80.0  # the integrals of zeta^k, k = 0 to 4
+
+
+def _powers(t: Vector, g: Vector) -> tuple[Sequence[Array], Sequence[Array]]:
+    """The integrals of zeta^k |tau|^2, k = 0 to 4, and of zeta^k |tau|^4, k = 0 to 2."""
+    a, b, c = square(t), dot(t, g), square(g)  # |tau|^2 = a + 2 b zeta + c zeta^2
+    middle = 4.0 * b**2 + 2.0 * a * c  # |tau|^4 = a^2 + 4 a b zeta + middle zeta^2 + 4 b c zeta^3 + c^2 zeta^4
+    squares = a + c / 12.0, b / 6.0, a / 12.0 + c / 80.0, b / 40.0, a / 80.0 + c / 448.0
+    fourths = (
+        a**2 + middle / 12.0 + c**2 / 80.0,
+        a * b / 3.0 + b * c / 20.0,
+        a**2 / 12.0 + middle / 80.0 + c**2 / 448.0,
     )
-    slope = 2.0 * first + 4.0 * second * a, 8.0 * second * b, 4.0 * second * c
-
-    def integral(of: tuple[Array, ...], k: int) -> Array:
-        """The integral of zeta^k times a polynomial."""
-        return sum(
-            (part / ((j + k + 1) * 2 ** (j + k)) for j, part in enumerate(of) if (j + k) % 2 == 0), jnp.zeros(())
-        )
-
-    return _assembled([integral(phi, k) for k in range(3)], [integral(slope, k) for k in range(5)], t, g)
-
-
-# -- vectors, of shape (2, ...): along X and along Y -------------------------------------------------------------------
-
-
-def dot(a: Array, b: Array) -> Array:
-    """The scalar product."""
-    return a[0] * b[0] + a[1] * b[1]
-
-
-def square(a: Array) -> Array:
-    """The square of the length."""
-    return dot(a, a)
-
-
-def length(a: Array) -> Array:
-    """The length, at least `TINY`, so that it can divide."""
-    return jnp.sqrt(jnp.maximum(square(a), TINY**2))
+    return squares, fourths

@@ -24,32 +24,36 @@ where the stress at the walls just comes to the limit.  Nothing is claimed where
 * The derivative is that of an implicit function, from the moments A, C, D = integrals of (1, zeta, zeta^2) d(phi
   tau)/dtau:  A dtau_m = ds - C dg,  dQ = C dtau_m + D dg.  These are symmetric, and D - C A^-1 C is positive definite.
 
-Vectors have the shape (2, ...): along X and along Y, then the shape of the fields.
+What is given and returned has the shape (2, ...): along X and along Y, then the shape of the fields.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, tree
 from jax.custom_derivatives import SymbolicZero
 
 from ertel.equations.across import (
     Moments,
     Series,
     Tensor,
+    Vector,
     both_sides,
     dot,
+    dyad,
     gauss,
     gauss_nodes,
     length,
     moments_by_nodes,
+    series_change,
     series_moments,
     series_of,
     sliding_moments,
     square,
+    sums_by_nodes,
     with_slope,
 )
 from ertel.numerics.programs import in_blocks
@@ -84,11 +88,12 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, acros
     (2, ...).  gradient: g = h grad p in Pa, shape (2, ...).  All finite; differentiable (forward and reverse) in all of
     them and in the numbers of the law, which must be a JAX pytree (`contact.traceable`).
     """
-    law_, *fields = jax.lax.stop_gradient((law, pressure, sliding, gradient))
-    solution = in_blocks(
-        partial(_solved, law_, across), ~series_of(law_, *fields).holds, _of_series(law_, *fields), *fields
-    )
-    stress, flux = _attached((law, pressure), sliding, gradient, solution)
+    given = law, pressure, Vector(*sliding), Vector(*gradient)
+    law_, p, s, g = jax.lax.stop_gradient(given)
+    series, change = _with_change(lambda p: series_of(law_, p, s, g), p)
+    simple = _of_series(series, change, s, g)
+    solution = in_blocks(partial(_solved, law_, across), ~series.holds, simple, p, s, g)
+    stress, flux = (jnp.stack([of.x, of.y]) for of in _attached(given[:2], *given[2:], solution))
     return Shear(stress, flux, solution.by_gradient, jnp.max(solution.iterations))
 
 
@@ -108,13 +113,14 @@ def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Arr
     It has a limit where tau_m . g = 0.  In a small gradient it is phi across and d(phi tau)/dtau along tau_m.  The
     off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
     """
-    series = series_of(law, pressure, stress, gradient)
-    simple, exact = _series_secant(series, stress, gradient), partial(_secant, law, across)
-    mobility: Mobility = in_blocks(exact, ~series.holds, simple, pressure, stress, gradient)
+    t, g = Vector(*stress), Vector(*gradient)
+    series = series_of(law, pressure, t, g)
+    simple, exact = _series_secant(series, t, g), partial(_secant, law, across)
+    mobility: Mobility = in_blocks(exact, ~series.holds, simple, pressure, t, g)
     return mobility
 
 
-def _secant(law: Fluidity, across: int, pressure: Array, t: Array, gradient: Array) -> Mobility:
+def _secant(law: Fluidity, across: int, pressure: Array, t: Vector, gradient: Vector) -> Mobility:
     # where the nodes lie has no influence
     zeta, weight = jax.lax.stop_gradient(gauss_nodes(law, across, pressure, t, gradient))
     phi, slope = both_sides(law, pressure, t, gradient, zeta)
@@ -129,9 +135,10 @@ def _secant(law: Fluidity, across: int, pressure: Array, t: Array, gradient: Arr
     return _along_stress(jnp.sum(weight * zeta**2 * (phi[0] + phi[1]), axis=0), along, t)
 
 
-def _along_stress(even: Array, along: Array, t: Array) -> Mobility:
+def _along_stress(even: Array, along: Array, t: Vector) -> Mobility:
     """12 (even + along t t)."""
-    return Mobility(12.0 * (even + along * t[0] ** 2), 12.0 * along * t[0] * t[1], 12.0 * (even + along * t[1] ** 2))
+    xx, xy, yy = (12.0 * along * part for part in dyad(t, t))
+    return Mobility(12.0 * even + xx, xy, 12.0 * even + yy)
 
 
 def tangent_mobility(flow: Shear) -> Mobility:
@@ -142,24 +149,21 @@ def tangent_mobility(flow: Shear) -> Mobility:
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
 
 
-def _of_series(law: Fluidity, pressure: Array, sliding: Array, gradient: Array) -> "_Solution":
-    """The solution by the series: two iterations from the stress of a Newtonian oil."""
-
-    def moments(pressure: Array) -> Moments:
-        return series_moments(series_of(law, pressure, sliding, gradient), t, gradient)
-
+def _of_series(series: Series, change: Series, sliding: Vector, gradient: Vector) -> "_Solution":
+    """The solution by the series: two iterations from the stress of a Newtonian oil.  change: by the pressure."""
     t = sliding
     for _ in range(2):
-        m = moments(pressure)
-        t = t + divided(m.A, sliding - (m.s0 * t + m.s1 * gradient))
-    return _solution(moments, pressure, t, gradient, jnp.zeros(pressure.shape, jnp.int32))
+        m = series_moments(series, t, gradient)
+        t = t + divided(m.A, sliding - _flow(m.s, t, gradient)[0])
+    m, by_pressure = series_moments(series, t, gradient), series_change(change, t, gradient)
+    return _solution(m, by_pressure, t, gradient, jnp.zeros(series.holds.shape, jnp.int32))
 
 
-def _series_secant(series: Series, t: Array, gradient: Array) -> Mobility:
+def _series_secant(series: Series, t: Vector, gradient: Vector) -> Mobility:
     """As `_secant`."""
     a, c, (first, second, _) = square(t), square(gradient), series
     along = (first + 2.0 * second * a) / 6.0 + second * c / 20.0
-    return _along_stress(series_moments(series, t, gradient).s2, along, t)
+    return _along_stress(series_moments(series, t, gradient).s[2], along, t)
 
 
 # -- the stress in the middle -----------------------------------------------------------------------------------------
@@ -171,14 +175,14 @@ class _Iterate(NamedTuple):
     left: above one where the iteration is not yet done.
     """
 
-    stress: Array
-    change: Array
+    stress: Vector
+    change: Vector
     residual: Array
     left: Array
     iterations: Array
 
 
-def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradient: Array) -> "_Solution":
+def _solved(law: Fluidity, across: int, pressure: Array, sliding: Vector, gradient: Vector) -> "_Solution":
     """The solution, with the number of iterations, the same at each point.
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
@@ -200,22 +204,23 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Array, gradien
         now, unbent = _bent(law, pressure, (s0 * t + s1 * gradient) / resting)
         residual = length(aim - now)
         better = residual < it.residual
-        change = jnp.where(better, divided(A, resting * unbent(aim - now)), 0.5 * it.change)
-        stress = jnp.where(better, t, it.stress)
+        change = _either(better, divided(A, resting * unbent(aim - now)), 0.5 * it.change)
+        stress = _either(better, t, it.stress)
         wall = length(stress) + length(gradient)
         tried = jnp.where(better & (it.iterations > 0), length(it.change), jnp.inf)
         left = jnp.max(jnp.minimum(length(change) / TOLERANCE, tried / CLOSE) / wall)
         return _Iterate(stress, change, jnp.where(better, residual, it.residual), left, it.iterations + 1)
 
     far = jnp.full_like(pressure, jnp.inf)
-    first = _Iterate(aim, jnp.zeros_like(aim), far, jnp.max(far), jnp.zeros((), jnp.int32))
+    first = _Iterate(aim, 0.0 * aim, far, jnp.max(far), jnp.zeros((), jnp.int32))
     last = jax.lax.while_loop(unsolved, improve, first)
     t = last.stress + last.change
     count = jnp.full(pressure.shape, last.iterations)
-    return _solution(lambda p: moments_by_nodes(law, p, t, gradient, nodes), pressure, t, gradient, count)
+    _, by_pressure = _with_change(lambda p: sums_by_nodes(law, p, t, gradient, nodes), pressure)
+    return _solution(moments_by_nodes(law, pressure, t, gradient, nodes), by_pressure, t, gradient, count)
 
 
-def _resting(law: Fluidity, across: int, pressure: Array, gradient: Array) -> Array:
+def _resting(law: Fluidity, across: int, pressure: Array, gradient: Vector) -> Array:
     """The integral of d(phi tau)/dtau along the gradient, without sliding: (sinh Sigma)/Sigma for Eyring's law."""
     z, weight = gauss(across, pressure.ndim)
     size = 0.5 * z * length(gradient)
@@ -224,17 +229,22 @@ def _resting(law: Fluidity, across: int, pressure: Array, gradient: Array) -> Ar
     return resting
 
 
-def _bent(law: Fluidity, pressure: Array, v: Array) -> tuple[Array, Any]:
+def _bent(law: Fluidity, pressure: Array, v: Vector) -> tuple[Vector, Any]:
     """psi(v) = stress(|v|) v/|v|, and the map from a change of psi to the change of v."""
     size = length(v)
     stress, slope = jax.jvp(lambda x: law.stress(x, pressure), (size,), (jnp.ones_like(size),))
     axis = v / size
 
-    def unbent(change: Array) -> Array:
+    def unbent(change: Vector) -> Vector:
         along = dot(axis, change) * axis
         return along / slope + (change - along) * (size / stress)
 
     return stress * axis, unbent
+
+
+def _either(chosen: Array, one: Vector, other: Vector) -> Vector:
+    """The one where it is chosen."""
+    return Vector(jnp.where(chosen, one.x, other.x), jnp.where(chosen, one.y, other.y))
 
 
 # -- its derivative ---------------------------------------------------------------------------------------------------
@@ -243,39 +253,39 @@ def _bent(law: Fluidity, pressure: Array, v: Array) -> tuple[Array, Any]:
 class _Solution(NamedTuple):
     """tau_m, Q and the iterations; A, C A^-1 and D - C A^-1 C; the derivatives of tau_m and of Q by the pressure."""
 
-    stress: Array
-    flux: Array
+    stress: Vector
+    flux: Vector
     iterations: Array
     A: Tensor
     by_sliding: Matrix
     by_gradient: Tensor
-    by_pressure: tuple[Array, Array]
+    by_pressure: tuple[Vector, Vector]
 
 
-def _solution(moments: Callable[[Array], Moments], pressure: Array, t: Array, g: Array, iterations: Array) -> _Solution:
-    """moments: by the pressure, for the middle stress t."""
-
-    def flow(pressure: Array) -> Any:
-        m = moments(pressure)
-        return _flow(m, t, g), m
-
-    (_, flux), (slid, extra), m = jax.jvp(flow, (pressure,), (jnp.ones_like(pressure),), has_aux=True)
-    columns = divided(m.A, jnp.stack(m.C[:2])), divided(m.A, jnp.stack(m.C[1:]))  # of A^-1 C
-    by_sliding = columns[0][0], columns[0][1], columns[1][0], columns[1][1]  # its transpose C A^-1, row by row
+def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, iterations: Array) -> _Solution:
+    """by_pressure: the changes of S_0, S_1 and S_2 for the middle stress t."""
+    (_, flux), (slid, extra) = _flow(m.s, t, g), _flow(by_pressure, t, g)
+    one, other = divided(m.A, Vector(*m.C[:2])), divided(m.A, Vector(*m.C[1:]))  # the columns of A^-1 C
+    by_sliding = one.x, one.y, other.x, other.y  # its transpose C A^-1, row by row
     xx = m.D[0] - (by_sliding[0] * m.C[0] + by_sliding[1] * m.C[1])
     xy = m.D[1] - (by_sliding[0] * m.C[1] + by_sliding[1] * m.C[2])
     yy = m.D[2] - (by_sliding[2] * m.C[1] + by_sliding[3] * m.C[2])
-    by_pressure = -divided(m.A, slid), extra - product(by_sliding, slid)
-    return _Solution(t, flux, iterations, m.A, by_sliding, (xx, xy, yy), by_pressure)
+    through_stress = divided(m.A, -1.0 * slid), extra - product(by_sliding, slid)
+    return _Solution(t, flux, iterations, m.A, by_sliding, (xx, xy, yy), through_stress)
 
 
-def _flow(m: Moments, t: Array, g: Array) -> tuple[Array, Array]:
-    """The sliding and the flux of a given middle stress."""
-    return m.s0 * t + m.s1 * g, m.s1 * t + m.s2 * g
+def _flow(s: Sequence[Array], t: Vector, g: Vector) -> tuple[Vector, Vector]:
+    """The sliding and the flux of a given middle stress, from S_0, S_1 and S_2."""
+    return s[0] * t + s[1] * g, s[1] * t + s[2] * g
+
+
+def _with_change(function: Callable[[Array], Any], pressure: Array) -> Any:
+    """Its value and its derivative by the pressure."""
+    return jax.jvp(function, (pressure,), (jnp.ones_like(pressure),))
 
 
 @jax.custom_jvp
-def _attached(oil: Any, sliding: Array, gradient: Array, solution: _Solution) -> tuple[Array, Array]:
+def _attached(oil: Any, sliding: Vector, gradient: Vector, solution: _Solution) -> tuple[Vector, Vector]:
     """tau_m and Q.  oil: the law and the pressure.  solution: for these arguments; its changes follow."""
     return solution.stress, solution.flux
 
@@ -284,7 +294,7 @@ def _attached(oil: Any, sliding: Array, gradient: Array, solution: _Solution) ->
 def _change(primals: Any, tangents: Any) -> Any:
     (law, pressure), _, gradient, solution = primals
     (d_law, dp), ds, dg, _ = tangents
-    ds, dg, dp = map(_given, (ds, dg, dp))
+    ds, dg, dp = tree.map(_given, (ds, dg, dp), is_leaf=_is_zero)
     stress_by_pressure, flux_by_pressure = solution.by_pressure
     slid, extra = _by_law(law, d_law, pressure, gradient, solution.stress)
     missing = ds - slid
@@ -294,18 +304,18 @@ def _change(primals: Any, tangents: Any) -> Any:
     return (solution.stress, solution.flux), (d_stress, d_flux)
 
 
-def _by_law(law: Fluidity, change: Any, pressure: Array, gradient: Array, t: Array) -> Any:
+def _by_law(law: Fluidity, change: Any, pressure: Array, gradient: Vector, t: Vector) -> Any:
     """The change of the sliding and of the flux of a given middle stress, from what changes of the law's numbers."""
-    numbers, structure = jax.tree.flatten(law)
-    changes = enumerate(jax.tree.leaves(change, is_leaf=_is_zero))
+    numbers, structure = tree.flatten(law)
+    changes = enumerate(tree.leaves(change, is_leaf=_is_zero))
     moving = {k: number for k, number in changes if not _is_zero(number)}
     if not moving:
-        return 0.0, 0.0
+        return (Vector(jnp.zeros(()), jnp.zeros(())),) * 2
     nodes = gauss_nodes(law, NODES, pressure, t, gradient)
 
-    def flow(moved: dict[int, Array]) -> tuple[Array, Array]:
+    def flow(moved: dict[int, Array]) -> tuple[Vector, Vector]:
         values = [moved.get(k, number) for k, number in enumerate(numbers)]
-        return _flow(moments_by_nodes(jax.tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
+        return _flow(sums_by_nodes(tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
 
     _, change_of_flow = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
     return change_of_flow
@@ -322,20 +332,20 @@ def _given(tangent: Any) -> Any:
 # -- products with tensors and matrices -------------------------------------------------------------------------------
 
 
-def times(tensor: Tensor, a: Array) -> Array:
+def times(tensor: Tensor, a: Vector) -> Vector:
     """The product of a symmetric tensor and a vector."""
     xx, xy, yy = tensor
-    return jnp.stack([xx * a[0] + xy * a[1], xy * a[0] + yy * a[1]])
+    return Vector(xx * a.x + xy * a.y, xy * a.x + yy * a.y)
 
 
-def divided(tensor: Tensor, a: Array) -> Array:
+def divided(tensor: Tensor, a: Vector) -> Vector:
     """The vector whose product with the symmetric tensor is a."""
     xx, xy, yy = tensor
     determinant = xx * yy - xy**2
-    return jnp.stack([yy * a[0] - xy * a[1], xx * a[1] - xy * a[0]]) / determinant
+    return Vector(yy * a.x - xy * a.y, xx * a.y - xy * a.x) / determinant
 
 
-def product(matrix: Matrix, a: Array) -> Array:
+def product(matrix: Matrix, a: Vector) -> Vector:
     """The product of a matrix and a vector."""
     xx, xy, yx, yy = matrix
-    return jnp.stack([xx * a[0] + xy * a[1], yx * a[0] + yy * a[1]])
+    return Vector(xx * a.x + xy * a.y, yx * a.x + yy * a.y)
