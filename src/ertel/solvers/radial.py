@@ -8,7 +8,7 @@ symbols are those of `contact`.
     H = -Delta + r^2/2 + (2/pi^2) double integral of P/distance                                     eqs. (1), (3)
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -32,7 +32,7 @@ from ertel.equations.state import Method, State, Stepping, Work, lowest_point, p
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc, disc_weights
 from ertel.numerics.programs import ANY_SIZE, Program, exportable, require_double
-from ertel.numerics.stencils import Pair
+from ertel.numerics.stencils import Pair, banded_product, diagonals
 from ertel.physics.geometry import CIRCLE, ContactMotion
 from ertel.physics.lubricant import Lubricant
 
@@ -170,24 +170,6 @@ def ring_residual(eq: Equations, P: Array, H: Array) -> Array:
     squeeze = eq.rate * eq.oil.density(P) * H + eq.past
     divergence = jnp.diff(outflow(eq, P, H), prepend=0.0) / eq.mesh.volume[:-1]
     return squeeze.at[:-1].add(divergence).at[-1].set(0.0)
-
-
-def diagonals(change: Callable[[Array], Array], n: int) -> Array:
-    """The three diagonals (3, n) of a linear map whose matrix has no others: entries (i, i - 1), (i, i) and (i, i + 1).
-
-    Every third column is looked at together.
-    """
-    i, shift = jnp.arange(n), jnp.arange(-1, 2)[:, None]
-    answers = jax.vmap(change)(jnp.where(i % 3 == jnp.arange(3)[:, None], 1.0, 0.0))
-    three: Array = answers[(i + shift) % 3, i]
-    return three
-
-
-def banded_product(diagonals: Array, matrix: Array) -> Array:
-    """The matrix of three diagonals times another one."""
-    lower, middle, upper = diagonals[:, :, None]
-    product: Array = lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)
-    return product
 
 
 def free(P: Array, r: Array) -> Array:
