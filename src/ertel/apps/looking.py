@@ -100,7 +100,9 @@ def compare(
     """
     if second.is_file():
         units = dict(each.partition("=")[::2] for each in column or [])
-        _compare_measured(first, second, plot, as_json, at=at, along=along, align=_words(align), **units)
+        _compare_measured(
+            first, second, plot, as_json, at=at, along=along, align=(align or "").replace(",", " ").split(), **units
+        )
         return
     if given := [name for name, each in (("at", at), ("align", align), ("column", column)) if each]:
         leave(BAD_INPUT, f"--{given[0]}: only for a measurement, and {shown(second)} is not a file")
@@ -125,10 +127,6 @@ def compare(
         with bad_input():
             plots.comparison(data, names).savefig(plot)
         print_path(plot)
-
-
-def _words(text: str | None) -> tuple[str, ...]:
-    return tuple(word.strip() for word in (text or "").split(",") if word.strip())
 
 
 def _compare_measured(directory: Path, file: Path, plot: Path | None, as_json: bool, **given: Any) -> None:

@@ -1,14 +1,11 @@
 """The outcome of a run in one line: film with its error, lambda ratio, friction, restitution, heat."""
 
-from collections.abc import Mapping
-from typing import Any, Protocol
-
 import numpy as np
-import xarray as xr
 
 from ertel.case.case import Case
 from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.physics.units import RMS, in_si, plain
+from ertel.results.measurements import Outcome
 from ertel.results.numbers import Number, numbers, plus_minus, values_of
 from ertel.results.profiles import moment_of
 from ertel.results.variables import PREFIXES, exponent
@@ -16,18 +13,7 @@ from ertel.results.variables import PREFIXES, exponent
 Sigma = float | str | None  # rms roughness in m, or with a unit
 
 
-class Finished(Protocol):
-    """A run, as `Result` has it."""
-
-    @property
-    def case(self) -> Case: ...
-    @property
-    def dataset(self) -> xr.Dataset: ...
-    @property
-    def summary(self) -> Mapping[str, Any]: ...
-
-
-def lambda_of(result: Finished, sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:
+def lambda_of(result: Outcome, sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:
     """The lambda ratio of a physical run: its film over the rms roughness of both surfaces together.
 
     With roughness that is given the film is the minimum film thickness of the run.  Without it the roughness is that of
@@ -65,7 +51,7 @@ def lambda_of(result: Finished, sigma_1: Sigma = None, sigma_2: Sigma = None) ->
     return lambda_ratio(float(np.average(data["H"], weights=data["P"])), *own)
 
 
-def verdict(result: Finished, *sigma: Sigma) -> str:
+def verdict(result: Outcome, *sigma: Sigma) -> str:
     """The outcome in one line, with what the run has: "film 341 ± 15 nm, Lambda = 1.9, mu = 0.047, 11 K".
 
     The film is the central one, with heat the warm one, and its error that of the discretisation.  K is the rise of the
