@@ -20,7 +20,8 @@ from ertel.runs.fit import STEP, problem_of, solve
 
 HERE = Path(__file__).parent
 BALL = {"kind": "impact", "radius": "10 mm", "material_1": "steel", "material_2": "glass", "drop_height": "10 mm"}
-TRUTH = {"eta0": 0.1, "alpha": 22e-9}
+TRUTH = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
+IN_SI = np.array([0.1, 22e-9])
 START = {"eta0": "50 mPa*s", "alpha": "15 / GPa"}
 BOUNDS = {"lubricant.eta0": ("5 mPa*s", "1 Pa*s"), "lubricant.alpha": ("5 / GPa", "60 / GPa")}
 X = np.linspace(0.0, 300e-6, 31)
@@ -55,15 +56,13 @@ def measured(truth, noise):
 
 def twins(seeds):
     """Fit the twins of all seeds, and count those that are recovered within two standard errors."""
-    [truth] = run(
-        [case_of({name: f"{value} {unit}" for (name, value), unit in zip(TRUTH.items(), UNITS, strict=True)})]
-    )
+    [truth] = run([case_of(TRUTH)])
     lines, inside, squares = [], [], []
     for seed in range(seeds):
         noise = NOISE * np.random.default_rng(seed).standard_normal(len(X) + 1)
         found = solve(problem_of(case_of(START), measured(truth, noise), BOUNDS), run)
         values, errors = (np.array(list(each.values())) for each in (found.values, found.standard_errors))
-        off = (values - np.array(list(TRUTH.values()))) / errors
+        off = (values - IN_SI) / errors
         inside.append(np.abs(off) <= 2.0)
         squares.append(found.dataset.attrs["chi_square"] / found.dataset.attrs["degrees_of_freedom"])
         lines.append(
@@ -83,13 +82,10 @@ of the film at maximum approach and the restitution, each with 1 % noise; the fi
 Within two standard errors of the truth: **eta0 in {eta0} of {seeds}, alpha in {alpha} of {seeds}, both in {both}**. Chi square
 for each degree of freedom: {np.mean(squares):.2f} in the mean. The last fit: {found.dataset.attrs["decided"]}.
 
-| seed | eta0 (mPa·s) | off by (σ) | alpha (1/GPa) | off by (σ) | chi²/ν | runs |
+| seed | eta0 (mPa·s) | off by (sigma) | alpha (1/GPa) | off by (sigma) | chi square per degree | runs |
 | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
 """
     (HERE / "twins.md").write_text(text + "\n".join(lines) + "\n")
-
-
-UNITS = ("Pa*s", "1/Pa")
 
 
 def noise():
