@@ -28,7 +28,7 @@ ROOMS: dict[str, set[str]] = {
     "runs": {"physics", "optics", "numerics", "case", "equations", "inputs", "results", "solvers", "plots"},
     "apps": {"physics", "optics", "numerics", "case", "equations", "inputs", "results", "solvers", "plots", "runs"},
 }
-DRAWN_LAZILY = {"results.result", "results.study_result"}  # their `plot` imports a picture
+DRAWN_LAZILY = {"results.result", "results.study_result", "results.fit_result"}  # their `plot` imports a picture
 SHORTEST_FILE = 60
 SHORT = {"case.status", "inputs.materials"}  # an enumeration and a public face
 LONGEST_FILE = 400

@@ -15,7 +15,7 @@ from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.results.fit_result import FitResult
 from ertel.results.measurements import Measurement
 from ertel.runs import studies
-from ertel.runs.fit import FitError, fit, load_problem, problem_of, solve
+from ertel.runs.fit import FitError, fit, fit_problem, load_fit_problem, solve_fit
 from ertel.runs.workers import Failure
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "E_prime": "226.37 GPa", "speed": "0.1 m/s"}
@@ -51,7 +51,7 @@ def model(cases: Sequence[Case]) -> Any:
 def fitted(
     *data: Any, unknowns: dict[str, Any] = UNKNOWNS, runner: Callable[[Sequence[Case]], Any] = model
 ) -> FitResult:
-    return solve(problem_of(CASE, data, unknowns), runner)
+    return solve_fit(fit_problem(CASE, data, unknowns), runner)
 
 
 def test_two_unknowns_and_their_errors_are_those_of_linear_least_squares() -> None:
@@ -130,7 +130,7 @@ def test_the_search_steps_back_from_runs_that_fail() -> None:
 )
 def test_unknowns_that_are_refused(unknowns: Any, sentence: str) -> None:
     with pytest.raises(ConfigError, match=sentence):
-        problem_of(CASE, measured(FILM), unknowns)
+        fit_problem(CASE, measured(FILM), unknowns)
 
 
 @pytest.mark.parametrize(
@@ -144,12 +144,12 @@ def test_unknowns_that_are_refused(unknowns: Any, sentence: str) -> None:
 )
 def test_measurements_that_are_refused(data: Any, sentence: str) -> None:
     with pytest.raises(ConfigError, match=sentence):
-        problem_of(CASE, data, UNKNOWNS)
+        fit_problem(CASE, data, UNKNOWNS)
 
 
 # -- stored runs ------------------------------------------------------------------------------------------------------
 
-SHORT = {"contact": BALL, "lubricant": GUESS, "solver": {"method": "radial", "nodes": 17}}
+SHORT = {"contact": BALL, "lubricant": {**GUESS, "eta0": "19 mPa*s"}, "solver": {"method": "radial", "nodes": 17}}
 SHORT |= {"name": "ball", "time": {"until": 0.02, "tolerance": 0.1}}
 ONE = {"lubricant.eta0": ("5 mPa*s", "1 Pa*s")}
 
@@ -202,7 +202,7 @@ sigma = "2 nm"
 set = { "contact.speed" = ["0.1 m/s", "0.2 m/s"] }
 """
     (tmp_path / "fit.toml").write_text(text)
-    problem = load_problem(tmp_path / "fit.toml", ["solver.nodes=33"])
+    problem = load_fit_problem(tmp_path / "fit.toml", ["solver.nodes=33"])
     assert problem.case.solver.nodes == 33
     assert [(each.values.tolist(), each.sigma, index) for each, index in problem.data] == [
         ([1e-7], 2e-9, 0),
@@ -218,7 +218,7 @@ set = { "contact.speed" = ["0.1 m/s", "0.2 m/s"] }
     ):
         (tmp_path / "fit.toml").write_text(text.replace(*wrong))
         with pytest.raises(ConfigError, match=sentence):
-            load_problem(tmp_path / "fit.toml")
+            load_fit_problem(tmp_path / "fit.toml")
 
 
 @pytest.mark.slow

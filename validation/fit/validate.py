@@ -16,7 +16,7 @@ import numpy as np
 
 import ertel
 from ertel.results.measurements import Measurement
-from ertel.runs.fit import STEP, problem_of, solve
+from ertel.runs.fit import STEP, fit_problem, solve_fit
 
 HERE = Path(__file__).parent
 BALL = {"kind": "impact", "radius": "10 mm", "material_1": "steel", "material_2": "glass", "drop_height": "10 mm"}
@@ -60,7 +60,7 @@ def twins(seeds):
     lines, inside, squares = [], [], []
     for seed in range(seeds):
         noise = NOISE * np.random.default_rng(seed).standard_normal(len(X) + 1)
-        found = solve(problem_of(case_of(START), measured(truth, noise), BOUNDS), run)
+        found = solve_fit(fit_problem(case_of(START), measured(truth, noise), BOUNDS), run)
         values, errors = (np.array(list(each.values())) for each in (found.values, found.standard_errors))
         off = (values - IN_SI) / errors
         inside.append(np.abs(off) <= 2.0)
@@ -76,11 +76,13 @@ def twins(seeds):
     both = int(np.sum(np.all(inside, axis=1)))
     text = f"""# Twins of an impact viscometer
 
-`python validation/fit/validate.py twins {seeds}`: a ball falls 10 mm on an oil of 100 mPa·s and 22 /GPa; 33 rings; 31 values
-of the film at maximum approach and the restitution, each with 1 % noise; the fits start at 50 mPa·s and 15 /GPa.
+`python validation/fit/validate.py twins {seeds}`: a ball falls 10 mm on an oil of 100 mPa·s and 22 /GPa; 33 rings;
+31 values of the film at maximum approach and the restitution, each with 1 % noise; the fits start at 50 mPa·s and
+15 /GPa.
 
-Within two standard errors of the truth: **eta0 in {eta0} of {seeds}, alpha in {alpha} of {seeds}, both in {both}**. Chi square
-for each degree of freedom: {np.mean(squares):.2f} in the mean. The last fit: {found.dataset.attrs["decided"]}.
+Within two standard errors of the truth: **eta0 in {eta0} of {seeds}, alpha in {alpha} of {seeds}, both in {both}**. Chi
+square for each degree of freedom: {np.mean(squares):.2f} in the mean.
+The last fit: {found.dataset.attrs["decided"]}.
 
 | seed | eta0 (mPa·s) | off by (sigma) | alpha (1/GPa) | off by (sigma) | chi square per degree | runs |
 | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
@@ -95,7 +97,7 @@ def noise():
         shifts = np.linspace(-0.02, 0.02, 9)
         table = []
         for shift in shifts:
-            [result] = run([case_of({"eta0": f"{0.1 * np.exp(shift)!r} Pa*s", "alpha": "22 / GPa"}, nodes)])
+            [result] = run([case_of({"eta0": f"{float(0.1 * np.exp(shift))!r} Pa*s", "alpha": "22 / GPa"}, nodes)])
             film, restitution = measured(result, np.zeros(len(X) + 1))
             table.append(np.log([*film.values, *restitution.values, result.summary["contact_time"]]))
         fitted = np.polynomial.polynomial.polyfit(shifts, np.array(table), 2)
@@ -111,8 +113,8 @@ def noise():
     text = f"""# Noise of the time steps
 
 `python validation/fit/validate.py noise`: nine impacts whose eta0 differs by 0.5 % from one to the next; relative
-standard deviation from a parabola in ln eta0, and the derivative with respect to ln eta0. The last column is the relative
-error that the noise gives to a derivative by a step of {STEP:g}.
+standard deviation from a parabola in ln eta0, and the derivative with respect to ln eta0. The last column is the
+relative error that the noise gives to a derivative by a step of {STEP:g}.
 
 | rings | number | noise | derivative | noise / step / derivative |
 | ---: | --- | ---: | ---: | ---: |

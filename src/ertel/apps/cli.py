@@ -212,11 +212,11 @@ def fit(
     continues; a fit with other data or bounds uses the runs again as far as they are the same.
     """
     from ertel.apps import studies
-    from ertel.runs.fit import NAME, load_problem
+    from ertel.runs.fit import NAME, load_fit_problem
     from ertel.runs.studies import require_place
 
     engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
-    problem = load_problem(fit_file, set_ or [])
+    problem = load_fit_problem(fit_file, set_ or [])
     directory = out or Path("fits").absolute() / fit_file.stem
     require_place(directory, NAME, "--out")
     studies.fit(problem, directory, engine, as_json, quiet)

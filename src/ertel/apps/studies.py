@@ -92,7 +92,7 @@ def traction(
         leave(FAILED, f"failed: the film did not converge at {result.axis} = {values}; the other points are there")
 
 
-def fit(problem: fits.Problem, directory: Path, engine: Engine, as_json: bool, quiet: bool) -> None:
+def fit(problem: fits.FitProblem, directory: Path, engine: Engine, as_json: bool, quiet: bool) -> None:
     """Do what is left of a fit, write and print it."""
     prepare_jax()
     with interruptible() as stop, writing_to(directory, GOES_ON):

@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 
 from ertel.plots.drawing import BLUE, ORANGE, Picture, Scale
 from ertel.results.dataset import largest_of
-from ertel.results.fit_result import amount, in_percent
 from ertel.results.measurements import QUANTITIES
 from ertel.results.variables import Variable
 
@@ -35,9 +34,8 @@ def figure(dataset: xr.Dataset) -> Figure:
         reach = max(3.0, 1.15 * largest_of(part["residual"]))
         pair[1].set_ylim(-reach, reach)
     axes[1, 0].set_ylabel(r"residual ($\sigma$)")
-    found = zip(*(dataset[key].values for key in ("unknown", "value", "unit", "relative_error")), strict=True)
-    lines = [f"{name} = {amount(value, unit)} ± {in_percent(error)}" for name, value, unit, error in found]
-    picture.suptitle("\n".join([str(dataset.attrs["title"]).replace("_", " "), *lines]), fontsize="medium")
+    heading = [str(dataset.attrs["title"]).replace("_", " "), *dataset.attrs["found"]]
+    picture.suptitle("\n".join(heading), fontsize="medium")
     return picture
 
 

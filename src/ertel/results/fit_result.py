@@ -35,7 +35,7 @@ UNLIKELY = 0.01  # probability of a larger chi square below which the case does 
 
 
 @dataclass(frozen=True)
-class Solution:
+class FitPoint:
     """Where a fit has ended, or a point of its search.
 
     names: of the unknowns, short.  values, bounds, priors: in SI; bounds (2, unknown), priors with their standard
@@ -89,7 +89,7 @@ class Solution:
     @property
     def in_words(self) -> str:
         """What the data fix, and how well: products of the unknowns, then with the priors each one alone."""
-        fixed = [f"{product(self.names, e)} to {in_percent(u)}" for u, e in zip(*self.products, strict=True)]
+        fixed = [f"{powers_in_words(self.names, e)} to {in_percent(u)}" for u, e in zip(*self.products, strict=True)]
         errors = np.sqrt(np.diag(self.covariance))
         alone = [f"{name} to {in_percent(error)}" for name, error in zip(self.names, errors, strict=True)]
         return f"the data fix {', '.join(fixed)}" + (f"; alone {', '.join(alone)}" if len(alone) > 1 else "")
@@ -105,9 +105,8 @@ class Solution:
             advice = "measure something else, give a prior, or fix an unknown"
             rest = f"the prior does, to {in_percent(known)}" if known <= UNDECIDED else advice
             if not uncertainty <= UNDECIDED:
-                found.append(
-                    f"the data do not decide {product(self.names, exponents)} ({in_percent(uncertainty)}): {rest}"
-                )
+                which = powers_in_words(self.names, exponents)
+                found.append(f"the data do not decide {which} ({in_percent(uncertainty)}): {rest}")
         for name, unit, value, ends in zip(self.names, self.units, self.values, self.bounds.T, strict=True):
             if near := [end for end in ends if abs(log(value / end)) < NEAR_BOUND]:
                 found.append(f"{name} ends at its bound, {amount(near[0], unit)}: widen it, or doubt the case")
@@ -124,7 +123,7 @@ def in_percent(uncertainty: float) -> str:
     return f"a factor of {exp(uncertainty):.2g}" if uncertainty < log(10.0) else "no better than a factor of 10"
 
 
-def product(names: Sequence[str], exponents: Values) -> str:
+def powers_in_words(names: Sequence[str], exponents: Values) -> str:
     """A product of powers in words: eta0*alpha^0.9."""
     text = ""
     for number in np.argsort(-exponents, kind="stable"):
@@ -143,12 +142,12 @@ def amount(value: float, unit: str) -> str:
 # -- the record -------------------------------------------------------------------------------------------------------
 
 
-def fit_dataset(solution: Solution, data: Mapping[str, tuple[Any, str]], about: Mapping[str, Any]) -> xr.Dataset:
+def fit_dataset(solution: FitPoint, data: Mapping[str, tuple[Any, str]], about: Mapping[str, Any]) -> xr.Dataset:
     """The outcome of a fit as a Dataset.
 
     Parameters
     ----------
-    solution : Solution
+    solution : FitPoint
         Where the fit has ended.
     data : mapping
         Name -> values along the data, and what they are: measured, sigma, predicted and others.
@@ -178,8 +177,14 @@ def fit_dataset(solution: Solution, data: Mapping[str, tuple[Any, str]], about: 
         "uncertainty": (("product",), uncertainty, "relative uncertainty of a product of powers"),
         "exponent": (("product", "unknown"), exponents, "exponents of a product of powers"),
     }
-    numbers = {"chi_square": solution.chi_square, "degrees_of_freedom": solution.freedom, "decided": solution.in_words}
+    numbers: dict[str, Any] = {
+        "chi_square": solution.chi_square,
+        "degrees_of_freedom": solution.freedom,
+        "decided": solution.in_words,
+    }
     names = np.array(solution.names, dtype=object)
+    found = zip(solution.names, solution.values, solution.units, relative, strict=True)
+    numbers["found"] = [f"{name} = {amount(value, unit)} ± {in_percent(error)}" for name, value, unit, error in found]
     return xr.Dataset(
         {name: (dims, values, {"long_name": text}) for name, (dims, values, text) in variables.items()},
         {"unknown": names, "other": names},

@@ -26,7 +26,7 @@ from ertel.case.records import ConfigError, show
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, written
 from ertel.inputs.fits import Settings, Unknown, load_fit, parse_unknowns, with_settings
-from ertel.results.fit_result import FitResult, Solution, Values, amount, fit_dataset
+from ertel.results.fit_result import FitPoint, FitResult, Values, amount, fit_dataset
 from ertel.results.measurements import QUANTITIES, Measurement
 from ertel.results.result import Result
 from ertel.runs import studies
@@ -113,7 +113,7 @@ def fit(
     check_jax()
     file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
     engine = Engine(jobs, scheduler, file, keys)
-    problem = problem_of(as_case(case), measurements, unknowns)
+    problem = fit_problem(as_case(case), measurements, unknowns)
     if directory is None:
         with TemporaryDirectory(prefix="ertel-fit-") as place:
             result = replace(store_fit(problem, Path(place), engine, progress=progress), directory=None)
@@ -129,7 +129,7 @@ def fit(
 
 
 @dataclass(frozen=True)
-class Problem:
+class FitProblem:
     """What is to be found, and from what.
 
     conditions: each different set of values in which measurements differ from the case.  data: measurements with the
@@ -182,7 +182,7 @@ class Problem:
             yield number, each.quantity, conditions, *units, *map(float, values)
 
 
-def load_problem(path: str | Path, overrides: Sequence[str] = ()) -> Problem:
+def load_fit_problem(path: str | Path, overrides: Sequence[str] = ()) -> FitProblem:
     """The problem in the file of a fit, see `inputs.fits`.  Raises ConfigError."""
     case, tables, unknowns = load_fit(path, overrides)
     given: list[Given] = []
@@ -195,10 +195,10 @@ def load_problem(path: str | Path, overrides: Sequence[str] = ()) -> Problem:
             allowed = "must have a file, or quantity, value and sigma"
             raise ConfigError(f"measurements: {show(table)}: {allowed}: {error}") from error
         given.append((each, settings))
-    return problem_of(case, given, unknowns)
+    return fit_problem(case, given, unknowns)
 
 
-def problem_of(case: Case, measurements: Measurement | Sequence[Given], unknowns: Any) -> Problem:
+def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknowns: Any) -> FitProblem:
     """The problem that a user poses.  Raises ConfigError, naming the argument."""
     found = parse_unknowns(unknowns, case)
     conditions: list[Settings] = []
@@ -220,7 +220,7 @@ def problem_of(case: Case, measurements: Measurement | Sequence[Given], unknowns
     size = sum(len(each.values) - len(each.align) for each, _ in data) + sum(u.prior is not None for u in found)
     if size < len(found):
         raise ConfigError(f"unknowns: {len(found)} unknowns, but only {size} data (with priors); measure more")
-    problem = Problem(case, found, tuple(conditions), tuple(data))
+    problem = FitProblem(case, found, tuple(conditions), tuple(data))
     problem.cases(np.array([unknown.start for unknown in found]))  # raises where a path does not fit the case
     return problem
 
@@ -231,15 +231,15 @@ def problem_of(case: Case, measurements: Measurement | Sequence[Given], unknowns
 class Search:
     """The least squares of a problem.  runner: gives the results of cases in their order."""
 
-    def __init__(self, problem: Problem, runner: Runner):
+    def __init__(self, problem: FitProblem, runner: Runner):
         self.problem, self._runner = problem, runner
         self.columns = problem.columns()
         self.measured, self.sigma = self.columns["measured"][0], self.columns["sigma"][0]
         self.runs: set[str] = set()  # digests of their cases
         self._failures: list[str] = []
-        self._points: dict[bytes, Solution] = {}
+        self._points: dict[bytes, FitPoint] = {}
 
-    def solve(self) -> tuple[Solution, bool]:
+    def solve(self) -> tuple[FitPoint, bool]:
         """Where the search ends, and whether it has converged.  Raises FitError where it cannot begin."""
         from scipy.optimize import least_squares  # slow to import
 
@@ -261,19 +261,19 @@ class Search:
         )
         return self.at(start * np.exp(found.x - 1.0)), found.status > 0
 
-    def at(self, values: Values) -> Solution:
+    def at(self, values: Values) -> FitPoint:
         """The point with these values; its residuals are nan where a run failed, from which the search steps back."""
         key = values.tobytes()
         if key not in self._points:
             self._points[key] = self._computed(values)
         return self._points[key]
 
-    def _computed(self, values: Values) -> Solution:
+    def _computed(self, values: Values) -> FitPoint:
         unknowns, size = self.problem.unknowns, len(values)
         bounds = np.array([(u.lower, u.upper) for u in unknowns]).T
         steps = np.where(values * np.exp(STEP) <= bounds[1], STEP, -STEP)
         predicted = self._predicted(values * np.exp(np.vstack([np.zeros(size), np.diag(steps)])))
-        return Solution(
+        return FitPoint(
             self.problem.names,
             tuple(unknown.unit for unknown in unknowns),
             values,
@@ -304,7 +304,7 @@ class Search:
         return np.concatenate([each.predicted(results[number]) for each, number in self.problem.data])
 
 
-def solve(problem: Problem, runner: Runner) -> FitResult:
+def solve_fit(problem: FitProblem, runner: Runner) -> FitResult:
     """The result of a fit.  runner: gives the results of cases in their order.  Raises FitError."""
     search = Search(problem, runner)
     solution, converged = search.solve()
@@ -325,7 +325,7 @@ def solve(problem: Problem, runner: Runner) -> FitResult:
 
 
 def store_fit(
-    problem: Problem, directory: Path, engine: Engine, asked: Condition = never, progress: bool = False
+    problem: FitProblem, directory: Path, engine: Engine, asked: Condition = never, progress: bool = False
 ) -> FitResult:
     """Solve a problem with the runs in a directory, and write the outcome there.
 
@@ -334,7 +334,7 @@ def store_fit(
     batch = len(problem.conditions) * (1 + len(problem.unknowns))
     with engine.workers(batch) as workers, studies.alone(directory):
         runner = StoredRuns(directory, workers, asked, progress)
-        result = replace(solve(problem, runner), directory=directory)
+        result = replace(solve_fit(problem, runner), directory=directory)
         studies.write_study(result, directory, NAME)
     return result
 
