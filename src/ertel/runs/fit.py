@@ -7,7 +7,8 @@ Least squares in the logarithms of the unknowns (`scipy.optimize.least_squares`)
 one more for each unknown, whose logarithm is then larger by `STEP`; these are independent of each other and go to the
 workers of `studies` at once.  STEP: a derivative by a difference has an error of the curvature, half of STEP where the
 number goes as a power of the unknown, and of the noise of the time steps over STEP.  In impacts by the radial method
-that noise is below 1e-5 of the number (`validation/fit/validate.py noise`): 0.01 leaves 0.5 % by curvature and 0.1 %.
+that noise is 1e-6 of films and restitution, up to 7e-5 of contact times (`validation/fit/validate.py noise`): a STEP of
+0.01 leaves 0.5 % by curvature, and 0.03 % (contact times on 33 rings: 2 %) by noise.
 
 Each run is a run directory, runs/DIGEST of its case, as in a study.  The search has no randomness: the same call takes
 the same path, finds the runs that are done, and goes on where it was.
