@@ -191,7 +191,10 @@ def numbers(law: Fluidity, value: float) -> Fluidity:
     return jax.tree.map(lambda _: value, law)
 
 
-@every_law
+@pytest.mark.parametrize(
+    "law",
+    [pytest.param(law, id=name, marks=[pytest.mark.slow] if name == "yasuda" else []) for name, law in LAWS.items()],
+)
 def test_derivatives_are_those_of_the_slow_twin(law: Fluidity) -> None:
     s, g = (np.array(v) for v in ([3.0, 0.4], [0.6, 0.3]))
     ds, dg, step = np.array([0.7, -0.2]), np.array([0.3, 0.5]), 1e-4

@@ -400,7 +400,7 @@ def test_true_is_no_number_one():
 # -- whole files, valid and spoiled -----------------------------------------------------------------------------------
 
 
-MANY = pytest.mark.parametrize("examples", [120, pytest.param(1000, marks=pytest.mark.slow)])
+MANY = pytest.mark.parametrize("examples", [300, pytest.param(1000, marks=pytest.mark.slow)])
 
 
 @MANY

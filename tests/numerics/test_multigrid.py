@@ -67,9 +67,9 @@ def test_a_v_cycle_contracts_whatever_the_grid(nodes: int, dt: float) -> None:
     assert contraction_of(nodes, impact_like(nodes, dt)) < 0.6
 
 
-@pytest.mark.parametrize(("nodes_x", "nodes_y"), [(129, 65), (65, 129), (129, 33)])
+@pytest.mark.parametrize(("nodes_x", "nodes_y"), [(65, 33), (33, 65), (65, 17)])
 def test_a_v_cycle_contracts_on_a_rectangle(nodes_x: int, nodes_y: int) -> None:
-    grid = Grid(nodes_x, nodes_y, 4.0 / 64)
+    grid = Grid(nodes_x, nodes_y, 4.0 / 32)
     assert contraction_on(grid, impact_on(grid)) < 0.6
 
 
@@ -222,7 +222,7 @@ def test_multilevel_integration_is_near_the_sum() -> None:
 def test_smooth_prolongation_is_exact_for_cubics_inside() -> None:
     x = np.linspace(-1, 1, 9)
     fine = np.linspace(-1, 1, 17)
-    found = np.asarray(multigrid.prolong_smooth(jnp.asarray(x[None, :] ** 3 + x[:, None] ** 2)))
+    found = np.asarray(jax.jit(multigrid.prolong_smooth)(x[None, :] ** 3 + x[:, None] ** 2))
     np.testing.assert_allclose(found[2:-2, 2:-2], (fine[None, :] ** 3 + fine[:, None] ** 2)[2:-2, 2:-2], atol=1e-12)
 
 

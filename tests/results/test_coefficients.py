@@ -12,7 +12,7 @@ from ertel.results.variables import one_number, to_si, with_coefficients
 from ertel.runs.arrays import has_old_coefficients
 
 PHYSICAL = {"radius": "10 mm", "load": "20 N", "mean_speed": 1.0, "E_prime": "226 GPa", "slide_to_roll": 0.01}
-OIL = ertel.Oil(eta0="20 mPa*s", alpha="15 / GPa", rheology=ertel.fluidity_laws["ree-eyring"](5e6))
+OIL = ertel.Oil(eta0="20 mPa*s", alpha="15 / GPa")
 
 
 @pytest.fixture(scope="module")

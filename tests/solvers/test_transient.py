@@ -295,6 +295,7 @@ def test_a_step_reads_the_device_once_and_asks_the_roughness_for_its_height_as_o
     @dataclass(frozen=True)
     class Ridges:
         size = 1.0
+        even = (True, True)
 
         def heights(self, X: Any, Y: Any) -> Any:
             nonlocal asked
@@ -304,7 +305,7 @@ def test_a_step_reads_the_device_once_and_asks_the_roughness_for_its_height_as_o
     case = rolled(
         Parameters.from_moes(20, 5),
         OIL,
-        replace(SOLVERS["transient"], nodes=17),
+        replace(SOLVERS["transient"], nodes=33),
         Drive(slide_to_roll=slide_to_roll),
         Feature(Ridges()),
     )

@@ -1,7 +1,6 @@
 """Commands that look at runs: `ertel ls` at many, `compare` at two, `show`, `plot` and `export` at one."""
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -145,7 +144,11 @@ def plot(
         str | None, typer.Option(metavar="NAME", help="Draw this figure only, such as film.", autocompletion=figures)
     ] = None,
     at: Annotated[
-        str | None, typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.")
+        str | None,
+        typer.Option(
+            metavar="TIME|EVENT",
+            help='Draw the map next to a time, "60 us" or a number in t0, or at max-approach or end.',
+        ),
     ] = None,
     interferogram: Annotated[
         Lighting | None,
@@ -210,17 +213,14 @@ def _drawn(
     """The figures or the interferogram of a run: by name the function that writes it into a file."""
     from ertel import plots
 
-    moment: float | str | None = at
-    with suppress(ValueError):
-        moment = None if at is None else float(at)
     if lighting is None:
         names = [what] if what else plots.names_of(data)
-        return {name: plots.draw(data, name, moment, **sheet).savefig for name in names}
+        return {name: plots.draw(data, name, at, **sheet).savefig for name in names}
     light, rig = _optics(lighting, wavelength)
     name = f"interferogram-{lighting}"
     if kind in MOVIES:
         return {name: partial(plots.animation(data, light, rig).save, writer=MOVIES[kind])}
-    return {name: plots.interferogram(data, moment, light, rig, **sheet).savefig}
+    return {name: plots.interferogram(data, at, light, rig, **sheet).savefig}
 
 
 def _optics(lighting: Lighting, wavelength: str | None) -> tuple["Light", "Rig"]:

@@ -6,8 +6,8 @@
 
 A run in time has overview, film, pressure, oil, maps, profiles, history and friction, and an impact front; a steady
 contact overview, film, pressure, oil, maps, midlines, convergence and friction.  `at` chooses the moment of a run in
-time: a time in t0 (the map next to it is drawn) or an event, "max-approach" or "end"; by default maximum approach, or
-the last map where there is none.
+time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an event,
+"max-approach" or "end"; by default maximum approach, or the last map where there is none.
 
 `ax=` draws into axes of your own; `columns=1` or `columns=2` makes a figure of 85 or 170 mm for print,
 `figsize=` one of another size; `title=False` leaves headings out; see `Sheet`.
@@ -28,7 +28,8 @@ from ertel.plots import fields, histories
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose
 from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram
-from ertel.plots.view import At, View
+from ertel.plots.view import View
+from ertel.results.profiles import At
 from ertel.results.variables import is_steady
 
 __all__ = [
@@ -100,8 +101,8 @@ def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOpt
         A run.
     name : str
         The name of the figure.
-    at : float or str, optional
-        The moment of a run in time: a time in t0 or an event.
+    at : float, str or Quantity, optional
+        The moment of a run in time: a time in t0 or with its unit, or an event.
     **sheet
         Axes or a size, and whether there is a title: ax, figsize, columns, title, see `Sheet`.
 

@@ -26,7 +26,8 @@ from ertel.plots.drawing import (
     Values,
     levels,
 )
-from ertel.plots.view import LOADED, NOT_FULL, WIDEST, At, Field, View, events_of
+from ertel.plots.view import LOADED, NOT_FULL, WIDEST, Field, View
+from ertel.results.profiles import At, events_of
 
 ARROWS = "\N{RIGHTWARDS ARROW}\N{LEFTWARDS ARROW}"  # of a flow along x, and against it
 MINUS = "\N{MINUS SIGN}"

@@ -12,7 +12,9 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.status import Status
+from ertel.results.measurements import Comparison, Measurement
 from ertel.results.numbers import html_image, html_table, lines
+from ertel.results.profiles import At, profile
 from ertel.results.variables import is_steady, to_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
@@ -27,7 +29,7 @@ PHYSICAL = "interferogram"  # of a case in SI
 class Plot:
     """The pictures of a run, each a matplotlib Figure: `plot.film(at="max-approach")` is `ertel.plots.film` of the run.
 
-    `at` selects the time in a transient run: a time in t0 or an event, "max-approach" or "end"; see
+    `at` selects the time in a transient run: a time in t0 or "95 us", or an event, "max-approach" or "end"; see
     `ertel.plots`.  Raises ValueError for a picture or a time that the run does not have.
     """
 
@@ -137,6 +139,14 @@ class Result:
         points = np.transpose([outlet["Y"].values, outlet.values]).tolist()
         scales = self.case.scales
         return [[f"{y * scales.a!r} m", f"{oil * scales.film!r} m"] for y, oil in points] if scales else points
+
+    def profile(self, at: At = None, along: str = "x") -> xr.Dataset:
+        """Film thickness, pressure and oil along a line through the centre, in SI; see `results.profiles.profile`."""
+        return profile(self.dataset, at, along)
+
+    def compare(self, measurement: Measurement) -> Comparison:
+        """The run beside a measurement: aligned values, their difference and its rms; see `Measurement.predicted`."""
+        return measurement.compared(self)
 
     @property
     def plot(self) -> Plot:
