@@ -261,14 +261,14 @@ def _height(axes: Axes, width: float) -> float:
         return MOST_HEIGHT * width
     letter: float = rcParams["font.size"] / 72.0
     shape = axes.get_data_ratio() * float(axes.get_aspect())
-    beside, around = (6.0, 13.0) if shape < FLAT else (13.0, 6.5)  # letters: labels and colour bar, below or beside
+    beside, around = (6.0, 11.0) if shape < FLAT else (13.0, 6.5)  # letters: labels and colour bar, below or beside
     return min(MOST_HEIGHT * width, shape * (width - beside * letter) + around * letter)
 
 
 def _wrapped(parts: Sequence[str], width: int) -> str:
     """Parts side by side, on a new line where one would be longer than `width` characters."""
     first, *rest = parts
-    lines = [f"{first}: "]
+    lines = [f"{first}: " if rest else first]
     for number, part in enumerate(rest, 1):
         text = part + (",  " if number < len(rest) else "")
         seen = len(re.sub(r"\\mathrm|[${}_^\\]", "", lines[-1] + text))

@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal
+from functools import partial
+from typing import Literal, Unpack
 
 import numpy as np
 import xarray as xr
@@ -21,9 +22,11 @@ from ertel.plots.drawing import (
     ORDERED_COLOURS,
     PURPLE,
     NoFigure,
-    Picture,
     Scale,
+    Sheet,
+    SheetOptions,
     Values,
+    compose,
     levels,
 )
 from ertel.plots.view import LOADED, NOT_FULL, WIDEST, Field, View
@@ -31,7 +34,7 @@ from ertel.results.profiles import At, events_of
 
 ARROWS = "\N{RIGHTWARDS ARROW}\N{LEFTWARDS ARROW}"  # of a flow along x, and against it
 MINUS = "\N{MINUS SIGN}"
-FLATTEST = 0.25  # height over width of a map that has equal scales along both sides
+FLATTEST = 0.15  # height over width of a map that has equal scales along both sides
 SEEN = 0.1  # of the largest power loss: less does not count where a map ends
 NODES = 301  # along the side of a map, for smooth contour lines of the roughness
 STYLES: Mapping[float, Literal["-", ":"]] = {1.0: "-", -1.0: ":"}  # of the lines round hills and round valleys
@@ -56,7 +59,7 @@ def draw_film_map(axes: Axes, view: View) -> None:
     _draw_map(axes, view, film, z, levels(top * z.factor, lines), "Film thickness", "YlGnBu_r", "P")
     gap = (film, view.map("void"))
     edge = draw_edge_of_oil(axes, view, *((each.turned for each in gap) if view.is_turned else gap))
-    draw_legend(axes, [*edge, *_draw_roughness(axes, view)])
+    draw_legend(axes, [*edge, *_draw_roughness(axes, view)], view.is_turned)
 
 
 def draw_pressure_map(axes: Axes, view: View) -> None:
@@ -65,7 +68,7 @@ def draw_pressure_map(axes: Axes, view: View) -> None:
     top = max(float(field.values.max()), 0.01)  # p_h*: something to divide where the contact carries nothing
     z = view.scale("P", top)
     _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P")
-    draw_legend(axes, _draw_roughness(axes, view))
+    draw_legend(axes, _draw_roughness(axes, view), view.is_turned)
 
 
 def draw_oil_map(axes: Axes, view: View) -> None:
@@ -178,10 +181,11 @@ def draw_edge_of_oil(axes: Axes, view: View, film: Field, void: Field) -> list[L
     return [Line2D([], [], color=ORANGE, linewidth=1.0, label="edge of the full film")]
 
 
-def draw_legend(axes: Axes, lines: Sequence[Line2D]) -> None:
-    """Name the lines of a map in its corner."""
+def draw_legend(axes: Axes, lines: Sequence[Line2D], is_turned: bool = False) -> None:
+    """Name the lines of a map in its corner; of one that is turned, at the inlet."""
     if lines:
-        axes.legend(handles=lines, loc="lower left", fontsize="small", framealpha=0.85, handlelength=1.5)
+        place: Literal["upper right", "lower left"] = "upper right" if is_turned else "lower left"
+        axes.legend(handles=lines, loc=place, fontsize="small", framealpha=0.85, handlelength=1.5)
 
 
 # -- a run in time ----------------------------------------------------------------------------------------------------
@@ -303,7 +307,9 @@ def _set_height(axes: Axes, top: float, rough: bool) -> None:
 # -- two runs ---------------------------------------------------------------------------------------------------------
 
 
-def comparison(runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None) -> Figure:
+def comparison(
+    runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None, **sheet: Unpack[SheetOptions]
+) -> Figure:
     """The film and pressure of two runs along the mid-line, and of two runs in time the minimum film through time.
 
     Parameters
@@ -314,6 +320,8 @@ def comparison(runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None) 
         Their names, for the legend.
     at : float or str, optional
         The moment of runs in time, as for other pictures.
+    **sheet
+        Axes or a size: ax, figsize, columns, see `Sheet`.
 
     Raises
     ------
@@ -326,11 +334,7 @@ def comparison(runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None) 
     panels = [("X", "H"), ("X", "P")]
     if all(view.frame is not None for view in views):
         panels.append(("time", "H_min"))
-    figure = Picture(figsize=(4.8 * len(panels), 4.2), layout="constrained", dpi=150)
-    for axes, (x, y) in zip(figure.subplots(1, len(panels)), panels, strict=True):
-        _compare(axes, views, names, x, y)
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=2, frameon=False)
-    return figure
+    return compose(views, [[partial(_compare, names=names, x=x, y=y) for x, y in panels]], [], Sheet(**sheet))
 
 
 def _compare(axes: Axes, views: Sequence[View], names: Sequence[str], x: str, y: str) -> None:
@@ -344,6 +348,7 @@ def _compare(axes: Axes, views: Sequence[View], names: Sequence[str], x: str, y:
     if y == "H":  # far outside the film is much thicker than in the middle
         inside = [np.interp(0.0, *curve) * z.factor for curve, z in zip(curves, of_y, strict=True)]
         axes.set_ylim(0.0, 3.0 * float(max(inside)))
+        axes.legend(loc="upper center", frameon=False, fontsize="small")
     if x == "X":
         sides = [min(WIDEST, np.abs(along).max()) * z.factor for (along, _), z in zip(curves, of_x, strict=True)]
         axes.set(xlim=(-max(sides), max(sides)), xlabel=f"${'x' if views[0].in_si else 'X'}$ {of_x[0].in_brackets}")
