@@ -28,14 +28,15 @@ from ertel.plots import fields, histories
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose
 from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram
+from ertel.plots.measured import measured
 from ertel.plots.view import View
 from ertel.results.profiles import At
 from ertel.results.variables import is_steady
 
 __all__ = [
-    "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
-    "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "midlines", "names_of",
-    "oil", "overview", "pressure", "profiles",
+    "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation",
+    "comparison", "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
+    "names_of", "oil", "overview", "pressure", "profiles",
 ]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]

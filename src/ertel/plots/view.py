@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
 from ertel.results.dataset import maps_of
+from ertel.results.numbers import plus_minus
 from ertel.results.profiles import At, mirrored, moment_of
 from ertel.results.variables import FILMS, FRICTION, is_steady, with_prefix
 
@@ -232,10 +232,7 @@ class View:
         film = estimate_of(self.dataset, name)
         z = self.scale(name, float(film.values[-1]))
         value, error = film.values[-1] * z.factor, film.errors[-1] * z.factor
-        if not (isfinite(error) and error > 0):
-            return f"{z.symbol} = {value:.4g} {z.unit}"
-        digits = max(0, 1 - int(np.floor(np.log10(error))))
-        return f"{z.symbol} = {value:.{digits}f} ± {error:.{digits}f} {z.unit}"
+        return f"{z.symbol} = {plus_minus(value, error)} {z.unit}"
 
     # -- values at the moment -----------------------------------------------------------------------------------------
 

@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from ertel.case.case import Case
 from ertel.physics.units import Unit, in_si
 from ertel.results.columns import Columns
 from ertel.results.numbers import IN_SI, numbers
@@ -37,6 +38,8 @@ QUANTITIES: Mapping[str, Variable] = {  # by the names of the SI Dataset and of 
 class Outcome(Protocol):
     """A run, as `Result` has it."""
 
+    @property
+    def case(self) -> Case: ...
     @property
     def dataset(self) -> xr.Dataset: ...
     @property

@@ -16,13 +16,14 @@ from ertel.results.measurements import Comparison, Measurement
 from ertel.results.numbers import html_image, html_table, lines
 from ertel.results.profiles import At, profile
 from ertel.results.variables import is_steady, to_si
+from ertel.results.verdict import Sigma, lambda_of, verdict
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
 IN_TIME = ("overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction")
 STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
-PHYSICAL = "interferogram"  # of a case in SI
+PHYSICAL = ("interferogram", "measured")  # of a case in SI
 
 
 @dataclass(frozen=True, repr=False)
@@ -36,7 +37,7 @@ class Plot:
     dataset: xr.Dataset
 
     def __getattr__(self, name: str) -> "Callable[..., Figure]":
-        if name not in {*IN_TIME, *STEADY, PHYSICAL}:
+        if name not in {*IN_TIME, *STEADY, *PHYSICAL}:
             raise AttributeError(f"Plot: has no picture {name!r}; it has {', '.join(self._names())}")
         from ertel import plots
 
@@ -44,7 +45,7 @@ class Plot:
 
     def _names(self) -> tuple[str, ...]:
         names = STEADY if is_steady(self.dataset) else IN_TIME
-        return (*names, PHYSICAL) if "si_factor" in self.dataset["H"].attrs else names
+        return (*names, *PHYSICAL) if "si_factor" in self.dataset["H"].attrs else names
 
     def __dir__(self) -> Iterable[str]:
         return [*self._names(), "dataset"]
@@ -147,6 +148,15 @@ class Result:
     def compare(self, measurement: Measurement) -> Comparison:
         """The run beside a measurement: aligned values, their difference and its rms; see `Measurement.predicted`."""
         return measurement.compared(self)
+
+    def lambda_ratio(self, sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:
+        """Film over the rms roughness of both surfaces, given ("20 nm") or of the case; see `results.verdict`."""
+        return lambda_of(self, sigma_1, sigma_2)
+
+    @property
+    def verdict(self) -> str:
+        """The outcome in one line; see `results.verdict`."""
+        return verdict(self)
 
     @property
     def plot(self) -> Plot:
