@@ -34,8 +34,8 @@ from ertel.results.profiles import At
 from ertel.results.variables import is_steady
 
 __all__ = [
-    "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation",
-    "comparison", "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
+    "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
+    "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
     "names_of", "oil", "overview", "pressure", "profiles",
 ]  # fmt: skip
 
