@@ -15,8 +15,8 @@ import ertel
 SOURCE = str(Path(ertel.__path__[0]).parent)
 SHOWN = """
     impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open simulate_batch tasks
-    sweep traction cache respond respond_linearly respond_in_rolling Result to_si plots fronts waves formulas hertz
-    materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
+    sweep traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts waves
+    formulas hertz materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
 """
 FOR_EXPERTS = """
     parse_case to_toml Status Lubricant Motion Parameters Scales viscosity_laws density_laws fluidity_laws shapes

@@ -39,6 +39,7 @@ def __getattr__(name: str) -> Any:
         return installed_version()
     if name not in _HOMES:
         raise AttributeError(f"module 'ertel' has no attribute {name!r}")
+    import_module("ertel.inputs.quantities")  # so that all rooms read texts with a unit, see `physics.units.in_si`
     module, there = _HOMES[name]
     if module == "ertel":
         return import_module(f"ertel.{there}")

@@ -27,6 +27,7 @@ from ertel.physics.surfaces import Waviness as Waviness
 from ertel.results import fronts as fronts
 from ertel.results import waves as waves
 from ertel.results.contact_law import contact_law as contact_law
+from ertel.results.measurements import Measurement as Measurement
 from ertel.results.result import Result as Result
 from ertel.results.variables import to_si as to_si
 from ertel.runs import tasks as tasks

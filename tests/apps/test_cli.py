@@ -204,7 +204,9 @@ def test_plot_in_a_format_and_elsewhere(here, ball, quick_figures):
         assert (here / "pictures" / kind / f"film.{kind}").read_bytes().startswith(start)
 
 
-@pytest.mark.parametrize(("at", "title"), [("1.5", "1.5"), ("max-approach", "'max-approach'"), (None, "None")])
+@pytest.mark.parametrize(
+    ("at", "title"), [("60 us", "'60 us'"), ("1.5", "'1.5'"), ("max-approach", "'max-approach'"), (None, "None")]
+)
 def test_plot_at(ball, quick_figures, monkeypatch, at, title):
     saved = []
     monkeypatch.setattr(Figure, "savefig", lambda figure, path: saved.append(figure.get_suptitle()))
@@ -219,7 +221,7 @@ def test_plot_of_one_figure(small):
 
 
 def test_plot_refused(small):
-    assert "at = 99.0: must be a time" in refused("plot", "runs/small", "--at", "99")
+    assert "at = '99': must be a time" in refused("plot", "runs/small", "--at", "99")
     said = refused("plot", "runs/small", "--what", "midlines")
     assert said.startswith("ertel: midlines: a run in time has no such figure; it has overview, ")
     assert not (small / "plots").exists()

@@ -142,3 +142,44 @@ def test_what_to_install_is_said(runs, monkeypatch):
 def test_what_cannot_be_exported(runs, run, flags, said):
     assert said in refused("export", str(runs / "below" / run), *flags.split())
     assert not (runs / "below" / run / "export").exists()
+
+
+# -- measurements -----------------------------------------------------------------------------------------------------
+
+
+def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
+    """What the run itself gave differs from it by nothing; moved and lifted it is aligned again."""
+    plane, out = str(runs / "plane"), str(tmp_path)
+    done = ertel_("export", plane, "--what", "profile", "--at", "3 us", "--along", "y", "--out", out)
+    path = tmp_path / "profile_y_3_us.csv"
+    assert done.stdout == f"{path}\n" and re.match("along y, 3 µs, between the maps at .* and .* µs", done.stderr)
+    assert path.read_text().startswith("y_m,h_m,p_Pa,h_oil_m,t_s\n")
+    assert json.loads(ertel_("compare", plane, str(path), "--at", "3 us", "--json").stdout)["rms"] < 1e-18
+    rows = np.loadtxt(path, delimiter=",", skiprows=1)[4:-4]
+    moved = tmp_path / "moved.csv"
+    np.savetxt(moved, [(y * 1e6 + 2, h * 1e9 + 30) for y, h, *_ in rows], delimiter=",")
+    given_ = ["--column", "y=um", "--column", "h=nm", "--align", "centre, offset", "--at", "3 us"]
+    said = ertel_("compare", plane, str(moved), *given_, "--plot", str(tmp_path / "both.png")).stdout
+    assert "centre 2 µm; offset 30 nm" in said and said.endswith("both.png\n")
+    assert (tmp_path / "both.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_measurements_refused(runs, tmp_path):
+    plane = str(runs / "plane")
+    (tmp_path / "film.csv").write_text("place,film\n1,2\n")
+    assert "it has 'place', 'film'" in refused("compare", plane, str(tmp_path / "film.csv"))
+    assert "--at: only for a measurement" in refused("compare", plane, plane, "--at", "1")
+    assert "--at 1: only for --what profile" in refused("export", plane, "--at", "1")
+    assert "--to vtk: a profile is written as csv" in refused("export", plane, "--to", "vtk", "--what", "profile")
+
+
+def test_the_verdict_with_the_lambda_ratio(tmp_path):
+    (tmp_path / "ball.toml").write_text(BALL.replace("until = 0.1", 'until = "max-approach"'))
+    run = str(tmp_path / "run")
+    said = ertel_("run", str(tmp_path / "ball.toml"), "--out", run, *given(*RADIAL)).stdout
+    films = ertel.open(run).summary["si"]
+    verdict = said.splitlines()[-2]
+    assert re.fullmatch(r"Film \S+ [nµ]m", verdict) and ertel_("show", run).stdout.splitlines()[-2] == verdict
+    shown = ertel_("show", run, "--sigma", "30 nm, 40 nm").stdout.splitlines()[-2]
+    assert shown == f"{verdict}, Lambda = {films['h_min_m'] / 50e-9:.2g}"
+    assert "unit" in refused("show", run, "--sigma", "30")

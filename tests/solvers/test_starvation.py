@@ -411,6 +411,12 @@ def test_a_layer_covers_the_roughness(shape: Any, field: str) -> None:
     assert replace(smooth, roughness=(Feature(Waviness(0.05, 0.5)),)).layer == 0.05
 
 
+def test_an_impact_on_a_very_thick_layer_begins_above_it_and_is_read_again() -> None:
+    case = ertel.impact(M=1000, L=10, method="radial", half_width=64, nodes=33, layer=1010.0)
+    assert case.schedule.start_approach == -1010.0
+    assert Case.from_data(case.to_data()) == case
+
+
 def test_layers_that_are_not_there_are_refused_in_python() -> None:
     for layer in (0.0, -1.0):
         for key in ("layer", "layer_1"):

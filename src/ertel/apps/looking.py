@@ -1,7 +1,6 @@
 """Commands that look at runs: `ertel ls` at many, `compare` at two, `show`, `plot` and `export` at one."""
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -18,6 +17,11 @@ if TYPE_CHECKING:  # these take long to import
     from ertel.results.numbers import Compared, Difference
     from ertel.runs.directory import Listed
 
+Moment = Annotated[
+    str | None,
+    typer.Option("--at", metavar="TIME|EVENT", help='A time, "60 us" or a number in t0, or max-approach or end.'),
+]
+Along = Annotated[Literal["x", "y"], typer.Option(help="The direction of a profile.")]
 Lighting = Literal["mono", "two-beam", "white"]
 MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplotlib's name of its writer
 
@@ -73,13 +77,35 @@ def _row(run: "Listed", folder: Path, names: Sequence[str]) -> list[str]:
 
 def compare(
     first: RunDirectory,
-    second: RunDirectory,
+    second: Annotated[Path, path_argument("DIR|FILE", "Directory of a run, or a file of columns.", run_directories)],
     plot: Annotated[
         Path | None, path_option("Draw film and pressure of both into a file, such as both.png.", "FILE")
     ] = None,
+    at: Moment = None,
+    along: Along = "x",
+    align: Annotated[
+        str | None,
+        typer.Option(metavar="NAMES", help="What is not known of a measurement: centre, offset, tilt."),
+    ] = None,
+    column: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=UNIT", help="Unit of a column, such as x=um; where the header does not have it."),
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Compare two runs: where their cases differ, and their numbers side by side."""
+    """Compare two runs: where their cases differ, and their numbers side by side. Or a run with a measurement.
+
+    A file has a measured profile, columns x, y or r and h or p, or a history, columns t and h_c or others; with units,
+    as x_um or x (um).
+    """
+    if second.is_file():
+        units = dict(each.partition("=")[::2] for each in column or [])
+        _compare_measured(
+            first, second, plot, as_json, at=at, along=along, align=(align or "").replace(",", " ").split(), **units
+        )
+        return
+    if given := [name for name, each in (("at", at), ("align", align), ("column", column)) if each]:
+        leave(BAD_INPUT, f"--{given[0]}: only for a measurement, and {shown(second)} is not a file")
     from ertel.apps import running
     from ertel.results import numbers
 
@@ -100,6 +126,27 @@ def compare(
 
         with bad_input():
             plots.comparison(data, names).savefig(plot)
+        print_path(plot)
+
+
+def _compare_measured(directory: Path, file: Path, plot: Path | None, as_json: bool, **given: Any) -> None:
+    """Print a measurement beside a run, and draw both."""
+    from ertel.apps import running
+    from ertel.results.measurements import Measurement
+
+    with running.opened(directory) as run:
+        result = run.result()
+    with bad_input():
+        found = result.compare(Measurement.read(file, **given))
+        if plot:
+            result.plot.measured(found).savefig(plot)
+    if as_json:
+        columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
+        quantity = found.measurement.quantity
+        print_json({"quantity": quantity, "at": found.where, "rms": found.rms, "shift": dict(found.shift), **columns})
+    else:
+        print(found)
+    if plot:
         print_path(plot)
 
 
@@ -124,7 +171,14 @@ def _print_pairs(pairs: "Sequence[Compared]", statuses: Sequence[str]) -> None:
     print_rows(rows, left=2)
 
 
-def show(directory: RunDirectory, as_json: Json = False) -> None:
+def show(
+    directory: RunDirectory,
+    as_json: Json = False,
+    sigma: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTHS", help='Rms roughness of both surfaces, "20 nm, 60 nm", for the lambda ratio.'),
+    ] = None,
+) -> None:
     """Print the summary of a run, also of an unfinished one."""
     from ertel.apps import running
     from ertel.runs.files import Damaged, StoreError
@@ -136,7 +190,7 @@ def show(directory: RunDirectory, as_json: Json = False) -> None:
             raise
         except StoreError as error:
             raise StoreError(f"{error}; to start it: ertel resume {in_shell(directory)}") from error
-        running.report(run, summary, as_json)
+        running.report(run, summary, as_json, sigma=sigma.split(",")[:2] if sigma else ())
 
 
 def plot(
@@ -144,9 +198,7 @@ def plot(
     what: Annotated[
         str | None, typer.Option(metavar="NAME", help="Draw this figure only, such as film.", autocompletion=figures)
     ] = None,
-    at: Annotated[
-        str | None, typer.Option(metavar="TIME|EVENT", help="Draw the contact at a time T, or at max-approach or end.")
-    ] = None,
+    at: Moment = None,
     interferogram: Annotated[
         Lighting | None,
         typer.Option(
@@ -163,7 +215,7 @@ def plot(
     ] = "png",
     out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
 ) -> None:
-    """Draw the figures of a run, or an interferogram of its film.
+    """Draw the figures of a run, or an interferogram of its film. Those at a time show the map next to it.
 
     An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
     layers and light sources can be chosen, see ertel.optics.
@@ -201,17 +253,14 @@ def _drawn(
     """The figures or the interferogram of a run: by name the function that writes it into a file."""
     from ertel import plots
 
-    moment: float | str | None = at
-    with suppress(ValueError):
-        moment = None if at is None else float(at)
     if lighting is None:
         names = [what] if what else plots.names_of(data)
-        return {name: plots.draw(data, name, moment).savefig for name in names}
+        return {name: plots.draw(data, name, at).savefig for name in names}
     light, rig = _optics(lighting, wavelength)
     name = f"interferogram-{lighting}"
     if kind in MOVIES:
         return {name: partial(plots.animation(data, light, rig).save, writer=MOVIES[kind])}
-    return {name: plots.interferogram(data, moment, light, rig).savefig}
+    return {name: plots.interferogram(data, at, light, rig).savefig}
 
 
 def _optics(lighting: Lighting, wavelength: str | None) -> tuple["Light", "Rig"]:
@@ -246,26 +295,44 @@ def _find_ffmpeg() -> None:
 def export(
     directory: RunDirectory,
     to: Annotated[
-        Literal["netcdf", "csv", "vtk"],
-        typer.Option("--to", help="NetCDF, tables of the scalars, or maps for ParaView."),
-    ],
+        Literal["csv", "netcdf", "vtk"], typer.Option("--to", help="Tables, NetCDF, or maps for ParaView.")
+    ] = "csv",
+    what: Annotated[
+        Literal["profile"] | None,
+        typer.Option(help="Film, pressure and oil along a line through the centre, as CSV.", show_default=False),
+    ] = None,
+    at: Moment = None,
+    along: Along = "x",
     in_si: Annotated[bool, typer.Option("--si", help="Convert to SI; needs a case in SI.")] = False,
     out: Annotated[Path | None, path_option("Directory for the files; default DIR/export.")] = None,
 ) -> None:
     """Write a run for other programs.
 
-    netcdf: the whole run as run.nc, NetCDF 3. csv: the scalars over time as history.csv, of a steady contact over its
-    grids as grids.csv. vtk: the maps as maps_0000.vti, ... with maps.pvd for ParaView; needs the extra ertel[paraview].
+    csv: the scalars over time as history.csv, of a steady contact over its grids as grids.csv. netcdf: the whole run as
+    run.nc, NetCDF 3. vtk: the maps as maps_0000.vti, ... with maps.pvd for ParaView; needs the extra ertel[paraview].
 
     Values are dimensionless, with their factors to SI in the attributes; --si converts them.
+
+    --what profile: profile_x.csv or profile_y.csv, in SI where the case is, with units in the names of the columns.
+    Between two maps it is interpolated in time.
     """
     from ertel.apps import running
     from ertel.results.dataset import EXPORTS
+    from ertel.results.profiles import write_profile
     from ertel.results.variables import to_si
 
+    if what and to != "csv":
+        leave(BAD_INPUT, f"--to {to}: a profile is written as csv")
+    if at is not None and not what:
+        leave(BAD_INPUT, f"--at {at}: only for --what profile; the other exports have all times")
     with running.opened(directory) as run:
         data = run.dataset()
     with bad_input():
-        paths = EXPORTS[to](to_si(data) if in_si else data, out or directory / "export")
+        if what:
+            path, moment = write_profile(data, out or directory / "export", at, along)
+            say(f"along {along}, {moment}")
+            paths = [path]
+        else:
+            paths = EXPORTS[to](to_si(data) if in_si else data, out or directory / "export")
     for path in paths:
         print_path(path)

@@ -12,6 +12,8 @@ from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, l
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results.errors import with_error
+from ertel.results.result import Result
+from ertel.results.verdict import verdict
 from ertel.runs import outlook, store
 from ertel.runs.batch import warm_up
 from ertel.runs.compile import cache_directory, prepare_jax
@@ -188,11 +190,17 @@ def _completed(run: RunStore, summary: Mapping[str, Any], compared: Mapping[str,
 # -- reporting --------------------------------------------------------------------------------------------------------
 
 
-def report(run: RunStore, summary: Mapping[str, Any], as_json: bool = False, quiet: bool = False) -> None:
-    """Print a summary in the form that the user asked for."""
+def report(
+    run: RunStore, summary: Mapping[str, Any], as_json: bool = False, quiet: bool = False, sigma: Sequence[str] = ()
+) -> None:
+    """Print a summary in the form that the user asked for.  sigma: rms roughness of the surfaces, for the verdict."""
     if as_json:
         print_json(summary)
     elif not quiet:
-        out = tables.console()
+        out, status = tables.console(), Status(summary["status"])
+        with bad_input():
+            line = verdict(Result(run.case, run.dataset(), dict(summary), status), *sigma) if status.ok else ""
         tables.print_summary(out, run.case, summary)
+        if line:
+            out.print(f"{line[0].upper()}{line[1:]}", style="bold")
         out.print(f"Stored in {shown(run.directory)}; for figures: ertel plot {in_shell(run.directory)}")

@@ -44,13 +44,13 @@ def _distances(nodes: int) -> NDArray[np.int64]:
 
 
 def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Array:
-    """Kernel of `surface_displacement` on a grid: real, (2 (n_y - 1), n_x), or (n_y, n_x) for fields even in Y.
+    """Kernel of `surface_displacement` on a grid: real, (2 (n_y - 1), n_x), or (n_y, n_x) for fields even in X or Y.
 
     compliance: the displacement is this factor times the double integral of P/distance.
     """
     require_double()  # differences of large numbers
     whole = _unit_spectrum(grid.nodes_y, grid.nodes_x) * (compliance * grid.spacing)
-    kept = whole[: grid.nodes_y] if grid.even.y else whole
+    kept = whole[: grid.nodes_y] if any(grid.even) else whole
     return jax.device_put(kept.astype(dtype))  # unlike `jnp.asarray`, this has nothing to compile
 
 
@@ -58,35 +58,32 @@ def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Arr
 def surface_displacement(kernel: Array, P: Array, even: Symmetry = NO_SYMMETRY) -> Array:
     """Normal displacement under the pressure P, both on the same nodes; P = 0 on the edge.
 
-    Only rows with data are transformed along X, and only rows of the result are transformed back.  kernel: from
-    `spectrum`.  A complex P takes two convolutions.
+    Only rows with data are transformed along X, and only rows of the result are transformed back.  Where fields are
+    even, the transform is a cosine transform and real: it comes first, so that the other one has real data too.
+    kernel: from `spectrum`.  A complex P takes two convolutions.
     """
     if jnp.iscomplexobj(P):
         return lax.complex(surface_displacement(kernel, P.real, even), surface_displacement(kernel, P.imag, even))
+    if even.y and not even.x:
+        return surface_displacement(kernel.T, P.T, Symmetry(x=True)).T
     period_x = 2 * (kernel.shape[1] - 1)
-    period_y = 2 * (kernel.shape[0] - 1) if even.y else kernel.shape[0]
+    period_y = 2 * (kernel.shape[0] - 1) if even.x else kernel.shape[0]
     rows, columns = P.shape
-    along = _cosines(P, period_x) if even.x else jnp.fft.rfft(P, n=period_x, axis=1)
-    if even.y:
-        both = _cosines(along.T, period_y) * kernel.T
-        rows_back = _cosines(both, period_y)[:, :rows].T / period_y
-    else:
+    if not even.x:
+        along = jnp.fft.rfft(P, n=period_x, axis=1)
         rows_back = jnp.fft.ifft(jnp.fft.fft(along, n=period_y, axis=0) * kernel, axis=0)[:rows]
-    if even.x:
-        return _cosines(rows_back.real, period_x)[:, :columns] / period_x
-    return jnp.fft.irfft(rows_back, n=period_x, axis=1)[:, :columns]
+        return jnp.fft.irfft(rows_back, n=period_x, axis=1)[:, :columns]
+    across = _cosines(P, period_x).T
+    if even.y:
+        back = _cosines(_cosines(across, period_y) * kernel.T, period_y) / period_y
+    else:
+        back = jnp.fft.irfft(jnp.fft.rfft(across, n=period_y, axis=1) * kernel.T, n=period_y, axis=1)
+    return _cosines(back[:, :rows].T, period_x)[:, :columns] / period_x
 
 
 def _cosines(half: Array, period: int) -> Array:
-    """Fourier transform along the last axis of even sequences, stored for one side; frequencies 0 to period/2."""
+    """Fourier transform along X of even sequences, stored for one side: real, frequencies 0 to period/2."""
     last, nodes = period // 2, half.shape[1]
     # each entry occurs twice in a period, except the first and the last
-    twice = np.where(np.isin(np.arange(nodes), (0, last)), 1.0, 2.0).astype(half.real.dtype)
-    once = half * twice
-    if jnp.iscomplexobj(once):
-        return lax.complex(_real_part(once.real, period), _real_part(once.imag, period))
-    return _real_part(once, period)
-
-
-def _real_part(half: Array, period: int) -> Array:
-    return jnp.fft.rfft(half, n=period, axis=1).real
+    twice = np.where(np.isin(np.arange(nodes), (0, last)), 1.0, 2.0).astype(half.dtype)
+    return jnp.fft.rfft(half * twice, n=period, axis=1).real

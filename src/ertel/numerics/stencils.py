@@ -2,9 +2,10 @@
 
 Arrays have the shape of the grid, index [Y, X].  `even` says about which of the axes Y = 0 and X = 0 fields are even.
 Only one side is then stored; the axis is the first row or column.  A smooth impact needs a quarter of the plane,
-rolling needs a half.
+rolling needs a half.  At the end: matrices of three diagonals, for the nodes along a line.
 """
 
+from collections.abc import Callable
 from functools import partial
 from math import prod
 from typing import NamedTuple
@@ -187,3 +188,24 @@ def _weights(place: Array) -> list[Array]:
     """Lagrange's weights of the nodes 0, 1, ... for the value at a place between them; exactly 1 and 0 at a node."""
     others = [[m for m in range(POINTS) if m != k] for k in range(POINTS)]
     return [prod((place - m) / (k - m) for m in others[k]) for k in range(POINTS)]  # type: ignore[misc]
+
+
+# -- three nodes on a line, as a matrix ------------------------------------------------------------------------------
+
+
+def diagonals(change: Callable[[Array], Array], n: int) -> Array:
+    """The three diagonals (3, n) of a linear map whose matrix has no others: entries (i, i - 1), (i, i) and (i, i + 1).
+
+    Every third column is looked at together.
+    """
+    i, shift = jnp.arange(n), jnp.arange(-1, 2)[:, None]
+    answers = jax.vmap(change)(jnp.where(i % 3 == jnp.arange(3)[:, None], 1.0, 0.0))
+    three: Array = answers[(i + shift) % 3, i]
+    return three
+
+
+def banded_product(diagonals: Array, matrix: Array) -> Array:
+    """The matrix of three diagonals times another one."""
+    lower, middle, upper = diagonals[:, :, None]
+    product: Array = lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)
+    return product

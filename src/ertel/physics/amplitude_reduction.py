@@ -3,7 +3,7 @@
 A_i is the initial amplitude and A_d the deformed amplitude.
 """
 
-from math import exp
+from math import exp, hypot
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -67,3 +67,32 @@ def in_line_contact(nabla2: ArrayLike, coefficients: tuple[float, float] = LINE_
     """
     n, (linear, quadratic) = LINE_NABLA * np.asarray(nabla2, dtype=float), coefficients
     return np.asarray(1.0 / (1.0 + linear * n + quadratic * n**2))
+
+
+def lambda_ratio(film: float, *sigma: float) -> float:
+    """Film thickness over the rms roughness of both surfaces together, Lambda = h/sqrt(sigma_1^2 + sigma_2^2).
+
+    Above about 3 the surfaces are apart, below 1 much of the load is on their summits: Tallian TE. On competing failure
+    modes in rolling contact. ASLE Trans 1967;10:418-439.
+
+    Parameters
+    ----------
+    film : float
+        Film thickness of the smooth contact, mostly the minimum one.
+    *sigma : float
+        Rms roughness of the surfaces, in the same unit.
+
+    Returns
+    -------
+    float
+        Lambda.
+
+    Raises
+    ------
+    ValueError
+        A roughness is negative, or all are zero.
+    """
+    together = hypot(*sigma)
+    if not (together > 0 and min(sigma) >= 0):
+        raise ValueError(f"sigma = {', '.join(f'{each:g}' for each in sigma)}: must not be negative, and not all zero")
+    return film / together

@@ -6,8 +6,8 @@
 
 A run in time has overview, film, pressure, oil, maps, profiles, history and friction, and an impact front; a steady
 contact overview, film, pressure, oil, maps, midlines, convergence and friction.  `at` chooses the moment of a run in
-time: a time in t0 (the map next to it is drawn) or an event, "max-approach" or "end"; by default maximum approach, or
-the last map where there is none.
+time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an event,
+"max-approach" or "end"; by default maximum approach, or the last map where there is none.
 
 Every function raises `NoFigure`, a ValueError, where there is nothing to draw yet, and for a figure or a moment that
 the run does not have.
@@ -24,13 +24,15 @@ from ertel.plots import fields, histories
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, compose
 from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram
-from ertel.plots.view import At, View
+from ertel.plots.measured import measured
+from ertel.plots.view import View
+from ertel.results.profiles import At
 from ertel.results.variables import is_steady
 
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "animation", "comparison",
-    "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "midlines", "names_of",
-    "oil", "overview", "pressure", "profiles",
+    "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
+    "names_of", "oil", "overview", "pressure", "profiles",
 ]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
@@ -96,8 +98,8 @@ def draw(dataset: xr.Dataset, name: str, at: At = None) -> Figure:
         A run.
     name : str
         The name of the figure.
-    at : float or str, optional
-        The moment of a run in time: a time in t0 or an event.
+    at : float, str or Quantity, optional
+        The moment of a run in time: a time in t0 or with its unit, or an event.
 
     Raises
     ------

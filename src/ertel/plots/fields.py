@@ -14,7 +14,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from ertel.plots.drawing import BLUE, GREY, ORANGE, ORDERED_COLOURS, PURPLE, NoFigure, Picture, Scale, Values, levels
-from ertel.plots.view import LOADED, NOT_FULL, WIDEST, At, Field, View, events_of
+from ertel.plots.view import LOADED, NOT_FULL, WIDEST, Field, View
+from ertel.results.profiles import At, events_of
 
 MINUS = "\N{MINUS SIGN}"
 LONG = 2.0  # ratio of the sides from which a map is long

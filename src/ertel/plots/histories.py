@@ -9,8 +9,9 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from ertel.physics import hertz
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Values
-from ertel.plots.view import LAST, LOADED, View, estimate_of
+from ertel.plots.view import LOADED, View, estimate_of
 from ertel.results import fronts
+from ertel.results.profiles import LAST
 
 Look = tuple[str, str, str]  # label, colour and style of a line
 

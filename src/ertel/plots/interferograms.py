@@ -21,7 +21,8 @@ from scipy.interpolate import CubicSpline, RectBivariateSpline
 from ertel.optics import Chart, Light, Monochromatic, Rig
 from ertel.plots.drawing import NoFigure, Scale, Values, compose
 from ertel.plots.fields import draw_edge_of_oil, draw_legend
-from ertel.plots.view import At, Field, View
+from ertel.plots.view import Field, View
+from ertel.results.profiles import At
 from ertel.results.variables import is_steady
 
 PIXELS = 480  # along the longer side of a picture

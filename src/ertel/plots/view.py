@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -20,15 +19,13 @@ from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
 from ertel.results.dataset import maps_of
-from ertel.results.variables import EVENTS, FILMS, FRICTION, is_steady, with_prefix
+from ertel.results.numbers import plus_minus
+from ertel.results.profiles import At, mirrored, moment_of
+from ertel.results.variables import FILMS, FRICTION, is_steady, with_prefix
 
-At = float | str | None  # a time in t0, an event, or None: maximum approach, or the last map
-MAXIMUM, LAST, END, CHOSEN = "maximum approach", "last map", "end of the run", "chosen map"
-NAMES = {"max-approach": MAXIMUM, "end": END}
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
 NOT_FULL = 0.01  # void, as a share of the gap, from which on the gap is not full
-ROUNDING = 1e-9  # t0
 NOTHING = 1e-6  # of the scale of a load or a speed
 NO_FRICTION = 1e-12  # in a/R: a coefficient that is zero but for round-off
 CONDITIONS = {  # by kind, for the heading of a physical case: symbol, attribute of the Dataset, unit
@@ -96,9 +93,7 @@ class View:
 
     @classmethod
     def of(cls, dataset: xr.Dataset, at: At = None) -> "View":
-        """The view of a run at a time in t0 (the map next to it is taken) or an event, "max-approach" or "end".
-
-        By default maximum approach, or the last map where there is none.
+        """The view of a run at a moment, see `results.profiles.moment_of`; the map next to it is taken.
 
         Raises
         ------
@@ -113,7 +108,11 @@ class View:
             return cls(dataset.load())
         if not dataset.sizes["frame"]:
             raise NoFigure("dataset: has no maps yet, there is nothing to draw")
-        return cls(dataset.load(), *_choose(dataset, at))
+        try:
+            moment = moment_of(dataset, at)
+        except ValueError as error:
+            raise NoFigure(str(error)) from error
+        return cls(dataset.load(), moment.frame, moment.name)
 
     # -- properties of the run ----------------------------------------------------------------------------------------
 
@@ -221,10 +220,7 @@ class View:
         film = estimate_of(self.dataset, name)
         z = self.scale(name, float(film.values[-1]))
         value, error = film.values[-1] * z.factor, film.errors[-1] * z.factor
-        if not (isfinite(error) and error > 0):
-            return f"{z.symbol} = {value:.4g} {z.unit}"
-        digits = max(0, 1 - int(np.floor(np.log10(error))))
-        return f"{z.symbol} = {value:.{digits}f} ± {error:.{digits}f} {z.unit}"
+        return f"{z.symbol} = {plus_minus(value, error)} {z.unit}"
 
     # -- values at the moment -----------------------------------------------------------------------------------------
 
@@ -256,12 +252,12 @@ class View:
     @property
     def x(self) -> Values:
         """The positions along the mid-line, Y = 0; of an axisymmetric run a radius and its mirror image."""
-        return _mirrored(self.dataset["r"].values, odd=True) if self.is_radial else np.asarray(self.dataset["X"].values)
+        return mirrored(self.dataset["r"].values, odd=True) if self.is_radial else np.asarray(self.dataset["X"].values)
 
     def midlines(self, name: str) -> Values:
         """A variable along the mid-line; in a run in time of all maps, (frames, x)."""
         if self.is_radial:
-            return _mirrored(self.dataset[name].values)
+            return mirrored(self.dataset[name].values)
         return np.asarray(self.dataset[name].sel(Y=0.0, method="nearest").values)
 
     def midline(self, name: str) -> Values:
@@ -306,32 +302,6 @@ class View:
         case = self.case
         heights = surfaces.height(case.features, case.motion, self.time, np.asarray(X), np.asarray(Y), shortest)
         return np.asarray(heights, dtype=np.float64)
-
-
-def events_of(dataset: xr.Dataset) -> Mapping[str, int]:
-    """The maps of the events of a run in time, by name."""
-    codes = dataset["event"].values
-    return {EVENTS[code]: int(np.flatnonzero(codes == code)[0]) for code in sorted({int(c) for c in codes}) if code}
-
-
-def _choose(dataset: xr.Dataset, at: At) -> tuple[int, str]:
-    """The map that is asked for, and the name of the moment."""
-    T, events = np.asarray(dataset["frame"].values), events_of(dataset)
-    if at is None:
-        return (events["max-approach"], MAXIMUM) if "max-approach" in events else (len(T) - 1, LAST)
-    if isinstance(at, str):
-        if at in events:
-            return events[at], NAMES[at]
-    elif T[0] - ROUNDING <= at <= T[-1] + ROUNDING:
-        return int(np.abs(T - at).argmin()), CHOSEN
-    names = ", ".join(f'"{event}"' for event in events) or "no events"
-    span = f"{T[0]:.4g} to {T[-1]:.4g} t0"
-    raise NoFigure(f"at = {at!r}: must be a time from {span} or an event of this run, which has {names}")
-
-
-def _mirrored(values: Values, odd: bool = False) -> Values:
-    left = values[..., :0:-1]
-    return np.concatenate([-left if odd else left, values], axis=-1)
 
 
 def reach(x: Values, P: Values) -> float:

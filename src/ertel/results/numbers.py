@@ -8,6 +8,7 @@ from base64 import b64encode
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from html import escape
 from io import BytesIO
+from math import floor, isfinite, log10
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ertel.case.case import Case
@@ -182,6 +183,14 @@ def as_now(summary: Outcome) -> dict[str, Any]:
 
 def _with_coefficients(values: Outcome, si: Mapping[str, float]) -> dict[str, Any]:
     return {**values, **{name: si[name] for name in FRICTION if name in values and name in si}}
+
+
+def plus_minus(value: float, error: float) -> str:
+    """A value with its error, 146 ± 10: as many digits as the error deserves; alone where the error is not known."""
+    if not (isfinite(error) and error > 0):
+        return f"{value:.4g}"
+    digits = max(0, 1 - floor(log10(error)))
+    return f"{value:.{digits}f} ± {error:.{digits}f}"
 
 
 # -- tables of many runs ----------------------------------------------------------------------------------------------

@@ -12,29 +12,32 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.status import Status
+from ertel.results.measurements import Comparison, Measurement
 from ertel.results.numbers import html_image, html_table, lines
+from ertel.results.profiles import At, profile
 from ertel.results.variables import is_steady, to_si
+from ertel.results.verdict import Sigma, lambda_of, verdict
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
 IN_TIME = ("overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction")
 STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
-PHYSICAL = "interferogram"  # of a case in SI
+PHYSICAL = ("interferogram", "measured")  # of a case in SI
 
 
 @dataclass(frozen=True, repr=False)
 class Plot:
     """The pictures of a run, each a matplotlib Figure: `plot.film(at="max-approach")` is `ertel.plots.film` of the run.
 
-    `at` selects the time in a transient run: a time in t0 or an event, "max-approach" or "end"; see
+    `at` selects the time in a transient run: a time in t0 or "95 us", or an event, "max-approach" or "end"; see
     `ertel.plots`.  Raises ValueError for a picture or a time that the run does not have.
     """
 
     dataset: xr.Dataset
 
     def __getattr__(self, name: str) -> "Callable[..., Figure]":
-        if name not in {*IN_TIME, *STEADY, PHYSICAL}:
+        if name not in {*IN_TIME, *STEADY, *PHYSICAL}:
             raise AttributeError(f"Plot: has no picture {name!r}; it has {', '.join(self._names())}")
         from ertel import plots
 
@@ -42,7 +45,7 @@ class Plot:
 
     def _names(self) -> tuple[str, ...]:
         names = STEADY if is_steady(self.dataset) else IN_TIME
-        return (*names, PHYSICAL) if "si_factor" in self.dataset["H"].attrs else names
+        return (*names, *PHYSICAL) if "si_factor" in self.dataset["H"].attrs else names
 
     def __dir__(self) -> Iterable[str]:
         return [*self._names(), "dataset"]
@@ -137,6 +140,23 @@ class Result:
         points = np.transpose([outlet["Y"].values, outlet.values]).tolist()
         scales = self.case.scales
         return [[f"{y * scales.a!r} m", f"{oil * scales.film!r} m"] for y, oil in points] if scales else points
+
+    def profile(self, at: At = None, along: str = "x") -> xr.Dataset:
+        """Film thickness, pressure and oil along a line through the centre, in SI; see `results.profiles.profile`."""
+        return profile(self.dataset, at, along)
+
+    def compare(self, measurement: Measurement) -> Comparison:
+        """The run beside a measurement: aligned values, their difference and its rms; see `Measurement.predicted`."""
+        return measurement.compared(self)
+
+    def lambda_ratio(self, sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:
+        """Film over the rms roughness of both surfaces, given ("20 nm") or of the case; see `results.verdict`."""
+        return lambda_of(self, sigma_1, sigma_2)
+
+    @property
+    def verdict(self) -> str:
+        """The outcome in one line; see `results.verdict`."""
+        return verdict(self)
 
     @property
     def plot(self) -> Plot:

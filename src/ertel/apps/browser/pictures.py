@@ -91,7 +91,8 @@ def stamp_of(run: Path) -> int:
 
 def run_info(run: Path, stamp: int) -> RunInfo:
     """The facts on a run.  Raises ValueError where its data cannot be read."""
-    from ertel.plots.view import View, events_of
+    from ertel.plots.view import View
+    from ertel.results.profiles import events_of
 
     data = _opened(run, stamp, STRESSES)
     view, title = View(data), str(data.attrs["title"])

@@ -1,0 +1,385 @@
+"""Measurements beside results: a film profile, a history or a number, in SI, and what a run has in their place.
+
+A `Measurement` is read from a file or made of arrays.  It may be aligned: where its zero in place or time, its offset
+or its tilt are not known, they are those for which the squares of the differences from the run are smallest.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from ertel.case.case import Case
+from ertel.physics.units import Unit, in_si
+from ertel.results.columns import Columns
+from ertel.results.numbers import IN_SI, numbers
+from ertel.results.profiles import At, profile
+from ertel.results.variables import OUTCOME, VARIABLES, Variable, to_si, with_prefix
+
+Values = NDArray[np.float64]
+Kind = Literal["profile", "history", "number"]
+PLACES, TIME, SIGMA = ("x", "y", "r"), "t", "sigma"
+USUAL = {"profile": "h", "history": "h_c"}  # quantities, of a file with several
+ALIGNMENTS = ("centre", "offset", "tilt")
+SHIFTS = 401  # of the centre that are tried before the best is refined
+QUANTITIES: Mapping[str, Variable] = {  # by the names of the SI Dataset and of the summary
+    **{variable.si_name or name: variable for name, variable in {**OUTCOME, **VARIABLES}.items()},
+    **{name: OUTCOME[name] for name in OUTCOME if name != "T"},
+    "contact_time": VARIABLES["contact_time"],
+}
+
+
+class Outcome(Protocol):
+    """A run, as `Result` has it."""
+
+    @property
+    def case(self) -> Case: ...
+    @property
+    def dataset(self) -> xr.Dataset: ...
+    @property
+    def summary(self) -> dict[str, Any]: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """A measured profile, history or number, in SI.
+
+    Parameters
+    ----------
+    kind : "profile", "history" or "number"
+        Over a place at a moment, over time, or one number.
+    quantity : str
+        Its name in the SI Dataset of a run, "h", "p", "h_c", or in its summary, "restitution", "contact_time", ...
+    values : array
+        The measured values, (n,).
+    x : array, optional
+        Places (m) or times (s), (n,); None of a number.
+    sigma : float or array, optional
+        Standard error of the values.
+    at : float, str or Quantity, optional
+        The moment of a profile, "60 us" or "max-approach", see `results.profiles.moment_of`.
+    along : "x" or "y"
+        The direction of a profile.
+    align : sequence of str
+        What is not known: "centre", a shift in place or time; "offset" of the values; "tilt", a slope of the values.
+    name : str
+        For messages and pictures.
+
+    Raises
+    ------
+    ValueError
+        The lengths differ, a value is not finite, or a name is not known.
+    """
+
+    kind: Kind
+    quantity: str
+    values: Values
+    x: Values | None = None
+    sigma: float | Values | None = None
+    at: At = None
+    along: str = "x"
+    align: Sequence[str] = ()
+    name: str = "measurement"
+
+    def __post_init__(self) -> None:
+        values = np.atleast_1d(np.asarray(self.values, dtype=np.float64))
+        x = np.zeros_like(values) if self.x is None else np.asarray(self.x, dtype=np.float64)
+        sigma = np.asarray(1.0 if self.sigma is None else self.sigma, dtype=np.float64)
+        align = (self.align,) if isinstance(self.align, str) else tuple(self.align)
+        _name_of(self.quantity)
+        if unknown := [name for name in align if name not in ALIGNMENTS]:
+            raise ValueError(f"align = {unknown[0]!r}: must be of {', '.join(ALIGNMENTS)}")
+        if (self.x is None) != (self.kind == "number"):
+            raise ValueError(f"x: must be {'left out of' if self.kind == 'number' else 'given for'} a {self.kind}")
+        if values.shape != x.shape or values.ndim != 1 or sigma.shape not in ((), values.shape):
+            raise ValueError(f"values: have the shape {values.shape}, x {x.shape}, sigma {sigma.shape}; must be alike")
+        if len(values) <= len(align):
+            raise ValueError(f"values: {len(values)} are too few to align {len(align)} numbers")
+        if not (np.all(np.isfinite(values)) and np.all(np.isfinite(x)) and np.all((sigma > 0) & np.isfinite(sigma))):
+            raise ValueError("values, x, sigma: must be finite, sigma also above zero")
+        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "x", None if self.x is None else x)
+        object.__setattr__(self, "align", align)
+
+    @classmethod
+    def number(cls, quantity: str, value: float | str, sigma: float | str | None = None) -> "Measurement":
+        """The measurement of one number of a run.
+
+        Parameters
+        ----------
+        quantity : str
+            Its name in the summary: "restitution", "contact_time", "h_c", "mu_sliding", ...
+        value : float or str
+            In SI, or a text with a unit, "95 us".
+        sigma : float or str, optional
+            Its standard error, in the same way.
+
+        Returns
+        -------
+        Measurement
+            Of kind "number".
+
+        Raises
+        ------
+        ValueError
+            There is no such number, or the unit does not fit.
+        """
+        found, error = _in_si(quantity, value), None if sigma is None else _in_si(quantity, sigma)
+        return cls("number", quantity, np.array([found]), sigma=error, name=quantity)
+
+    @classmethod
+    def read(
+        cls,
+        path: str | PathLike[str],
+        *,
+        at: At = None,
+        along: str = "x",
+        align: Sequence[str] = (),
+        sigma: float | str | None = None,
+        columns: Mapping[str, str] | None = None,
+        **units: str,
+    ) -> "Measurement":
+        """A profile or a history from a file of columns: `Measurement.read("film.csv", x="um", h="nm", at="60 us")`.
+
+        The file has a place x, y or r, or a time t, and a quantity by its name in the SI Dataset: h, p, h_c, ...  Units
+        stand in the header, as "x_um", "x (um)", "x [um]" or "x/um", or are given.  A file without header has the
+        columns that are given, in this order.  Rows with a gap are left out.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, see `results.columns`.
+        at, along, align
+            As of `Measurement`.
+        sigma : float or str, optional
+            Standard error, in SI or with a unit.  A column "sigma" goes before; without a unit it has that of the
+            values.
+        columns : mapping, optional
+            The names in the header by the quantity, where they differ: {"x": "Position (um)", "h": "Film [nm]"}.
+        **units : str
+            Units of the columns by the quantity, x="um"; of several quantities in a file the one that is named here.
+
+        Returns
+        -------
+        Measurement
+            In the order of the places or times.
+
+        Raises
+        ------
+        ValueError
+            A column or a unit is missing; the message names the columns that there are.
+        """
+        if unknown := {*units, *(columns or {})} - {*QUANTITIES, SIGMA}:
+            raise ValueError(
+                f"{sorted(unknown)[0]}: must be the name of a place, a time or a result, such as x, t, h, h_c"
+            )
+        file = Columns.read(Path(path), {*QUANTITIES, SIGMA}, columns or {}, units)
+        axis = next((name for name in (*PLACES, TIME) if name in file.texts), "")
+        kind: Kind = "history" if axis == TIME else "profile"
+        there = [name for name in file.texts if name not in (*PLACES, TIME, SIGMA)]
+        given = [name for name in there if name in units or name in (columns or {})]
+        name = next(iter([*given, *(name for name in there if name == USUAL[kind]), *there]), "")
+        if not (axis and name):
+            wanted = f"quantity such as {USUAL[kind]}" if axis else "place x, y or r and no time t"
+            raise ValueError(f'{file.file}: has no {wanted}; {file.listed}; give columns={{"{name or "x"}": ...}}')
+        unit = _unit(name)
+        rows = [file.values(axis, _unit(axis)), file.values(name, unit)]
+        rows += [file.values(SIGMA, unit, file.units[name])] if SIGMA in file.texts else []
+        whole = np.array(rows)[:, np.all(np.isfinite(rows), axis=0)]
+        x, values, *errors = whole[:, np.argsort(whole[0], kind="stable")]
+        error = errors[0] if errors else None if sigma is None else _in_si(name, sigma)
+        return cls(kind, name, values, x, error, at, "y" if axis == "y" else along, align, file.file)
+
+    # -- beside a run -------------------------------------------------------------------------------------------------
+
+    def predicted(self, result: Outcome) -> Values:
+        """The values of a run in the place of the measured ones.
+
+        A profile is interpolated linearly along the line and between maps, a history between steps.  Where the
+        measurement is to be aligned they are as its instrument would show them: moved, offset and tilted so that the
+        squares of the differences are smallest.
+
+        Parameters
+        ----------
+        result : Result
+            A run.
+
+        Returns
+        -------
+        array (n,)
+            In SI, one for each measured value.
+
+        Raises
+        ------
+        ValueError
+            The run is dimensionless, does not have this quantity or moment, or does not reach as far.
+        """
+        compared = self.compared(result)
+        return self.values - compared.difference
+
+    def compared(self, result: Outcome) -> "Comparison":
+        """The measurement beside a run, aligned.  Parameters and errors are those of `predicted`."""
+        if self.x is None:
+            return Comparison(self, np.zeros(1), self.values, np.array([self._number(result)]))
+        line, shift = self._line(result), {}
+        there, values = line[self.axis].values, line.values
+        if "centre" in self.align:
+            shift["centre"] = self._best_centre(there, values)
+        x = self.x - shift.get("centre", 0.0)
+        if x.min() < there[0] or x.max() > there[-1]:
+            ends = [with_prefix(end, _unit(self.axis)) for end in (x.min(), x.max(), there[0], there[-1])]
+            raise ValueError("{}: reaches from {} to {}, and the run only from {} to {}".format(self.name, *ends))
+        computed = np.interp(x, there, values)
+        shift |= self._best_lines(self.values - computed)
+        return Comparison(self, x, self.values - self._lines(shift), computed, shift, line)
+
+    @property
+    def axis(self) -> str:
+        """The name of x: "x" or "y" of a profile, "t" of a history."""
+        return TIME if self.kind == "history" else self.along
+
+    def _number(self, result: Outcome) -> float:
+        table = {name: each for each in numbers(result.summary).values() for name in (each.name, each.si_name) if name}
+        if self.quantity not in table:
+            raise ValueError(f"{self.quantity}: the run has no such number; it has {', '.join(table)}")
+        number = table[self.quantity]
+        if number.factor is None and number.unit not in ("1", *IN_SI):
+            raise ValueError(f"{self.quantity}: the case is dimensionless, and the measurement is in SI")
+        return number.value * (1.0 if number.factor is None else number.factor)
+
+    def _line(self, result: Outcome) -> xr.DataArray:
+        """The quantity along the line of a profile, or through time, in SI."""
+        data = result.dataset
+        if self.kind == "profile":
+            data = profile(data, self.at, self.along)
+        elif "time" in data.dims:
+            data = data.drop_dims([name for name in data.dims if name != "time"])
+            data = to_si(data) if "si_factor" in data["time"].attrs else data
+        else:
+            raise ValueError(f"{self.name}: is a history, and a steady contact has none")
+        if self.axis not in data.coords:
+            raise ValueError(f"{self.name}: is in SI, and the case is dimensionless")
+        if self.quantity not in data:
+            raise ValueError(f"{self.quantity}: the run has no such {self.kind}; it has {', '.join(map(str, data))}")
+        return data[self.quantity].assign_attrs(moment=data.attrs.get("moment", ""))
+
+    # -- alignment ----------------------------------------------------------------------------------------------------
+
+    def _lines(self, shift: Mapping[str, float]) -> Values:
+        """Offset and tilt at the measured places; the tilt is about their middle."""
+        assert self.x is not None
+        offset, tilt = shift.get("offset", 0.0), shift.get("tilt", 0.0)
+        return np.asarray(offset + tilt * (self.x - self.x.mean()))
+
+    def _best_lines(self, difference: Values) -> dict[str, float]:
+        """The offset and the tilt, as far as they are not known, that leave the smallest squares."""
+        names = [name for name in ("offset", "tilt") if name in self.align]
+        if not names:
+            return {}
+        shapes = np.transpose([self._lines({name: 1.0}) for name in names])
+        scale = np.abs(shapes).max(axis=0)
+        shares = np.linalg.lstsq(shapes / scale * self._weight[:, None], difference * self._weight)[0] / scale
+        return dict(zip(names, shares.tolist(), strict=True))
+
+    @property
+    def _weight(self) -> Values:
+        return np.ones_like(self.values) / (1.0 if self.sigma is None else self.sigma)
+
+    def _best_centre(self, there: Values, values: Values) -> float:
+        """The shift that leaves the smallest squares, as far as the run reaches, which has these values there."""
+        x = self.x
+        assert x is not None
+        low, high = x.max() - there[-1], x.min() - there[0]
+        if low >= high:  # the run is shorter than the measurement, of which the caller tells
+            return 0.0
+
+        def squares(centre: float) -> float:
+            difference = self.values - np.interp(x - centre, there, values)
+            return float(np.sum((self._weight * (difference - self._lines(self._best_lines(difference)))) ** 2))
+
+        tried = np.linspace(low, high, SHIFTS)
+        best, step = tried[np.argmin([squares(each) for each in tried])], (high - low) / (SHIFTS - 1)
+        bounds = max(low, best - step), min(high, best + step)
+        return float(minimize_scalar(squares, bounds=bounds, options={"xatol": 1e-6 * step}).x)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison:
+    """A measurement beside a run, in SI.
+
+    Attributes
+    ----------
+    measurement : Measurement
+        As it was given.
+    x : array (n,)
+        Its places or times, aligned; zero of a number.
+    measured, computed : array (n,)
+        The values, aligned, and those of the run.
+    shift : mapping
+        What the alignment took off: "centre" (m or s) of x, "offset" and "tilt" (per m or s) of the values.
+    line : DataArray or None
+        All that the run has along the line or through time, its attribute `moment` in words; None of a number.
+    """
+
+    measurement: Measurement
+    x: Values
+    measured: Values
+    computed: Values
+    shift: Mapping[str, float] = field(default_factory=dict)
+    line: xr.DataArray | None = None
+
+    @property
+    def difference(self) -> Values:
+        """Measured less computed, (n,)."""
+        return self.measured - self.computed
+
+    @property
+    def rms(self) -> float:
+        """The root mean square of the difference."""
+        return float(np.sqrt(np.mean(self.difference**2)))
+
+    @property
+    def where(self) -> str:
+        """The moment of a profile in words, "" of a history and of a number."""
+        return "" if self.line is None else str(self.line.attrs["moment"])
+
+    @property
+    def text(self) -> str:
+        """The rms difference in words, with its share of the mean."""
+        share = self.rms / float(np.abs(self.computed).mean() or 1.0)
+        return f"rms difference {with_prefix(self.rms, _unit(self.measurement.quantity))} ({share:.1%} of the mean)"
+
+    def __repr__(self) -> str:
+        m = self.measurement
+        units = {"centre": _unit(m.axis), "offset": _unit(m.quantity), "tilt": f"{_unit(m.quantity)}/{_unit(m.axis)}"}
+        shift = "".join(f"; {name} {with_prefix(value, units[name])}" for name, value in self.shift.items())
+        where = f", {self.where}" if self.where else ""
+        return f"{m.name}: {QUANTITIES[m.quantity].long_name}{where}: {self.text}, {len(self.x)} values{shift}"
+
+
+def _name_of(quantity: str) -> Variable:
+    if quantity not in QUANTITIES:
+        raise ValueError(f"quantity = {quantity!r}: must be the name of a result, such as h, h_c, restitution")
+    return QUANTITIES[quantity]
+
+
+def _unit(quantity: str) -> str:
+    """The SI unit of a quantity, "1" of a plain number."""
+    about = _name_of(quantity)
+    return about.si_units or (about.unit if about.unit in IN_SI else "1")
+
+
+def _in_si(quantity: str, value: float | str) -> float:
+    unit = _unit(quantity)
+    try:
+        return (
+            float(value) if unit == "1" or not isinstance(value, str) else in_si(value, Unit(unit, f"1 {unit}", True))
+        )
+    except ValueError as error:
+        raise ValueError(f"{quantity} = {value!r}: {error}") from error

@@ -1,0 +1,187 @@
+"""The moment of a run that is asked for, and film, pressure and oil along a line through the centre at that moment.
+
+`moment_of` is the one place that reads `at`, for all pictures, exports and measurements.  A picture shows the map next
+to a time; a profile is interpolated linearly in time between the two maps around it, so that it depends smoothly on the
+time and on the case.
+"""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from math import nan
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ertel.physics.units import TIME, Quantity, in_si
+from ertel.results.dataset import with_units
+from ertel.results.variables import AXES, EVENTS, is_steady, to_si, with_prefix
+
+Values = NDArray[np.float64]
+At = (
+    float | str | Quantity | None
+)  # a time in t0 or with its unit, an event, or None: maximum approach, or the last map
+MAXIMUM, LAST, END, CHOSEN = "maximum approach", "last map", "end of the run", "chosen map"
+NAMES = {"max-approach": MAXIMUM, "end": END}
+ALONG = {"x": ("X", "Y"), "y": ("Y", "X")}  # the axis of a line, and the other one
+ON_A_LINE = ("H", "P", "oil")
+ROUNDING = 1e-9  # t0
+
+
+@dataclass(frozen=True)
+class Instant:
+    """A moment of a run in time.  T: in t0.  frame: the number of the map next to it.  name: in words."""
+
+    T: float
+    frame: int
+    name: str
+
+
+def events_of(dataset: xr.Dataset) -> Mapping[str, int]:
+    """The maps of the events of a run in time, by name."""
+    codes = dataset["event"].values
+    return {EVENTS[code]: int(np.flatnonzero(codes == code)[0]) for code in sorted({int(c) for c in codes}) if code}
+
+
+def moment_of(dataset: xr.Dataset, at: At = None) -> Instant:
+    """The moment of a run in time that is asked for.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A run in time, dimensionless as it is stored.
+    at : float, str or Quantity, optional
+        A time in t0, as a number; a time with its unit, "95 us", of a physical case; or an event of the run,
+        "max-approach" or "end".  By default maximum approach, or the last map where there is none.
+
+    Returns
+    -------
+    Instant
+        The time in t0, the map next to it and its name.
+
+    Raises
+    ------
+    ValueError
+        The run has no maps yet, or does not have this moment.
+    """
+    T, events = np.asarray(dataset["frame"].values), events_of(dataset)
+    at = str(at) if isinstance(at, Quantity) else at
+    if not T.size:
+        raise ValueError("dataset: has no maps yet")
+    if at is None:
+        frame = events.get("max-approach", len(T) - 1)
+        return Instant(float(T[frame]), frame, MAXIMUM if "max-approach" in events else LAST)
+    if isinstance(at, str) and at in events:
+        return Instant(float(T[events[at]]), events[at], NAMES[at])
+    time = _in_t0(dataset, at)
+    if T[0] - ROUNDING <= time <= T[-1] + ROUNDING:
+        return Instant(time, int(np.abs(T - time).argmin()), CHOSEN)
+    names = ", ".join(f'"{event}"' for event in events) or "no events"
+    t0 = dataset["frame"].attrs.get("si_factor")
+    in_seconds = f" ({with_prefix(T[0] * t0, 's')} to {with_prefix(T[-1] * t0, 's')})" if t0 else ""
+    span = f"{T[0]:.4g} to {T[-1]:.4g} t0{in_seconds}"
+    raise ValueError(f"at = {at!r}: must be a time from {span} or an event of this run, which has {names}")
+
+
+def _in_t0(dataset: xr.Dataset, at: float | str) -> float:
+    """A time in t0; NaN of a text that is not a time."""
+    with suppress(ValueError):
+        return float(at)
+    try:
+        seconds = in_si(at, TIME.in_si)
+    except ValueError:
+        return nan
+    if "si_factor" not in dataset["frame"].attrs:
+        raise ValueError(f"at = {at!r}: the case is dimensionless; give a time in t0, a plain number")
+    return float(seconds / dataset["frame"].attrs["si_factor"])
+
+
+# -- along a line -----------------------------------------------------------------------------------------------------
+
+
+def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
+    """Film thickness, pressure and oil along a line through the centre, at a moment of a run in time.
+
+    Between two maps they are interpolated linearly in time.  An axisymmetric run has the same line along x and y.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A run, dimensionless as it is stored.
+    at : float, str or Quantity, optional
+        The moment of a run in time, see `moment_of`; of a steady contact it is left out.
+    along : "x" or "y"
+        The direction of the line.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables h, p and h_oil over x or y in SI, with the scalar t of a run in time; of a dimensionless case H, P and
+        oil over X or Y, with time.  Its attribute `moment` says in words where it was taken.
+
+    Raises
+    ------
+    ValueError
+        The direction is not one of these, or the run does not have this moment.
+    """
+    if along not in ALONG:
+        raise ValueError(f'along = {along!r}: must be "x" or "y"')
+    axis, other = ALONG[along]
+    fields, moment = dataset[[name for name in ON_A_LINE if name in dataset]], "steady contact"
+    if not is_steady(dataset):
+        fields, moment = _at(fields, moment_of(dataset, at))
+    elif at is not None:
+        raise ValueError(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
+    elif not dataset.sizes["grid"]:
+        raise ValueError("dataset: has no solution yet")
+    line = _through_centre(fields.load(), axis) if "r" in fields.coords else fields.load().interp({other: 0.0})
+    line = line.drop_vars([other, "frame"], errors="ignore").assign_attrs(dataset.attrs, moment=moment)
+    return to_si(line) if "si_factor" in line["H"].attrs else line
+
+
+def _at(fields: xr.Dataset, moment: Instant) -> tuple[xr.Dataset, str]:
+    """The fields at a moment, between two maps interpolated, and the moment in words."""
+    frame = fields["frame"]
+    T, unit, factor = frame.values, frame.attrs.get("si_units", ""), frame.attrs.get("si_factor", 1.0)
+
+    def text(time: float) -> str:
+        return with_prefix(time * factor, unit) if unit else f"{time:.4g} t0"
+
+    if abs(T[moment.frame] - moment.T) <= ROUNDING:
+        now, words = fields.isel(frame=moment.frame), f"{moment.name} at {text(moment.T)}"
+    else:
+        first = int(np.searchsorted(T, moment.T)) - 1
+        now = fields.isel(frame=slice(first, first + 2)).load().interp(frame=moment.T)
+        words = f"{text(moment.T)}, between the maps at {text(T[first])} and {text(T[first + 1])}"
+    return now.assign_coords(time=((), moment.T, frame.attrs)), words
+
+
+def mirrored(values: Values, odd: bool = False) -> Values:
+    """A radial profile and its mirror image, along the last axis; odd: with the sign changed."""
+    left = values[..., :0:-1]
+    return np.concatenate([-left if odd else left, values], axis=-1)
+
+
+def _through_centre(fields: xr.Dataset, axis: str) -> xr.Dataset:
+    """Radial profiles as they are along a diameter."""
+    about = AXES[axis]
+    words = {"long_name": about.long_name, "symbol": about.symbol}
+    words |= {"si_name": about.si_name} if "si_factor" in fields["r"].attrs else {}
+    line = {name: ((axis,), mirrored(values.values), values.attrs) for name, values in fields.data_vars.items()}
+    place = ((axis,), mirrored(fields["r"].values, odd=True), {**fields["r"].attrs, **words})
+    return xr.Dataset(line, {axis: place, **{name: c for name, c in fields.coords.items() if not c.dims}})
+
+
+def write_profile(dataset: xr.Dataset, directory: Path, at: At = None, along: str = "x") -> tuple[Path, str]:
+    """Write a `profile` as CSV; its path, and the moment in words.
+
+    The columns are named with their unit, x_m, h_m, p_Pa, h_oil_m, t_s; without SI they are X, H, P, oil, time.
+    """
+    line = profile(dataset, at, along)
+    directory.mkdir(parents=True, exist_ok=True)
+    when = "" if at is None else "_" + "".join(c if c.isalnum() or c in ".-" else "_" for c in str(at))
+    path = directory / f"profile_{along}{when}.csv"
+    with_units(line).to_dataframe().to_csv(path)
+    return path, str(line.attrs["moment"])
