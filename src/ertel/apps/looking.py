@@ -100,6 +100,8 @@ def compare(
     """
     if second.is_file():
         units = dict(each.partition("=")[::2] for each in column or [])
+        if wrong := sorted(units.keys() & {"at", "along", "align", "columns", "sigma"}):
+            leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
         _compare_measured(
             first, second, plot, as_json, at=at, along=along, align=(align or "").replace(",", " ").split(), **units
         )
