@@ -275,9 +275,12 @@ def test_maps_show_hills_and_valleys():
 
 
 def test_profiles_show_the_roughness():
-    for axes in panels(plots.profiles(in_time(replace(as_in_time(MOES_ROLLS), roughness=ROUGH[1:])))):
+    data = in_time(replace(as_in_time(MOES_ROLLS), roughness=ROUGH[1:]))
+    for axes in panels(plots.profiles(data, at=1.0)):
         assert axes.get_ylim()[0] < 0 <= min(axes.get_yticks())
         assert any(text.get_text().startswith("roughness") for text in axes.texts)
+    for axes in panels(plots.profiles(data, at="end")):  # the spot has left, but for round-off
+        assert axes.get_ylim()[0] == 0 and not axes.texts
 
 
 def test_a_smooth_impact_shows_no_roughness_and_no_flow(moes):
