@@ -24,7 +24,11 @@ from ertel.results.variables import with_prefix
 from ertel.version import installed_version
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
+    from typing import Unpack
+
     from matplotlib.figure import Figure
+
+    from ertel.plots.drawing import SheetOptions
 
 Values = NDArray[np.float64]
 
@@ -243,11 +247,11 @@ class FitResult(StudyResult):
         """Write the data as a CSV file: what is measured, predicted and left over."""
         self.dataset.drop_dims(["unknown", "other", "product"]).to_dataframe().to_csv(path, index=False)
 
-    def plot(self) -> "Figure":
-        """Data, fitted curves and residuals."""
+    def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
+        """Data, fitted curves and residuals.  sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`."""
         from ertel.plots import fits
 
-        return fits.figure(self.dataset)
+        return fits.figure(self.dataset, **sheet)
 
     def table(self) -> list[list[str]]:
         """The columns of a table to read, each with its heading first."""
