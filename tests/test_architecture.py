@@ -32,7 +32,7 @@ DRAWN_LAZILY = {"results.result", "results.study_result"}  # their `plot` import
 SHORTEST_FILE = 60
 SHORT = {"case.status", "inputs.materials"}  # an enumeration and a public face
 LONGEST_FILE = 400
-MOST_CODE, MOST_SHELL, MOST_FILES = 19_620, 12_023, 144  # aims: 15 000, 9 000, 140
+MOST_CODE, MOST_SHELL, MOST_FILES = 19_852, 12_255, 144  # aims: 15 000, 9 000, 140
 
 
 def module_name(path: Path) -> str:

@@ -9,6 +9,7 @@ import pytest
 from app_runs import CASE_FILES, given, raising, refused
 from cases import LEFT, ertel_, names
 from matplotlib.figure import Figure
+from PIL import Image
 
 import ertel
 from ertel import plots
@@ -28,7 +29,7 @@ SUMMARY_KEYS = [
 def quick_figures(monkeypatch):
     """As if a run were drawn in two empty figures, with the choice of the moment in the title."""
 
-    def draw(data, name, at):
+    def draw(data, name, at, **_):
         figure = Figure()
         figure.suptitle(repr(at))
         return figure
@@ -218,6 +219,15 @@ def test_plot_of_one_figure(small):
     assert ertel_("plot", "runs/small", "--what", "history").stdout == "runs/small/plots/history.png\n"
     assert names(small / "plots") == {"history.png"}
     assert all(callable(getattr(plots, name)) for name in plots.NAMES)  # names are those of functions
+
+
+def test_plot_for_print(small):
+    """One column at 300 dots an inch, for all figures and an interferogram; not for a movie."""
+    ertel_("plot", "runs/small", "--what", "history", "--columns", "1", "--no-title")
+    with Image.open(small / "plots" / "history.png") as picture:
+        assert picture.width == pytest.approx(85 / 25.4 * 300, abs=1)
+    movie = refused("plot", "runs/small", "--interferogram", "mono", "--format", "gif", "--columns", "1")
+    assert "--columns, --no-title: only for pictures" in movie
 
 
 def test_plot_refused(small):

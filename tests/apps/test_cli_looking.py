@@ -168,6 +168,7 @@ def test_measurements_refused(runs, tmp_path):
     plane = str(runs / "plane")
     (tmp_path / "film.csv").write_text("place,film\n1,2\n")
     assert "it has 'place', 'film'" in refused("compare", plane, str(tmp_path / "film.csv"))
+    assert "--column at: must be" in refused("compare", plane, str(tmp_path / "film.csv"), "--column", "at=s")
     assert "--at: only for a measurement" in refused("compare", plane, plane, "--at", "1")
     assert "--at 1: only for --what profile" in refused("export", plane, "--at", "1")
     assert "--to vtk: a profile is written as csv" in refused("export", plane, "--to", "vtk", "--what", "profile")

@@ -30,7 +30,7 @@ KEYS = [  # the issue's
 @pytest.fixture
 def empty_figures(monkeypatch):
     """What is drawn is tested with the figures."""
-    monkeypatch.setattr(plots, "draw", lambda *_: Figure())
+    monkeypatch.setattr(plots, "draw", lambda *_, **__: Figure())
 
 
 def test_a_film_below_zero_fails_with_the_number_of_nodes(here):

@@ -69,7 +69,7 @@ from matplotlib.figure import Figure
 from ertel import plots
 from ertel.__main__ import main
 
-plots.draw = lambda *_: Figure()
+plots.draw = lambda *_, **__: Figure()
 main()
 """
 

@@ -13,7 +13,8 @@ HUNDREDS = np.arange(0, 600, 100) * NM
 
 @pytest.fixture(scope="module")
 def science():
-    return pytest.importorskip("colour", reason="another program for colours, of the extra test")
+    with np.printoptions():  # which it changes, and with them messages that other tests read
+        return pytest.importorskip("colour", reason="another program for colours, of the extra test")
 
 
 # -- the eye and the screen -------------------------------------------------------------------------------------------

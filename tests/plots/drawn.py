@@ -45,6 +45,6 @@ def edge_of_oil(axes):
 
 
 def flow_arrows(axes):
-    """Where the arrows of the flow point: sign of x of the end less that of the start."""
-    arrows = [text for text in axes.texts if getattr(text, "arrow_patch", None)]
-    return [float(np.sign(arrow.xy[0] - arrow.get_position()[0])) for arrow in arrows]
+    """Where the arrows of the flow point: 1 along the axis, -1 against it."""
+    ends = [text.get_text()[-1] for text in axes.texts if text.get_text().startswith("flow")]
+    return [{"→": 1.0, "←": -1.0, "↓": 1.0, "↑": -1.0}[end] for end in ends]

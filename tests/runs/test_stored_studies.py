@@ -146,7 +146,10 @@ def test_a_run_that_cannot_be_done_is_a_value(tmp_path):
     assert result.complete and result.failed == [f"runs/{broken.name}"]
     statuses = result.dataset["status"].values.ravel().tolist()
     assert statuses[1].startswith("failed: StoreError: ") and statuses.count("converged") == 3
-    assert result.remarks == ["4 runs: 3 converged, 1 failed; 3 with warnings"]
+    summary, *warnings = result.remarks
+    assert summary == "4 runs: 3 converged, 1 failed; 3 with warnings"
+    assert len(warnings) == 2 and all(each.startswith("warning: runs/") for each in warnings)
+    assert warnings[0].endswith("(and the same in 2 other runs)")  # which differ in their numbers only
 
 
 class Bars:
@@ -256,8 +259,10 @@ def test_the_picture_has_plain_ticks_and_no_lines_without_runs():
     viscosities = "eta0", np.geomspace(0.05, 0.5, 3), {"units": "Pa*s"}
     h_c = ("eta0", "oil"), np.array([[1.0, np.nan], [2.0, np.nan], [3.0, np.nan]]), {"units": "m", "long_name": "film"}
     data = xr.Dataset({"h_c": h_c}, {"eta0": viscosities, "oil": ["roelands", "barus"]}, {"title": "oils"})
-    axes = StudyResult(data).plot().axes[0]
-    assert axes.get_xlabel() == "eta0 (mPa s)" and len(axes.get_legend().texts) == 1
+    figure = StudyResult(data).plot()
+    (axes,) = figure.axes
+    assert axes.get_xlabel() == "eta0 (mPa s)" and len(axes.containers) == 1
+    assert [text.get_text() for text in figure.legends[0].texts] == ["roelands"]
     axes.figure.canvas.draw()
     assert {"50", "100", "200", "500"} <= {text.get_text() for text in axes.get_xticklabels()}
     assert not any(text.get_text() for text in axes.get_xticklabels(minor=True))

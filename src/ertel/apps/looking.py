@@ -100,6 +100,8 @@ def compare(
     """
     if second.is_file():
         units = dict(each.partition("=")[::2] for each in column or [])
+        if wrong := sorted(units.keys() & {"at", "along", "align", "columns", "sigma"}):
+            leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
         _compare_measured(
             first, second, plot, as_json, at=at, along=along, align=(align or "").replace(",", " ").split(), **units
         )
@@ -213,6 +215,11 @@ def plot(
         Literal["png", "svg", "pdf", "gif", "webp", "mp4"],
         typer.Option("--format", help="File format; gif, webp and mp4 are movies of an interferogram."),
     ] = "png",
+    columns: Annotated[
+        int | None,
+        typer.Option(min=1, max=2, help="Draw for print, one or two columns wide: 85 or 170 mm.", show_default=False),
+    ] = None,
+    title: Annotated[bool, typer.Option("--title/--no-title", help="Draw headings.")] = True,
     out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
 ) -> None:
     """Draw the figures of a run, or an interferogram of its film. Those at a time show the map next to it.
@@ -226,6 +233,8 @@ def plot(
         leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
     if format_ in MOVIES and at is not None:
         leave(BAD_INPUT, f"--at {at}: a movie shows all times; leave it out, or use --format png")
+    if format_ in MOVIES and (columns or not title):
+        leave(BAD_INPUT, "--columns, --no-title: only for pictures; a movie has neither, use --format png, svg or pdf")
     if wavelength is not None and interferogram in (None, "white"):
         leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
     if format_ == "mp4":
@@ -233,7 +242,8 @@ def plot(
     with running.opened(directory) as run:
         data = run.dataset()
     with bad_input():
-        writers = _drawn(data, what, at, interferogram, wavelength, format_)
+        sheet = {"columns": columns, "title": title}
+        writers = _drawn(data, what, at, interferogram, wavelength, format_, sheet)
     target = out or directory / "plots"
     target.mkdir(parents=True, exist_ok=True)
     for name, write in writers.items():
@@ -249,18 +259,19 @@ def _drawn(
     lighting: Lighting | None,
     wavelength: str | None,
     kind: str,
+    sheet: dict[str, Any],
 ) -> dict[str, Callable[[Path], object]]:
     """The figures or the interferogram of a run: by name the function that writes it into a file."""
     from ertel import plots
 
     if lighting is None:
         names = [what] if what else plots.names_of(data)
-        return {name: plots.draw(data, name, at).savefig for name in names}
+        return {name: plots.draw(data, name, at, **sheet).savefig for name in names}
     light, rig = _optics(lighting, wavelength)
     name = f"interferogram-{lighting}"
     if kind in MOVIES:
         return {name: partial(plots.animation(data, light, rig).save, writer=MOVIES[kind])}
-    return {name: plots.interferogram(data, at, light, rig).savefig}
+    return {name: plots.interferogram(data, at, light, rig, **sheet).savefig}
 
 
 def _optics(lighting: Lighting, wavelength: str | None) -> tuple["Light", "Rig"]:

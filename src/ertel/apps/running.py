@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
 from ertel.apps import tables
 from ertel.apps.process import Stop, interruptible
 from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, say, shown, writing_to
@@ -198,8 +200,9 @@ def report(
         print_json(summary)
     elif not quiet:
         out, status = tables.console(), Status(summary["status"])
+        data = run.dataset() if run.case.roughness else xr.Dataset()  # a summary is shown without data, too
         with bad_input():
-            line = verdict(Result(run.case, run.dataset(), dict(summary), status), *sigma) if status.ok else ""
+            line = verdict(Result(run.case, data, dict(summary), status), *sigma) if status.ok else ""
         tables.print_summary(out, run.case, summary)
         if line:
             out.print(f"{line[0].upper()}{line[1:]}", style="bold")

@@ -7,13 +7,18 @@
 A run in time has overview, film, pressure, oil, maps, profiles, history and friction, and an impact front; a steady
 contact overview, film, pressure, oil, maps, midlines, convergence and friction.  `at` chooses the moment of a run in
 time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an event,
-"max-approach" or "end"; by default maximum approach, or the last map where there is none.
+"max-approach" or "end"; by default maximum approach, of a rolling contact the thinnest film where it is thinner than at
+both ends of the run, or else the last map.
+
+`ax=` draws into axes of your own; `columns=1` or `columns=2` makes a figure of 85 or 170 mm for print,
+`figsize=` one of another size; `title=False` leaves headings out; see `Sheet`.
 
 Every function raises `NoFigure`, a ValueError, where there is nothing to draw yet, and for a figure or a moment that
 the run does not have.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
@@ -21,7 +26,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ertel.plots import fields, histories
-from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, compose
+from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose
 from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram
 from ertel.plots.measured import measured
@@ -30,7 +35,7 @@ from ertel.results.profiles import At
 from ertel.results.variables import is_steady
 
 __all__ = [
-    "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "animation", "comparison",
+    "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
     "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
     "names_of", "oil", "overview", "pressure", "profiles",
 ]  # fmt: skip
@@ -89,7 +94,7 @@ def names_of(dataset: xr.Dataset) -> tuple[str, ...]:
     return tuple(name for name in figures if name not in parts)
 
 
-def draw(dataset: xr.Dataset, name: str, at: At = None) -> Figure:
+def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """One figure of a run by its name, one of `NAMES`.
 
     Parameters
@@ -100,6 +105,8 @@ def draw(dataset: xr.Dataset, name: str, at: At = None) -> Figure:
         The name of the figure.
     at : float, str or Quantity, optional
         The moment of a run in time: a time in t0 or with its unit, or an event.
+    **sheet
+        Axes or a size, and whether there is a title: ax, figsize, columns, title, see `Sheet`.
 
     Raises
     ------
@@ -112,62 +119,62 @@ def draw(dataset: xr.Dataset, name: str, at: At = None) -> Figure:
         raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(figures)}")
     view, rows = View.of(dataset, at), figures[name]
     outcome = view.friction if name == "friction" and view.frame is None else view.outcome
-    return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome])
+    return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome], Sheet(**sheet))
 
 
-def overview(dataset: xr.Dataset, at: At = None) -> Figure:
+def overview(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """The run on one page."""
-    return draw(dataset, "overview", at)
+    return draw(dataset, "overview", at, **sheet)
 
 
-def film(dataset: xr.Dataset, at: At = None) -> Figure:
+def film(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Film thickness over the surface, with contour lines at equal steps as an interferometer shows them."""
-    return draw(dataset, "film", at)
+    return draw(dataset, "film", at, **sheet)
 
 
-def pressure(dataset: xr.Dataset, at: At = None) -> Figure:
+def pressure(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Pressure over the surface, with contour lines at equal steps."""
-    return draw(dataset, "pressure", at)
+    return draw(dataset, "pressure", at, **sheet)
 
 
-def oil(dataset: xr.Dataset, at: At = None) -> Figure:
+def oil(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """The part of the gap that is filled with oil; the rest is void, in a cavity or beside a thin layer of oil."""
-    return draw(dataset, "oil", at)
+    return draw(dataset, "oil", at, **sheet)
 
 
-def maps(dataset: xr.Dataset, at: At = None) -> Figure:
+def maps(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Film thickness and pressure over the surface."""
-    return draw(dataset, "maps", at)
+    return draw(dataset, "maps", at, **sheet)
 
 
-def profiles(dataset: xr.Dataset, at: At = None) -> Figure:
+def profiles(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Film thickness and pressure along the mid-line of a run in time, the moment `at` in black."""
-    return draw(dataset, "profiles", at)
+    return draw(dataset, "profiles", at, **sheet)
 
 
-def history(dataset: xr.Dataset, at: At = None) -> Figure:
+def history(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Motion, film thickness, pressure and the place of the minimum film thickness of a run in time."""
-    return draw(dataset, "history", at)
+    return draw(dataset, "history", at, **sheet)
 
 
-def front(dataset: xr.Dataset, at: At = None) -> Figure:
+def front(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """The front of an impact, where the film is thinnest, through time: its place and its speed."""
-    return draw(dataset, "front", at)
+    return draw(dataset, "front", at, **sheet)
 
 
-def midlines(dataset: xr.Dataset, at: At = None) -> Figure:
+def midlines(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Film thickness and pressure through the centre of a steady contact, along the flow and across it."""
-    return draw(dataset, "midlines", at)
+    return draw(dataset, "midlines", at, **sheet)
 
 
-def convergence(dataset: xr.Dataset, at: At = None) -> Figure:
+def convergence(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Convergence of the Newton iteration on every grid of a steady contact, and the film thickness on every grid."""
-    return draw(dataset, "convergence", at)
+    return draw(dataset, "convergence", at, **sheet)
 
 
-def friction(dataset: xr.Dataset, at: At = None) -> Figure:
+def friction(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Shear stress and power loss over the surface, of a run in time also the coefficients of friction through time.
 
     The shear stress is that in the middle of the film; it is left out where the surfaces do not slide.
     """
-    return draw(dataset, "friction", at)
+    return draw(dataset, "friction", at, **sheet)

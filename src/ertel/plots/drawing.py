@@ -7,13 +7,14 @@ The colours can be told apart by everybody (Okabe and Ito; for ordered values, m
 
 import re
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from io import BytesIO
-from typing import TypeVar
+from typing import Any, Literal, TypedDict, TypeVar
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
+from matplotlib import colormaps, rc_context, rcParams
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
@@ -37,6 +38,16 @@ UNITS = {
 }  # fmt: skip
 PER_AREA = {"W/m2": (1e-6, "W/mm²")}  # SI units that are shown in another one
 GREEK = "Delta|delta|^mu|^tau"
+COLUMN = 85.0 / 25.4  # inches: a column of a journal
+IN_PRINT: Any = {  # letters of 7 to 9 pt, "small" ones of 7.1 pt
+    "font.size": 8.5, "axes.titlesize": 8.5, "axes.labelsize": 8.5, "figure.titlesize": 8.5, "axes.linewidth": 0.6,
+    "xtick.labelsize": 7.5, "ytick.labelsize": 7.5, "legend.fontsize": 7.5, "lines.linewidth": 1.2,
+    "xtick.major.width": 0.6, "ytick.major.width": 0.6, "legend.borderpad": 0.3,
+}  # fmt: skip
+EMBEDDED: Any = {"pdf.fonttype": 42, "ps.fonttype": 42}  # as TrueType, which journals ask for
+LONGEST_TITLE = 30  # letters of a panel's title in print, before it takes a second line
+MOST_HEIGHT = 0.8  # of a panel, as a share of its width
+FLAT = 0.5  # height over width of a map from which its colour bar lies below it
 
 
 class NoFigure(ValueError):
@@ -98,8 +109,74 @@ def levels(top: float, steps: int = 10) -> Values:
     return np.asarray(MaxNLocator(steps).tick_values(0.0, top))
 
 
+class SheetOptions(TypedDict, total=False):
+    """The keywords of all pictures, see `Sheet`."""
+
+    ax: Axes | Sequence[Axes] | None
+    figsize: tuple[float, float] | None
+    columns: Literal[1, 2] | None
+    title: bool
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Where a picture is drawn, and how large.
+
+    A figure of a given size is for print: its letters have 7 to 9 pt at this size, its panels stand below each other
+    where they would be narrower than a column, and files with dots have 300 of them an inch.
+
+    Parameters
+    ----------
+    ax : Axes or sequence of Axes, optional
+        Draw into these axes of a figure of your own, one for each panel, row by row.  Sizes and letters are its own.
+    figsize : (float, float), optional
+        Width and height in inches.
+    columns : 1 or 2, optional
+        The width in columns of a journal, of 85 mm: 85 or 170 mm; as high as it needs.
+    title : bool
+        False for a picture without heading and titles of panels.
+
+    Raises
+    ------
+    NoFigure
+        More than one of ax, figsize and columns; other numbers.
+    """
+
+    ax: Axes | Sequence[Axes] | None = None
+    figsize: tuple[float, float] | None = None
+    columns: Literal[1, 2] | None = None
+    title: bool = True
+
+    def __post_init__(self) -> None:
+        if sum(each is not None for each in (self.ax, self.figsize, self.columns)) > 1:
+            raise NoFigure("ax, figsize, columns: give one of them; each says how large the picture is")
+        if self.columns not in (None, 1, 2):
+            raise NoFigure(f"columns = {self.columns!r}: must be 1 or 2, for 85 or 170 mm")
+        if self.figsize is not None and not (
+            len(self.figsize) == 2 and all(1.0 <= side < 60.0 for side in self.figsize)
+        ):
+            raise NoFigure(f"figsize = {self.figsize!r}: must be width and height in inches, from 1 to 60")
+
+    @property
+    def width(self) -> float | None:
+        """The width in inches, if one is given."""
+        return self.columns * COLUMN if self.columns else self.figsize and self.figsize[0]
+
+    def own_axes(self, panels: int) -> list[Axes]:
+        """The given axes.  Raises NoFigure where there are more or fewer than panels."""
+        given = [each for each in np.ravel(np.asarray(self.ax, dtype=object)) if isinstance(each, Axes)]
+        if len(given) != panels or np.size(np.asarray(self.ax, dtype=object)) != panels:
+            raise NoFigure(f"ax: this picture has {panels} panels and needs as many axes")
+        return given
+
+
 class Picture(Figure):
-    """A Figure that a notebook shows without pyplot."""
+    """A Figure that a notebook shows without pyplot, and whose files have letters that can be searched."""
+
+    def savefig(self, *arguments: Any, **options: Any) -> None:
+        """Save the figure as matplotlib does; PDF and PostScript hold Type 42 fonts, SVG has letters as paths."""
+        with rc_context(EMBEDDED):
+            super().savefig(*arguments, **options)
 
     def _repr_png_(self) -> bytes:
         png = BytesIO()
@@ -107,7 +184,9 @@ class Picture(Figure):
         return png.getvalue()
 
 
-def compose(subject: Subject, rows: Sequence[Sequence[Panel[Subject]]], heading: Sequence[str]) -> Figure:
+def compose(
+    subject: Subject, rows: Sequence[Sequence[Panel[Subject]]], heading: Sequence[str], sheet: Sheet | None = None
+) -> Figure:
     """A figure of rows of panels.
 
     Parameters
@@ -118,21 +197,78 @@ def compose(subject: Subject, rows: Sequence[Sequence[Panel[Subject]]], heading:
         All rows have the same length.
     heading : sequence of str
         A name and its properties, on as many lines as they take.
+    sheet : Sheet, optional
+        Axes or a size; by default 5 inches for each panel of a row, for the screen.
     """
-    width = max(5.0 * len(rows[0]), 6.0)
-    figure = Picture(figsize=(width, width / len(rows[0]) * 0.8 * len(rows) + 0.4), layout="constrained", dpi=150)
-    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.1)  # type: ignore[union-attr, call-arg]
-    for panels, line in zip(rows, figure.subplots(len(rows), len(rows[0]), squeeze=False), strict=True):
-        for draw, axes in zip(panels, line, strict=True):
+    sheet = sheet or Sheet()
+    if sheet.ax is not None:
+        panels = [panel for row in rows for panel in row]
+        places = sheet.own_axes(len(panels))
+        for draw, axes in zip(panels, places, strict=True):
             draw(axes, subject)
-    figure.suptitle(_wrapped(heading, round(10 * width)), fontsize="medium")
+            axes.set_title(axes.get_title() if sheet.title else "")
+        return places[0].get_figure(root=True)  # type: ignore[return-value]
+    with rc_context(IN_PRINT) if sheet.width else nullcontext():
+        return _composed(subject, _arranged(rows, sheet.width), heading if sheet.title else [], sheet)
+
+
+def _arranged(rows: Sequence[Sequence[Panel[Subject]]], width: float | None) -> Sequence[Sequence[Panel[Subject]]]:
+    """The rows, or their panels column by column in rows that are short enough for the width."""
+    many = max(1, round((width or np.inf) / COLUMN)) if width else len(rows[0])
+    if len(rows[0]) <= many:
+        return rows
+    panels = [panel for column in zip(*rows, strict=True) for panel in column]
+    return [panels[start : start + many] for start in range(0, len(panels), many)]
+
+
+def _composed(
+    subject: Subject, rows: Sequence[Sequence[Panel[Subject]]], heading: Sequence[str], sheet: Sheet
+) -> Figure:
+    """A figure of its own, whose rows are as high as their maps."""
+    many = len(rows[0])
+    width = sheet.width or max(5.0 * many, 6.0)
+    figure = Picture(figsize=(width, width), layout="constrained", dpi=300 if sheet.width else 150)
+    pads = {"w_pad": 0.03, "h_pad": 0.03} if sheet.width else {"w_pad": 0.12, "h_pad": 0.1}
+    figure.get_layout_engine().set(**pads)  # type: ignore[union-attr]
+    places = figure.subplots(len(rows), many, squeeze=False)
+    for panels, line in zip(rows, places, strict=True):
+        for draw, axes in zip(panels, line, strict=False):
+            draw(axes, subject)
+        for spare in line[len(panels) :]:
+            spare.remove()
+    for axes in figure.axes:
+        title = axes.get_title() if sheet.title else ""
+        axes.set_title(re.sub(r"(?<!\\), ", ",\n", title) if sheet.width and len(title) > LONGEST_TITLE else title)
+        axes.tick_params(labelsize=rcParams["xtick.labelsize"], width=rcParams["xtick.major.width"])  # later ticks, too
+        if legend := axes.get_legend():
+            legend.set_in_layout(False)  # or a wide one makes the axes narrower, and again
+    text = _wrapped(heading, round((12 if sheet.width else 10) * width)) if heading else ""
+    figure.suptitle(text, fontsize="medium")
+    heights = [
+        max(_height(axes, width / many) for axes in line[: len(row)]) for row, line in zip(rows, places, strict=True)
+    ]
+    places[0][0].get_gridspec().set_height_ratios(heights)
+    figure.set_size_inches(sheet.figsize or (width, sum(heights) + 0.4 * bool(text) + 0.15 * text.count("\n")))
+    if sheet.width:
+        for _ in range(2):  # the first layout does not know all ticks
+            figure.draw_without_rendering()
     return figure
+
+
+def _height(axes: Axes, width: float) -> float:
+    """The height of a panel in inches: of a map as high as its data, with its axis, title and colour bar."""
+    if axes.get_aspect() == "auto":
+        return MOST_HEIGHT * width
+    letter: float = rcParams["font.size"] / 72.0
+    shape = axes.get_data_ratio() * float(axes.get_aspect())
+    beside, around = (6.0, 11.0) if shape < FLAT else (13.0, 6.5)  # letters: labels and colour bar, below or beside
+    return min(MOST_HEIGHT * width, shape * (width - beside * letter) + around * letter)
 
 
 def _wrapped(parts: Sequence[str], width: int) -> str:
     """Parts side by side, on a new line where one would be longer than `width` characters."""
     first, *rest = parts
-    lines = [f"{first}: "]
+    lines = [f"{first}: " if rest else first]
     for number, part in enumerate(rest, 1):
         text = part + (",  " if number < len(rest) else "")
         seen = len(re.sub(r"\\mathrm|[${}_^\\]", "", lines[-1] + text))

@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal
+from functools import partial
+from typing import Literal, Unpack
 
 import numpy as np
 import xarray as xr
@@ -13,12 +14,27 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from ertel.plots.drawing import BLUE, GREY, ORANGE, ORDERED_COLOURS, PURPLE, NoFigure, Picture, Scale, Values, levels
+from ertel.plots.drawing import (
+    BLUE,
+    FLAT,
+    GREY,
+    ORANGE,
+    ORDERED_COLOURS,
+    PURPLE,
+    NoFigure,
+    Scale,
+    Sheet,
+    SheetOptions,
+    Values,
+    compose,
+    levels,
+)
 from ertel.plots.view import LOADED, NOT_FULL, WIDEST, Field, View
 from ertel.results.profiles import At, events_of
 
+ARROWS = "\N{RIGHTWARDS ARROW}\N{LEFTWARDS ARROW}"  # of a flow along x, and against it
 MINUS = "\N{MINUS SIGN}"
-LONG = 2.0  # ratio of the sides from which a map is long
+FLATTEST = 0.15  # height over width of a map that has equal scales along both sides
 SEEN = 0.1  # of the largest power loss: less does not count where a map ends
 NODES = 301  # along the side of a map, for smooth contour lines of the roughness
 STYLES: Mapping[float, Literal["-", ":"]] = {1.0: "-", -1.0: ":"}  # of the lines round hills and round valleys
@@ -41,8 +57,9 @@ def draw_film_map(axes: Axes, view: View) -> None:
     z = view.scale("H", top / 2)
     film = view.map("H")
     _draw_map(axes, view, film, z, levels(top * z.factor, lines), "Film thickness", "YlGnBu_r", "P")
-    edge = draw_edge_of_oil(axes, view, film, view.map("void"))
-    draw_legend(axes, [*edge, *_draw_roughness(axes, view)])
+    gap = (film, view.map("void"))
+    edge = draw_edge_of_oil(axes, view, *((each.turned for each in gap) if view.is_turned else gap))
+    draw_legend(axes, [*edge, *_draw_roughness(axes, view)], view.is_turned)
 
 
 def draw_pressure_map(axes: Axes, view: View) -> None:
@@ -51,7 +68,7 @@ def draw_pressure_map(axes: Axes, view: View) -> None:
     top = max(float(field.values.max()), 0.01)  # p_h*: something to divide where the contact carries nothing
     z = view.scale("P", top)
     _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P")
-    draw_legend(axes, _draw_roughness(axes, view))
+    draw_legend(axes, _draw_roughness(axes, view), view.is_turned)
 
 
 def draw_oil_map(axes: Axes, view: View) -> None:
@@ -87,25 +104,33 @@ def _draw_map(
     """Draw a field with contour lines at `steps` (as shown), and the direction of the flow.
 
     Along x the map ends where `shown_where`, "P" or "loss", does; along y it reaches as far as suits the shape of the
-    contact.  Values above the highest step have its colour.
+    contact.  That of a contact that is long along y is turned by a quarter; a very flat map is enlarged across, and its
+    axis says so.  Values above the highest step have its colour.
     """
     across, stretch = view.across.factor, view.stretch
     side = _side(view, shown_where)
     columns, rows = np.abs(field.x) <= side, np.abs(field.y) <= side * stretch
-    x, y, shown = field.x[columns] * across, field.y[rows] * across, field.values[np.ix_(rows, columns)] * z.factor
+    cut = Field(field.x[columns] * across, field.y[rows] * across, field.values[np.ix_(rows, columns)] * z.factor)
+    cut = cut.turned if view.is_turned else cut
+    x, y, shown = cut.x, cut.y, cut.values
     limits = Normalize(0.0, steps[-1])
     image = axes.pcolormesh(x, y, shown, cmap=colours, norm=limits, shading="gouraud", rasterized=True)
     if shown.min() < steps[-1] and shown.max() > steps[1]:
         axes.contour(x, y, shown, levels=steps[1:], colors="black", linewidths=0.4, alpha=0.6)
-    axes.set(xlabel=view.axis_label("x"), ylabel=view.axis_label("y"), aspect="equal")
-    if max(stretch, 1 / stretch) > LONG:
-        short = axes.xaxis if stretch > 1 else axes.yaxis
-        short.set_major_locator(MaxNLocator(1, min_n_ticks=1))
+    wide, tall = (view.axis_label(axis) for axis in ("yx" if view.is_turned else "xy"))
+    shape = axes.get_data_ratio()
+    enlarged = max(1.0, FLATTEST / shape)
+    axes.set(xlabel=wide, ylabel=f"{tall},\n{enlarged:.2g} x enlarged" if enlarged > 1.0 else tall, aspect=enlarged)
+    if shape < FLAT:
+        axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+    if view.is_turned:
+        axes.invert_yaxis()
     extend = "max" if shown.max() > steps[-1] else "neither"
-    axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend)
-    space = "\n" if stretch > LONG else " "
-    axes.set_title(f"{heading},{space}a line every {steps[1]:.3g} {z.unit}")
-    _draw_flow(axes, view.flow)
+    place = "bottom" if shape < FLAT else "right"
+    axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
+    axes.set_title(f"{heading}, a line every {steps[1]:.3g} {z.unit}")
+    if view.flow:
+        axes.text(0.02, 0.97, f"flow {arrow(view)}", transform=axes.transAxes, va="top", fontsize="small")
 
 
 def _side(view: View, name: str) -> float:
@@ -117,15 +142,9 @@ def _side(view: View, name: str) -> float:
     return view.extent(field.x, profile)
 
 
-def _draw_flow(axes: Axes, direction: float) -> None:
-    """Draw an arrow the way the surfaces carry the oil; none where they stand still."""
-    if direction == 0.0:
-        return
-    start, end = (0.04, 0.2) if direction > 0 else (0.2, 0.04)
-    arrow = {"arrowstyle": "-|>", "color": "black", "linewidth": 1.5, "shrinkA": 0, "shrinkB": 0}
-    place = {"xycoords": "axes fraction", "textcoords": "axes fraction"}
-    axes.annotate("", (end, 0.91), (start, 0.91), arrowprops=arrow, **place)  # type: ignore[arg-type]
-    axes.text(0.12, 0.94, "flow", transform=axes.transAxes, ha="center", fontsize="small")
+def arrow(view: View) -> str:
+    """An arrow the way the surfaces carry the oil over a map."""
+    return ("\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}" if view.is_turned else ARROWS)[int(view.flow < 0)]
 
 
 def _draw_roughness(axes: Axes, view: View) -> list[Line2D]:
@@ -134,9 +153,9 @@ def _draw_roughness(axes: Axes, view: View) -> list[Line2D]:
     Returns the lines for the legend.
     """
     across = view.across.factor
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    x, y = np.linspace(left, right, NODES), np.linspace(low, high, NODES)
-    height = view.roughness(x[None, :] / across, y[:, None] / across)
+    x, y = np.linspace(*axes.get_xlim(), NODES), np.linspace(*axes.get_ylim(), NODES)
+    places = (x[None, :] / across, y[:, None] / across)
+    height = view.roughness(*(places[::-1] if view.is_turned else places))
     half = float(np.abs(height).max()) / 2
     z, lines = view.scale("H", half), []
     for sign, style in STYLES.items():
@@ -153,7 +172,7 @@ def draw_edge_of_oil(axes: Axes, view: View, film: Field, void: Field) -> list[L
     film, void: the gap and the part of it without oil, over the same places.
     """
     x, y = film.x * view.across.factor, film.y * view.across.factor
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    (left, right), (low, high) = axes.get_xlim(), sorted(axes.get_ylim())
     columns, rows = (left <= x) & (x <= right), (low <= y) & (y <= high)
     missing = (void.values - NOT_FULL * film.values)[np.ix_(rows, columns)]
     if not missing.min() < 0.0 < missing.max():
@@ -162,10 +181,11 @@ def draw_edge_of_oil(axes: Axes, view: View, film: Field, void: Field) -> list[L
     return [Line2D([], [], color=ORANGE, linewidth=1.0, label="edge of the full film")]
 
 
-def draw_legend(axes: Axes, lines: Sequence[Line2D]) -> None:
-    """Name the lines of a map in its corner."""
+def draw_legend(axes: Axes, lines: Sequence[Line2D], is_turned: bool = False) -> None:
+    """Name the lines of a map in its corner; of one that is turned, at the inlet."""
     if lines:
-        axes.legend(handles=lines, loc="lower left", fontsize="small", framealpha=0.85, handlelength=1.5)
+        place: Literal["upper right", "lower left"] = "upper right" if is_turned else "lower left"
+        axes.legend(handles=lines, loc=place, fontsize="small", framealpha=0.85, handlelength=1.5)
 
 
 # -- a run in time ----------------------------------------------------------------------------------------------------
@@ -184,9 +204,9 @@ def draw_pressure_profiles(axes: Axes, view: View) -> None:
     """Pressure along the mid-line through time, the chosen moment in black."""
     P = view.midlines("P")
     z = view.scale("P", float(P.max()))
-    _draw_profiles(axes, view, P * z.factor, 1.25 * float(P.max()) * z.factor)
+    _draw_profiles(axes, view, P * z.factor, 1.35 * float(P.max()) * z.factor)
     axes.set(ylabel=z.label)
-    axes.legend(loc="upper center", frameon=False, ncols=2, fontsize="small")
+    axes.legend(loc="upper center", frameon=False, fontsize="small")
 
 
 def _draw_profiles(axes: Axes, view: View, values: Values, top: float) -> bool:
@@ -287,7 +307,9 @@ def _set_height(axes: Axes, top: float, rough: bool) -> None:
 # -- two runs ---------------------------------------------------------------------------------------------------------
 
 
-def comparison(runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None) -> Figure:
+def comparison(
+    runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None, **sheet: Unpack[SheetOptions]
+) -> Figure:
     """The film and pressure of two runs along the mid-line, and of two runs in time the minimum film through time.
 
     Parameters
@@ -298,6 +320,8 @@ def comparison(runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None) 
         Their names, for the legend.
     at : float or str, optional
         The moment of runs in time, as for other pictures.
+    **sheet
+        Axes or a size: ax, figsize, columns, see `Sheet`.
 
     Raises
     ------
@@ -310,11 +334,7 @@ def comparison(runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None) 
     panels = [("X", "H"), ("X", "P")]
     if all(view.frame is not None for view in views):
         panels.append(("time", "H_min"))
-    figure = Picture(figsize=(4.8 * len(panels), 4.2), layout="constrained", dpi=150)
-    for axes, (x, y) in zip(figure.subplots(1, len(panels)), panels, strict=True):
-        _compare(axes, views, names, x, y)
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=2, frameon=False)
-    return figure
+    return compose(views, [[partial(_compare, names=names, x=x, y=y) for x, y in panels]], [], Sheet(**sheet))
 
 
 def _compare(axes: Axes, views: Sequence[View], names: Sequence[str], x: str, y: str) -> None:
@@ -328,6 +348,7 @@ def _compare(axes: Axes, views: Sequence[View], names: Sequence[str], x: str, y:
     if y == "H":  # far outside the film is much thicker than in the middle
         inside = [np.interp(0.0, *curve) * z.factor for curve, z in zip(curves, of_y, strict=True)]
         axes.set_ylim(0.0, 3.0 * float(max(inside)))
+        axes.legend(loc="upper center", frameon=False, fontsize="small")
     if x == "X":
         sides = [min(WIDEST, np.abs(along).max()) * z.factor for (along, _), z in zip(curves, of_x, strict=True)]
         axes.set(xlim=(-max(sides), max(sides)), xlabel=f"${'x' if views[0].in_si else 'X'}$ {of_x[0].in_brackets}")

@@ -7,8 +7,9 @@ Beside the picture is the film along the mid-line on the colour chart: the colou
 there, with the oil as dense as it is there, and with as much oil where the gap is not full.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal, Unpack
 
 import numpy as np
 import xarray as xr
@@ -18,9 +19,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
-from ertel.optics import Chart, Light, Monochromatic, Rig
-from ertel.plots.drawing import NoFigure, Scale, Values, compose
-from ertel.plots.fields import draw_edge_of_oil, draw_legend
+from ertel.optics import Chart, Light, Monochromatic, Rig, White
+from ertel.plots.drawing import NoFigure, Scale, Sheet, SheetOptions, Values, compose
+from ertel.plots.fields import ARROWS, draw_edge_of_oil, draw_legend
 from ertel.plots.view import Field, View
 from ertel.results.profiles import At
 from ertel.results.variables import is_steady
@@ -30,6 +31,7 @@ ROUND = 1.7  # how far round the contact the picture reaches, in its half widths
 ORDERS = 4.5  # fringes of the film that the colour chart shows, at least
 FRAMES = 120  # of an animation, at most
 PER_SECOND = 12
+LIGHTS: Mapping[str, type[Light]] = {"mono": Monochromatic, "white": White}
 TICKS = 6  # along the longer side of a picture
 
 
@@ -129,10 +131,9 @@ def _on_pixels(view: View, name: str, window: Window, smooth: bool) -> Values:
 def draw_interferogram(axes: Axes, scene: Scene) -> None:
     """The interferogram, with a line where the gap stops being full."""
     view = scene.view
-    arrow = "\N{RIGHTWARDS ARROW}" if view.flow > 0 else "\N{LEFTWARDS ARROW}"
     _show(axes, scene.picture(), scene.limits())
     axes.set(xlabel=view.axis_label("x"), ylabel=view.axis_label("y"), aspect="equal")
-    axes.set_title(_heading(scene.chart.light) + (f", flow {arrow}" if view.flow else ""))
+    axes.set_title(_heading(scene.chart.light) + (f", flow {ARROWS[int(view.flow < 0)]}" if view.flow else ""))
     for axis, pixels in ((axes.xaxis, scene.window.x), (axes.yaxis, scene.window.y)):
         axis.set_major_locator(MaxNLocator(max(1, round(TICKS * len(pixels) / PIXELS)), min_n_ticks=1))
     _draw_edge(axes, scene)
@@ -178,9 +179,10 @@ def draw_chart(axes: Axes, scene: Scene) -> None:
 def interferogram(
     dataset: xr.Dataset,
     at: At = None,
-    light: Light | None = None,
+    light: Light | Literal["mono", "white"] | None = None,
     rig: Rig | None = None,
     film_scale: float | None = None,
+    **sheet: Unpack[SheetOptions],
 ) -> Figure:
     """The contact as an experimenter sees it, and the film along its mid-line on the colours of films.
 
@@ -193,25 +195,44 @@ def interferogram(
     at : float or str, optional
         The moment of a run in time: a time in t0 or an event.
     light : Light, optional
-        `optics.Monochromatic(wavelength, coherence)` in grey, or `optics.White()` in colour; default green light.
+        `optics.Monochromatic(wavelength, coherence)` in grey, or `optics.White()` in colour; default green light,
+        "mono".  "white" is daylight.
     rig : Rig, optional
         Glass, coatings, surface and the oil's index: `optics.Rig(...)`, or `optics.TwoBeams(...)`; default 8 nm of
         chromium on glass, against steel.
     film_scale : float, optional
         a*^2/R in m; a dimensionless run needs it.
+    **sheet
+        Axes or a size, and whether there is a title: ax, figsize, columns, title, see `Sheet`.
 
     Raises
     ------
     NoFigure
-        There is nothing to draw; a dimensionless run without a film_scale.
+        There is nothing to draw; a dimensionless run without a film_scale; a light that is none.
     """
     scaled, view = _film_scale(dataset, film_scale), View.of(dataset, at)
     window = Window.around([view])
     seen = Seen.of(view, window, scaled)
-    chart = Chart(rig or Rig(), light or Monochromatic(), float(seen.film.max()), float(seen.density.max()))
+    chart = Chart(rig or Rig(), _light(light), float(seen.film.max()), float(seen.density.max()))
     scene = Scene(view, window, seen, chart)
     row = replace(scene, window=window.middle, seen=Seen.of(view, window.middle, scaled))
-    return compose(scene, [[draw_interferogram, lambda axes, _: draw_chart(axes, row)]], [*view.title, *view.outcome])
+    return compose(
+        scene,
+        [[draw_interferogram, lambda axes, _: draw_chart(axes, row)]],
+        [*view.title, *view.outcome],
+        Sheet(**sheet),
+    )
+
+
+def _light(given: Light | str | None) -> Light:
+    """The light that is given by its name, or itself."""
+    if given is None or (isinstance(given, str) and given in LIGHTS):
+        return LIGHTS[given or "mono"]()
+    if isinstance(given, str) or Light not in type(given).__mro__:
+        raise NoFigure(
+            f"light = {given!r}: must be {', '.join(LIGHTS)} or a light of ertel.optics, such as Monochromatic(633e-9)"
+        )
+    return given
 
 
 def _film_scale(dataset: xr.Dataset, given: float | None) -> float:
@@ -229,7 +250,10 @@ def _film_scale(dataset: xr.Dataset, given: float | None) -> float:
 
 
 def animation(
-    dataset: xr.Dataset, light: Light | None = None, rig: Rig | None = None, film_scale: float | None = None
+    dataset: xr.Dataset,
+    light: Light | Literal["mono", "white"] | None = None,
+    rig: Rig | None = None,
+    film_scale: float | None = None,
 ) -> FuncAnimation:
     """The interferogram of a run in time as an animation: `animation(...).save("impact.gif", writer="pillow")`.
 
@@ -251,7 +275,7 @@ def animation(
     window = Window.around(list(views.values()))
     thickest = max(float(view.values("H").max()) for view in views.values()) * scaled
     densest = float(_density(views[0], dataset["P"].values.max()))
-    chart = Chart(rig or Rig(), light or Monochromatic(), thickest, densest)
+    chart = Chart(rig or Rig(), _light(light), thickest, densest)
 
     def scene(frame: int) -> Scene:
         return Scene(views[frame], window, Seen.of(views[frame], window, scaled), chart)

@@ -1,16 +1,19 @@
 """Pictures of studies and of traction curves: Dataset of `results.study_result` -> matplotlib Figure."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from itertools import product
+from itertools import cycle, product
+from typing import Any, Literal, Unpack
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
+from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.plots.drawing import (
     BLUE,
     GREEN,
@@ -20,8 +23,9 @@ from ertel.plots.drawing import (
     PURPLE,
     NoFigure,
     Panel,
-    Picture,
     Scale,
+    Sheet,
+    SheetOptions,
     compose,
     mathtext,
 )
@@ -35,9 +39,19 @@ PANELS = (  # numbers that are drawn together, in SI or not
     ("mu_sliding",),
     ("restitution",),
 )
-STYLES = ("o-", "s--", "o-", "s--")
+FACES = (None, "white", None, "white")  # of the markers: filled for the first number of a panel, hollow for the second
+LineStyle = Literal["-", "--", "-.", ":"]
+LOOKS: Sequence[tuple[str, LineStyle]] = (
+    ("o", "-"),
+    ("s", "--"),
+    ("^", "-."),
+    ("D", ":"),
+    ("v", "-"),
+    ("P", "--"),
+)  # marker and line
+WIDTH_OF_NAME = 1.5  # inches: of a column of the legend
 DECADES = 300.0  # ratio of the ends of a logarithmic axis from which its ticks are powers of ten
-MOST_LINES = 12  # with a name in the legend
+MOST_NAMES = 8  # of the values of one quantity in the legend
 
 Place = Mapping[str, int]  # of a line in the Dataset
 
@@ -45,19 +59,26 @@ Place = Mapping[str, int]  # of a line in the Dataset
 # -- studies ----------------------------------------------------------------------------------------------------------
 
 
-def figure(dataset: xr.Dataset) -> Figure:
+def figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
     """The key numbers of a study over what varies most, with error bars where there are any.
 
-    There is a line for each combination of the other values that vary.  Raises NoFigure where no run has any numbers.
+    There is a line for each combination of the other values that vary: its colour says one of them, line and marker the
+    others; the legend stands below the panels.  Raises NoFigure where no run has any numbers.
     """
     shown = [[name for name in names if _has_numbers(dataset, name)] for names in PANELS]
-    panels = [names for names in shown if names]
+    panels: list[Panel[xr.Dataset]] = [partial(_draw, names=names) for names in shown if names]
     if not panels:
         raise NoFigure("dataset: no run has any numbers yet, there is nothing to draw")
-    picture = Picture(figsize=(max(4.8 * len(panels), 6.0), 4.0), layout="constrained", dpi=150)
-    for axes, names in zip(picture.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
-        _draw(axes, dataset, names)
-    picture.suptitle(str(dataset.attrs["title"]).replace("_", " "))
+    sheet = Sheet(**options)
+    picture = compose(dataset, [panels], [str(dataset.attrs["title"]).replace("_", " ")], sheet)
+    entries = _legend(dataset)
+    if entries and sheet.ax is not None:
+        sheet.own_axes(len(panels))[-1].legend(handles=entries, frameon=False, fontsize="small")
+    elif entries:
+        columns, letters = max(1, int(picture.get_figwidth() // WIDTH_OF_NAME)), 7.5 if sheet.width else 9.0
+        picture.legend(handles=entries, loc="outside lower center", ncols=columns, frameon=False, fontsize=letters)
+        if sheet.figsize is None:
+            picture.set_figheight(picture.get_figheight() + 0.1 + 1.7 * letters / 72.0 * -(-len(entries) // columns))
     return picture
 
 
@@ -66,38 +87,76 @@ def _has_numbers(dataset: xr.Dataset, name: str) -> bool:
 
 
 def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
-    """Numbers of one unit over what varies most."""
+    """Numbers of one unit over what varies most, the second of them with hollow markers."""
     along = _abscissa(dataset)
-    places = list(_places(dataset, along))
-    shades = ORDERED_COLOURS(np.linspace(0.0, 1.0, len(places))) if len(places) > 1 else [BLUE]
     z = _scale(dataset[names[0]], max(largest_of(dataset[name]) for name in names))
     x, label = _x(axes, along)
-    for name, style in zip(names, STYLES, strict=False):
-        for place, colour in zip(places, shades, strict=True):
+    for name, face in zip(names, FACES, strict=False):
+        for place, colour, (marker, line) in _lines(dataset, along):
             y = dataset[name].isel(place).values * z.factor
             there = np.isfinite(y)
             if not there.any():
                 continue
             bar = dataset[f"{name}_error"].isel(place).values[there] * z.factor if f"{name}_error" in dataset else None
-            label_parts = [mathtext(name)] if len(names) > 1 else []
-            label_parts += [_value_text(dataset[dim][index]) for dim, index in place.items()]
-            axes.errorbar(
-                x[there],
-                y[there],
-                bar,
-                fmt=style,
-                markersize=3.5,
-                capsize=2,
-                color=colour,
-                label=", ".join(label_parts),
-            )
+            look = {"marker": marker, "linestyle": line, "color": colour, "markerfacecolor": face or colour}
+            axes.errorbar(x[there], y[there], bar, markersize=3.5, capsize=2, **look)
     if axes.get_xscale() == "log" and len(names) > 1:
         axes.set_yscale("log")  # films are powers of speed, load and viscosity, nearly
         _name_ticks(axes.yaxis, np.array(axes.get_ylim()))
     title = "film thickness" if len(names) > 1 else dataset[names[0]].attrs["long_name"]
     axes.set(xlabel=label, ylabel=f"{title} {z.in_brackets}".rstrip())
-    if 1 < len(places) * len(names) <= MOST_LINES:
-        axes.legend(frameon=False, fontsize="x-small")
+
+
+def _factors(dataset: xr.Dataset, along: xr.DataArray) -> tuple[list[str], list[str]]:
+    """The dimension that colours tell apart, the longest but that along the axis, and those that markers tell apart."""
+    others = sorted((str(dim) for dim in dataset.dims if dim not in along.dims), key=lambda dim: -dataset.sizes[dim])
+    return others[:1], others[1:]
+
+
+def _lines(dataset: xr.Dataset, along: xr.DataArray) -> Iterator[tuple[Place, Any, tuple[str, LineStyle]]]:
+    """The lines that have numbers, each a combination of the other values, with their colours, markers and styles."""
+    of_colour, of_look = (_places(dataset, dims) for dims in _factors(dataset, along))
+    shades = ORDERED_COLOURS(np.linspace(0.0, 1.0, len(of_colour))) if len(of_colour) > 1 else [BLUE]
+    for one, shade in zip(of_colour, shades, strict=True):
+        for other, look in zip(of_look, cycle(LOOKS), strict=False):
+            if any(_has_numbers(dataset.isel({**one, **other}), name) for names in PANELS for name in names):
+                yield {**one, **other}, shade, look
+
+
+def _places(dataset: xr.Dataset, dims: Sequence[str]) -> list[Place]:
+    """Each combination of the values along some dimensions."""
+    return [dict(zip(dims, each, strict=True)) for each in product(*(range(dataset.sizes[dim]) for dim in dims))]
+
+
+def _legend(dataset: xr.Dataset) -> list[Line2D]:
+    """The colours with their values, the looks with theirs, and the films; of many values not all."""
+    colours, looks = _factors(dataset, _abscissa(dataset))
+    of_colour, of_look = {}, {}
+    for place, colour, (marker, line) in _lines(dataset, _abscissa(dataset)):
+        of_colour[_values_text(dataset, place, colours)] = Line2D([], [], color=colour)
+        of_look[_values_text(dataset, place, looks)] = Line2D(
+            [], [], color=GREY, marker=marker, linestyle=line, markersize=3.5
+        )
+    films = [name for name in PANELS[0] if _has_numbers(dataset, name)]
+    of_film = {
+        mathtext(name): Line2D([], [], color="black", marker="o", markersize=3.5, markerfacecolor=face)
+        for name, face in zip(films, FACES, strict=False)
+    }
+    groups = [group for group in (of_colour, of_look) if "" not in group] + [of_film] * (len(of_film) > 1)
+    entries = [entry for group in groups for entry in _some(group)]
+    for label, entry in entries:
+        entry.set_label(label)
+    return [entry for _, entry in entries]
+
+
+def _some(group: Mapping[str, Line2D]) -> list[tuple[str, Line2D]]:
+    """The entries of a legend, so many that they can be read: the first, the last and some between them."""
+    chosen = np.linspace(0, len(group) - 1, min(len(group), MOST_NAMES)).astype(int)
+    return [list(group.items())[number] for number in chosen]
+
+
+def _values_text(dataset: xr.Dataset, place: Place, dims: Sequence[str]) -> str:
+    return ", ".join(_value_text(dataset[dim][place[dim]]) for dim in dims)
 
 
 def _abscissa(dataset: xr.Dataset) -> xr.DataArray:
@@ -105,18 +164,13 @@ def _abscissa(dataset: xr.Dataset) -> xr.DataArray:
     return max((dataset[name] for name in dataset.coords), key=lambda values: (values.dtype.kind == "f", values.size))
 
 
-def _places(dataset: xr.Dataset, along: xr.DataArray) -> Iterator[Place]:
-    """The lines: each combination of the other values."""
-    others = [str(dim) for dim in dataset.dims if dim not in along.dims]
-    for indices in product(*(range(dataset.sizes[dim]) for dim in others)):
-        yield dict(zip(others, indices, strict=True))
-
-
 def _value_text(value: xr.DataArray) -> str:
     """One value of what varies, for the legend."""
     if value.dtype.kind != "f":
         return str(value.values)
     unit = value.attrs.get("units", "1")
+    if unit == "K":
+        return f"{_spoken(value)} = {float(value) - ZERO_CELSIUS:.4g} °C"
     return f"{_spoken(value)} = {with_prefix(float(value), unit)}"
 
 
@@ -136,7 +190,7 @@ WARM_PANELS: Mapping[str, Mapping[str, str]] = {  # with a section [thermal]
 }
 
 
-def traction_figure(dataset: xr.Dataset) -> Figure:
+def traction_figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
     """Traction coefficient, film thickness, power loss and shear stress along a traction curve.
 
     Raises NoFigure where there are no points yet.
@@ -146,7 +200,7 @@ def traction_figure(dataset: xr.Dataset) -> Figure:
     shown = WARM_PANELS if "phi_T" in dataset else CURVE_PANELS
     panels: list[Panel[xr.Dataset]] = [partial(_draw_curve, title=title, names=names) for title, names in shown.items()]
     half = len(panels) // 2
-    return compose(dataset, [panels[:half], panels[half:]], _heading(dataset))
+    return compose(dataset, [panels[:half], panels[half:]], _heading(dataset), Sheet(**options))
 
 
 def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str]) -> None:
@@ -194,11 +248,13 @@ def _x(axes: Axes, along: xr.DataArray) -> tuple[np.ndarray, str]:
         x = np.arange(along.size)
         axes.set_xticks(x, [str(value) for value in along.values], rotation=20)
         return x, _spoken(along)
-    if _has_equal_ratios(along.values):
+    if _has_equal_ratios(along.values) and along.attrs.get("units") != "K":
         axes.set_xscale("log")
         _name_ticks(axes.xaxis, along.values)
     else:
         axes.xaxis.set_major_locator(MaxNLocator(6))
+    if along.attrs.get("units") == "K":
+        return along.values - ZERO_CELSIUS, f"{_spoken(along)} (°C)"
     scale = _scale(along.assign_attrs(in_units_of=""), largest_of(along))
     if "symbol" in along.attrs:
         return along.values * scale.factor, scale.label

@@ -26,7 +26,10 @@ from ertel.results.variables import FILMS, FRICTION, is_steady, with_prefix
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
 NOT_FULL = 0.01  # void, as a share of the gap, from which on the gap is not full
+LONG = 2.0  # ratio of the sides from which a contact is long
+THINNER = 0.9  # of the film at the ends of a run: a thinner film between them is worth the picture
 NOTHING = 1e-6  # of the scale of a load or a speed
+SMOOTH = 1e-9  # a*^2/R: less roughness is round-off
 NO_FRICTION = 1e-12  # in a/R: a coefficient that is zero but for round-off
 CONDITIONS = {  # by kind, for the heading of a physical case: symbol, attribute of the Dataset, unit
     "impact": (("$v_0$", "v0_m_per_s", "m/s"), ("$p_h^*$", "p_h_Pa", "Pa")),
@@ -72,6 +75,11 @@ class Field:
     y: Values
     values: Values
 
+    @property
+    def turned(self) -> "Field":
+        """The same with x and y exchanged."""
+        return Field(self.y, self.x, self.values.T)
+
 
 @dataclass(frozen=True)
 class View:
@@ -84,7 +92,7 @@ class View:
     frame : int or None
         The number of the map; None of a steady contact.
     moment : str
-        The name of the moment: maximum approach, last map, end of the run or chosen map.
+        The name of the moment: maximum approach, thinnest film, last map, end of the run or chosen map.
     """
 
     dataset: xr.Dataset
@@ -108,6 +116,8 @@ class View:
             return cls(dataset.load())
         if not dataset.sizes["frame"]:
             raise NoFigure("dataset: has no maps yet, there is nothing to draw")
+        if at is None and (thinnest := _thinnest(dataset)):
+            return cls(dataset.load(), thinnest, "thinnest film")
         try:
             moment = moment_of(dataset, at)
         except ValueError as error:
@@ -144,6 +154,11 @@ class View:
         return across / along
 
     @property
+    def is_turned(self) -> bool:
+        """True if maps are turned by a quarter, x downwards and y to the right, since the contact is long along y."""
+        return self.stretch > LONG
+
+    @property
     def slides(self) -> bool:
         """True if the surfaces slide."""
         return self.case.motion.slide_to_roll != 0.0
@@ -164,9 +179,9 @@ class View:
         return f"${axis if self.in_si else axis.upper()}$ ({self.across.unit})"
 
     def legend(self, name: str) -> str:
-        """A variable for a legend: its long name and its symbol."""
+        """A film or a pressure for a legend beside an axis that names it: minimum, and its symbol."""
         shown = self.scale(name)
-        return f"{shown.long_name} {shown.symbol}"
+        return f"{shown.long_name.split()[0]} {shown.symbol}"
 
     def with_unit(self, name: str, value: float) -> str:
         """A value of a variable with its unit; a negligible value is zero."""
@@ -294,14 +309,22 @@ class View:
         Returns
         -------
         array of the broadcast shape
-            Height in a*^2/R, positive towards the film; zero where all surfaces are smooth.  As on the grid of the run,
-            without the waves that are too short for it.
+            Height in a*^2/R, positive towards the film; zero where all surfaces are smooth but for round-off.  As on
+            the grid of the run, without the waves that are too short for it.
         """
         grid = self.dataset.coords
         shortest = surfaces.CELLS_KEPT * float(grid["X"][1] - grid["X"][0]) if "X" in grid else 0.0
         case = self.case
         heights = surfaces.height(case.features, case.motion, self.time, np.asarray(X), np.asarray(Y), shortest)
-        return np.asarray(heights, dtype=np.float64)
+        heights = np.asarray(heights, dtype=np.float64)
+        return heights if np.abs(heights).max(initial=0.0) > SMOOTH else np.zeros_like(heights)
+
+
+def _thinnest(dataset: xr.Dataset) -> int | None:
+    """The map with the thinnest film of a rolling contact in time, where it is clearly thinner than at both ends."""
+    films = np.asarray(np.interp(dataset["frame"], dataset["time"], dataset["H_min"]))
+    thin = dataset.attrs["kind"] == "rolling" and films.min() < THINNER * min(films[0], films[-1])
+    return int(films.argmin()) if thin else None
 
 
 def reach(x: Values, P: Values) -> float:

@@ -5,14 +5,15 @@ That of a physical case is in SI; that of a dimensionless case is in the units o
 coefficients are multiples of a/R, a number that such a case does not have.
 """
 
+import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from html import escape
 from math import nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
@@ -27,9 +28,12 @@ from ertel.version import installed_version
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
+    from ertel.plots.drawing import SheetOptions
+
 MISSING = "missing"  # the status of a run that has not begun
 RUNNING, UNFINISHED = "running", "unfinished"  # that a process computes, and that was killed
 DONE, TO_DO = "converged", ("interrupted", RUNNING, UNFINISHED, MISSING)
+NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but not that of a surface
 MOST_ROWS = 100  # of a table to read
 
 
@@ -93,6 +97,18 @@ def study_dataset(
     return xr.Dataset(variables, along, {**heading, **attributes})
 
 
+def grouped(warnings: Iterable[tuple[str, str]], others: str) -> list[str]:
+    """Warnings with the places where they arise; of those that differ in their numbers only the first, with a count.
+
+    others: in words where the others are, "in {} other runs".
+    """
+    alike: dict[str, list[str]] = {}
+    for place, sentence in warnings:
+        alike.setdefault(NUMBER.sub("#", sentence), []).append(f"{place}: {sentence}")
+    more = f" (and the same {others})".format
+    return [first + (more(len(rest)) if rest else "") for first, *rest in alike.values()]
+
+
 def _values(values: Sequence[Any]) -> Any:
     """Numbers as an array of them; texts as objects, which Zarr has a type for that lasts."""
     return np.array(values, dtype=object if isinstance(values[0], str) else float)
@@ -135,17 +151,17 @@ class StudyResult:
 
     def as_data(self) -> dict[str, Any]:
         """The study as plain data for JSON."""
-        return {"title": self.heading, "runs": self.rows()}
+        return {"title": self.heading, "runs": self.rows(), "warnings": list(self.dataset.attrs.get("warnings", []))}
 
     def to_csv(self, path: str | Path) -> None:
         """Write the runs as a CSV file; the names of its columns end with the unit, h_c_m."""
         _flat(with_units(self.dataset)).to_dataframe().to_csv(path, index=False)
 
-    def plot(self) -> "Figure":
-        """The key numbers over what varies."""
+    def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
+        """The key numbers over what varies.  sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`."""
         from ertel.plots import studies
 
-        return studies.figure(self.dataset)
+        return studies.figure(self.dataset, **sheet)
 
     def table(self) -> list[list[str]]:
         """The columns of a table to read, each with its heading first."""
@@ -158,13 +174,14 @@ class StudyResult:
 
     @property
     def remarks(self) -> list[str]:
-        """Lines below the table: how many runs there are, how they ended, and how many have warnings."""
+        """Lines below the table: how many runs there are, how they ended, how many have warnings, and each of these."""
         counts = Counter(str(status).partition(":")[0] for status in self.dataset["status"].values.flat)
         runs = sum(counts.values())
         summary = f"{runs} runs: " + ", ".join(f"{number} {status}" for status, number in counts.most_common())
         warn = int((self.dataset["warnings"] > 0).sum())
         summary += f"; {warn} with warnings" if warn else ""
-        return [summary, *([f"the first {MOST_ROWS} are shown"] if runs > MOST_ROWS else [])]
+        shown = [f"the first {MOST_ROWS} are shown"] if runs > MOST_ROWS else []
+        return [summary, *shown, *(f"warning: {each}" for each in self.dataset.attrs.get("warnings", []))]
 
     def table_lines(self) -> Iterator[str]:
         """The table as lines of text."""
@@ -285,11 +302,14 @@ class TractionCurve(StudyResult):
         values: list[float] = self.dataset[self.axis].values[ended].tolist()
         return values
 
-    def plot(self) -> "Figure":
-        """The curve: traction coefficient and rolling resistance, films, power loss and shear stress."""
+    def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
+        """The curve: traction coefficient and rolling resistance, films, power loss and shear stress.
+
+        sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`.
+        """
         from ertel.plots import studies
 
-        return studies.traction_figure(self.dataset)
+        return studies.traction_figure(self.dataset, **sheet)
 
     def as_data(self) -> dict[str, Any]:
         """The curve as plain data for JSON; names in SI end with the unit, and what is missing is None."""

@@ -31,7 +31,7 @@ from ertel.case.status import Status
 from ertel.inputs.studies import Study, coordinates, load_study, parse_study
 from ertel.numerics.programs import double_precision
 from ertel.results.numbers import scalars
-from ertel.results.study_result import MISSING, StudyResult, StudyRun, study_dataset
+from ertel.results.study_result import MISSING, StudyResult, StudyRun, grouped, study_dataset
 from ertel.runs.batch import STEPS, program_of
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
@@ -272,7 +272,9 @@ class StudyBars:
 def gather(study: Study, directory: Path, statuses: Mapping[str, str] | None = None) -> StudyResult:
     """The numbers of all runs as they are on the disk.  statuses: of `run_study`, which say why runs failed."""
     runs = [study_run(case, directory, statuses or {}) for case in study.cases]
-    about = {"title": study.name, "kind": study.cases[0].kind}
+    about: dict[str, Any] = {"title": study.name, "kind": study.cases[0].kind}
+    warnings = grouped(((run.directory, each) for run in runs for each in run.warnings), "in {} other runs")
+    about |= {"warnings": warnings} if warnings else {}
     return StudyResult(study_dataset(study.mode, study.shape, coordinates(study), runs, about), directory)
 
 

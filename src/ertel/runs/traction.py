@@ -10,8 +10,7 @@ A curve is a study whose runs are these films, see `studies`: in its directory t
 traction.zarr, traction.csv and traction.png.  The points follow from the films.
 """
 
-import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
@@ -36,6 +35,7 @@ from ertel.results.study_result import (
     DONE,
     StudyRun,
     TractionCurve,
+    grouped,
     point_scalars,
     study_dataset,
 )
@@ -52,7 +52,6 @@ from ertel.solvers.steady import Rolling
 
 NAME = "traction"  # of the files with the points
 OLDER = "traction.json"  # what earlier versions kept their points in
-NUMBER = re.compile(r"(?<!surface )\b\d[\d.]*(e[+-]?\d+)?")  # in a warning, but not that of a surface
 
 FilmChoice = Literal["each", "once"]
 FilmRun = tuple[StudyRun, GridStep | None]  # the run that solves a film, and its grids where it has converged
@@ -274,7 +273,9 @@ def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
     axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
     about = {**provenance(curve.case), "varies": curve.axis, "film": curve.film_in_words}
     data = study_dataset("product", [len(points)], axis, points, about)
-    return TractionCurve(data, case=curve.case, warnings=_grouped(curve, points))
+    values = (f"{curve.axis} = {value:.4g}" for value in curve.values)
+    warnings = ((place, sentence) for place, point in zip(values, points, strict=True) for sentence in point.warnings)
+    return TractionCurve(data, case=curve.case, warnings=grouped(warnings, "at {} other points"))
 
 
 def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyRun:
@@ -325,13 +326,3 @@ def _warm_values(case: Case, cold: Mapping[str, float], warm: Heated) -> dict[st
         "phi_T": factor,
         **temperatures,
     }
-
-
-def _grouped(curve: Curve, points: Sequence[StudyRun]) -> list[str]:
-    """The warnings of all points: of those that differ in their numbers only the first, and at how many points."""
-    alike: dict[str, list[str]] = {}
-    for value, point in zip(curve.values, points, strict=True):
-        for sentence in point.warnings:
-            alike.setdefault(NUMBER.sub("#", sentence), []).append(f"{curve.axis} = {value:.4g}: {sentence}")
-    more = " (and the same at {} other points)".format
-    return [first + (more(len(others)) if others else "") for first, *others in alike.values()]

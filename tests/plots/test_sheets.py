@@ -1,0 +1,157 @@
+"""Pictures for print: their size, their letters, axes of one's own, and what is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from drawn import panels
+from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, as_in_time, dry_impact, in_time, steady
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from ertel import plots
+from ertel.inputs.python import rolling
+from ertel.optics import White
+from ertel.physics.surfaces import Feature, Spot
+from ertel.plots import interferograms
+from ertel.results.result import Plot
+from ertel.results.study_result import StudyResult
+
+ROUGH = replace(as_in_time(BALL_ROLLS), roughness=(Feature(Spot(0.3, -0.05), 1),))
+LONG = rolling(M=200, L=10, radius_ratio=0.08, nodes=81)
+
+
+@pytest.fixture(scope="module")
+def runs():
+    return {
+        "ball": dry_impact(BALL_FALLS),
+        "moes": dry_impact(MOES_FALLS, radial=True),
+        "rough": in_time(ROUGH),
+        "steady": steady(BALL_ROLLS),
+        "long": steady(LONG),
+    }
+
+
+def study():
+    """Films and friction over speed, temperature and oil."""
+    dims, speeds, kelvin = ("mean_speed", "temperature", "oil"), np.geomspace(0.1, 3.0, 4), np.array([313.15, 353.15])
+    film = 1e-7 * speeds[:, None, None] ** 0.67 * np.array([3.0, 1.0])[None, :, None] * np.array([1.0, 1.3])
+    numbers = {"h_c": (film, "m"), "h_min": (0.6 * film, "m"), "mu_sliding": (0.05 + 0.0 * film, "1")}
+    variables = {name: (dims, values, {"units": unit, "long_name": name}) for name, (values, unit) in numbers.items()}
+    axes = {
+        "mean_speed": ("mean_speed", speeds, {"units": "m/s"}),
+        "temperature": ("temperature", kelvin, {"units": "K"}),
+    }
+    return xr.Dataset(variables, {**axes, "oil": ["PAO", "ester"]}, {"title": "speeds", "kind": "rolling"})
+
+
+def texts_of(figure, monkeypatch):
+    """All texts that are drawn, with their sizes and boxes in pixels."""
+    drawn, draw = [], Text.draw
+
+    def noted(text, renderer):
+        if text.get_text().strip() and text.get_visible():
+            drawn.append((text.get_text(), text.get_fontsize(), text.get_window_extent(renderer)))
+        draw(text, renderer)
+
+    monkeypatch.setattr(Text, "draw", noted)
+    figure.draw_without_rendering()
+    return drawn
+
+
+def assert_fit_for_print(figure, columns, monkeypatch):
+    assert figure.get_figwidth() * 25.4 == pytest.approx(85.0 * columns)
+    drawn, (width, height) = texts_of(figure, monkeypatch), figure.bbox.size
+    for number, (text, size, box) in enumerate(drawn):
+        assert 7.0 <= size <= 9.0, text
+        assert box.x0 > -1 and box.y0 > -1 and box.x1 < width + 1 and box.y1 < height + 1, text
+        for other, _, there in drawn[:number]:
+            overlap = min(box.x1, there.x1) - max(box.x0, there.x0), min(box.y1, there.y1) - max(box.y0, there.y0)
+            assert min(overlap) < 1.0, (text, other)
+
+
+@pytest.mark.parametrize(
+    ("run", "name", "columns"),
+    [("moes", "profiles", 1), ("moes", "history", 1), ("rough", "maps", 1), ("steady", "midlines", 1),
+     ("steady", "convergence", 1), ("long", "film", 1), ("long", "friction", 2), ("ball", "overview", 2)],
+)  # fmt: skip
+def test_texts_are_legible_and_apart(runs, run, name, columns, monkeypatch):
+    assert_fit_for_print(plots.draw(runs[run], name, columns=columns), columns, monkeypatch)
+
+
+def test_studies_interferograms_and_comparisons_are_for_print_too(runs, monkeypatch):
+    monkeypatch.setattr(interferograms, "PIXELS", 40)
+    assert_fit_for_print(StudyResult(study()).plot(columns=2), 2, monkeypatch)
+    assert_fit_for_print(Plot(runs["ball"]).interferogram(columns=1), 1, monkeypatch)
+    pair = plots.comparison([runs["ball"], runs["moes"]], ["one", "two"], columns=1)
+    assert_fit_for_print(pair, 1, monkeypatch)
+
+
+def test_panels_in_axes_of_ones_own(runs):
+    figure = Figure()
+    left, right = figure.subplots(1, 2)
+    assert Plot(runs["steady"]).film(ax=left, title=False) is figure
+    assert left.get_xlabel() == "$x$ (µm)" and not left.get_title() and not figure.get_suptitle()
+    assert not right.has_data()
+    assert plots.profiles(runs["ball"], ax=[left, right]) is figure and right.has_data()
+    with pytest.raises(plots.NoFigure, match="ax: this picture has 2 panels"):
+        plots.profiles(runs["ball"], ax=left)
+
+
+def test_size_and_no_titles(runs):
+    figure = plots.friction(runs["ball"], figsize=(5.0, 2.0), title=False)
+    assert tuple(figure.get_size_inches()) == (5.0, 2.0)
+    assert not figure.get_suptitle() and not any(axes.get_title() for axes in figure.axes)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"columns": 3}, "columns = 3: must be 1 or 2"),
+        ({"figsize": (85, 60)}, r"figsize = \(85, 60\): must be width and height in inches"),
+        ({"columns": 1, "figsize": (3.0, 3.0)}, "give one of them"),
+    ],
+)
+def test_refused(runs, options, said):
+    with pytest.raises(plots.NoFigure, match=said):
+        plots.film(runs["ball"], **options)
+
+
+def test_files_have_fonts_that_journals_take(runs, tmp_path):
+    plots.film(runs["steady"], columns=1).savefig(tmp_path / "film.pdf")
+    content = (tmp_path / "film.pdf").read_bytes()
+    assert b"/FontFile2" in content and b"/Type3" not in content
+
+
+def test_a_long_contact_lies_down(runs):
+    """Turned by a quarter, with the scales equal but where the axis says otherwise."""
+    figure = plots.film(runs["long"], columns=1, title=False)
+    (axes,) = panels(figure)
+    figure.draw_without_rendering()
+    assert axes.yaxis_inverted() and axes.get_xlabel().startswith("$Y$") and "enlarged" not in axes.get_ylabel()
+    assert axes.get_aspect() == 1.0 and len(axes.get_yticks()) >= 3
+    box = axes.get_window_extent()
+    assert box.width > 0.7 * figure.bbox.width and box.height > 0.2 * figure.bbox.height
+
+
+def test_colours_tell_one_quantity_and_markers_the_other():
+    figure = StudyResult(study()).plot()
+    film, _ = figure.axes
+    shades = {
+        line.get_color() if isinstance(line.get_color(), str) else tuple(line.get_color())
+        for line, *_ in film.containers
+    }
+    assert len(film.containers) == 8 and len(shades) == 2
+    assert {line.get_marker() for line, *_ in film.containers} == {"o", "s"}
+    said = [text.get_text() for text in figure.legends[0].texts]
+    assert said[:4] == ["temperature = 40 °C", "temperature = 80 °C", "PAO", "ester"] and len(said) == 6
+
+
+def test_light_by_its_name(runs, monkeypatch):
+    monkeypatch.setattr(interferograms, "PIXELS", 40)
+    by_name, given = (plots.interferogram(runs["ball"], light=light).axes[0].images[0] for light in ("white", White()))
+    np.testing.assert_array_equal(by_name.get_array(), given.get_array())
+    for light in ("sunny", 532e-9):
+        with pytest.raises(plots.NoFigure, match=f"light = {light!r}: must be mono, white or a light of ertel.optics"):
+            plots.interferogram(runs["ball"], light=light)
