@@ -236,6 +236,28 @@ def test_the_front_and_its_speed(ball):
     np.testing.assert_allclose(shown.get_ydata()[late], same, atol=0.02 * SCALES.front_speed)
 
 
+def test_thinnest_film_is_shown_first():
+    data = in_time(BALL_ROLLS)
+    data["H_min"][:] = 0.05 + 0.01 * np.abs(data["time"] - 1.5)
+    assert "thinnest film at $t$ = " in plots.maps(data).get_suptitle() and View.of(data).time == pytest.approx(1.5)
+    data["H_min"][:] = 0.05 + 0.01 * data["time"]  # at the start
+    assert "last map" in plots.maps(data).get_suptitle()
+
+
+def test_what_the_grid_makes_of_a_rebound_is_marked(moes):
+    """Teeth of the power loss, one for every cell that the front passes, and a spike of pressure at the end."""
+    data = moes.copy(deep=True)
+    T, end = data["time"].values, data["frame"].values[-1]
+    data["power_loss"][:] = 1.0 + np.where(T > 2.45, 0.2 * (-1.0) ** np.arange(len(T)), 0.0)
+    (_, power) = panels(plots.friction(data))
+    mean, raw = line(power, "mean over a cell").get_ydata(), line(power, "teeth of the grid").get_ydata()
+    assert np.ptp(mean[(T > 2.6) & (T < end - 0.15)]) < 0.5 * np.ptp(raw) and (mean[T < 2.45] == raw[T < 2.45]).all()
+    data["F"][-3:], data["P_max"][-2] = 0.0, 9.0
+    pressure = panels(plots.history(data))[3]
+    assert pressure.get_ylim()[1] < 2.0 and "spike of the grid" in words(pressure)
+    assert "spike of the grid" not in words(panels(plots.history(moes))[3])
+
+
 def test_friction_of_sliding_surfaces():
     data = in_time(SLIDING)
     data["mu_sliding"][:], data["mu_rolling"][:], data["power_loss"][:] = 0.04, 0.0005, 1.5

@@ -7,7 +7,8 @@
 A run in time has overview, film, pressure, oil, maps, profiles, history and friction, and an impact front; a steady
 contact overview, film, pressure, oil, maps, midlines, convergence and friction.  `at` chooses the moment of a run in
 time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an event,
-"max-approach" or "end"; by default maximum approach, or the last map where there is none.
+"max-approach" or "end"; by default maximum approach, of a rolling contact the thinnest film where it is thinner than at
+both ends of the run, or else the last map.
 
 `ax=` draws into axes of your own; `columns=1` or `columns=2` makes a figure of 85 or 170 mm for print,
 `figsize=` one of another size; `title=False` leaves headings out; see `Sheet`.

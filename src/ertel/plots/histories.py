@@ -4,15 +4,18 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from scipy.integrate import cumulative_trapezoid
 
 from ertel.physics import hertz
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Values
 from ertel.plots.view import LOADED, View, estimate_of
 from ertel.results import fronts
-from ertel.results.profiles import LAST
+from ertel.results.profiles import LAST, events_of
 
+PALE_BLUE = "#0072B255"
 Look = tuple[str, str, str]  # label, colour and style of a line
 
 
@@ -139,19 +142,23 @@ def draw_film_history(axes: Axes, view: View) -> None:
 
 
 def draw_pressure_history(axes: Axes, view: View) -> None:
-    """Central and maximum pressure through time."""
-    top = float(view.dataset["P_max"].max())
+    """Central and maximum pressure through time; the last spike of a rebound, of the grid, is cut off."""
+    data, T = view.dataset, view.dataset["time"].values * view.scale("time").factor
+    end = len(T) if data.attrs["kind"] != "impact" else int(np.append(0, np.flatnonzero(_loaded(data))).max()) + 1
+    top = float(data["P_max"][:end].max())
     z = view.scale("P_max", top)
     looks = {"P_max": (view.legend("P_max"), ORANGE, "-"), "P_c": (view.legend("P_c"), BLUE, "-")}
     _draw_series(axes, view, _stored(view, looks), z.factor)
-    axes.set(ylabel=f"pressure ({z.unit})", ylim=(0.0, 1.3 * top * z.factor))
+    if data["P_max"].size > end and data["P_max"][end:].max() > data["P_max"][end - 1]:
+        axes.axvspan(T[end - 1], T[-1], color=GREY, alpha=0.25, linewidth=0.0, label="spike of the grid")
+    axes.set(ylabel=f"pressure ({z.unit})", ylim=(0.0, 1.45 * top * z.factor))
     axes.legend(loc="upper left", edgecolor="none", fontsize="small")
 
 
 def draw_coefficients(axes: Axes, view: View) -> None:
     """Traction and rolling resistance through time, each with its own axis, while the film carries load."""
     data = view.dataset
-    loaded = data["F"] > LOADED * data["F"].max()
+    loaded = _loaded(data)
     coefficients = [(axes.twinx() if view.slides else axes, "mu_rolling", ORANGE)]
     if view.slides:
         coefficients.insert(0, (axes, "mu_sliding", BLUE))
@@ -166,13 +173,43 @@ def draw_coefficients(axes: Axes, view: View) -> None:
     axes.set_title("Coefficients of friction")
 
 
+def _loaded(data: xr.Dataset) -> xr.DataArray:
+    return data["F"] > LOADED * data["F"].max()
+
+
 def draw_power(axes: Axes, view: View) -> None:
-    """Power loss through time."""
+    """Power loss through time; that of a rebound, which has a tooth for every cell, pale behind its mean."""
     values = view.dataset["power_loss"].values
     top = max(float(values.max()), 1e-9)
     z = replace(view.scale("power_loss", top), symbol="")
-    _draw_series(axes, view, [(values, (z.long_name, BLUE, "-"))], z.factor)
+    mean = _without_teeth(view, values)
+    lines: list[tuple[Values, Look]] = [(values, (z.long_name, BLUE, "-"))]
+    if mean is not None:
+        lines = [(values, ("teeth of the grid", PALE_BLUE, "-")), (mean, ("mean over a cell", BLUE, "-"))]
+    _draw_series(axes, view, lines, z.factor)
+    if mean is not None:
+        axes.legend(loc="upper right", edgecolor="none", fontsize="small")
     axes.set(ylabel=z.label, ylim=(0.0, 1.2 * top * z.factor), title="Power loss")
+
+
+def _without_teeth(view: View, power: Values) -> Values | None:
+    """The power loss of an impact, in the rebound its mean over the time in which the front passes a cell.
+
+    None where there is no rebound.
+    """
+    data, T = view.dataset, view.dataset["time"].values
+    turn = events_of(data).get("max-approach")
+    late = T > (np.inf if turn is None else float(data["frame"][turn]))
+    front = float(np.hypot(data["X_min"].values, data["Y_min"].values)[late].max(initial=0.0))
+    if data.attrs["kind"] != "impact" or late.sum() < 3 or not front:
+        return None
+    begin, x = float(T[late][0]), data["r" if view.is_radial else "X"].values
+    half = 0.5 * (T[-1] - begin) * float(x[1] - x[0]) / front
+    lost = cumulative_trapezoid(power, T, initial=0.0)
+    before, after = np.maximum(T - half, begin), np.minimum(T + half, T[-1])
+    with np.errstate(invalid="ignore", divide="ignore"):  # before the rebound
+        mean = (np.interp(after, T, lost) - np.interp(before, T, lost)) / (after - before)
+    return np.where(late, mean, power)
 
 
 # -- the grids of a steady contact ------------------------------------------------------------------------------------

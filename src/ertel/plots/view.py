@@ -27,6 +27,7 @@ MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
 NOT_FULL = 0.01  # void, as a share of the gap, from which on the gap is not full
 LONG = 2.0  # ratio of the sides from which a contact is long
+THINNER = 0.9  # of the film at the ends of a run: a thinner film between them is worth the picture
 NOTHING = 1e-6  # of the scale of a load or a speed
 SMOOTH = 1e-9  # a*^2/R: less roughness is round-off
 NO_FRICTION = 1e-12  # in a/R: a coefficient that is zero but for round-off
@@ -91,7 +92,7 @@ class View:
     frame : int or None
         The number of the map; None of a steady contact.
     moment : str
-        The name of the moment: maximum approach, last map, end of the run or chosen map.
+        The name of the moment: maximum approach, thinnest film, last map, end of the run or chosen map.
     """
 
     dataset: xr.Dataset
@@ -115,6 +116,8 @@ class View:
             return cls(dataset.load())
         if not dataset.sizes["frame"]:
             raise NoFigure("dataset: has no maps yet, there is nothing to draw")
+        if at is None and (thinnest := _thinnest(dataset)):
+            return cls(dataset.load(), thinnest, "thinnest film")
         try:
             moment = moment_of(dataset, at)
         except ValueError as error:
@@ -315,6 +318,13 @@ class View:
         heights = surfaces.height(case.features, case.motion, self.time, np.asarray(X), np.asarray(Y), shortest)
         heights = np.asarray(heights, dtype=np.float64)
         return heights if np.abs(heights).max(initial=0.0) > SMOOTH else np.zeros_like(heights)
+
+
+def _thinnest(dataset: xr.Dataset) -> int | None:
+    """The map with the thinnest film of a rolling contact in time, where it is clearly thinner than at both ends."""
+    films = np.asarray(np.interp(dataset["frame"], dataset["time"], dataset["H_min"]))
+    thin = dataset.attrs["kind"] == "rolling" and films.min() < THINNER * min(films[0], films[-1])
+    return int(films.argmin()) if thin else None
 
 
 def reach(x: Values, P: Values) -> float:
