@@ -192,9 +192,10 @@ def load_fit_problem(path: str | Path, overrides: Sequence[str] = ()) -> FitProb
         settings, file = content.pop("set"), content.pop("file", None)
         try:
             each = Measurement.read(Path(path).parent / file, **content) if file else Measurement.number(**content)
-        except (TypeError, ValueError, OSError) as error:
-            allowed = "must have a file, or quantity, value and sigma"
-            raise ConfigError(f"measurements: {show(table)}: {allowed}: {error}") from error
+        except TypeError as error:
+            raise ConfigError(f"measurements: {show(table)}: must have a file, or quantity, value and sigma") from error
+        except (ValueError, OSError) as error:
+            raise ConfigError(f"measurements: {show(table)}: {error}") from error
         given.append((each, settings))
     return fit_problem(case, given, unknowns)
 
