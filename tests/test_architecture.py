@@ -28,11 +28,11 @@ ROOMS: dict[str, set[str]] = {
     "runs": {"physics", "optics", "numerics", "case", "equations", "inputs", "results", "solvers", "plots"},
     "apps": {"physics", "optics", "numerics", "case", "equations", "inputs", "results", "solvers", "plots", "runs"},
 }
-DRAWN_LAZILY = {"results.result", "results.study_result"}  # their `plot` imports a picture
+DRAWN_LAZILY = {"results.result", "results.study_result", "results.fit_result"}  # their `plot` imports a picture
 SHORTEST_FILE = 60
 SHORT = {"case.status", "inputs.materials"}  # an enumeration and a public face
 LONGEST_FILE = 400
-MOST_CODE, MOST_SHELL, MOST_FILES = 19_852, 12_255, 144  # aims: 15 000, 9 000, 140
+MOST_CODE, MOST_SHELL, MOST_FILES = 20_447, 12_850, 148  # aims: 15 000, 9 000, 140
 
 
 def module_name(path: Path) -> str:

@@ -15,7 +15,7 @@ import ertel
 SOURCE = str(Path(ertel.__path__[0]).parent)
 SHOWN = """
     impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open simulate_batch tasks
-    sweep traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts waves
+    sweep fit traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts waves
     formulas hertz materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
 """
 FOR_EXPERTS = """
@@ -31,7 +31,7 @@ def in_a_process(code: str) -> str:
 
 
 def test_dir_and_completion():
-    assert set(SHOWN.split()) <= set(dir(ertel)) == {"__version__", *ertel.__all__} and len(dir(ertel)) <= 40
+    assert set(SHOWN.split()) <= set(dir(ertel)) == {"__version__", *ertel.__all__} and len(dir(ertel)) <= 41
     completer = rlcompleter.Completer({"ertel": ertel})
     found = {completer.complete("ertel.", state) for state in range(2 * len(dir(ertel)))}
     assert all(any(str(name).startswith(f"ertel.{shown}") for name in found) for shown in SHOWN.split())

@@ -34,6 +34,7 @@ from ertel.runs import tasks as tasks
 from ertel.runs.batch import simulate_batch as simulate_batch
 from ertel.runs.compile import cache as cache
 from ertel.runs.drive import simulate as simulate
+from ertel.runs.fit import fit as fit
 from ertel.runs.response import respond as respond
 from ertel.runs.response import respond_in_rolling as respond_in_rolling
 from ertel.runs.response import respond_linearly as respond_linearly
@@ -69,6 +70,7 @@ from ertel.physics.scales import Parameters as Parameters
 from ertel.physics.scales import Scales as Scales
 from ertel.results import result
 from ertel.results.contact_law import ContactLaw as ContactLaw
+from ertel.results.fit_result import FitResult as FitResult
 from ertel.results.study_result import StudyResult as StudyResult
 from ertel.results.study_result import TractionCurve as TractionCurve
 

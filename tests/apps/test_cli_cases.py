@@ -7,7 +7,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from app_runs import refused
+from app_runs import given, refused
 from cases import ertel_, names
 
 from ertel.case.sections import SOLVERS
@@ -26,16 +26,23 @@ COMMENTED = re.compile(r"# ([a-zA-Z]\w* = .*)")
 # -- new --------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_new_writes_a_case_that_loads_and_runs(here, kind):
+SHORT = {
+    "impact": ("time.until=0.02",),
+    "rolling": ("contact.load=2 N",),  # a thick film
+    "rolling under its own load": ("solver.nodes=65",),
+}
+RUNS = [pytest.param(name, marks=[] if name in KINDS else pytest.mark.slow) for name in SHORT]
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_new_writes_a_case_that_loads_and_runs(here, name):
+    kind = name.split()[0]
     assert ertel_("new", kind).stdout.split() == [f"{kind}.toml", SCHEMA_FILE]
     case = load_case(here / f"{kind}.toml")
     assert (case.kind, case.name) == (kind, kind)
     assert (here / f"{kind}.toml").read_text().startswith(f"#:schema ./{SCHEMA_FILE}\n")
     assert json.loads((here / SCHEMA_FILE).read_text()) == json_schema()
-    small = ("--set", "solver.nodes=33", "--set", "solver.tolerance=0.03")
-    short = ("--set", "time.until=0.02" if kind == "impact" else "contact.load=2 N")  # a thick film
-    ertel_("run", f"{kind}.toml", *small, *short, "--quiet")
+    ertel_("run", f"{kind}.toml", *given("solver.nodes=33", "solver.tolerance=0.03", *SHORT[name]), "--quiet")
     assert "summary.json" in names(here / "runs" / kind)
 
 

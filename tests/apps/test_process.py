@@ -189,18 +189,19 @@ def test_a_second_signal_ends_at_once():
         assert process.wait(30) == -signal.SIGTERM
 
 
-@pytest.mark.skipif(not Path(FULL).exists(), reason=f"no {FULL}")
 def test_nohup_goes_on_and_results_are_kept_where_the_output_fails(here):
     def ignore():
         signal.signal(signal.SIGHUP, signal.SIG_IGN)
 
     command = [sys.executable, "-c", LISTENING, *RADIAL, "--out", "a"]
-    with open(FULL, "w") as full, started(command, preexec_fn=ignore, stdout=full) as process:
+    fails = Path(FULL).exists()
+    with open(FULL if fails else os.devnull, "w") as full, started(command, preexec_fn=ignore, stdout=full) as process:
         assert process.stderr.readline() == b"listening\n"
         process.send_signal(signal.SIGHUP)
         _, said = process.communicate(timeout=120)
     assert RunStore.open(here / "a").summary()["status"] == "converged"
-    assert (process.returncode, said) == (1, b"ertel: cannot write to standard output: no space left on device\n")
+    expected = (1, b"ertel: cannot write to standard output: no space left on device\n") if fails else (0, b"")
+    assert (process.returncode, said) == expected
 
 
 def children(process):

@@ -42,11 +42,14 @@ def _contraction(elastic: tuple[DeformationOperator, ...], c: Coefficients, e: j
     return jnp.linalg.norm(jax.lax.fori_loop(0, 15, cycle, e))
 
 
-@pytest.mark.parametrize("nodes", [33, 65, pytest.param(129, marks=pytest.mark.slow)])
-def test_a_v_cycle_contracts_whatever_the_grid(nodes: int) -> None:
-    """On 33 with one mobility for both directions, on 65 with one for each, as in the tests below."""
+@pytest.mark.parametrize(
+    ("nodes", "mobilities"),
+    [(33, 1), (65, 2), *(pytest.param(nodes, 1, marks=pytest.mark.slow) for nodes in (65, 129))],
+)
+def test_a_v_cycle_contracts_whatever_the_grid(nodes: int, mobilities: int) -> None:
+    """With one mobility for both directions, or one for each, as in the tests below."""
     c = rolling_like(nodes)
-    c = c if nodes == 33 else c._replace(eps=Pair(c.eps.x, c.eps.x))
+    c = c if mobilities == 1 else c._replace(eps=Pair(c.eps.x, c.eps.x))
     assert contraction(nodes, c) < 0.8
 
 
@@ -117,15 +120,27 @@ def reference(bands: Bands, b: np.ndarray) -> np.ndarray:
     return np.array(rows)
 
 
-LENGTHS = 2, SHORT, SHORT + 1, 2 * SHORT, 129, 300  # each is compiled
+LENGTHS = 2, 3, SHORT, SHORT + 1, 2 * SHORT, 2 * SHORT + 1, 129, 257, 300  # each is compiled
 
 
-@settings(max_examples=12, deadline=None)
-@given(st.integers(0, 10**6), st.sampled_from(LENGTHS))
-def test_lines_of_any_length_are_solved(seed: int, n: int) -> None:
+def check_lines(seed: int, n: int) -> None:
     bands, b = dominant(seed, 3, n), np.random.default_rng(seed).standard_normal((3, n))
     x = solved(bands, b)
     np.testing.assert_allclose(np.asarray(x), reference(bands, b), rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("n", LENGTHS)
+@settings(max_examples=4, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_lines_of_many_lengths_are_solved(seed: int, n: int) -> None:
+    check_lines(seed, n)
+
+
+@pytest.mark.slow
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 10**6), n=st.integers(2, 300))
+def test_lines_of_any_length_are_solved(seed: int, n: int) -> None:
+    check_lines(seed, n)
 
 
 def test_lines_of_the_grids_are_halved_until_they_are_short() -> None:

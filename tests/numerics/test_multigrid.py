@@ -67,9 +67,10 @@ def test_a_v_cycle_contracts_whatever_the_grid(nodes: int, dt: float) -> None:
     assert contraction_of(nodes, impact_like(nodes, dt)) < 0.6
 
 
+@pytest.mark.parametrize("finer", [1, pytest.param(2, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("nodes_x", "nodes_y"), [(65, 33), (33, 65), (65, 17)])
-def test_a_v_cycle_contracts_on_a_rectangle(nodes_x: int, nodes_y: int) -> None:
-    grid = Grid(nodes_x, nodes_y, 4.0 / 32)
+def test_a_v_cycle_contracts_on_a_rectangle(nodes_x: int, nodes_y: int, finer: int) -> None:
+    grid = Grid(finer * (nodes_x - 1) + 1, finer * (nodes_y - 1) + 1, 4.0 / (32 * finer))
     assert contraction_on(grid, impact_on(grid)) < 0.6
 
 

@@ -133,7 +133,7 @@ def test_of_forty_noisy_films_two_at_most_are_wrong_and_said_to_be_doubtful(poin
     assert wrong <= 2 and unsaid == 0
 
 
-@pytest.mark.parametrize("points", [pytest.param(400, marks=pytest.mark.slow), 1600])
+@pytest.mark.parametrize("points", [400, 1600])
 def test_of_ten_noisy_films_one_at_most_is_wrong_and_said_to_be_doubtful(points):
     """More points do not make it worse."""
     wrong, unsaid = campaign(range(10), points, 0.02)

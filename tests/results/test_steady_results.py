@@ -50,7 +50,7 @@ def test_maps_and_summary(run: ertel.Result) -> None:
         np.testing.assert_allclose(data[name].values[32:], getattr(found, name), atol=1e-9)
         np.testing.assert_array_equal(data[name].values, data[name].values[::-1])
         assert said[f"{name}_max_K"] == pytest.approx(float(data[name].max()))
-        assert said[f"{name}_max_K"] > 313.15 + 0.02
+        assert said[f"{name}_max_K"] > 313.15 + 0.04
         assert to_si(data)[name].attrs["units"] == "K"
     assert 313.15 < said["T_film_mean_K"] < said["T_film_max_K"]
     assert said["converged"]

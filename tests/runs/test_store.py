@@ -167,21 +167,25 @@ def test_resumed_many_times(tmp_path, impact):
 def deaths():
     """Where a run can die: the functions that a flush calls, before and after each, sooner or later."""
     both = [(arrays, "write_root"), (Path, "replace"), (RunStore, "_write_checkpoint")]
-    places = {
-        "radial": [*both, (arrays, "append"), (TransientRun, "to_arrays")],
-        "steady": [*both, (ReplacedData, "_write"), (Path, "rename")],
-    }
-    sooner = {"radial": [("before", 2), ("after", 3)], "steady": [("before", 1), ("after", 2)]}
+    in_time = [*both, (arrays, "append"), (TransientRun, "to_arrays")]
+    places = {"radial": in_time, "impact": in_time, "steady": [*both, (ReplacedData, "_write"), (Path, "rename")]}
+    sooner = {"radial": [("before", 2), ("after", 3)], "impact": [], "steady": [("before", 1), ("after", 2)]}
     later = {
         "radial": [("after", 2), ("before", 5), ("after", 5)],
+        "impact": [("before", 2), ("after", 2), ("before", 5), ("after", 5)],
         "steady": [("before", 2), ("before", 3), ("before", 4), ("after", 1), ("after", 3), ("after", 4)],
     }
-    at_the_end, between_renames = ("steady", "write_root", "before", 4), ("steady", "rename", "before", 4)
+    also_quick = [
+        ("impact", "_write_checkpoint", "before", 2),
+        ("impact", "append", "after", 5),
+        ("steady", "write_root", "before", 4),  # at the end
+        ("steady", "rename", "before", 4),  # between two of them
+    ]
     for name, functions in places.items():
         for place, function in functions:
             yield from ((name, place, function, *moment) for moment in sooner[name])
             for moment in later[name]:
-                quick = (name, function, *moment) in (at_the_end, between_renames)
+                quick = (name, function, *moment) in also_quick
                 yield pytest.param(name, place, function, *moment, marks=[] if quick else pytest.mark.slow)
 
 
@@ -201,8 +205,9 @@ def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, begun, name, p
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
-def test_killed_process(tmp_path):
-    """A real SIGKILL while the store is being written.
+@pytest.mark.parametrize("name", ["radial", pytest.param("impact", marks=pytest.mark.slow)])
+def test_killed_process(tmp_path, name):
+    """A real SIGKILL while the store is being written; a process that waits for it longer stays before its last step.
 
     All processes are new: commands tested before may have left other programs in this one, equal but for round-off.
     """
@@ -210,23 +215,29 @@ def test_killed_process(tmp_path):
         import sys
         from pathlib import Path
         from ertel.runs import store
+        told = []
         def tell(item):
             print("step", flush=True)
             run.flush()
+            told.append(item)
+            if len(told) == 6:
+                sys.stdin.read()
         for directory in sys.argv[1:]:
             run = store.RunStore.open(Path(directory))
             store.compute(run, [tell])
     """
     environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
     start = [sys.executable, "-c", textwrap.dedent(program)]
-    whole, broken = (RunStore.create(tmp_path / name, CASES["radial"]) for name in ("whole", "broken"))
-    with subprocess.Popen([*start, broken.directory], stdout=subprocess.PIPE, env=environment) as process:
+    whole, broken = (RunStore.create(tmp_path / place, CASES[name]) for place in ("whole", "broken"))
+    with subprocess.Popen([*start, broken.directory], **pipes, env=environment) as process:
         assert process.stdout is not None
         for _ in range(3):
             process.stdout.readline()
         process.kill()
     before = RunStore.open(broken.directory).summary_so_far()["steps"]
-    subprocess.run([*start, broken.directory, whole.directory], env=environment, check=True, capture_output=True)
+    both = [broken.directory, whole.directory]
+    subprocess.run([*start, *both], env=environment, check=True, stdin=subprocess.DEVNULL, capture_output=True)
     assert 0 < before < whole.summary()["steps"]
     assert of_no_process(broken.summary()) == of_no_process(whole.summary())
     xr.testing.assert_identical(physics(broken.dataset()), physics(whole.dataset()))

@@ -85,7 +85,11 @@ def test_the_change_of_the_void_is_its_derivative() -> None:
         return void_change(jnp.asarray(1.0 - P), dr, d_first, 2.0, 0.1), by_jax, (up - down) / (2.0 * step)
 
     found, by_jax, expected = three_ways(r, dr)
+    assert_allclose(found, by_jax, atol=1e-12)
     assert_allclose(found, expected, atol=1e-11)
+    r -= 1.5  # in places the cavities are full again: no void is left, and none comes by a small change
+    assert 0.2 < np.mean(np.asarray(VOID(P, r, first, 2.0, 0.1))[P == 0.0] == 0.0) < 0.8
+    _, by_jax, expected = three_ways(r, dr)
     assert_allclose(by_jax, expected, atol=1e-11)
 
 

@@ -73,6 +73,7 @@ OptionalCase = Annotated[
     Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.", case_files)
 ]
 StudyFile = Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.", case_files)]
+FitFile = Annotated[Path, path_argument("FIT.toml", "Case, unknowns and measurements; see examples/fits.", case_files)]
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
 OptionalRun = Annotated[Path | None, path_argument("DIR", "Directory of a run.", run_directories)]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]

@@ -17,6 +17,7 @@ from ertel.apps import cases, looking, process
 from ertel.apps.arguments import (
     CaseFile,
     Estimate,
+    FitFile,
     Flush,
     Jobs,
     Json,
@@ -187,6 +188,38 @@ def sweep(
     directory = out or Path("sweeps").absolute() / study.name
     require_place(directory, option="--out")
     studies.sweep(study, directory, engine, chosen, as_json, quiet)
+
+
+@app.command()
+def fit(
+    fit_file: FitFile,
+    out: Annotated[Path | None, path_option("Directory of the fit; default fits/NAME.")] = None,
+    set_: Set = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+    scheduler_file: SchedulerFile = None,
+    tls: Tls = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the numbers of a case that explain what was measured: of an oil, a load, a speed, a layer.
+
+    The file names a case, the unknowns with their bounds, and the measurements with their standard deviations; see
+    examples/fits. Printed are the values with their standard errors, their correlation, and which products of the
+    unknowns the data fix, and how well.
+
+    Each run is an ordinary run directory, DIR/runs/DIGEST of its case. After an interruption the same command
+    continues; a fit with other data or bounds uses the runs again as far as they are the same.
+    """
+    from ertel.apps import studies
+    from ertel.runs.fit import NAME, load_fit_problem
+    from ertel.runs.studies import require_place
+
+    engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
+    problem = load_fit_problem(fit_file, set_ or [])
+    directory = out or Path("fits").absolute() / fit_file.stem
+    require_place(directory, NAME, "--out")
+    studies.fit(problem, directory, engine, as_json, quiet)
 
 
 @app.command("warm-up")

@@ -1,4 +1,4 @@
-"""`ertel sweep`, `ertel traction` and `ertel paper`: studies from their input to the printed table or page."""
+"""`ertel sweep`, `traction`, `fit` and `paper`: studies from their input to the printed table or page."""
 
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -25,6 +25,7 @@ from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
+from ertel.runs import fit as fits
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
 from ertel.runs.drive import bars
@@ -89,6 +90,19 @@ def traction(
     if result.failed:
         values = ", ".join(f"{value:.4g}" for value in result.failed)
         leave(FAILED, f"failed: the film did not converge at {result.axis} = {values}; the other points are there")
+
+
+def fit(problem: fits.FitProblem, directory: Path, engine: Engine, as_json: bool, quiet: bool) -> None:
+    """Do what is left of a fit, write and print it."""
+    prepare_jax()
+    with interruptible() as stop, writing_to(directory, GOES_ON):
+        try:
+            result = fits.store_fit(problem, directory, engine, stop, not quiet)
+        except fits.StoppedFit:
+            leave(stop.code or ASKED, f"interrupted; {GOES_ON}")
+        except fits.FitError as error:
+            leave(FAILED, str(error))
+    _report(result, directory, fits.NAME, as_json, quiet)
 
 
 def _report(result: StudyResult, directory: Path, name: str, as_json: bool, quiet: bool) -> None:

@@ -22,6 +22,7 @@ SERIES_ERROR, SERIES_END = 1e-9, 1e-2
 NO_STRESS = 1e-60  # Pa
 
 Tensor = tuple[Array, Array, Array]  # symmetric: xx, xy, yy
+OF_POWERS = 1.0, 0.0, 1.0 / 12.0, 0.0, 1.0 / 80.0  # integrals of zeta^k, k = 0 to 4
 TINY = 1e-150  # length of a vector that stands for zero
 Nodes = tuple[Array, Array]  # zeta > 0 and weight of each pair, shape (NODES/2, ...)
 
@@ -197,22 +198,19 @@ def series_of(law: Fluidity, pressure: Array, stress: Vector, gradient: Vector) 
 
 def series_moments(series: Series, t: Vector, g: Vector) -> Moments:
     """The same integrals as `moments_by_nodes`, exact."""
-    squares, fourths = _powers(t, g)
-    s = [WHOLE[k] + series.first * squares[k] + series.second * fourths[k] for k in range(3)]
-    r = [2.0 * series.first * WHOLE[k] + 4.0 * series.second * squares[k] for k in range(5)]
+    squares, fourths = _of_stress(t, g)
+    s = [OF_POWERS[k] + series.first * squares[k] + series.second * fourths[k] for k in range(3)]
+    r = [2.0 * series.first * OF_POWERS[k] + 4.0 * series.second * squares[k] for k in range(5)]
     return _assembled(s, r, t, g)
 
 
 def series_change(change: Series, t: Vector, g: Vector) -> Sequence[Array]:
     """The changes of S_0, S_1 and S_2 with those of the two terms."""
-    squares, fourths = _powers(t, g)
+    squares, fourths = _of_stress(t, g)
     return [change.first * squares[k] + change.second * fourths[k] for k in range(3)]
 
 
-WHOLE = 1.0, 0.0, 1.0 / 12.0, 0.0, 1.0 / 80.0  # the integrals of zeta^k, k = 0 to 4
-
-
-def _powers(t: Vector, g: Vector) -> tuple[Sequence[Array], Sequence[Array]]:
+def _of_stress(t: Vector, g: Vector) -> tuple[Sequence[Array], Sequence[Array]]:
     """The integrals of zeta^k |tau|^2, k = 0 to 4, and of zeta^k |tau|^4, k = 0 to 2."""
     a, b, c = square(t), dot(t, g), square(g)  # |tau|^2 = a + 2 b zeta + c zeta^2
     middle = 4.0 * b**2 + 2.0 * a * c  # |tau|^4 = a^2 + 4 a b zeta + middle zeta^2 + 4 b c zeta^3 + c^2 zeta^4

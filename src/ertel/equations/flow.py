@@ -176,7 +176,10 @@ def void_downstream(P: Array, r: Array, first: Number, entrainment: Number, spac
 
 @jax.custom_jvp
 def _void(full: Array, more: Array, first: Array) -> Array:
-    """Each node maps the void upstream of it to max(least, w + more).  Such maps compose to maps of the same kind."""
+    """The void w; full: where P > 0; more: h r/U.
+
+    Each node maps the void upstream of it to max(least, w + more).  Such maps compose to maps of the same kind.
+    """
     more = jnp.where(full, FULL, more).at[:, 0].set(FULL)
     least = jnp.zeros_like(more).at[:, 0].set(jnp.maximum(first, 0.0))
 
@@ -198,6 +201,7 @@ def void_change(held: Array, r: Array, first: Array, entrainment: Number, spacin
 
 
 def _changed(held: Array, more: Array, first: Array) -> Array:
+    """The change of the void by changes of `more` and of `first`; held: 0 where there is no void that changes."""
     change = (held * more).at[:, 0].set(held[:, 0] * first)
 
     def then(one: _Map, other: _Map) -> _Map:

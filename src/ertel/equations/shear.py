@@ -270,8 +270,8 @@ def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, it
     xx = m.D[0] - (by_sliding[0] * m.C[0] + by_sliding[1] * m.C[1])
     xy = m.D[1] - (by_sliding[0] * m.C[1] + by_sliding[1] * m.C[2])
     yy = m.D[2] - (by_sliding[2] * m.C[1] + by_sliding[3] * m.C[2])
-    through_stress = divided(m.A, -1.0 * slid), extra - product(by_sliding, slid)
-    return _Solution(t, flux, iterations, m.A, by_sliding, (xx, xy, yy), through_stress)
+    stress_and_flux = divided(m.A, -1.0 * slid), extra - product(by_sliding, slid)
+    return _Solution(t, flux, iterations, m.A, by_sliding, (xx, xy, yy), by_pressure=stress_and_flux)
 
 
 def _flow(s: Sequence[Array], t: Vector, g: Vector) -> tuple[Vector, Vector]:

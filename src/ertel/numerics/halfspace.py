@@ -82,7 +82,7 @@ def surface_displacement(kernel: Array, P: Array, even: Symmetry = NO_SYMMETRY) 
 
 
 def _cosines(half: Array, period: int) -> Array:
-    """Fourier transform along X of even sequences, stored for one side: real, frequencies 0 to period/2."""
+    """Fourier transform along the last axis of even sequences, stored for one side: real, frequencies 0 to period/2."""
     last, nodes = period // 2, half.shape[1]
     # each entry occurs twice in a period, except the first and the last
     twice = np.where(np.isin(np.arange(nodes), (0, last)), 1.0, 2.0).astype(half.dtype)

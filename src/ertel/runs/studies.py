@@ -148,7 +148,8 @@ def require_place(directory: Path, name: str = NAME, option: str = "directory") 
     is_own = f"{name}.zarr" in visible or (RUNS in visible and visible <= own)
     if visible and not is_own:
         some = ", ".join(sorted(visible)[:LISTED])
-        allowed = "give a new or empty directory, or that of an earlier " + ("study" if name == NAME else "curve")
+        earlier = {NAME: "study", "traction": "curve"}.get(name, name)
+        allowed = f"give a new or empty directory, or that of an earlier {earlier}"
         raise Taken(f"{option} {directory}: holds other files ({some}); {allowed}")
 
 

@@ -192,7 +192,7 @@ def newton_change(eq: Equations, P: Array, H: Array) -> Array:
     by_P, by_H = (diagonals(part, len(P)) for part in (lambda d: change_of_r(d, zero), lambda d: change_of_r(zero, d)))
 
     def of_first(n: int) -> Array:
-        """The change of the first n nodes, of which the last is held, and so are all others."""
+        """The change, where the last of the first n nodes and all nodes beyond are held."""
         identity = jnp.eye(n)
         jacobian = banded_product(by_P[:, :n], identity) + banded_product(by_H[:, :n], eq.stiffness[:n, :n])
         change = jnp.linalg.solve(jnp.where(holds[:n, None], jacobian, identity), -jnp.where(holds, r, 0.0)[:n])

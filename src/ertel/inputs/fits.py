@@ -1,0 +1,166 @@
+"""Fits: the numbers of a case that are to be found from measurements, and the file that says so.
+
+    case = "ball.toml"                          # beside this file
+
+    [unknowns]
+    "lubricant.eta0" = { bounds = ["5 mPa*s", "1 Pa*s"] }
+    "lubricant.alpha" = { bounds = ["5 / GPa", "60 / GPa"], prior = ["22 / GPa", "2 / GPa"] }
+
+    [[measurements]]
+    file = "film.csv"                           # and what else `Measurement.read` takes
+    at = "max-approach"
+
+    [[measurements]]
+    quantity = "restitution"                    # one number, or a list of them
+    value = [0.87, 0.83]
+    sigma = 0.01
+    set = { "contact.drop_height" = ["10 mm", "20 mm"] }    # where the conditions differ from those of the case
+
+An unknown is any positive number of a case, with its bounds, and a prior where something is known already: a value and
+its standard deviation.  It is a number of the case as it is stored, in which the oil and the materials are replaced by
+their numbers, on the grid of that case.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from math import sqrt
+from pathlib import Path
+from typing import Any
+
+from ertel.case.case import Case
+from ertel.case.reading import check_key
+from ertel.case.records import ConfigError, show
+from ertel.inputs.case_files import load_case, path_of, read_toml, written
+from ertel.inputs.layout import READER
+from ertel.inputs.quantities import number_or_quantity, plain_data, split
+from ertel.physics.units import Unit
+
+KEYS = {"case": (str, '"ball.toml"'), "unknowns": (dict, "[unknowns]"), "measurements": (list, "[[measurements]]")}
+
+Settings = Mapping[str, Any]  # values of a case by their paths, "contact.speed"
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A number of a case that is to be found.
+
+    field: its path in the case, contact.radius.  unit: of all its values, the SI unit, "" of a plain number.  prior:
+    value and standard deviation, or None.  start: where the search begins.
+    """
+
+    field: str
+    unit: str
+    lower: float
+    upper: float
+    prior: tuple[float, float] | None
+    start: float
+
+    def in_case(self, value: float) -> float | str:
+        """A value as a case has it."""
+        return f"{float(value)!r} {self.unit}" if self.unit else float(value)
+
+
+def load_fit(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case, list[Mapping[str, Any]], Any]:
+    """The case of a fit in a TOML file, the tables of its measurements and its unknowns as they are written.
+
+    overrides: of the case, "solver.nodes=65".  Raises ConfigError.
+    """
+    path = path_of("fit", path, "the file of a fit")
+    data = read_toml(path)
+    for key, value in data.items():
+        check_key(key, value, tuple(KEYS))
+    for key, (kind, example) in KEYS.items():
+        if not isinstance(data.get(key), kind):
+            raise ConfigError(f"{key} = {show(data.get(key, ''))}: must be given, as {example}")
+    tables = [table for number, item in enumerate(data["measurements"], 1) for table in _one_by_one(number, item)]
+    return load_case(path.parent / data["case"], overrides), tables, data["unknowns"]
+
+
+def _one_by_one(number: int, table: Any) -> Iterator[Mapping[str, Any]]:
+    """The tables of the measurements for which one with lists of values and conditions stands."""
+    if not isinstance(table, Mapping) or not isinstance(table.get("set", {}), Mapping):
+        raise ConfigError(f"measurements[{number}] = {show(table)}: must be a table, and so must its set")
+    size = len(table["value"]) if isinstance(table.get("value"), list) else 1
+
+    def each(name: str, value: Any) -> list[Any]:
+        if isinstance(value, list) and name in listed and len(value) != size:
+            raise ConfigError(
+                f"measurements[{number}].{name} = {show(value)}: must have {size} values, as many as value"
+            )
+        return value if isinstance(value, list) and name in listed else [value] * size
+
+    settings = table.get("set", {})
+    listed = {"value", "sigma", *settings} if "value" in table else set()
+    for index in range(size):
+        one = {name: each(name, value)[index] for name, value in table.items() if name != "set"}
+        yield {**one, "set": {name: each(name, value)[index] for name, value in settings.items()}}
+
+
+def parse_unknowns(given: Any, case: Case) -> tuple[Unknown, ...]:
+    """The unknowns by their paths: { bounds, prior } or a pair of bounds each.  Raises ConfigError, naming the path."""
+    if not isinstance(given, Mapping) or not given:
+        example = '{"lubricant.eta0": ("5 mPa*s", "1 Pa*s")}'
+        raise ConfigError(f"unknowns = {written(given)}: must be paths with their bounds, such as {example}")
+    return tuple(_unknown(str(field), plain_data(value), case) for field, value in given.items())
+
+
+def _unknown(field: str, given: Any, case: Case) -> Unknown:
+    table = {"bounds": given} if isinstance(given, list) else given
+    for key, value in table.items() if isinstance(table, Mapping) else ():
+        check_key(key, value, ("bounds", "prior"), f"unknowns.{field}")
+    pair = table.get("bounds") if isinstance(table, Mapping) else None
+    name, allowed = f"unknowns.{field}", 'bounds must be two positive values with units, ["LEAST", "MOST"]'
+    if not isinstance(pair, list) or len(pair) != 2:
+        raise ConfigError(f"{name} = {show(given)}: {allowed}")
+    (lower, unit), (upper, other) = (_stored(case, field, value) for value in pair)
+    if not 0 < lower < upper or unit != other:
+        raise ConfigError(f"{name} = {show(given)}: {allowed}, the smaller one first")
+    prior, starts = None, [value for value in (_number(case.to_data(), field)[0],) if lower <= value <= upper]
+    if "prior" in table:
+        try:
+            prior = _prior(table["prior"], unit, lower, upper)
+        except (TypeError, ValueError) as error:
+            raise ConfigError(f"{name}.prior = {show(table['prior'])}: {error}") from error
+        starts = [prior[0]]
+    return Unknown(field, unit, lower, upper, prior, [*starts, sqrt(lower * upper)][0])
+
+
+def _prior(given: Any, unit: str, lower: float, upper: float) -> tuple[float, float]:
+    value, sigma = (number_or_quantity(each, Unit(unit, f"1 {unit}")) if unit else float(each) for each in given)
+    if not (lower <= value <= upper and sigma > 0):
+        raise ValueError("must be a value within the bounds, and its standard deviation")
+    return value, sigma
+
+
+def _stored(case: Case, field: str, value: Any) -> tuple[float, str]:
+    """A value in SI and its unit, as a case has it that is given this value.  Raises ConfigError."""
+    number, unit = _number(with_settings(case, {field: value}).to_data(), field)
+    if not number < float("inf"):
+        raise ConfigError(f"unknowns.{field} = {show(value)}: must be a number of the case")
+    return number, unit
+
+
+def _number(data: Any, field: str) -> tuple[float, str]:
+    """The number at a path and its unit; nan where there is none."""
+    for part in field.split("."):
+        data = data.get(part) if isinstance(data, Mapping) else None
+    if isinstance(data, str) and split(data)[0]:
+        return float(split(data)[0]), split(data)[1]
+    return (float(data), "") if type(data) in (int, float) else (float("nan"), "")
+
+
+def with_settings(case: Case, settings: Settings) -> Case:
+    """A case with other values at paths.  Raises ConfigError, with these values, where it is not allowed."""
+    data = deepcopy(case.to_data())
+    try:
+        for field, value in settings.items():
+            *place, last = field.split(".")
+            table = data
+            for part in place:
+                table = table.setdefault(part, {})
+            table[last] = plain_data(value)
+        return Case.from_data(data, case.maps, READER)
+    except (ValueError, AttributeError, TypeError) as error:
+        where = ", ".join(f"{field} = {show(value)}" for field, value in settings.items())
+        raise ConfigError(f"{error} (in the case with {where})") from error

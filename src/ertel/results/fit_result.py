@@ -1,0 +1,275 @@
+"""The outcome of a fit: values of the unknowns with their standard errors, and what the data decide.
+
+The unknowns are positive numbers p, and a fit works with ln p: its Jacobian J has the derivatives of what is predicted,
+in standard deviations of the data, with respect to ln p.  A singular value s of J with the right singular vector v says
+that the data fix the product of all p^v to the relative uncertainty 1/s; here v is scaled so that its largest component
+w is one, and the uncertainty is 1/(s w).  The covariance of ln p is (J^T J)^-1, with the rows of the priors in J (Press
+WH et al. Numerical Recipes, 3rd ed. Cambridge University Press; 2007, section 15.4).  It follows from the standard
+deviations that are given and is not scaled by chi square.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import exp, log
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ertel.case.case import Case
+from ertel.results.study_result import StudyResult
+from ertel.results.variables import with_prefix
+from ertel.version import installed_version
+
+if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
+    from typing import Unpack
+
+    from matplotlib.figure import Figure
+
+    from ertel.plots.drawing import SheetOptions
+
+Values = NDArray[np.float64]
+
+UNDECIDED = 0.5  # relative uncertainty above which the data do not decide a product
+SMALLEST_POWER = 0.05  # of an unknown that is named in a product
+NEAR_BOUND = 0.01  # in ln p: an unknown so close ends at its bound
+UNLIKELY = 0.01  # probability of a larger chi square below which the case does not explain the data
+
+
+@dataclass(frozen=True)
+class FitPoint:
+    """Where a fit has ended, or a point of its search.
+
+    names: of the unknowns, short.  values, bounds, priors: in SI; bounds (2, unknown), priors with their standard
+    deviations (2, unknown), nan where there is none.  units: "" of plain numbers.  residuals: (predicted -
+    measured)/sigma.  jacobian: of these, with respect to the logarithms of the unknowns.  aligned: how many values the
+    alignment of measurements takes from the data.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    values: Values
+    bounds: Values
+    priors: Values
+    residuals: Values
+    jacobian: Values
+    aligned: int = 0
+
+    @property
+    def rows(self) -> tuple[Values, Values]:
+        """Residuals and Jacobian of the data and of the priors that there are."""
+        expected, sigma = self.priors
+        there = np.isfinite(sigma)
+        residuals = np.concatenate([self.residuals, ((self.values - expected) / sigma)[there]])
+        return residuals, np.vstack([self.jacobian, np.diag(self.values / sigma)[there]])
+
+    @property
+    def chi_square(self) -> float:
+        """The sum of the squares of all residuals, those of the priors too."""
+        return float(np.sum(self.rows[0] ** 2))
+
+    @property
+    def freedom(self) -> int:
+        """The number of data and priors less that of the unknowns and of the values that align the data."""
+        return len(self.rows[0]) - len(self.values) - self.aligned
+
+    @property
+    def covariance(self) -> Values:
+        """The covariance of the logarithms; very large in directions that nothing fixes."""
+        _, s, v = np.linalg.svd(self.rows[1], full_matrices=False)
+        return np.asarray((v.T / np.maximum(s, 1e-9 * max(s[0], 1.0)) ** 2) @ v)
+
+    @property
+    def products(self) -> tuple[Values, Values]:
+        """Relative uncertainty (product,) and exponents (product, unknown) of what the data fix, the best one first."""
+        _, singular, v = np.linalg.svd(self.jacobian)
+        s = np.pad(singular, (0, len(v) - len(singular)))
+        largest = v[np.arange(len(v)), np.argmax(np.abs(v), axis=1)]
+        with np.errstate(divide="ignore"):
+            return 1.0 / (s * np.abs(largest)), v / largest[:, None]
+
+    @property
+    def in_words(self) -> str:
+        """What the data fix, and how well: products of the unknowns, then with the priors each one alone."""
+        fixed = [f"{powers_in_words(self.names, e)} to {in_percent(u)}" for u, e in zip(*self.products, strict=True)]
+        errors = np.sqrt(np.diag(self.covariance))
+        alone = [f"{name} to {in_percent(error)}" for name, error in zip(self.names, errors, strict=True)]
+        return f"the data fix {', '.join(fixed)}" + (f"; alone {', '.join(alone)}" if len(alone) > 1 else "")
+
+    @property
+    def warnings(self) -> list[str]:
+        """The sentences on what the data do not decide, on bounds, and on a case that does not explain the data."""
+        from scipy.stats import chi2  # slow to import
+
+        found = []
+        for uncertainty, exponents in zip(*self.products, strict=True):
+            known = float(np.sqrt(exponents @ self.covariance @ exponents))
+            advice = "measure something else, give a prior, or fix an unknown"
+            rest = f"the prior does, to {in_percent(known)}" if known <= UNDECIDED else advice
+            if not uncertainty <= UNDECIDED:
+                which = powers_in_words(self.names, exponents)
+                found.append(f"the data do not decide {which} ({in_percent(uncertainty)}): {rest}")
+        for name, unit, value, ends in zip(self.names, self.units, self.values, self.bounds.T, strict=True):
+            if near := [end for end in ends if abs(log(value / end)) < NEAR_BOUND]:
+                found.append(f"{name} ends at its bound, {amount(near[0], unit)}: widen it, or doubt the case")
+        if self.freedom > 0 and chi2.sf(self.chi_square, self.freedom) < UNLIKELY:
+            factor = (self.chi_square / self.freedom) ** 0.5
+            found.append(f"the case does not explain the data: the residuals are {factor:.2g} times their sigma")
+        return found
+
+
+def in_percent(uncertainty: float) -> str:
+    """The standard deviation of a logarithm in words: a percentage, or a factor where it is large."""
+    if uncertainty <= UNDECIDED:
+        return f"{100 * uncertainty:.2g} %"
+    return f"a factor of {exp(uncertainty):.2g}" if uncertainty < log(10.0) else "no better than a factor of 10"
+
+
+def powers_in_words(names: Sequence[str], exponents: Values) -> str:
+    """A product of powers in words: eta0*alpha^0.9."""
+    text = ""
+    for number in np.argsort(-exponents, kind="stable"):
+        size = abs(exponents[number])
+        if size >= SMALLEST_POWER:
+            power = "" if abs(size - 1.0) < SMALLEST_POWER else f"^{size:.2g}"
+            text += ("/" if exponents[number] < 0 else "*" if text else "") + names[number] + power
+    return text
+
+
+def amount(value: float, unit: str) -> str:
+    """A value in SI for reading; a pressure-viscosity coefficient as a tribologist writes it."""
+    return f"{1e9 * value:.4g} /GPa" if unit == "1/Pa" else with_prefix(float(value), unit or "1")
+
+
+# -- the record -------------------------------------------------------------------------------------------------------
+
+
+def fit_dataset(solution: FitPoint, data: Mapping[str, tuple[Any, str]], about: Mapping[str, Any]) -> xr.Dataset:
+    """The outcome of a fit as a Dataset.
+
+    Parameters
+    ----------
+    solution : FitPoint
+        Where the fit has ended.
+    data : mapping
+        Name -> values along the data, and what they are: measured, sigma, predicted and others.
+    about : mapping
+        Attributes: title and others.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `unknown`: values, standard errors, bounds and priors in SI, their unit, correlation; over `datum`: what is
+        measured and predicted; over `product`: relative uncertainty and exponents of the products that the data fix.
+    """
+    covariance, (uncertainty, exponents) = solution.covariance, solution.products
+    relative = np.sqrt(np.diag(covariance))
+    one = ("unknown",)
+    variables = {
+        "value": (one, solution.values, "value in SI"),
+        "standard_error": (one, solution.values * relative, "standard error in SI"),
+        "relative_error": (one, relative, "standard error of the natural logarithm"),
+        "unit": (one, np.array(solution.units, dtype=object), "SI unit"),
+        **{name: (one, solution.bounds[i], "bound in SI") for i, name in enumerate(("lower", "upper"))},
+        **{name: (one, solution.priors[i], "in SI") for i, name in enumerate(("prior", "prior_sigma"))},
+        "correlation": (("unknown", "other"), covariance / np.outer(relative, relative), "correlation"),
+        **{name: (("datum",), values, text) for name, (values, text) in data.items()},
+        "residual": (("datum",), solution.residuals, "(predicted - measured)/sigma"),
+        "jacobian": (("datum", "unknown"), solution.jacobian, "d residual/d ln unknown"),
+        "uncertainty": (("product",), uncertainty, "relative uncertainty of a product of powers"),
+        "exponent": (("product", "unknown"), exponents, "exponents of a product of powers"),
+    }
+    numbers: dict[str, Any] = {
+        "chi_square": solution.chi_square,
+        "degrees_of_freedom": solution.freedom,
+        "decided": solution.in_words,
+    }
+    names = np.array(solution.names, dtype=object)
+    found = zip(solution.names, solution.values, solution.units, relative, strict=True)
+    numbers["found"] = [f"{name} = {amount(value, unit)} ± {in_percent(error)}" for name, value, unit, error in found]
+    return xr.Dataset(
+        {name: (dims, values, {"long_name": text}) for name, (dims, values, text) in variables.items()},
+        {"unknown": names, "other": names},
+        {**numbers, "source": f"ertel {installed_version()}", **about},
+    )
+
+
+@dataclass(frozen=True, repr=False, eq=False, kw_only=True)
+class FitResult(StudyResult):
+    """The result of a fit.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        See `fit_dataset`.
+    case : Case
+        The case with the values that were found.
+    warnings : list of str
+        Warnings: what the data do not decide, unknowns at their bounds, residuals that are too large.
+    directory : Path, optional
+        Of the fit.
+    """
+
+    case: Case
+    warnings: list[str]
+
+    @property
+    def heading(self) -> str:
+        """The title of the table."""
+        return f"fit of {self.dataset.attrs['title']}"
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The values of the unknowns, in SI."""
+        return {row["unknown"]: row["value"] for row in self.rows()}
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """The standard errors of the unknowns, in SI."""
+        return {row["unknown"]: row["standard_error"] for row in self.rows()}
+
+    def rows(self) -> list[dict[str, Any]]:
+        """The unknowns as plain data for JSON, in SI; what is missing is None."""
+        flat = self.dataset.drop_dims(["datum", "product", "other"]).to_dataframe().reset_index().to_dict("records")
+        return [{str(name): None if value != value else value for name, value in row.items()} for row in flat]
+
+    def as_data(self) -> dict[str, Any]:
+        """The fit as plain data for JSON."""
+        return {
+            **self.dataset.attrs,
+            "unknowns": self.rows(),
+            "correlation": self.dataset["correlation"].values.tolist(),
+        }
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the data as a CSV file: what is measured, predicted and left over."""
+        self.dataset.drop_dims(["unknown", "other", "product"]).to_dataframe().to_csv(path, index=False)
+
+    def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
+        """Data, fitted curves and residuals.  sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`."""
+        from ertel.plots import fits
+
+        return fits.figure(self.dataset, **sheet)
+
+    def table(self) -> list[list[str]]:
+        """The columns of a table to read, each with its heading first."""
+        rows = self.rows()
+        names = [str(row["unknown"]) for row in rows]
+        correlation = zip(names, self.dataset["correlation"].values, strict=True)
+        return [
+            ["unknown", *names],
+            ["value", *(amount(row["value"], row["unit"]) for row in rows)],
+            ["standard error", *(amount(row["standard_error"], row["unit"]) for row in rows)],
+            ["relative", *(in_percent(row["relative_error"]) for row in rows)],
+            *([name, *(f"{value:.3f}" for value in column)] for name, column in correlation),
+        ]
+
+    @property
+    def remarks(self) -> list[str]:
+        """Lines below the table: what the data decide, how well they are explained, and warnings."""
+        chi, freedom, runs = (self.dataset.attrs[name] for name in ("chi_square", "degrees_of_freedom", "runs"))
+        per = f"{chi / freedom:.3g} for each of {freedom} degrees of freedom" if freedom else "no degree of freedom"
+        work = f"{self.dataset.sizes['datum']} data, chi square {chi:.3g}, {per}; {runs} runs"
+        return [self.dataset.attrs["decided"], work, *(f"warning: {warning}" for warning in self.warnings)]

@@ -1,0 +1,368 @@
+"""Fits: the numbers of a case, an oil or a load, that explain what was measured.
+
+    measured = [ertel.Measurement.number("restitution", 0.87, sigma=0.01)]
+    ertel.fit("ball.toml", measured, {"lubricant.eta0": ("5 mPa*s", "1 Pa*s")}, "fits/ball")
+
+Least squares in the logarithms of the unknowns (`scipy.optimize.least_squares`).  A point of the search is one run, and
+one more for each unknown, whose logarithm is then larger by `STEP`; these are independent of each other and go to the
+workers of `studies` at once.  STEP: a derivative by a difference has an error of the curvature, half of STEP where the
+number goes as a power of the unknown, and of the noise of the time steps over STEP.  In impacts by the radial method
+that noise is 1e-6 of films and restitution, up to 7e-5 of contact times (`validation/fit/validate.py noise`): a STEP of
+0.01 leaves 0.5 % by curvature, and 0.03 % (contact times on 33 rings: 2 %) by noise.
+
+Each run is a run directory, runs/DIGEST of its case, as in a study.  The search has no randomness: the same call takes
+the same path, finds the runs that are done, and goes on where it was.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from ertel.case.case import Case
+from ertel.case.records import ConfigError, show
+from ertel.case.status import Status
+from ertel.inputs.case_files import CaseLike, as_case, written
+from ertel.inputs.fits import Settings, Unknown, load_fit, parse_unknowns, with_settings
+from ertel.results.fit_result import FitPoint, FitResult, Values, amount, fit_dataset
+from ertel.results.measurements import QUANTITIES, Measurement
+from ertel.results.result import Result
+from ertel.runs import studies
+from ertel.runs.compile import check_jax
+from ertel.runs.directory import CASE
+from ertel.runs.drive import warn
+from ertel.runs.store import RunStore
+from ertel.runs.tasks import Engine
+from ertel.runs.workers import Condition, Failure, Workers, never
+
+NAME = "fit"  # of the files with the outcome
+STEP = 0.01  # of a logarithm, for derivatives
+NEAR = 1e-3  # a step of the search that is smaller, in the logarithms, is the last one
+FLAT = 0.01  # a change of chi square that does not matter
+MOST_POINTS = 40  # of a search
+
+Given = Measurement | tuple[Measurement, Settings]
+Runner = Callable[[Sequence[Case]], Sequence[Result | Failure]]
+
+
+class FitError(RuntimeError):
+    """A fit cannot begin, because a run that it needs has failed; or it was asked to stop."""
+
+
+class StoppedFit(FitError):
+    """A fit was asked to stop before it was done."""
+
+
+def fit(
+    case: CaseLike,
+    measurements: Measurement | Sequence[Given],
+    unknowns: Mapping[str, Any],
+    directory: str | Path | None = None,
+    *,
+    jobs: int | None = 1,
+    scheduler: str | None = None,
+    scheduler_file: str | Path | None = None,
+    tls: str | Path | None = None,
+    progress: bool = False,
+) -> FitResult:
+    """Find the numbers of a case that explain what was measured.
+
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        The contact as far as it is known.  Its grid stays as it is.
+    measurements : Measurement or sequence
+        What was measured, each with its standard deviation.  One that was taken under other conditions is a pair of the
+        measurement and their values by path: `(measurement, {"contact.speed": "0.2 m/s"})`.
+    unknowns : mapping
+        Paths of numbers above zero in the case, as --set names them ("lubricant.eta0", "contact.radius"), each with its
+        bounds, `("5 mPa*s", "1 Pa*s")`, or with `{"bounds": ..., "prior": (value, sigma)}`.  The search starts at the
+        prior, otherwise at the value of the case, otherwise between the bounds.
+    directory : str or Path, optional
+        Of the fit: a new or empty one, or that of an earlier fit, whose runs are used again as far as they are the
+        same, so that a fit that was killed goes on.  Left out, no run is kept.
+    jobs, scheduler, scheduler_file, tls
+        Who does the runs, as in `sweep`.  A point of the search takes one run and one for each unknown, side by side;
+        as many again for each further set of conditions.
+    progress : bool
+        Whether to show progress bars.
+
+    Returns
+    -------
+    FitResult
+        It shows itself as a table: values, standard errors, correlation, and which products of the unknowns the data
+        fix.  `case`, `values`, `standard_errors`, `dataset`, `plot()`, `to_csv(path)`.
+
+    Raises
+    ------
+    ConfigError
+        A path, bounds, a prior or a measurement is not allowed, or there are more unknowns than data; the message names
+        it.
+    FitError
+        The run with the first values failed, or a file `stop` asked the fit to stop; the message names the run.
+    StoreError
+        Another process is working on the fit, or the directory holds other files.
+
+    Warns
+    -----
+    UserWarning
+        The data do not decide an unknown, one ends at its bound, or the case does not explain the data.
+    """
+    check_jax()
+    file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
+    engine = Engine(jobs, scheduler, file, keys)
+    problem = fit_problem(as_case(case), measurements, unknowns)
+    if directory is None:
+        with TemporaryDirectory(prefix="ertel-fit-") as place:
+            result = replace(store_fit(problem, Path(place), engine, progress=progress), directory=None)
+    else:
+        place_of_fit = Path(directory).absolute()
+        studies.require_place(place_of_fit, NAME)
+        result = store_fit(problem, place_of_fit, engine, progress=progress)
+    warn(result.warnings, frames=1)
+    return result
+
+
+# -- what is asked ----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class FitProblem:
+    """What is to be found, and from what.
+
+    conditions: each different set of values in which measurements differ from the case.  data: measurements with the
+    number of their conditions.
+    """
+
+    case: Case
+    unknowns: tuple[Unknown, ...]
+    conditions: tuple[Settings, ...]
+    data: tuple[tuple[Measurement, int], ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The short names of the unknowns: the last part of their paths, all of it where two are alike."""
+        short = [unknown.field.rpartition(".")[2] for unknown in self.unknowns]
+        pairs = zip(short, self.unknowns, strict=True)
+        return tuple(name if short.count(name) == 1 else unknown.field for name, unknown in pairs)
+
+    def at(self, values: Values) -> dict[str, Any]:
+        """The values of the unknowns, in SI, by their paths."""
+        return {u.field: u.in_case(value) for u, value in zip(self.unknowns, values, strict=True)}
+
+    def cases(self, values: Values) -> list[Case]:
+        """The case of each set of conditions with these values of the unknowns.  Raises ConfigError."""
+        return [with_settings(self.case, {**self.at(values), **settings}) for settings in self.conditions]
+
+    def columns(self) -> dict[str, tuple[Any, str]]:
+        """The data one after the other: name -> values, and what they are."""
+        about = {
+            "measurement": "number of the measurement",
+            "quantity": "SI name",
+            "conditions": "what differs from the case",
+            "measured_unit": "SI unit",
+            "x_unit": "SI unit of x",
+            "x": "place or time",
+            "measured": "measured value",
+            "sigma": "standard deviation",
+        }
+        columns = zip(*(row for number in range(len(self.data)) for row in self._rows(number)), strict=True)
+        arrays = [np.array(values, dtype=object if isinstance(values[0], str) else None) for values in columns]
+        return {name: (values, text) for (name, text), values in zip(about.items(), arrays, strict=True)}
+
+    def _rows(self, number: int) -> Iterator[tuple[Any, ...]]:
+        """A measurement, value by value, see `columns`."""
+        each, index = self.data[number]
+        conditions = ", ".join(f"{path.rpartition('.')[2]} = {value}" for path, value in self.conditions[index].items())
+        units = QUANTITIES[each.quantity].si_units or "1", {"profile": "m", "history": "s"}.get(each.kind, "")
+        x = np.nan if each.x is None else each.x
+        for values in np.broadcast(x, each.values, np.asarray(each.sigma)):
+            yield number, each.quantity, conditions, *units, *map(float, values)
+
+
+def load_fit_problem(path: str | Path, overrides: Sequence[str] = ()) -> FitProblem:
+    """The problem in the file of a fit, see `inputs.fits`.  Raises ConfigError."""
+    case, tables, unknowns = load_fit(path, overrides)
+    given: list[Given] = []
+    for table in tables:
+        content = dict(table)
+        settings, file = content.pop("set"), content.pop("file", None)
+        try:
+            each = Measurement.read(Path(path).parent / file, **content) if file else Measurement.number(**content)
+        except (TypeError, ValueError, OSError) as error:
+            allowed = "must have a file, or quantity, value and sigma"
+            raise ConfigError(f"measurements: {show(table)}: {allowed}: {error}") from error
+        given.append((each, settings))
+    return fit_problem(case, given, unknowns)
+
+
+def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknowns: Any) -> FitProblem:
+    """The problem that a user poses.  Raises ConfigError, naming the argument."""
+    found = parse_unknowns(unknowns, case)
+    conditions: list[Settings] = []
+    data = []
+    given = [measurements] if isinstance(measurements, Measurement) else list(measurements)
+    for number, item in enumerate(given):
+        each, settings = item if isinstance(item, tuple) and len(item) == 2 else (item, {})
+        if not (isinstance(each, Measurement) and isinstance(settings, Mapping)):
+            allowed = "must be a Measurement, or a pair of one and its conditions by path"
+            raise ConfigError(f"measurements[{number}] = {written(item)}: {allowed}")
+        if each.sigma is None:
+            allowed = "must be given: a fit weighs the data by their standard deviation"
+            raise ConfigError(f"measurements[{number}].sigma = None: {allowed}")
+        if both := {unknown.field for unknown in found} & set(settings):
+            raise ConfigError(f"measurements[{number}]: {min(both)} is an unknown and cannot be a condition")
+        if settings not in conditions:
+            conditions.append(dict(settings))
+        data.append((each, conditions.index(dict(settings))))
+    size = sum(len(each.values) - len(each.align) for each, _ in data) + sum(u.prior is not None for u in found)
+    if size < len(found):
+        raise ConfigError(f"unknowns: {len(found)} unknowns, but only {size} data (with priors); measure more")
+    problem = FitProblem(case, found, tuple(conditions), tuple(data))
+    problem.cases(np.array([unknown.start for unknown in found]))  # raises where a path does not fit the case
+    return problem
+
+
+# -- the search -------------------------------------------------------------------------------------------------------
+
+
+class Search:
+    """The least squares of a problem.  runner: gives the results of cases in their order."""
+
+    def __init__(self, problem: FitProblem, runner: Runner):
+        self.problem, self._runner = problem, runner
+        self.columns = problem.columns()
+        self.measured, self.sigma = self.columns["measured"][0], self.columns["sigma"][0]
+        self.runs: set[str] = set()  # digests of their cases
+        self._failures: list[str] = []
+        self._points: dict[bytes, FitPoint] = {}
+
+    def solve(self) -> tuple[FitPoint, bool]:
+        """Where the search ends, and whether it has converged.  Raises FitError where it cannot begin."""
+        from scipy.optimize import least_squares  # slow to import
+
+        unknowns = self.problem.unknowns
+        start, lower, upper = np.array([(u.start, u.lower, u.upper) for u in unknowns]).T
+        if not np.isfinite(self.at(start).residuals).all():
+            where = ", ".join(f"{u.field} = {amount(u.start, u.unit)}" for u in unknowns)
+            raise FitError(f"the fit cannot begin: a run at {where}, or next to it, failed: {self._failures[0]}")
+        # One is added to the logarithms so that scipy's xtol, relative to their norm, is a relative change of values.
+        found = least_squares(
+            lambda u: self.at(start * np.exp(u - 1.0)).rows[0],
+            np.ones_like(start),
+            lambda u: self.at(start * np.exp(u - 1.0)).rows[1],
+            (np.log(lower / start) + 1.0, np.log(upper / start) + 1.0),
+            xtol=NEAR,
+            ftol=FLAT / len(self.measured),
+            gtol=None,
+            max_nfev=MOST_POINTS,
+        )
+        return self.at(start * np.exp(found.x - 1.0)), found.status > 0
+
+    def at(self, values: Values) -> FitPoint:
+        """The point with these values; its residuals are nan where a run failed, from which the search steps back."""
+        key = values.tobytes()
+        if key not in self._points:
+            self._points[key] = self._computed(values)
+        return self._points[key]
+
+    def _computed(self, values: Values) -> FitPoint:
+        unknowns, size = self.problem.unknowns, len(values)
+        bounds = np.array([(u.lower, u.upper) for u in unknowns]).T
+        steps = np.where(values * np.exp(STEP) <= bounds[1], STEP, -STEP)
+        predicted = self._predicted(values * np.exp(np.vstack([np.zeros(size), np.diag(steps)])))
+        return FitPoint(
+            self.problem.names,
+            tuple(unknown.unit for unknown in unknowns),
+            values,
+            bounds,
+            np.array([unknown.prior or (np.nan, np.nan) for unknown in unknowns]).T,
+            (predicted[0] - self.measured) / self.sigma,
+            ((predicted[1:] - predicted[0]) / steps[:, None] / self.sigma).T,
+            sum(len(each.align) for each, _ in self.problem.data),
+        )
+
+    def _predicted(self, places: Values) -> Values:
+        """The predictions with the values of each row; all nan where a run failed."""
+        try:
+            groups = [self.problem.cases(values) for values in places]
+            cases = [case for group in groups for case in group]
+            self.runs |= {case.digest for case in cases}
+            outcomes = list(self._runner(cases))
+            for failure in [outcome for outcome in outcomes if isinstance(outcome, Failure)]:
+                raise ValueError(failure.reason)
+            count = len(self.problem.conditions)
+            results = [outcomes[first : first + count] for first in range(0, len(outcomes), count)]
+            return np.array([self._row(each) for each in results])
+        except ValueError as error:  # also of a case that is not allowed, and of a run that does not reach the data
+            self._failures.append(str(error))
+            return np.full((len(places), len(self.measured)), np.nan)
+
+    def _row(self, results: Sequence[Any]) -> Values:
+        return np.concatenate([each.predicted(results[number]) for each, number in self.problem.data])
+
+
+def solve_fit(problem: FitProblem, runner: Runner) -> FitResult:
+    """The result of a fit.  runner: gives the results of cases in their order.  Raises FitError."""
+    search = Search(problem, runner)
+    solution, converged = search.solve()
+    unfinished = [] if converged else [f"the search has not converged after {MOST_POINTS} points; start nearer"]
+    warnings = [*unfinished, *solution.warnings]
+    predicted = solution.residuals * search.sigma + search.measured
+    about = {
+        "title": problem.case.name or problem.case.kind,
+        "runs": len(search.runs),
+        "best": f"{studies.RUNS}/{problem.cases(solution.values)[0].digest}",
+        "warnings": warnings,
+    }
+    data = fit_dataset(solution, {**search.columns, "predicted": (predicted, "in SI")}, about)
+    return FitResult(data, case=with_settings(problem.case, problem.at(solution.values)), warnings=warnings)
+
+
+# -- its runs ---------------------------------------------------------------------------------------------------------
+
+
+def store_fit(
+    problem: FitProblem, directory: Path, engine: Engine, asked: Condition = never, progress: bool = False
+) -> FitResult:
+    """Solve a problem with the runs in a directory, and write the outcome there.
+
+    asked: whether to stop, see `studies.run_study`.  Raises FitError, StoreError.
+    """
+    batch = len(problem.conditions) * (1 + len(problem.unknowns))
+    with engine.workers(batch) as workers, studies.alone(directory):
+        runner = StoredRuns(directory, workers, asked, progress)
+        result = replace(solve_fit(problem, runner), directory=directory)
+        studies.write_study(result, directory, NAME)
+    return result
+
+
+@dataclass(frozen=True)
+class StoredRuns:
+    """A runner that keeps its runs in a directory, and takes those that are there."""
+
+    directory: Path
+    workers: Workers
+    asked: Condition = never
+    progress: bool = False
+
+    def __call__(self, cases: Sequence[Case]) -> list[Result | Failure]:
+        """The results of cases in their order.  Raises FitError where it was asked to stop."""
+        each = {case.digest: case for case in cases}
+        statuses = studies.run_study(
+            list(each.values()), self.directory, self.workers, asked=self.asked, progress=self.progress
+        )
+        outcomes = {digest: self._outcome(case, statuses.get(digest, "")) for digest, case in each.items()}
+        return [outcomes[case.digest] for case in cases]
+
+    def _outcome(self, case: Case, status: str) -> Result | Failure:
+        place = studies.run_directory(self.directory, case)
+        if status.startswith(studies.FAILED):
+            return Failure(f"{place}: {status.removeprefix(studies.FAILED)}")
+        if status == Status.INTERRUPTED.value or not (place / CASE).exists():
+            raise StoppedFit(f"{self.directory}: the fit was asked to stop; the same call goes on")
+        result = RunStore.open(place).result()
+        return result if result.status.ok else Failure(f"{place}: {result.status.value}; {result.status.advice}")

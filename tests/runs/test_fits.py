@@ -1,0 +1,238 @@
+"""Fits: values, errors and words by a model of powers, of which all is known; then runs that are stored and go on."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from dying import killed
+
+import ertel
+from ertel.case.case import Case
+from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.results.fit_result import FitResult
+from ertel.results.measurements import Measurement
+from ertel.runs import studies
+from ertel.runs.fit import FitError, fit, fit_problem, load_fit_problem, solve_fit
+from ertel.runs.workers import Failure
+
+BALL = {"radius": "10 mm", "mass": "32.6726 g", "E_prime": "226.37 GPa", "speed": "0.1 m/s"}
+GUESS = {"eta0": "10 mPa*s", "alpha": "22 / GPa"}
+CASE = parse_case({"contact": BALL, "lubricant": GUESS, "solver": {"method": "radial", "nodes": 17}})
+UNKNOWNS: dict[str, Any] = {"lubricant.eta0": ("5 mPa*s", "1 Pa*s"), "lubricant.alpha": ("5 / GPa", "60 / GPa")}
+TRUTH = np.array([0.04, 20e-9])
+FILM, RESTITUTION = (0.5, 0.5), (-0.07, 0.0)  # exponents of eta0 and alpha, about those of an impact
+
+
+@dataclass(frozen=True, eq=False)
+class Power(Measurement):
+    """A number that goes as powers of eta0, alpha and the speed, of a model that answers with the case itself."""
+
+    powers: tuple[float, float] = FILM
+
+    def predicted(self, result: Any) -> np.ndarray:
+        oil, speed = result.oil, result.contact.speed / 0.1
+        return np.array([np.prod(np.array([oil.eta0, oil.alpha]) ** self.powers) * speed**0.5])
+
+
+def measured(powers: tuple[float, float], off: float = 0.0, speed: float = 1.0, sigma: float = 0.01) -> Power:
+    """What the truth gives, off by so many relative standard deviations."""
+    value = float(np.prod(TRUTH**powers)) * speed**0.5
+    return Power("number", "h_c", np.array([value * (1 + off * sigma)]), sigma=sigma * value, powers=powers)
+
+
+def model(cases: Sequence[Case]) -> Any:
+    """The runner of the model."""
+    return cases
+
+
+def fitted(
+    *data: Any, unknowns: dict[str, Any] = UNKNOWNS, runner: Callable[[Sequence[Case]], Any] = model
+) -> FitResult:
+    return solve_fit(fit_problem(CASE, data, unknowns), runner)
+
+
+def test_two_unknowns_and_their_errors_are_those_of_linear_least_squares() -> None:
+    found = fitted(measured(FILM), measured(RESTITUTION), measured(FILM))
+    assert list(found.values.values()) == pytest.approx(TRUTH, rel=1e-4)
+    A = np.array([FILM, RESTITUTION, FILM])
+    covariance = np.linalg.inv(A.T @ A / 0.01**2)
+    errors = np.sqrt(np.diag(covariance))
+    assert found.dataset["relative_error"].values == pytest.approx(errors, rel=0.01)
+    assert list(found.standard_errors.values()) == pytest.approx(TRUTH * errors, rel=0.01)
+    assert float(found.dataset["correlation"][0, 1]) == pytest.approx(covariance[0, 1] / np.prod(errors), abs=1e-3)
+    assert found.case.oil.eta0 == found.values["eta0"] and found.warnings == []
+    assert "the data fix eta0*alpha to 1.4 %, alpha/eta0 to 29 %; alone eta0 to 14 %, alpha to 14 %" in repr(found)
+    assert found.dataset.attrs["degrees_of_freedom"] == 1
+    assert "<table>" in found._repr_html_()
+
+
+def test_noise_moves_the_values_by_as_much_as_the_errors_say() -> None:
+    found = fitted(measured(FILM, 1.0), measured(RESTITUTION, -1.0))
+    shift = np.linalg.solve(np.array([FILM, RESTITUTION]), [0.01, -0.01])
+    assert np.log(list(found.values.values()) / TRUTH) == pytest.approx(shift, rel=0.02)
+    assert found.dataset.attrs["chi_square"] < 1e-4
+
+
+def test_conditions_are_those_of_the_case_that_is_run() -> None:
+    fast = measured(FILM, speed=4.0), {"contact.speed": "0.4 m/s"}
+    found = fitted(measured(FILM), fast, measured(RESTITUTION))
+    assert list(found.values.values()) == pytest.approx(TRUTH, rel=1e-4)
+    assert found.dataset["conditions"].values.tolist() == ["", "speed = 0.4 m/s", ""]
+
+
+def test_a_prior_decides_what_the_data_do_not() -> None:
+    film = measured(FILM)
+    found = fitted(film, measured(FILM))
+    assert "the data do not decide" in found.warnings[0] and "give a prior" in found.warnings[0]
+    with_prior = {**UNKNOWNS, "lubricant.alpha": {"bounds": ["5 / GPa", "60 / GPa"], "prior": ["20 / GPa", "2 / GPa"]}}
+    found = fitted(film, unknowns=with_prior)
+    assert list(found.values.values()) == pytest.approx(TRUTH, rel=1e-3)
+    assert found.standard_errors["alpha"] == pytest.approx(2e-9, rel=0.01)
+    assert found.warnings[0].endswith("the prior does, to 20 %")
+
+
+def test_a_bound_and_a_model_that_explains_nothing_are_said() -> None:
+    low = {**UNKNOWNS, "lubricant.eta0": ("5 mPa*s", "20 mPa*s")}
+    bound, unexplained = fitted(measured(RESTITUTION), measured(FILM), measured(FILM, 30.0), unknowns=low).warnings
+    assert bound == "eta0 ends at its bound, 20 mPa*s: widen it, or doubt the case"
+    assert unexplained.startswith("the case does not explain the data: the residuals are ")
+
+
+def test_the_search_steps_back_from_runs_that_fail() -> None:
+    asked = []
+
+    def fails_once(cases: Sequence[Case]) -> Any:
+        asked.append(cases[0].oil.eta0)
+        return [Failure("no film") if len(asked) == 2 else case for case in cases]
+
+    found = fitted(measured(FILM), measured(RESTITUTION), runner=fails_once)
+    assert asked[0] == 0.01 < asked[2] < asked[1] and found.values["eta0"] == pytest.approx(0.04, rel=1e-3)
+    with pytest.raises(FitError, match=r"lubricant.eta0 = 10 mPa\*s, .* failed: no film"):
+        fitted(measured(FILM), measured(RESTITUTION), runner=lambda cases: [Failure("no film")] * len(cases))
+
+
+@pytest.mark.parametrize(
+    ("unknowns", "sentence"),
+    [
+        ({"lubricant.eta": ("5 mPa*s", "1 Pa*s")}, r"lubricant.eta = .*unknown key; did you mean eta0"),
+        ({"lubricant.eta0": {"prior": ["1 Pa*s", "1 Pa*s"]}}, r"unknowns.lubricant.eta0 = .*bounds must be two"),
+        ({"lubricant.eta0": ("1 Pa*s", "5 mPa*s")}, r"eta0 = .*the smaller one first"),
+        ({"lubricant.eta0": ("5 mPa", "1 Pa*s")}, r"lubricant.eta0 = .*5 mPa.*wrong dimension"),
+        ({"lubricant.viscosity": ("barus", "roelands")}, r'unknowns.lubricant.viscosity = "barus": must be a number'),
+        ({"lubricant.eta0": {"bounds": ["5 mPa*s", "1 Pa*s"], "prior": "1"}}, r"unknowns.lubricant.eta0.prior = "),
+        ({"lubricant.eta0": {"bounds": ["5 mPa*s", "1 Pa*s"], "sigma": 1}}, r"eta0.sigma = 1: unknown key"),
+        (UNKNOWNS, r"unknowns: 2 unknowns, but only 1 data"),
+        ([], r"unknowns = \[\]: must be paths with their bounds"),
+    ],
+)
+def test_unknowns_that_are_refused(unknowns: Any, sentence: str) -> None:
+    with pytest.raises(ConfigError, match=sentence):
+        fit_problem(CASE, measured(FILM), unknowns)
+
+
+@pytest.mark.parametrize(
+    ("data", "sentence"),
+    [
+        ([0.87], r"measurements\[0\] = 0.87: must be a Measurement"),
+        ([Measurement.number("restitution", 0.87)], r"measurements\[0\].sigma = None: must be given"),
+        ([(measured(FILM), {"lubricant.eta0": "1 Pa*s"})], r"measurements\[0\]: lubricant.eta0 is an unknown"),
+        ([measured(FILM), (measured(FILM), {"contact.sped": "1 m/s"})], r"contact.sped = .*did you mean speed"),
+    ],
+)
+def test_measurements_that_are_refused(data: Any, sentence: str) -> None:
+    with pytest.raises(ConfigError, match=sentence):
+        fit_problem(CASE, data, UNKNOWNS)
+
+
+# -- stored runs ------------------------------------------------------------------------------------------------------
+
+SHORT = {"contact": BALL, "lubricant": {**GUESS, "eta0": "19 mPa*s"}, "solver": {"method": "radial", "nodes": 17}}
+SHORT |= {"name": "ball", "time": {"until": 0.02, "tolerance": 0.1}}
+ONE = {"lubricant.eta0": ("5 mPa*s", "1 Pa*s")}
+
+
+@pytest.fixture(scope="module")
+def pressure() -> Measurement:
+    """The central pressure of an oil of 20 mPa*s in the first moments of an impact."""
+    result = ertel.simulate({**SHORT, "lubricant": {**GUESS, "eta0": "20 mPa*s"}})
+    t, p = (result.si[name].values for name in ("t", "p_c"))
+    return Measurement("history", "p_c", p[[-2, -1]], t[[-2, -1]], sigma=0.01 * p[-1])
+
+
+def test_a_fit_that_is_killed_goes_on_and_computes_nothing_twice(
+    pressure: Measurement, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    computed, run_case = [], studies.run_case
+
+    def counted(directory: str, *arguments: Any) -> str:
+        computed.append(Path(directory).name)
+        return run_case(directory, *arguments)
+
+    monkeypatch.setattr(studies, "run_case", counted)
+    whole = fit(SHORT, pressure, ONE, tmp_path / "whole")
+    assert whole.values["eta0"] == pytest.approx(0.02, rel=1e-3)
+    once = list(computed)
+    assert len(once) == len(set(once)) == whole.dataset.attrs["runs"] > 4
+    computed.clear()
+    with killed(monkeypatch, studies, "run_case", count=3):
+        fit(SHORT, pressure, ONE, tmp_path / "cut")
+    assert len(computed) == 3 and not (tmp_path / "cut" / "fit.zarr").exists()
+    again = fit(SHORT, pressure, ONE, tmp_path / "cut")
+    assert computed == once
+    assert again.dataset.drop_attrs().equals(whole.dataset.drop_attrs())
+    assert ertel.open(tmp_path / "cut" / again.dataset.attrs["best"]).case.oil.eta0 == again.values["eta0"]
+    assert (tmp_path / "cut" / "fit.png").read_bytes().startswith(b"\x89PNG")
+    table = (tmp_path / "cut" / "fit.csv").read_text().splitlines()
+    assert table[0].startswith("measurement,quantity,conditions") and len(table) == 3
+
+
+def test_a_file_with_lists_is_one_measurement_for_each_value(tmp_path: Path) -> None:
+    (tmp_path / "ball.toml").write_text(ertel.to_toml(parse_case(SHORT)))
+    text = """
+case = "ball.toml"
+[unknowns]
+"lubricant.eta0" = { bounds = ["5 mPa*s", "1 Pa*s"] }
+[[measurements]]
+quantity = "h_c"
+value = ["100 nm", "200 nm"]
+sigma = "2 nm"
+set = { "contact.speed" = ["0.1 m/s", "0.2 m/s"] }
+"""
+    (tmp_path / "fit.toml").write_text(text)
+    problem = load_fit_problem(tmp_path / "fit.toml", ["solver.nodes=33"])
+    assert problem.case.solver.nodes == 33
+    assert [(each.values.tolist(), each.sigma, index) for each, index in problem.data] == [
+        ([1e-7], 2e-9, 0),
+        ([2e-7], 2e-9, 1),
+    ]
+    assert problem.conditions == ({"contact.speed": "0.1 m/s"}, {"contact.speed": "0.2 m/s"})
+    for wrong, sentence in (
+        (("200 nm", "200 s"), "wrong dimension"),
+        (('"0.1 m/s", "0.2 m/s"', '"0.1 m/s"'), r"measurements\[1\].contact.speed = .*must have 2 values"),
+        (("case = ", "cas = "), "cas = .*unknown key; did you mean case"),
+        (('case = "ball.toml"', ""), "case = .*must be given"),
+        (("sigma =", "sigme ="), "must have a file, or quantity, value and sigma"),
+    ):
+        (tmp_path / "fit.toml").write_text(text.replace(*wrong))
+        with pytest.raises(ConfigError, match=sentence):
+            load_fit_problem(tmp_path / "fit.toml")
+
+
+@pytest.mark.slow
+def test_an_impact_is_a_viscometer(tmp_path: Path) -> None:
+    """Film and restitution of 33 rings give the oil back from which they are, and no better than they can."""
+    contact = {"radius": "10 mm", "material_1": "steel", "material_2": "glass", "drop_height": "10 mm"}
+    case = {"contact": contact, "lubricant": {"eta0": "50 mPa*s", "alpha": "15 / GPa"}}
+    case |= {"solver": {"method": "radial", "nodes": 33}, "time": {"start_approach": -1.5, "until": "rebound"}}
+    truth = ertel.simulate({**case, "lubricant": {"eta0": "100 mPa*s", "alpha": "22 / GPa"}})
+    x = np.linspace(0.0, 300e-6, 31)
+    film = Measurement("profile", "h", np.ones_like(x), x, at="max-approach").predicted(truth)
+    data = [Measurement("profile", "h", film, x, sigma=0.01 * film, at="max-approach")]
+    data.append(Measurement.number("restitution", truth.summary["restitution"], sigma=0.01))
+    found = fit(case, data, UNKNOWNS, tmp_path)
+    assert list(found.values.values()) == pytest.approx([0.1, 22e-9], rel=2e-3)
+    product, alone = found.dataset["uncertainty"].values[0], found.dataset["relative_error"].values
+    assert product < 0.005 and np.all((alone > 0.02) & (alone < 0.1))
