@@ -170,6 +170,9 @@ def test_measurements_refused(runs, tmp_path):
     assert "it has 'place', 'film'" in refused("compare", plane, str(tmp_path / "film.csv"))
     assert "--column at: must be" in refused("compare", plane, str(tmp_path / "film.csv"), "--column", "at=s")
     assert "--at: only for a measurement" in refused("compare", plane, plane, "--at", "1")
+    assert "--along: only for a measurement" in refused("compare", plane, plane, "--along", "y")
+    assert "--along y: only for --what profile" in refused("export", plane, "--along", "y")
+    assert "--sigma 1 nm,2 nm,3 nm: must be one" in refused("show", plane, "--sigma", "1 nm,2 nm,3 nm")
     assert "--at 1: only for --what profile" in refused("export", plane, "--at", "1")
     assert "--to vtk: a profile is written as csv" in refused("export", plane, "--to", "vtk", "--what", "profile")
 
@@ -183,4 +186,5 @@ def test_the_verdict_with_the_lambda_ratio(tmp_path):
     assert re.fullmatch(r"Film \S+ [nµ]m", verdict) and ertel_("show", run).stdout.splitlines()[-2] == verdict
     shown = ertel_("show", run, "--sigma", "30 nm, 40 nm").stdout.splitlines()[-2]
     assert shown == f"{verdict}, Lambda = {films['h_min_m'] / 50e-9:.2g}"
+    assert "sigma = '0 nm': must be" in refused("show", run, "--sigma", "0 nm")
     assert "unit" in refused("show", run, "--sigma", "30")

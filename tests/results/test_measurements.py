@@ -129,6 +129,11 @@ def test_a_history_with_its_standard_errors(written):
         ("x_um,h_nm\n1,2\n", {"columns": {"h": "film"}}, "has no column 'film'; it has 'x_um', 'h_nm'"),
         ("x_um,h_nm\n1,2\n", {"film": "nm"}, "film: must be the name of a place, a time or a result"),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': must be of centre, offset, tilt"),
+        ("x_um,T\n1,2\n", {}, "has no quantity such as h; it has 'x_um', 'T'; give columns={\"h\": ...}"),
+        ("x_um,h_nm\n1,nan\n", {}, "film.csv: has 0 values; must be at least one row without a gap"),
+        ("x_um,h_nm,sigma\n1,2,0\n", {}, "film.csv: sigma has 0 (in SI); must be finite and above zero"),
+        ("t_us,h_c_nm\n1,2\n", {"at": "1 us"}, "at = '1 us': film.csv is a history, without a moment"),
+        ("x_um,h_nm\n1,2\n", {"along": "z"}, "along = 'z': must be of x, y"),
         ("x_um,h_nm\n1,2\n2,3\n", {"sigma": "2 s"}, "h = '2 s': has the wrong dimension"),
     ],
 )

@@ -106,7 +106,9 @@ def compare(
             first, second, plot, as_json, at=at, along=along, align=(align or "").replace(",", " ").split(), **units
         )
         return
-    if given := [name for name, each in (("at", at), ("align", align), ("column", column)) if each]:
+    if given := [
+        name for name, each in (("at", at), ("along", along != "x"), ("align", align), ("column", column)) if each
+    ]:
         leave(BAD_INPUT, f"--{given[0]}: only for a measurement, and {shown(second)} is not a file")
     from ertel.apps import running
     from ertel.results import numbers
@@ -185,6 +187,8 @@ def show(
     from ertel.apps import running
     from ertel.runs.files import Damaged, StoreError
 
+    if sigma is not None and len(sigma.split(",")) > 2:
+        leave(BAD_INPUT, f"--sigma {sigma}: must be one length or two, of the two surfaces")
     with running.opened(directory) as run:
         try:
             summary = run.summary() or run.summary_so_far()
@@ -192,7 +196,7 @@ def show(
             raise
         except StoreError as error:
             raise StoreError(f"{error}; to start it: ertel resume {in_shell(directory)}") from error
-        running.report(run, summary, as_json, sigma=sigma.split(",")[:2] if sigma else ())
+        running.report(run, summary, as_json, sigma=() if sigma is None else sigma.split(","))
 
 
 def plot(
@@ -336,6 +340,8 @@ def export(
         leave(BAD_INPUT, f"--to {to}: a profile is written as csv")
     if at is not None and not what:
         leave(BAD_INPUT, f"--at {at}: only for --what profile; the other exports have all times")
+    if along != "x" and not what:
+        leave(BAD_INPUT, f"--along {along}: only for --what profile")
     with running.opened(directory) as run:
         data = run.dataset()
     with bad_input():

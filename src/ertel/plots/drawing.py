@@ -153,7 +153,8 @@ class Sheet:
         if self.columns not in (None, 1, 2):
             raise NoFigure(f"columns = {self.columns!r}: must be 1 or 2, for 85 or 170 mm")
         if self.figsize is not None and not (
-            len(self.figsize) == 2 and all(1.0 <= side < 60.0 for side in self.figsize)
+            np.shape(self.figsize) == (2,)
+            and all(isinstance(side, int | float | np.number) and 1.0 <= side < 60.0 for side in self.figsize)
         ):
             raise NoFigure(f"figsize = {self.figsize!r}: must be width and height in inches, from 1 to 60")
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 import xarray as xr
@@ -99,10 +99,18 @@ class Measurement:
             raise ValueError(f"x: must be {'left out of' if self.kind == 'number' else 'given for'} a {self.kind}")
         if values.shape != x.shape or values.ndim != 1 or sigma.shape not in ((), values.shape):
             raise ValueError(f"values: have the shape {values.shape}, x {x.shape}, sigma {sigma.shape}; must be alike")
+        for name, value, allowed in (("kind", self.kind, get_args(Kind)), ("along", self.along, PLACES[:2])):
+            if value not in allowed:
+                raise ValueError(f"{name} = {value!r}: must be of {', '.join(allowed)}")
+        if self.at is not None and self.kind != "profile":
+            raise ValueError(f"at = {self.at!r}: {self.name} is a {self.kind}, without a moment; leave it out")
         if len(values) <= len(align):
-            raise ValueError(f"values: {len(values)} are too few to align {len(align)} numbers")
-        if not (np.all(np.isfinite(values)) and np.all(np.isfinite(x)) and np.all((sigma > 0) & np.isfinite(sigma))):
-            raise ValueError("values, x, sigma: must be finite, sigma also above zero")
+            wanted = f"more than {len(align)}, the numbers to align" if align else "at least one row without a gap"
+            raise ValueError(f"{self.name}: has {len(values)} values; must be {wanted}")
+        if not np.all((sigma > 0) & np.isfinite(sigma)):
+            raise ValueError(f"{self.name}: sigma has {np.min(sigma):g} (in SI); must be finite and above zero")
+        if not (np.all(np.isfinite(values)) and np.all(np.isfinite(x))):
+            raise ValueError(f"{self.name}: has values or x that are not finite")
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "x", None if self.x is None else x)
         object.__setattr__(self, "align", align)
@@ -187,7 +195,9 @@ class Measurement:
         name = next(iter([*given, *(name for name in there if name == USUAL[kind]), *there]), "")
         if not (axis and name):
             wanted = f"quantity such as {USUAL[kind]}" if axis else "place x, y or r and no time t"
-            raise ValueError(f'{file.file}: has no {wanted}; {file.listed}; give columns={{"{name or "x"}": ...}}')
+            raise ValueError(
+                f'{file.file}: has no {wanted}; {file.listed}; give columns={{"{USUAL[kind] if axis else "x"}": ...}}'
+            )
         unit = _unit(name)
         rows = [file.values(axis, _unit(axis)), file.values(name, unit)]
         rows += [file.values(SIGMA, unit, file.units[name])] if SIGMA in file.texts else []

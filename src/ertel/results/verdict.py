@@ -42,7 +42,7 @@ def lambda_of(result: Outcome, sigma_1: Sigma = None, sigma_2: Sigma = None) -> 
         raise ValueError(f"lambda ratio: {'the case is dimensionless' if scales is None else 'the run has no film'}")
     given = [sigma for sigma in (sigma_1, sigma_2) if sigma is not None]
     if given:
-        return lambda_ratio(table["H_min"].value * scales.film, *(in_si(sigma, RMS.in_si) for sigma in given))
+        return lambda_ratio(table["H_min"].value * scales.film, *(_sigma(sigma) for sigma in given))
     own = _rms(result.case)
     if not own:
         raise ValueError("sigma_1: missing; the surfaces of the case are smooth, or have no rms")
@@ -83,6 +83,13 @@ def verdict(result: Outcome, *sigma: Sigma) -> str:
     if thermal and data:
         parts.append(f"{thermal['T_film_mean_K'] - data.temperature:.3g} K")
     return ", ".join(parts)
+
+
+def _sigma(given: Sigma) -> float:
+    try:
+        return in_si(given, RMS.in_si)
+    except ValueError as error:
+        raise ValueError(f"sigma = {str(given)!r}: {error}") from error
 
 
 def _rms(case: Case) -> list[float]:
