@@ -40,9 +40,11 @@ def here(tmp_path, monkeypatch):
 def test_a_study_from_its_file_to_its_table(here):
     done = ertel_("sweep", "loads.toml", "--jobs", "1")
     assert done.stderr == "2 runs, 2 of them to do\n"
-    title, head, *rows, said, stored = done.stdout.splitlines()
+    title, head, *rows, said, film, start, mass, stored = done.stdout.splitlines()
     assert title == "loads" and head.split()[0] == "M" and [row.split()[0] for row in rows] == ["20", "40"]
     assert said == "2 runs: 2 converged; 2 with warnings" and "warnings" in head.split()  # 17 nodes are few
+    for warning in (film, start, mass):
+        assert warning.startswith("Warning: runs/") and warning.endswith("(and 1 other run)")
     assert stored == "Stored in sweeps/loads, with sweep.zarr and sweep.csv"  # too short for key numbers to draw
     with (here / "sweeps/loads/sweep.csv").open() as file:
         directories = [row["directory"] for row in csv.DictReader(file)]

@@ -149,7 +149,7 @@ def test_a_run_that_cannot_be_done_is_a_value(tmp_path):
     summary, *warnings = result.remarks
     assert summary == "4 runs: 3 converged, 1 failed; 3 with warnings"
     assert len(warnings) == 2 and all(each.startswith("warning: runs/") for each in warnings)
-    assert warnings[0].endswith("(and the same in 2 other runs)")  # which differ in their numbers only
+    assert warnings[0].endswith("(and 2 other runs)")  # which differ in their numbers only
 
 
 class Bars:

@@ -97,16 +97,19 @@ def study_dataset(
     return xr.Dataset(variables, along, {**heading, **attributes})
 
 
-def grouped(warnings: Iterable[tuple[str, str]], others: str) -> list[str]:
+def grouped(warnings: Iterable[tuple[str, str]], other: str) -> list[str]:
     """Warnings with the places where they arise; of those that differ in their numbers only the first, with a count.
 
-    others: in words where the others are, "in {} other runs".
+    other: where they arise, in the singular, "run".
     """
     alike: dict[str, list[str]] = {}
     for place, sentence in warnings:
         alike.setdefault(NUMBER.sub("#", sentence), []).append(f"{place}: {sentence}")
-    more = f" (and the same {others})".format
-    return [first + (more(len(rest)) if rest else "") for first, *rest in alike.values()]
+
+    def more(count: int) -> str:
+        return f" (and {count} other {other}{'s' if count > 1 else ''})" if count else ""
+
+    return [first + more(len(rest)) for first, *rest in alike.values()]
 
 
 def _values(values: Sequence[Any]) -> Any:

@@ -274,7 +274,7 @@ def gather(study: Study, directory: Path, statuses: Mapping[str, str] | None = N
     """The numbers of all runs as they are on the disk.  statuses: of `run_study`, which say why runs failed."""
     runs = [study_run(case, directory, statuses or {}) for case in study.cases]
     about: dict[str, Any] = {"title": study.name, "kind": study.cases[0].kind}
-    warnings = grouped(((run.directory, each) for run in runs for each in run.warnings), "in {} other runs")
+    warnings = grouped(((run.directory, each) for run in runs for each in run.warnings), "run")
     about |= {"warnings": warnings} if warnings else {}
     return StudyResult(study_dataset(study.mode, study.shape, coordinates(study), runs, about), directory)
 

@@ -275,7 +275,7 @@ def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
     data = study_dataset("product", [len(points)], axis, points, about)
     values = (f"{curve.axis} = {value:.4g}" for value in curve.values)
     warnings = ((place, sentence) for place, point in zip(values, points, strict=True) for sentence in point.warnings)
-    return TractionCurve(data, case=curve.case, warnings=grouped(warnings, "at {} other points"))
+    return TractionCurve(data, case=curve.case, warnings=grouped(warnings, "point"))
 
 
 def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyRun:
