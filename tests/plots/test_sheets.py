@@ -109,6 +109,8 @@ def test_size_and_no_titles(runs):
     ("options", "said"),
     [
         ({"columns": 3}, "columns = 3: must be 1 or 2"),
+        ({"figsize": 3}, r"figsize = 3: must be width and height in inches"),
+        ({"figsize": ("a", "b")}, r"figsize = .*must be width and height in inches"),
         ({"figsize": (85, 60)}, r"figsize = \(85, 60\): must be width and height in inches"),
         ({"columns": 1, "figsize": (3.0, 3.0)}, "give one of them"),
     ],
