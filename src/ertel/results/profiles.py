@@ -20,9 +20,8 @@ from ertel.results.dataset import with_units
 from ertel.results.variables import AXES, EVENTS, is_steady, to_si, with_prefix
 
 Values = NDArray[np.float64]
-At = (
-    float | str | Quantity | None
-)  # a time in t0 or with its unit, an event, or None: maximum approach, or the last map
+# a time in t0 or with its unit, an event, or None: maximum approach, or the last map
+At = float | str | Quantity | None
 MAXIMUM, LAST, END, CHOSEN = "maximum approach", "last map", "end of the run", "chosen map"
 NAMES = {"max-approach": MAXIMUM, "end": END}
 ALONG = {"x": ("X", "Y"), "y": ("Y", "X")}  # the axis of a line, and the other one
