@@ -13,7 +13,7 @@ from ertel.apps.process import Stop, interruptible
 from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, say, shown, writing_to
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.results.errors import with_error
+from ertel.results.errors import comparisons, with_error
 from ertel.results.result import Result
 from ertel.results.verdict import verdict
 from ertel.runs import outlook, store
@@ -63,7 +63,7 @@ def resume(directory: Path, options: RunOptions) -> None:
 def _compared(course: Run, options: RunOptions) -> Mapping[str, Run]:
     """The runs with which a run is compared for its error.  A grid may have no half grid for them."""
     with bad_input():
-        return course.comparisons if options.error else {}
+        return {part: run_of(other) for part, other in comparisons(course.case).items()} if options.error else {}
 
 
 def warm_up_all(cases: Sequence[Case]) -> None:

@@ -50,7 +50,7 @@ from ertel.results.numbers import Scalar, as_now, lines, scalars
 from ertel.runs.files import StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
-    from ertel.runs.drive import Run, StepResult
+    from ertel.runs.drive import Run
 
 CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
 PROGRESS, STOP = "progress.json", "stop"
@@ -197,7 +197,7 @@ class ProgressFile:
         self._first: tuple[float, float] | None = None  # time and share done at the first result with a record
         self._written = -INTERVAL
 
-    def __call__(self, result: "StepResult") -> None:
+    def __call__(self, result: Any) -> None:
         """Write the progress, unless it was written a moment ago."""
         now = time.monotonic()
         if self._first is None and result.record:
@@ -206,7 +206,7 @@ class ProgressFile:
             self._written = now
             self.write(result)
 
-    def write(self, result: "StepResult") -> None:
+    def write(self, result: Any) -> None:
         """Write the progress; a disk that refuses it stops no run."""
         progress = self._run.progress(result)
         done = 1.0 if result.status.ok else progress.done

@@ -112,8 +112,7 @@ def fit(
         The data do not decide an unknown, one ends at its bound, or the case does not explain the data.
     """
     check_jax()
-    file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
-    engine = Engine(jobs, scheduler, file, keys)
+    engine = Engine(jobs, scheduler, scheduler_file, tls)
     problem = fit_problem(as_case(case), measurements, unknowns)
     if directory is None:
         with TemporaryDirectory(prefix="ertel-fit-") as place:

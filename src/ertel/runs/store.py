@@ -26,7 +26,7 @@ from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.results.variables import one_number
 from ertel.runs import arrays
-from ertel.runs.arrays import AppendedData, ReplacedData, data_class
+from ertel.runs.arrays import AppendedData, ReplacedData
 from ertel.runs.compile import check_jax, compilations
 from ertel.runs.directory import (
     CASE,
@@ -44,7 +44,7 @@ from ertel.runs.directory import (
     require_same,
     settle_progress,
 )
-from ertel.runs.drive import Observer, Run, StepResult, bars, drive, run_of, warn, watch
+from ertel.runs.drive import Observer, Run, SteadyRun, StepResult, bars, drive, run_of, warn, watch
 from ertel.runs.files import (
     Damaged,
     StoreError,
@@ -72,7 +72,7 @@ class RunStore:
 
     def __init__(self, directory: Path, case: Case, run: Run | None = None):
         self.directory, self.case, self._run = directory, case, run
-        self._advice = data_class(case).advice
+        self._advice = (ReplacedData if case.is_steady else AppendedData).advice
         self._started = self._flushed = time.monotonic()
         self._seconds_before = 0.0  # of computing, before this process took over
         self._item: Any = None  # the last result taken and not yet written
@@ -119,7 +119,7 @@ class RunStore:
 
     @cached_property
     def _arrays(self) -> AppendedData | ReplacedData:
-        return data_class(self.case)(self.run)
+        return ReplacedData(self.run) if isinstance(self.run, SteadyRun) else AppendedData(self.run)
 
     @property
     def _data(self) -> Path:
@@ -169,10 +169,9 @@ class RunStore:
         if self._item is None:
             return
         result, self._item = self._item, None
-        written = self._arrays.flush(self._data, self._records, self._frames)
+        written = self._arrays.flush(self._data, self._records, self._frames, result)
         self._records, self._frames = [], []
         self._write_checkpoint({**self.run.to_arrays(result), **written})
-        self._arrays.after_checkpoint(self._data, result)
         self._flushed = time.monotonic()
 
     def _write_checkpoint(self, values: Mapping[str, Any]) -> None:

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -229,7 +229,7 @@ def compute_curve(curve: Curve, progress: bool = False) -> TractionCurve:
         def film_of(case: Case) -> FilmRun:
             number, run = next(numbers), run_of(case)
 
-            def show(item: GridStep) -> None:
+            def show(item: Any) -> None:
                 now = run.progress(item)
                 shown.update(bar, completed=number + now.done, message=f"{number + 1}/{total}  {now.message}")
 
