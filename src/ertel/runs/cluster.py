@@ -29,16 +29,7 @@ from typing import Any
 from uuid import uuid4
 
 import dask
-from distributed import (
-    Client,
-    Future,
-    KilledWorker,
-    LocalCluster,
-    Security,
-    Worker,
-    WorkerPlugin,
-    as_completed,
-)
+from distributed import Client, Future, KilledWorker, LocalCluster, Security, Worker, WorkerPlugin, as_completed
 from distributed.comm.core import FatalCommClosedError
 from distributed.utils import json_load_robust, silence_logging_cmgr
 

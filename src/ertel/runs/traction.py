@@ -28,18 +28,9 @@ from ertel.equations.account import coefficients, steady_friction
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.quantities import Given, parse_values
 from ertel.numerics.programs import double_precision
-from ertel.results import diagnostics
+from ertel.results import diagnostics, study_result
 from ertel.results.dataset import provenance
-from ertel.results.study_result import (
-    CURVE_AXES,
-    CURVE_WORK,
-    DONE,
-    StudyRun,
-    TractionCurve,
-    grouped,
-    point_scalars,
-    study_dataset,
-)
+from ertel.results.study_result import CURVE_AXES, StudyRun, TractionCurve, point_scalars
 from ertel.results.variables import with_coefficients
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
@@ -232,17 +223,17 @@ def curve_in(curve: Curve, directory: Path, progress: bool = False, asked: Condi
         fresh = film_case is not present
         if fresh:
             run, present = studies.study_run(film_case, directory, statuses), film_case
-            film = RunStore.open(directory / run.directory).item() if run.status == DONE else None
+            film = RunStore.open(directory / run.directory).item() if run.status == study_result.DONE else None
         if film is None:
             points.append(run._replace(numbers=point_scalars(case, {})))
         else:
             points.append(_measured(case, film, fresh, run.directory))
     axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
     about = {**provenance(curve.case), "varies": curve.axis, "film": curve.film_in_words}
-    data = study_dataset("product", [len(points)], axis, points, about)
+    data = study_result.study_dataset("product", [len(points)], axis, points, about)
     values = (f"{curve.axis} = {value:.4g}" for value in curve.values)
     warnings = ((place, sentence) for place, point in zip(values, points, strict=True) for sentence in point.warnings)
-    return TractionCurve(data, directory, case=curve.case, warnings=grouped(warnings, "point"))
+    return TractionCurve(data, directory, case=curve.case, warnings=study_result.grouped(warnings, "point"))
 
 
 def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyRun:
@@ -261,7 +252,7 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
         "tau_max": float(np.hypot(*np.asarray(friction.stress)).max()),
-        **dict(zip(CURVE_WORK, work if fresh else (0, 0, 0.0), strict=True)),
+        **dict(zip(study_result.CURVE_WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
     warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if case.thermal is not None and status.ok:
