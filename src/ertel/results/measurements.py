@@ -254,7 +254,7 @@ class Measurement:
 
     def _line(self, result: Any) -> xr.DataArray:
         """The quantity along the line of a profile, or through time, in SI."""
-        data = result.dataset
+        data: xr.Dataset = result.dataset
         if self.kind == "profile":
             data = profile(data, self.at, self.along)
         elif "time" in data.dims:
