@@ -258,7 +258,7 @@ def test_what_is_known_of_a_run(tmp_path, plots):
     assert info.figures == ("maps", "profiles", "history", "front", "friction", "interferogram", "overview")
     assert len(info.T) == 13 and info.t0 == pytest.approx(3.74e-5, rel=1e-2)
     assert info.T[info.events["max-approach"]] == pytest.approx(2.45)
-    assert {number.symbol for number in info.latest} == {"H_c", "H_min", "P_max", "F"}
+    assert {number.about.symbol for number in info.latest} == {"H_c", "H_min", "P_max", "F"}
 
 
 def test_pictures_are_drawn_once(tmp_path, plots, monkeypatch):

@@ -318,7 +318,7 @@ class _Side:
         self._numbers.clear()
         with self._numbers:
             for number in key_numbers(summary) if summary else []:
-                show_line(number.long_name, number.text_in_si or pretty(number.text))
+                show_line(number.about.long_name, number.text_in_si or pretty(number.text))
         self._page.begin()
 
     def show(self, figure: str, T: float | None) -> None:

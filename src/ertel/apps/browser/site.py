@@ -334,10 +334,10 @@ def show_number(number: Number) -> None:
     more = [pretty(number.text)] if number.text_in_si else []
     more += [f"± {number.text_of_error}"] if number.text_of_error else []
     with ui.element("div").classes("number"):
-        ui.label(number.long_name).classes("what")
+        ui.label(number.about.long_name).classes("what")
         with ui.row().classes("known"):
             ui.label(number.text_in_si or pretty(number.text)).classes("value")
-            ui.html(_symbol(number.symbol), sanitize=False).classes("symbol")
+            ui.html(_symbol(number.about.symbol), sanitize=False).classes("symbol")
         ui.label("  ".join(more)).classes("also")
 
 
