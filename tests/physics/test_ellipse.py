@@ -23,7 +23,6 @@ from ertel.physics.scales import (
     impact_scales,
     parameters,
     rolling_scales,
-    scales_of,
 )
 
 TABLE = {  # D: kappa, E, F, beta, kernel factor, Delta_H, 2 pi/(3 kappa)
@@ -180,13 +179,11 @@ def test_parameters_and_back(D: float, M: float, L: float) -> None:
 
 @given(RATIOS)
 def test_moes_numbers_of_a_physical_contact(D: float) -> None:
-    """M, L by U, G, W alone, as published, and by lambda_bar, alpha_bar are the same; so are scales and back."""
+    """M, L by U, G, W alone, as published, and by lambda_bar, alpha_bar are the same."""
     s = rolling_scales(R=0.01, load=50.0, mean_speed=0.4, E_prime=2e11, radius_ratio=D)
     p = parameters(s, eta0=0.05, alpha=2e-8)
     ugw = parameters_from_ugw(*hamrock_dowson(s, 0.05, 2e-8), radius_ratio=D)
     assert (p.M, p.L) == (pytest.approx(ugw.M), pytest.approx(ugw.L))
-    again = scales_of(p, R=0.01, E_prime=2e11, eta0=0.05, alpha=2e-8)
-    assert (again.a, again.load, again.t0) == pytest.approx((s.a, s.load, s.t0))
 
 
 @given(RATIOS)

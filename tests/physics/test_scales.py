@@ -17,7 +17,6 @@ from ertel.physics.scales import (
     impact_scales,
     parameters,
     rolling_scales,
-    scales_of,
 )
 
 
@@ -95,12 +94,10 @@ def test_a_rolling_contact(R, load, mean_speed, E_prime, eta0, alpha):
 
 
 @given(CONTACTS, ETA0, ALPHA)
-def test_ugw_route_equals_lambda_alpha_route_and_leads_back(s, eta0, alpha):
+def test_ugw_route_equals_lambda_alpha_route(s, eta0, alpha):
     direct, by_ugw = parameters(s, eta0, alpha), parameters_from_ugw(*hamrock_dowson(s, eta0, alpha))
     assert (by_ugw.M, by_ugw.L) == (close(direct.M), close(direct.L))
     assert (by_ugw.lambda_bar, by_ugw.alpha_bar) == (close(direct.lambda_bar), close(direct.alpha_bar))
-    back = scales_of(direct, R=s.R, E_prime=s.E_prime, eta0=eta0, alpha=alpha)
-    assert (back.a, back.p_h, back.t0) == (close(s.a), close(s.p_h), close(s.t0))
 
 
 @given(POSITIVE, decades(-3, 3))
@@ -142,8 +139,6 @@ def test_without_piezoviscosity():
     p = Parameters(0.01, 0.0)
     assert isinf(p.nabla2(0.5))
     assert p.trapped_film == close(0.03135)
-    with pytest.raises(ValueError, match="alpha_bar = 0"):
-        scales_of(p, R=0.01, E_prime=2e11, eta0=0.1, alpha=2e-8)
 
 
 @given(decades(9, 12), st.floats(-0.9, 0.5), decades(9, 12), st.floats(-0.9, 0.5))
@@ -190,7 +185,6 @@ def test_what_must_be_positive_is_refused_by_name(function, arguments, name, bad
 @pytest.mark.parametrize("bad", [0.0, -1.0, nan, inf])
 def test_parameters_refuse_by_name(bad):
     s, p = STEEL, STEEL_PARAMETERS
-    si = {"R": 0.01, "E_prime": 2e11, "eta0": 0.1, "alpha": 2e-8}
     calls = {
         "lambda_bar": lambda: Parameters(bad, 1.0),
         "M": lambda: Parameters.from_moes(bad, 10.0),
@@ -199,7 +193,7 @@ def test_parameters_refuse_by_name(bad):
         "E1": lambda: reduced_modulus(bad, 0.3, 2e11, 0.3),
         "E2": lambda: reduced_modulus(2e11, 0.3, bad, 0.3),
         "R1": lambda: reduced_radius(bad),
-    } | {name: lambda name=name: scales_of(p, **(si | {name: bad})) for name in ("R", "E_prime", "alpha")}
+    }
     if bad != inf:  # a plane
         calls["R2"] = lambda: reduced_radius(0.01, bad)
     for name, call in calls.items():
