@@ -168,13 +168,14 @@ def test_films_of_the_worked_example() -> None:
     assert rows["Hamrock-Dowson"].inside
 
 
-@given(RATIOS, st.floats(5, 1e4), st.floats(0, 20))
+@given(RATIOS, st.floats(-6, 6).map(lambda power: 10.0**power), st.floats(0, 1000))
 def test_parameters_and_back(D: float, M: float, L: float) -> None:
     p = Parameters.from_moes(M, L, D)
     assert (p.M, p.L) == (pytest.approx(M), pytest.approx(L))
     assert p.M_BH == pytest.approx(M * p.ellipse.beta**0.25 * p.ellipse.kappa)
     assert p.L_BH == pytest.approx(L * p.ellipse.beta**-0.75)
     assert p.lambda_bar == pytest.approx((128 / 3) ** (1 / 3) * pi / p.M_BH ** (4 / 3))
+    assert p.alpha_bar == pytest.approx(p.L_BH / pi * (1.5 * p.M_BH) ** (1 / 3))
 
 
 @given(RATIOS)
