@@ -104,7 +104,7 @@ def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
     estimated = ["error", "extrapolated", *in_si] if any(each.error is not None for each in values) else []
     rows = [[heading, "", "value", *in_si, *estimated]]
     for each in values:
-        row = [each.long_name, each.name, *_with_si(each, each.value, in_si)]
+        row = [each.about.long_name, each.name, *_with_si(each, each.value, in_si)]
         if each.error is not None and each.extrapolated is not None:
             row += [f"{each.error / abs(each.value):.2%}" if each.value else "-"]
             row += _with_si(each, each.extrapolated, in_si)
@@ -115,7 +115,7 @@ def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
 def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
     """A value in the unit of a number, and in SI if that is shown."""
     factor = 1.0 if number.factor is None else number.factor
-    return [f"{value:.5g}", *(with_prefix(value * factor, number.si_units) for _ in in_si)]
+    return [f"{value:.5g}", *(with_prefix(value * factor, number.about.si_units) for _ in in_si)]
 
 
 # -- film formulas ----------------------------------------------------------------------------------------------------

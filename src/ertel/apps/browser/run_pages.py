@@ -235,7 +235,7 @@ class RunPage:
         """The key numbers of the summary, or the last values of a run that goes on."""
         summary = summary_of(self.path)
         numbers = key_numbers(summary) if summary else []
-        cards = [(n.long_name, n.symbol, n.text, n.text_in_si, n.text_of_error) for n in numbers]
+        cards = [(n.about.long_name, n.about.symbol, n.text, n.text_in_si, n.text_of_error) for n in numbers]
         if not cards and self._info.T:  # those of the first grids of a steady contact mean nothing
             cards = [(*texts, "", "") for texts in self._info.latest]
         self._numbers.clear()
@@ -354,7 +354,7 @@ class _Side:
         self._numbers.clear()
         with self._numbers:
             for number in key_numbers(summary) if summary else []:
-                show_line(number.long_name, number.text_in_si or pretty(number.text))
+                show_line(number.about.long_name, number.text_in_si or pretty(number.text))
         self._page.show()
 
     def show(self, figure: str, T: float | None) -> None:
