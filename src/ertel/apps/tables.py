@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from ertel.apps.terminal import printable
+from ertel.apps.terminal import duration, printable
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
@@ -55,6 +55,30 @@ def print_parameters(content: Mapping[str, Any]) -> None:
     values = {name: value for name, value in {**content, **content.get("si", {})}.items() if name != "si"}
     titles = {name: f"{name} (a rigid ball's)" if name.startswith("trapped_film") else name for name in values}
     print_names({"parameter": "value", **{titles[name]: f"{value:.6g}" for name, value in values.items()}})
+
+
+def needs(content: Mapping[str, Any]) -> dict[str, str]:
+    """Oil, grid, memory and time of an outlook in words."""
+    grid, memory, time = content["grid"], content["memory"], content["time"]
+    size = f"{grid['nodes']} nodes along the radius"
+    if content["method"] != "radial":
+        size = f"{grid['nodes']} x {grid['nodes_across']} nodes"
+    in_si = f" = {with_prefix(grid['spacing_m'], 'm')}" if "spacing_m" in grid else ""
+    there = f" of {memory['available'] / 1e9:.3g} GB" if memory["available"] else ""
+    steps = f", {time['steps']} time steps" if time["steps"] else ""
+    starved, layers = content["starvation"], {}
+    if starved:
+        layers["layers of oil"] = f"r = {starved['r']:.3g}, about {starved['share']:.0%} of the flooded film"
+    if "wet_radius" in starved:
+        layers["wet radius"] = f"at most {starved['wet_radius']:.3g} a at maximum approach"
+    return {
+        "rheology": content["rheology"],
+        **layers,
+        "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
+        "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
+        "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",
+        "time": f"roughly {duration(time['seconds'])}{steps}",
+    }
 
 
 # -- a run ------------------------------------------------------------------------------------------------------------
