@@ -23,7 +23,7 @@ from ertel.case.case import Case
 from ertel.inputs.case_files import load_case
 from ertel.inputs.studies import load_study
 from ertel.numerics.programs import Program
-from ertel.results.errors import comparisons
+from ertel.results.summary import comparisons
 from ertel.runs import arrays, workers
 from ertel.runs.drive import drive, run_of
 from ertel.runs.store import RunStore, compute, open_run

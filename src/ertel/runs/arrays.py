@@ -34,12 +34,11 @@ from zarr.storage import LocalStore
 
 from ertel.case.status import Status
 from ertel.results import dataset
-from ertel.results.dataset import provenance
+from ertel.results.dataset import Frame, provenance
 from ertel.runs.files import Damaged, StoreError, content_of, reading, replace, require_regular, sealed, unsealed
 
 if TYPE_CHECKING:  # they bring JAX
     from ertel.runs.drive import SteadyRun, TransientRun
-    from ertel.runs.stepping import Frame
 
 ROOT = "zarr.json"
 GROWING = ("time", "frame")  # the dimensions along which rows are appended
@@ -230,7 +229,7 @@ class AppendedData:
         data = self._run.dataset([], [], None)
         write(SyncedStore(path), data.assign_attrs(status=Status.RUNNING.value))
 
-    def flush(self, path: Path, records: Sequence[Record], frames: Sequence["Frame"], result: Any) -> dict[str, Any]:
+    def flush(self, path: Path, records: Sequence[Record], frames: Sequence[Frame], result: Any) -> dict[str, Any]:
         root = read_root(path, self.advice)
         columns = dataset.columns(records, self._run.case.scales) if records else {}
         append(path, {**columns, **(dataset.maps(frames) if frames else {})})
@@ -278,7 +277,7 @@ class ReplacedData:
         data = self._run.dataset([], [], result).assign_attrs(status=Status.RUNNING.value)
         write(LocalStore(path), data)
 
-    def flush(self, path: Path, records: Sequence[Record], frames: Sequence["Frame"], result: Any) -> dict[str, Any]:
+    def flush(self, path: Path, records: Sequence[Record], frames: Sequence[Frame], result: Any) -> dict[str, Any]:
         """Write the data again; the old data remain readable between the two renames."""
         old, draft = old_of(path), path.with_name(f"{path.name}.partial")
         shutil.rmtree(draft, ignore_errors=True)

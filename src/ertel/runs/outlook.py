@@ -10,8 +10,6 @@ from contextlib import suppress
 from math import ceil, inf, isfinite, prod
 from typing import Any
 
-import numpy as np
-
 from ertel.case import derived
 from ertel.case.case import Case
 from ertel.case.derived import grid_of, wet_radius
@@ -64,11 +62,8 @@ def outlook(case: Case) -> dict[str, Any]:
     available, needed = memory_available(), memory_needed(case)
     shortage = memory_shortage(case) if 0 < available < needed else ""
     some = 1e-9 if case.motion.slide_to_roll else 0.0  # of friction it is enough to know whether the surfaces slide
-    if case.starts_apart:
-        resolution = diagnostics.front_warning(case, _spacing(case))
-    else:
-        resolution = diagnostics.sweep_warning(case, abs(case.motion.entrainment(0.0)))
-    sentences = [shortage, resolution, *warnings_of(case), *diagnostics.friction_warnings(case, some)]
+    resolution = diagnostics.resolution(case, case.motion.entrainment(0.0))
+    sentences = [shortage, *resolution, *warnings_of(case), *diagnostics.friction_warnings(case, some)]
     return {
         "name": case.name,
         "kind": case.kind,
@@ -90,24 +85,12 @@ def outlook(case: Case) -> dict[str, Any]:
 
 def _grid(case: Case) -> dict[str, float | int]:
     """The grid, and the length of the pressure sweep in a: at the front of an impact, in the inlet of rolling."""
-    spacing = _spacing(case)
+    spacing = diagnostics.spacing_of(case)
     across = 1 if case.solver.method == "radial" else grid_of(case).nodes_y
-    if case.starts_apart:
-        sweep = diagnostics.front_length(case)
-    else:
-        sweep = diagnostics.sweep_length(case, case.motion.entrainment(0.0))
+    sweep = diagnostics.sweep_length(case, case.motion.entrainment(0.0))
     in_si = {"spacing_m": spacing * case.scales.a} if case.scales else {}
     numbers = {"nodes": case.solver.nodes, "nodes_across": across, "spacing": spacing}
     return {**numbers, **in_si, "sweep": sweep, "cells_in_sweep": sweep / spacing}
-
-
-def _spacing(case: Case) -> float:
-    """The spacing in a; of a radial grid at the position where the front is judged."""
-    if case.solver.method != "radial":
-        return grid_of(case).spacing
-    r = derived.radii(case.solver.nodes, case.solver.half_width)
-    near = int(np.abs(r - diagnostics.FRONT_POSITION).argmin())
-    return float(r[near + 1] - r[near])
 
 
 def _starvation(case: Case) -> dict[str, float]:
