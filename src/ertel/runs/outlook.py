@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.derived import (
+from ertel.case.definition import (
     LARGEST_NEWTONIAN_STRESS,
     film_estimate,
     grid_of,
@@ -65,7 +65,7 @@ def outlook(case: Case) -> dict[str, Any]:
     dict
         name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
         rolling contact at T = 0 by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a),
-        cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `derived.starvation`, and
+        cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `definition.starvation`, and
         wet_radius (a) of an impact of circular symmetry, empty for a full gap; memory: needed and available bytes, None
         where that is not known; time: steps and seconds, roughly; warnings.
     """
