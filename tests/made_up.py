@@ -13,8 +13,7 @@ from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import Oil, rolling
 from ertel.physics import hertz
 from ertel.results import variables
-from ertel.results.dataset import assemble, assemble_steady
-from ertel.runs.stepping import Frame
+from ertel.results.dataset import Frame, assemble, assemble_steady
 from ertel.solvers.steady import GridSolution
 
 BALL_FALLS = {

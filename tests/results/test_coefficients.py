@@ -27,7 +27,7 @@ def test_one_number_everywhere(run: ertel.Result):
     assert "in_units_of" not in run.dataset["mu_sliding"].attrs
     assert float(to_si(run.dataset)["mu_sliding"][-1]) == mu
     assert scalars(summary)["mu_sliding"].value == mu
-    (shown,) = [number for number in key_numbers(summary) if number.symbol == "mu_sliding"]
+    (shown,) = [number for number in key_numbers(summary) if number.about.symbol == "mu_sliding"]
     assert (shown.text, shown.text_in_si) == (f"{mu:.4g}", "")
     cell = float(run.dataset["X"][1] - run.dataset["X"][0]) ** 2
     force = float(run.dataset["tau_x"].sum()) * cell * run.case.scales.a_over_R

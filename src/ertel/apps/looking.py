@@ -271,14 +271,14 @@ def _drawn(
     if lighting is None:
         names = [what] if what else plots.names_of(data)
         return {name: plots.draw(data, name, at, **sheet).savefig for name in names}
-    light, rig = _optics(lighting, wavelength)
+    light, rig = optics(lighting, wavelength)
     name = f"interferogram-{lighting}"
     if kind in MOVIES:
         return {name: partial(plots.animation(data, light, rig).save, writer=MOVIES[kind])}
     return {name: plots.interferogram(data, at, light, rig, **sheet).savefig}
 
 
-def _optics(lighting: Lighting, wavelength: str | None) -> tuple["Light", "Rig"]:
+def optics(lighting: str, wavelength: str | None = None) -> tuple["Light", "Rig"]:
     """The light and the rig of an interferogram.  Raises ValueError for an impossible wavelength."""
     from ertel.inputs.quantities import parse_quantity
     from ertel.optics import Monochromatic, Rig, TwoBeams, White

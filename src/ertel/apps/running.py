@@ -13,9 +13,8 @@ from ertel.apps.process import Stop, interruptible
 from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, say, shown, writing_to
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.results.errors import with_error
-from ertel.results.result import Result
-from ertel.results.verdict import verdict
+from ertel.results.result import Result, verdict
+from ertel.results.summary import with_error
 from ertel.runs import outlook, store
 from ertel.runs.batch import warm_up
 from ertel.runs.compile import cache_directory, prepare_jax

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from math import cbrt, ceil, inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from ertel.results.variables import FILMS
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ertel.results.dataset import Heat, SteadyGrid
+    from ertel.results.dataset import SteadyGrid
 
 CELLS_IN_FRONT = 10.0  # wanted across the length of the front's pressure sweep, `front_length`
 ISOVISCOUS_SWEEP = 2.0  # that length over (lambda_bar dA/dT)^{2/5} where the oil is isoviscous
@@ -235,7 +235,7 @@ def _centre_warning(case: Case) -> str:
 # -- heat --------------------------------------------------------------------------------------------------------------
 
 
-def thermal_warnings(case: Case, heat: "Heat") -> list[str]:
+def thermal_warnings(case: Case, heat: Any) -> list[str]:
     """Warnings where the formulas for the temperatures are used outside their range; an empty list if they are not."""
     assert case.thermal is not None
     warnings, inlet = [], INLET_FACTORS[case.thermal.inlet_factor]

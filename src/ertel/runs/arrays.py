@@ -35,12 +35,11 @@ from zarr.storage import LocalStore
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results import dataset
-from ertel.results.dataset import provenance
+from ertel.results.dataset import Frame, provenance
 from ertel.runs.files import Damaged, StoreError, content_of, reading, replace, require_regular, sealed, unsealed
 
 if TYPE_CHECKING:  # they bring JAX
     from ertel.runs.drive import Run
-    from ertel.runs.stepping import Frame
 
 ROOT = "zarr.json"
 GROWING = ("time", "frame")  # the dimensions along which rows are appended
@@ -236,7 +235,7 @@ class AppendedData:
         data = self._run.dataset([], [], None)
         write(SyncedStore(path), data.assign_attrs(status=Status.RUNNING.value))
 
-    def flush(self, path: Path, records: Sequence[Mapping[str, float]], frames: Sequence["Frame"]) -> dict[str, Any]:
+    def flush(self, path: Path, records: Sequence[Mapping[str, float]], frames: Sequence[Frame]) -> dict[str, Any]:
         root = read_root(path, self.advice)
         old = has_old_coefficients(root)  # they stay as the run began
         columns = dataset.columns(records, None if old else self._run.case.scales) if records else {}
@@ -283,7 +282,7 @@ class ReplacedData:
         data = self._run.dataset([], [], result).assign_attrs(status=Status.RUNNING.value)
         write(LocalStore(path), data)
 
-    def flush(self, path: Path, records: Sequence[Mapping[str, float]], frames: Sequence["Frame"]) -> dict[str, Any]:
+    def flush(self, path: Path, records: Sequence[Mapping[str, float]], frames: Sequence[Frame]) -> dict[str, Any]:
         return {}
 
     def after_checkpoint(self, path: Path, result: Any) -> None:

@@ -26,14 +26,13 @@ from ertel.equations.state import Method, State, solved
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.programs import double_precision
-from ertel.results.dataset import assemble, assemble_steady
-from ertel.results.errors import comparisons
+from ertel.results.dataset import Frame, assemble, assemble_steady
 from ertel.results.result import Result
-from ertel.results.summary import attributes, impact_summary, rolling_summary, steady_summary
+from ertel.results.summary import attributes, comparisons, impact_summary, rolling_summary, steady_summary
 from ertel.runs import workers
 from ertel.runs.compile import check_jax, compilations
 from ertel.runs.outlook import warnings_of, with_case_warnings
-from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
+from ertel.runs.stepping import Counts, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.steady import GridSolution

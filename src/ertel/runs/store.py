@@ -22,6 +22,7 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.numerics.programs import double_precision
+from ertel.results.dataset import Frame
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.results.variables import one_number
@@ -57,7 +58,6 @@ from ertel.runs.files import (
     without_checksum,
 )
 from ertel.runs.outlook import warnings_of, with_case_warnings
-from ertel.runs.stepping import Frame
 
 LARGEST_CHECKPOINT = 4 * 10**9  # bytes: of 4097 x 4097 nodes a map has 0.13 GB, and there are several
 
