@@ -111,7 +111,7 @@ def test_pictures_are_imported_when_they_are_drawn():
 
 
 def test_a_case_is_asked_for_without_jax():
-    code = "import sys, ertel.case.case, ertel.case.derived; print('jax' in sys.modules)"
+    code = "import sys, ertel.case.case, ertel.case.definition; print('jax' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=PACKAGE.parent)
     assert done.stdout.strip() == "False"
 
