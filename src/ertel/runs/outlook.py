@@ -10,9 +10,9 @@ from contextlib import suppress
 from math import ceil, inf, isfinite, prod
 from typing import Any
 
-from ertel.case import derived
+from ertel.case import definition
 from ertel.case.case import Case
-from ertel.case.derived import grid_of, wet_radius
+from ertel.case.definition import grid_of, wet_radius
 from ertel.case.sections import Time
 from ertel.inputs import materials
 from ertel.physics.geometry import CIRCLE
@@ -55,7 +55,7 @@ def outlook(case: Case) -> dict[str, Any]:
     dict
         name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
         rolling contact at T = 0 by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a),
-        cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `derived.starvation`, and
+        cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `definition.starvation`, and
         wet_radius (a) of an impact of circular symmetry, empty for a full gap; memory: needed and available bytes, None
         where that is not known; time: steps and seconds, roughly; warnings.
     """
@@ -98,7 +98,7 @@ def _starvation(case: Case) -> dict[str, float]:
     if case.track is None:
         return {}
     wet = {"wet_radius": wet_radius(case.track.extremes[1])} if case.starts_apart and case.geometry is CIRCLE else {}
-    return dict(zip(("r", "share"), derived.starvation(case), strict=True)) | wet
+    return dict(zip(("r", "share"), definition.starvation(case), strict=True)) | wet
 
 
 # -- time -------------------------------------------------------------------------------------------------------------
@@ -182,7 +182,7 @@ def beyond(case: Case, computed: float | None = None) -> list[str]:
 
     computed: the minimum film (m) of the run, None where only the expected one is known.
     """
-    film = ("expected", derived.film_estimate(case)) if computed is None else ("minimum", computed)
+    film = ("expected", definition.film_estimate(case)) if computed is None else ("minimum", computed)
     sentences = (*_yielding(case), _pressure_of_the_oil(case), _shear_stress(case), _thin_film(*film), _layer(case))
     return [sentence for sentence in sentences if sentence]
 
@@ -196,7 +196,7 @@ def with_case_warnings(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]
 
 def _yielding(case: Case) -> Iterator[str]:
     """A sentence for every body that yields.  A body is of a material of the library if it has its E and nu."""
-    p, contact = derived.largest_pressure(case), case.contact
+    p, contact = definition.largest_pressure(case), case.contact
     bodies = dict.fromkeys(((contact.E1, contact.nu1), (contact.E2, contact.nu2)))
     for name in materials.names() if p else ():
         material = materials.get(name)
@@ -215,7 +215,7 @@ def _yielding(case: Case) -> Iterator[str]:
 
 def _pressure_of_the_oil(case: Case) -> str:
     """A sentence where the viscosity is extrapolated beyond the pressures for which the law of the oil has a source."""
-    p, highest = derived.largest_pressure(case), getattr(case.oil.viscosity_law, "highest", None)
+    p, highest = definition.largest_pressure(case), getattr(case.oil.viscosity_law, "highest", None)
     if highest is None or p <= highest or not (case.motion.slide_to_roll or case.thermal):
         return ""
     return (
@@ -226,8 +226,8 @@ def _pressure_of_the_oil(case: Case) -> str:
 
 def _shear_stress(case: Case) -> str:
     """A sentence where a Newtonian oil would have a shear stress that no oil has."""
-    stress = derived.newtonian_stress(case) if case.oil.is_newtonian else 0.0
-    if stress <= derived.LARGEST_NEWTONIAN_STRESS:
+    stress = definition.newtonian_stress(case) if case.oil.is_newtonian else 0.0
+    if stress <= definition.LARGEST_NEWTONIAN_STRESS:
         return ""
     return (
         f"the oil is Newtonian, and sliding would give it a mean shear stress of about {with_prefix(stress, 'Pa')}; "
