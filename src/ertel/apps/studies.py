@@ -20,7 +20,7 @@ from ertel.apps.terminal import (
     writing_to,
 )
 from ertel.case.case import Case
-from ertel.case.derived import newtonian_stress
+from ertel.case.definition import newtonian_stress
 from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.inputs.studies import Study

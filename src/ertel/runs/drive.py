@@ -20,7 +20,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.status import Status
 from ertel.equations.state import Method, State, solved
 from ertel.inputs.case_files import CaseLike, as_case

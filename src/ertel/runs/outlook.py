@@ -10,16 +10,13 @@ from contextlib import suppress
 from math import ceil, inf, isfinite, prod
 from typing import Any
 
-import numpy as np
-
 from ertel.case.case import Case
-from ertel.case.derived import (
+from ertel.case.definition import (
     LARGEST_NEWTONIAN_STRESS,
     film_estimate,
     grid_of,
     largest_pressure,
     newtonian_stress,
-    radii,
     starvation,
     wet_radius,
 )
@@ -65,7 +62,7 @@ def outlook(case: Case) -> dict[str, Any]:
     dict
         name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
         rolling contact at T = 0 by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a),
-        cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `derived.starvation`, and
+        cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `definition.starvation`, and
         wet_radius (a) of an impact of circular symmetry, empty for a full gap; memory: needed and available bytes, None
         where that is not known; time: steps and seconds, roughly; warnings.
     """
@@ -74,7 +71,7 @@ def outlook(case: Case) -> dict[str, Any]:
     some = 1e-9 if case.motion.slide_to_roll else 0.0  # of friction it is enough to know whether the surfaces slide
     sentences = [
         shortage,
-        _resolution_warning(case),
+        *diagnostics.resolution(case, case.motion.entrainment(0.0)),
         *warnings_of(case),
         *diagnostics.friction_warnings(case, some),
     ]
@@ -99,30 +96,12 @@ def outlook(case: Case) -> dict[str, Any]:
 
 def _grid(case: Case) -> dict[str, float | int]:
     """The grid, and the length of the pressure sweep in a: at the front of an impact, in the inlet of rolling."""
-    spacing = _spacing(case)
+    spacing = diagnostics.spacing_of(case)
     across = 1 if case.solver.method == "radial" else grid_of(case).nodes_y
-    if case.starts_apart:
-        sweep = diagnostics.front_length(case)
-    else:
-        sweep = diagnostics.sweep_length(case, case.motion.entrainment(0.0))
+    sweep = diagnostics.sweep_length(case, case.motion.entrainment(0.0))
     in_si = {"spacing_m": spacing * case.scales.a} if case.scales else {}
     numbers = {"nodes": case.solver.nodes, "nodes_across": across, "spacing": spacing}
     return {**numbers, **in_si, "sweep": sweep, "cells_in_sweep": sweep / spacing}
-
-
-def _spacing(case: Case) -> float:
-    """The spacing in a; of a radial grid at the position where the front is judged."""
-    if case.solver.method != "radial":
-        return grid_of(case).spacing
-    r = radii(case.solver.nodes, case.solver.half_width)
-    near = int(np.abs(r - diagnostics.FRONT_POSITION).argmin())
-    return float(r[near + 1] - r[near])
-
-
-def _resolution_warning(case: Case) -> str:
-    if case.starts_apart:
-        return diagnostics.front_warning(case, _spacing(case))
-    return diagnostics.sweep_warning(case, abs(case.motion.entrainment(0.0)))
 
 
 def _starvation(case: Case) -> dict[str, float]:

@@ -19,7 +19,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.derived import newtonian_stress
+from ertel.case.definition import newtonian_stress
 from ertel.case.records import ConfigError, show
 from ertel.case.sections import Drive
 from ertel.case.status import Status

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
 from ertel.case.case import Case
-from ertel.case.derived import radii
+from ertel.case.definition import radii
 from ertel.case.status import Status
 from ertel.equations import account, outside
 from ertel.equations.account import Account, Around, Film, Friction
