@@ -6,15 +6,14 @@ import numpy as np
 import xarray as xr
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import SOLVERS
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import Oil, rolling
 from ertel.physics import hertz
 from ertel.results import variables
-from ertel.results.dataset import assemble, assemble_steady
-from ertel.runs.stepping import Frame
+from ertel.results.dataset import Frame, assemble, assemble_steady
 from ertel.solvers.steady import GridSolution
 
 BALL_FALLS = {

@@ -78,9 +78,9 @@ def test_a_uniform_change_has_no_slope() -> None:
         return smoother, smoother.balance(jnp.ones((5, 5)))
 
     smoother, balance = smoother_and_balance(Coefficients(Pair(0 * one), 0 * one, one, one))
-    assert not smoother.factors.halvings  # the matrix as it is
+    assert smoother.factors.rest is None  # the matrix as it is
     factors = jax.tree.map(np.asarray, smoother.factors)
-    row_sums = (1.0 + sum(factors.rest)) / factors.scale  # rows were scaled to a diagonal of one
+    row_sums = (1.0 + sum(factors.rows)) / factors.scale  # rows were scaled to a diagonal of one
     assert float(row_sums[2, 2]) == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(balance, 0.0, atol=1e-12)
 
@@ -145,8 +145,11 @@ def test_lines_of_any_length_are_solved(seed: int, n: int) -> None:
 
 def test_lines_of_the_grids_are_halved_until_they_are_short() -> None:
     factors = jax.jit(factorise)(*dominant(1, 2, 513))
-    assert [h.odd.lower.shape[1] for h in factors.halvings] == [256, 128, 64, 32]
-    assert factors.rest.lower.shape[1] == SHORT
+    halved = []
+    while factors.rest is not None:
+        halved.append(factors.odd.lower.shape[1])
+        factors = factors.rest
+    assert halved == [256, 128, 64, 32] and factors.rows.lower.shape[1] == SHORT
 
 
 @pytest.mark.parametrize("size", [1e-30, 1e30])

@@ -8,7 +8,7 @@ from cases import OIL, free_ball, rolled, steady_solver
 from jax import Array
 from numpy.testing import assert_allclose
 
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Solver, Time
 from ertel.equations import contact
 from ertel.equations.contact import Contact

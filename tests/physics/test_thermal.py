@@ -138,7 +138,7 @@ def test_a_surface_that_moves_back_is_heated_from_the_other_side() -> None:
     heat = np.exp(-((np.linspace(-3, 1, 41)) ** 2))
     there, back = flash_temperature(heat, STEEL, 1.0, 0.1), flash_temperature(heat[::-1], STEEL, -1.0, 0.1)
     assert_allclose(back[::-1], there, rtol=1e-14)
-    with pytest.raises(ValueError, match=r"^\|speed\| = 0"):
+    with pytest.raises(ValueError, match=r"^speed = 0"):
         response(STEEL, 0.0, 5, 0.1)
 
 

@@ -85,7 +85,7 @@ def test_a_summary_has_them_in_si_and_one_line_of_them() -> None:
 
 
 def test_a_steady_contact_has_rates() -> None:
-    summary = steady_summary(BALL_ROLLS, solutions(BALL_ROLLS), {}, Status.CONVERGED)  # type: ignore[arg-type]
+    summary = steady_summary(BALL_ROLLS, solutions(BALL_ROLLS), {}, Status.CONVERGED)
     assert set(summary["budgets"]["energy"]) == {"dissipated", "outside", "work_of_surfaces", "imbalance"}
     assert summary["budgets"]["momentum"] == {"applied_load": 1.0, "film_load": pytest.approx(1.0), "imbalance": 0.0}
     assert summary["si"]["budgets"]["momentum"]["film_load_N"] == pytest.approx(38.885237)

@@ -8,11 +8,11 @@ import pytest
 from cases import impact
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Time
 from ertel.inputs.case_files import parse_case
 from ertel.physics.units import Quantity
-from ertel.results.errors import comparisons, in_smaller_steps, with_error
+from ertel.results.summary import comparisons, in_smaller_steps, with_error
 from ertel.runs.drive import simulate
 from ertel.solvers import radial
 

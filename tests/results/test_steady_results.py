@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import ertel
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Inlet
 from ertel.inputs.case_files import parse_case
 from ertel.physics.thermal import AT_REST, SLOWEST, slow_excess

@@ -6,8 +6,7 @@ import pytest
 from ertel.case import rules
 from ertel.inputs.case_files import parse_case
 from ertel.results import variables
-from ertel.results.dataset import assemble
-from ertel.runs.stepping import Frame
+from ertel.results.dataset import Frame, assemble
 
 
 def a_run(contact, oil=None):

@@ -11,7 +11,7 @@ from made_up import BALL_ROLLS, C1, MOES_ROLLS
 import ertel
 from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.verdict import lambda_of, verdict
+from ertel.results.result import lambda_of, verdict
 
 FILM = {"H_c": 341e-9, "H_min": 200e-9, "H_c_error": 15e-9, "H_min_error": 8e-9}
 

@@ -13,8 +13,8 @@ from ertel.case.status import Status
 from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.equations.state import Method
 from ertel.physics.motion import constant
-from ertel.results.errors import with_error
 from ertel.results.result import Result
+from ertel.results.summary import with_error
 from ertel.runs.drive import Recorder, TransientRun, drive, run_of, simulate
 from ertel.runs.stepping import StepLimits
 from ertel.solvers.radial import RadialImpact

@@ -131,7 +131,7 @@ def test_a_film_that_does_not_converge_is_said(monkeypatch: Any) -> None:
     def stalled(*arguments: Any) -> Any:
         return replace(drive(*arguments), status=Status.NEWTON_STALLED)
 
-    monkeypatch.setattr("ertel.runs.traction.drive", stalled)
+    monkeypatch.setattr("ertel.runs.store.drive", stalled)
     curve = traction(physical(), slide_to_roll=[0.0, 0.1])
     assert curve.failed == [0.0, 0.1]
     assert np.isnan(curve.dataset["mu_sliding"]).all()

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from ertel.apps.terminal import printable
+from ertel.apps.terminal import duration, printable
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
@@ -57,6 +57,30 @@ def print_parameters(content: Mapping[str, Any]) -> None:
     print_names({"parameter": "value", **{titles[name]: f"{value:.6g}" for name, value in values.items()}})
 
 
+def needs(content: Mapping[str, Any]) -> dict[str, str]:
+    """Oil, grid, memory and time of an outlook in words."""
+    grid, memory, time = content["grid"], content["memory"], content["time"]
+    size = f"{grid['nodes']} nodes along the radius"
+    if content["method"] != "radial":
+        size = f"{grid['nodes']} x {grid['nodes_across']} nodes"
+    in_si = f" = {with_prefix(grid['spacing_m'], 'm')}" if "spacing_m" in grid else ""
+    there = f" of {memory['available'] / 1e9:.3g} GB" if memory["available"] else ""
+    steps = f", {time['steps']} time steps" if time["steps"] else ""
+    starved, layers = content["starvation"], {}
+    if starved:
+        layers["layers of oil"] = f"r = {starved['r']:.3g}, about {starved['share']:.0%} of the flooded film"
+    if "wet_radius" in starved:
+        layers["wet radius"] = f"at most {starved['wet_radius']:.3g} a at maximum approach"
+    return {
+        "rheology": content["rheology"],
+        **layers,
+        "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
+        "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
+        "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",
+        "time": f"roughly {duration(time['seconds'])}{steps}",
+    }
+
+
 # -- a run ------------------------------------------------------------------------------------------------------------
 
 
@@ -104,7 +128,7 @@ def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
     estimated = ["error", "extrapolated", *in_si] if any(each.error is not None for each in values) else []
     rows = [[heading, "", "value", *in_si, *estimated]]
     for each in values:
-        row = [each.long_name, each.name, *_with_si(each, each.value, in_si)]
+        row = [each.about.long_name, each.name, *_with_si(each, each.value, in_si)]
         if each.error is not None and each.extrapolated is not None:
             row += [f"{each.error / abs(each.value):.2%}" if each.value else "-"]
             row += _with_si(each, each.extrapolated, in_si)
@@ -115,7 +139,7 @@ def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
 def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
     """A value in the unit of a number, and in SI if that is shown."""
     factor = 1.0 if number.factor is None else number.factor
-    return [f"{value:.5g}", *(with_prefix(value * factor, number.si_units) for _ in in_si)]
+    return [f"{value:.5g}", *(with_prefix(value * factor, number.about.si_units) for _ in in_si)]
 
 
 # -- film formulas ----------------------------------------------------------------------------------------------------

@@ -8,11 +8,11 @@ from textwrap import wrap
 from typing import Any
 
 from ertel.case.conditions import FOREIGN, Kind
+from ertel.case.definition import SECTIONS
 from ertel.case.records import inner_laws, show
 from ertel.case.sections import ENDS, SOLVERS
 from ertel.inputs.layout import (
     NEEDED,
-    SECTIONS,
     TOP,
     DataSheet,
     Key,

@@ -7,13 +7,13 @@ rolling needs a half.  At the end: matrices of three diagonals, for the nodes al
 
 from collections.abc import Callable
 from functools import partial
-from math import prod
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array, tree
 
+from ertel.numerics.bdf import lagrange
 from ertel.numerics.grid import NO_SYMMETRY, Symmetry
 
 POINTS = 8  # of the interpolation between nodes
@@ -80,9 +80,7 @@ def diffusion(eps: Pair, f: Array, even: Symmetry = NO_SYMMETRY) -> Array:
 def face_fluxes(eps: Pair, f: Array, even: Symmetry = NO_SYMMETRY) -> tuple[Array, Array]:
     """eps_x df/dX on the faces across X, shape (n, n + 1), and eps_y df/dY on those across Y, shape (n + 1, n)."""
     c, p = _beyond(eps, even), extended(f, even)
-    in_X = 0.5 * (c.x[1:-1, 1:] + c.x[1:-1, :-1]) * (p[1:-1, 1:] - p[1:-1, :-1])
-    in_Y = 0.5 * (c.y[1:, 1:-1] + c.y[:-1, 1:-1]) * (p[1:, 1:-1] - p[:-1, 1:-1])
-    return in_X, in_Y
+    return to_x_faces(c.x) * (p[1:-1, 1:] - p[1:-1, :-1]), to_y_faces(c.y) * (p[1:, 1:-1] - p[:-1, 1:-1])
 
 
 def divergence(in_X: Array, in_Y: Array) -> Array:
@@ -178,16 +176,10 @@ def shifted_along_x(field: Array, nodes: Array | float) -> Array:
         line = below * (field[..., 1:2] - field[..., :1]) + above * (field[..., last:] - field[..., last - 1 : last])
         return jnp.take(field, columns, axis=-1, mode="clip") + line
 
-    weights = enumerate(_weights(POINTS // 2 - (nodes - whole)))
+    weights = enumerate(lagrange(POINTS // 2 - (nodes - whole), range(POINTS)))
     moved = sum((weight * at(columns + first + k) for k, weight in weights), start=jnp.zeros_like(field))
     inside = jnp.where(columns < nodes, field[..., :1], moved)
     return jnp.where(columns - nodes > last, field[..., last:], inside)
-
-
-def _weights(place: Array) -> list[Array]:
-    """Lagrange's weights of the nodes 0, 1, ... for the value at a place between them; exactly 1 and 0 at a node."""
-    others = [[m for m in range(POINTS) if m != k] for k in range(POINTS)]
-    return [prod((place - m) / (k - m) for m in others[k]) for k in range(POINTS)]  # type: ignore[misc]
 
 
 # -- three nodes on a line, as a matrix ------------------------------------------------------------------------------

@@ -28,7 +28,7 @@ import numpy as np
 from jax import Array, tree
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.status import Status
 from ertel.equations.contact import traceable
 from ertel.equations.state import StepSolution

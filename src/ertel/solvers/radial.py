@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
 from ertel.case.case import Case
-from ertel.case.derived import radii
+from ertel.case.definition import radii
 from ertel.equations import account, outside
 from ertel.equations.account import Film, Friction
 from ertel.equations.approach import ClosureLine, NewtonsLaw

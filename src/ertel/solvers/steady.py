@@ -19,7 +19,7 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.status import Status
 from ertel.equations import account, contact, discretise
 from ertel.equations.account import Friction, Moment, whole_maps

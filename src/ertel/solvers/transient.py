@@ -14,7 +14,7 @@ from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.derived import coarsenings, grid_of
+from ertel.case.definition import coarsenings, grid_of
 from ertel.equations import account, contact, discretise, outside, state
 from ertel.equations.account import Friction, Moment
 from ertel.equations.approach import ClosureLine, NewtonsLaw
