@@ -31,13 +31,14 @@ from ertel.case.case import Case
 from ertel.case.definition import grid_of
 from ertel.case.status import Status
 from ertel.equations.contact import traceable
+from ertel.equations.state import StepSolution
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, parse_case, written
 from ertel.numerics.programs import double_precision, require_double
 from ertel.results.result import Result
 from ertel.runs.drive import METHODS, Recorder, TransientRun, drive, method_of, run_of
 from ertel.runs.stepping import Step
 from ertel.runs.workers import Failure, check_fork
-from ertel.solvers.transient import StepProblem, StepSolution, Transient2D, solve_step
+from ertel.solvers.transient import StepProblem, Transient2D, solve_step
 
 Asking = Generator[Any, Any, Any]  # a run that yields problems, is sent their solutions, and returns its outcome
 SolveTogether = Callable[[Sequence[Any], int], Sequence[Any]]  # from problems and the number of lanes to solutions

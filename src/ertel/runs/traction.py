@@ -24,7 +24,7 @@ from ertel.case.definition import newtonian_stress
 from ertel.case.records import ConfigError, show
 from ertel.case.sections import Drive
 from ertel.case.status import Status
-from ertel.equations.account import coefficients, steady_friction
+from ertel.equations.account import coefficients
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.quantities import Given, parse_values
 from ertel.numerics.programs import double_precision
@@ -39,7 +39,7 @@ from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
 from ertel.runs.workers import Condition, LocalWorker, check_fork, never
 from ertel.solvers.heat import Heated, heated
-from ertel.solvers.steady import Rolling
+from ertel.solvers.steady import Rolling, steady_friction
 
 NAME = "traction"  # of the files with the points
 
