@@ -172,7 +172,7 @@ def test_interrupt_of_the_half_grid(here, monkeypatch):
         patch.setattr(running, "drive", interrupted)
         result = ertel_("run", "ball.toml", "--error", code=130)
     assert "to continue: ertel resume runs/ball" in result.stderr
-    assert "; to start it: ertel resume runs/ball" in ertel_("show", "runs/ball", code=2).stderr
+    assert "nothing is computed yet; to start it: ertel resume" in ertel_("show", "runs/ball", code=2).stderr
     ertel_("resume", "runs/ball", "-q")
     assert json.loads(ertel_("show", "runs/ball", "--json").stdout)["status"] == "converged"
 
