@@ -37,12 +37,8 @@ def test_steel_ball_of_the_reference():
     s, p = STEEL, STEEL_PARAMETERS
     scaled = s.film, s.a, s.load, s.p_h, s.t0
     assert scaled == close((3.74064e-06, 0.000193407, 109.181, 1393610000.0, 3.74064e-05), 5e-6)
-        (3.74064e-06, 0.000193407, 109.181, 1393610000.0, 3.74064e-05), 5e-6
-    )
     numbers = p.stokes, p.lambda_bar, p.alpha_bar, p.M, p.L
     assert numbers == close((17.3333, 0.0615385, 30.6595, 48.8118, 23.0237), 5e-6)
-        (17.3333, 0.0615385, 30.6595, 48.8118, 23.0237), 5e-6
-    )
 
 
 @given(IMPACTS, ETA0, ALPHA)
