@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import SOLVERS
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case

@@ -18,7 +18,7 @@ import numpy as np
 import tomli_w
 from hypothesis import strategies as st
 
-from ertel.case.case import SECTIONS
+from ertel.case.case import KEYS as SECTIONS
 from ertel.case.conditions import BARS, MOES, NEEDED, OPTIONAL, Conditions
 from ertel.case.records import law_fields
 from ertel.case.sections import METHODS, Drive, Output, Solver, Thermal, Time

@@ -8,7 +8,7 @@ import pytest
 from cases import impact
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Time
 from ertel.inputs.case_files import parse_case
 from ertel.physics.units import Quantity

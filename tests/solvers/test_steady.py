@@ -245,7 +245,7 @@ def test_pressure_tends_to_hertz() -> None:
 
 @pytest.mark.parametrize("part", ["load", "entrainment"])
 def test_no_load_or_no_flow_is_refused(part) -> None:
-    with pytest.raises(ValueError, match=rf"^motion\.{part}: is 0 at T = 0"):
+    with pytest.raises(ValueError, match=rf"^motion\.{part} = 0.0: is 0 at T = 0"):
         case_of(("barus", 200, 10), 129, Drive(**{part: constant(0.0)}))
 
 

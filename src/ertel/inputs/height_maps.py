@@ -26,7 +26,7 @@ from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
 from ertel.case.height_map import MOST, HeightMap, Measured, array_in, check_shape, check_size
-from ertel.case.reading import check_key
+from ertel.case.reading import check_keys
 from ertel.case.records import named, shortened, show
 from ertel.inputs.layout import READER, MeasuredFile, field_names
 from ertel.inputs.quantities import parse_quantity
@@ -84,8 +84,7 @@ def with_maps(read: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], di
 
 def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dict[str, Any], HeightMap]:
     """A table with lengths and heights as its file says, and the heights."""
-    for key, value in written.items():
-        check_key(key, value, (*field_names(MeasuredFile), *field_names(Measured), "shape", "surface"), place)
+    check_keys(written, (*field_names(MeasuredFile), *field_names(Measured), "shape", "surface"), place)
     table = {key: value for key, value in written.items() if value is not None}
     table |= READER.values(MeasuredFile, table, place)
     table |= READER.values(Measured, {key: table[key] for key in SIZES if key in table}, place)

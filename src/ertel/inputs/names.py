@@ -25,7 +25,7 @@ from dataclasses import MISSING, fields
 from typing import Any, NamedTuple
 
 from ertel.case.case import Case
-from ertel.case.derived import LARGEST_NEWTONIAN_STRESS, newtonian_stress
+from ertel.case.definition import LARGEST_NEWTONIAN_STRESS, newtonian_stress
 from ertel.case.records import ConfigError, data_of, law_fields, named, oil_data, show
 from ertel.case.sections import Thermal
 from ertel.inputs import oils

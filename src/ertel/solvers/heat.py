@@ -45,7 +45,7 @@ from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Inlet
 from ertel.equations.account import shear_force
 from ertel.equations.contact import opened, traceable
