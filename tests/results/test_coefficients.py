@@ -9,7 +9,6 @@ from ertel.apps.tables import film_rows, value_rows
 from ertel.physics.film_formulas import FormulaFilm
 from ertel.results.numbers import as_now, key_numbers, number, scalars
 from ertel.results.variables import one_number, to_si, with_coefficients
-from ertel.runs.arrays import has_old_coefficients
 
 PHYSICAL = {"radius": "10 mm", "load": "20 N", "mean_speed": 1.0, "E_prime": "226 GPa", "slide_to_roll": 0.01}
 OIL = ertel.Oil(eta0="20 mPa*s", alpha="15 / GPa")
@@ -55,12 +54,6 @@ def test_summaries_and_data_of_earlier_versions(run: ertel.Result):
     assert "in_units_of" not in one_number(old)["mu_sliding"].attrs
     assert one_number(old)["mu_sliding"].attrs["si_factor"] == 1.0
     assert one_number(run.dataset) is run.dataset
-
-    def root(attributes):
-        return {"consolidated_metadata": {"metadata": {"mu_sliding": {"attributes": attributes}}}}
-
-    assert has_old_coefficients(root(attributes))
-    assert not has_old_coefficients(root(dict(run.dataset["mu_sliding"].attrs)))
 
 
 def test_the_films_of_an_impact_stand_where_those_of_rolling_do():

@@ -14,7 +14,7 @@ from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, l
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results.result import Result, verdict
-from ertel.results.summary import with_error
+from ertel.results.summary import comparisons, with_error
 from ertel.runs import outlook, store
 from ertel.runs.batch import warm_up
 from ertel.runs.compile import cache_directory, prepare_jax
@@ -62,7 +62,7 @@ def resume(directory: Path, options: RunOptions) -> None:
 def _compared(course: Run, options: RunOptions) -> Mapping[str, Run]:
     """The runs with which a run is compared for its error.  A grid may have no half grid for them."""
     with bad_input():
-        return course.comparisons if options.error else {}
+        return {part: run_of(other) for part, other in comparisons(course.case).items()} if options.error else {}
 
 
 def warm_up_all(cases: Sequence[Case]) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ertel.case.status import Status
 from ertel.numerics import bdf
 from ertel.numerics.grid import Grid, Symmetry
-from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import extended, total
 
 Field = Any  # an array of NumPy or of JAX
@@ -173,6 +173,15 @@ _numbers = Program(jax.jit(extreme_numbers), ANY_SIZE)
 
 # -- the interface of a solution method -------------------------------------------------------------------------------
 
+
+@exportable
+class StepSolution(NamedTuple):
+    """The new fields, and all numbers of the step in one array, those of `account.NUMBERS` first."""
+
+    fields: Mapping[str, Array]
+    numbers: Array
+
+
 Stepping = Generator[Any, Any, State]  # yields the problems of a step, is sent their solutions, returns the new state
 
 
@@ -203,7 +212,7 @@ class Method(Protocol):
         """One step on from one to three levels, newest first; the new state has its error and its record."""
         ...
 
-    def solve(self, problem: Any) -> Any:
+    def solve(self, problem: Any) -> StepSolution:
         """The solution of a problem that `attempt` yields."""
         ...
 

@@ -21,14 +21,15 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.definition import grid_of
 from ertel.case.status import Status
-from ertel.equations import contact, discretise
-from ertel.equations.account import Friction, coefficients, steady_account, whole_maps
+from ertel.equations import account, contact, discretise
+from ertel.equations.account import Friction, Moment, whole_maps
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
-from ertel.equations.flow import OilContent, steady_rate
+from ertel.equations.flow import OilContent, steady_rate, wedge
 from ertel.equations.state import measure
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Extrapolation, Grid, check_coarsening, expected_next, extrapolate
+from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, double_precision
 from ertel.numerics.stencils import folded, unfolded
 from ertel.physics.geometry import ContactMotion, Geometry
@@ -84,6 +85,11 @@ class GridSolution:
         return measure(self.grid, self.P, self.H)
 
     @property
+    def contact(self) -> Contact:
+        """The surfaces and the oil."""
+        return discretise.contact_of(self.case, self.grid)
+
+    @property
     def fields(self) -> dict[str, Array]:
         """P, H and the oil that is there, as mass, as in a `State`."""
         return {"P": self.P, "H": self.H, "mass": self.content.oil}
@@ -91,10 +97,8 @@ class GridSolution:
     @cached_property
     def content(self) -> OilContent:
         """The oil that is there."""
-        c, motion = discretise.contact_of(self.case, self.grid), self.case.motion
-        content: OilContent = _oil_program(
-            c, self.P, self.H, steady_rate(motion.entrainment(0.0), discretise.layer_of(self.case, self.grid))
-        )
+        rate = steady_rate(self.case.motion.entrainment(0.0), discretise.layer_of(self.case, self.grid))
+        content: OilContent = _oil_program(self.contact, self.P, self.H, rate)
         return content
 
     @property
@@ -104,8 +108,15 @@ class GridSolution:
 
     @cached_property
     def account(self) -> tuple[dict[str, float], Friction]:
-        """The terms of its balances, and its friction."""
-        return steady_account(self.case, self)
+        """The terms of its balances and the coefficients of its friction by name, and its friction."""
+        m, scale = self.case.motion, self.case.geometry.hertz_load
+        U, load = m.entrainment(0.0), m.load(0.0)
+        gap_change = discretise.gap_change(self.case, self.grid, 0.0)
+        moment = Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
+        terms, friction = _account_program(Plane.of(self.grid), self.contact, self.P, self.H, self.content, moment)
+        around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
+        around = around._replace(load=self.outside)
+        return account.in_units(jax.device_get(terms), 0.0, around, scale), friction
 
     @cached_property
     def heat(self) -> Heated | None:
@@ -115,9 +126,8 @@ class GridSolution:
     @property
     def record(self) -> dict[str, float]:
         """Its numbers by name: those of `measure`, of the account, and the work."""
-        terms, friction = self.account
         work = {"newton_iterations": self.newton, "krylov_iterations": self.krylov, "convolutions": self.convolutions}
-        return {**self.measure(), **terms, **coefficients(friction), "residual": self.residual, **work}
+        return {**self.measure(), **self.account[0], "residual": self.residual, **work}
 
     @property
     def maps(self) -> dict[str, Floats]:
@@ -305,7 +315,24 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: fl
     )
 
 
+def _account(
+    space: Plane, c: Contact, P: Array, H: Array, content: OilContent, m: Moment
+) -> tuple[dict[str, Array], Friction]:
+    change = wedge(content, m.U, c.spacing)
+    return account.account(space, c, P, H, m, content.oil, content.passing, change)
+
+
 _oil_program = Program(jax.jit(contact.steady_oil), ANY_SIZE)
+_account_program = Program(jax.jit(_account), ANY_SIZE)
+
+
+def steady_friction(case: Case, s: GridSolution) -> Friction:
+    """The friction of a steady film, of the shape of its grid; the case may slide in another way."""
+    m, space = case.motion, Plane.of(s.grid)
+    friction: Friction = account.friction_program(
+        space, replace(s, case=case).contact, s.P, s.H, m.sliding(0.0), m.load(0.0), case.geometry.hertz_load
+    )
+    return friction
 
 
 def compile_ahead(case: Case, precision: str = PRECISION) -> None:
