@@ -58,7 +58,7 @@ class Polyline(Signal):
         for first, second in pairwise(places):
             if not second > first:
                 raise ValueError(
-                    f"points: {x} = {second} comes after {x} = {first}; must be [{x}, {value}] with rising {x}"
+                    f"points: {x} = {second} follows {x} = {first}; must be [{x}, {value}] with rising {x}"
                 )
 
     @property
