@@ -30,7 +30,7 @@ def run(v: float, h: float, status: str = "converged") -> StudyRun:
 
 def study(runs: list[StudyRun], mode: str = "product", kind: str = "impact", layers: Any = LAYERS) -> StudyResult:
     along = {"speed": (SPEEDS, PER_SECOND), "layer": (layers, METRES)}
-    return StudyResult(study_dataset(mode, [3, 2], along, runs, {"title": "wet", "kind": kind}))
+    return StudyResult(study_dataset(mode, along, runs, {"title": "wet", "kind": kind}))
 
 
 RUNS = [run(v, h) for v in SPEEDS for h in LAYERS]
@@ -52,7 +52,7 @@ def test_a_power_law_is_exact_between_them() -> None:
 
 def test_a_study_may_vary_one_value_only() -> None:
     runs = [run(v, 3e-6) for v in SPEEDS]
-    dataset = study_dataset("product", [3], {"speed": (SPEEDS, PER_SECOND)}, runs, {"title": "wet", "kind": "impact"})
+    dataset = study_dataset("product", {"speed": (SPEEDS, PER_SECOND)}, runs, {"title": "wet", "kind": "impact"})
     law = ertel.contact_law(StudyResult(dataset))
     assert law(0.3).restitution == pytest.approx(1 - loss(0.3, 3e-6), rel=1e-13)
     without_unit = replace(law, dataset=law.dataset.assign_coords(speed=law.dataset["speed"].assign_attrs(units="1")))

@@ -176,7 +176,7 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
-    in_si = parse_values(axis, values, CURVE_AXES[axis].mark)
+    in_si = parse_values(axis, values, CURVE_AXES[axis][0])
     try:
         cases = tuple(_at(case, axis, value) for value in in_si)
     except ValueError as error:
@@ -270,12 +270,12 @@ def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
             points.append(run._replace(numbers=point_scalars(case, {})))
         else:
             points.append(_measured(case, film, number == 0 or shared is None, run.directory))
-    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
-    about = {**provenance(curve.case), "varies": curve.axis, "film": curve.film_in_words}
-    data = study_dataset("product", [len(points)], axis, points, about)
+    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis][1])}
     values = (f"{curve.axis} = {value:.4g}" for value in curve.values)
     warnings = ((place, sentence) for place, point in zip(values, points, strict=True) for sentence in point.warnings)
-    return TractionCurve(data, case=curve.case, warnings=grouped(warnings, "point"))
+    about = {"varies": curve.axis, "film": curve.film_in_words, "warnings": grouped(warnings, "point")}
+    data = study_dataset("product", axis, points, {**provenance(curve.case), **about})
+    return TractionCurve(data, case=curve.case)
 
 
 def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyRun:
