@@ -172,7 +172,7 @@ def test_interrupt_of_the_half_grid(here, monkeypatch):
         patch.setattr(running, "drive", interrupted)
         result = ertel_("run", "ball.toml", "--error", code=130)
     assert "to continue: ertel resume runs/ball" in result.stderr
-    assert "; to start it: ertel resume runs/ball" in ertel_("show", "runs/ball", code=2).stderr
+    assert "nothing is computed yet; to start it: ertel resume" in ertel_("show", "runs/ball", code=2).stderr
     ertel_("resume", "runs/ball", "-q")
     assert json.loads(ertel_("show", "runs/ball", "--json").stdout)["status"] == "converged"
 
@@ -335,7 +335,7 @@ def test_film_of_a_case_file_without_dimensions(here):
         ("run steady.toml", ["contact.speed=1 m/s"], 'contact.speed = "1 m/s": not for a rolling contact'),
         ("run steady.toml", ["time.until=3"], "time.until = 3.0: a steady contact has no time"),
         ("run steady.toml", ["solver.method=radial"], 'solver.method = "radial": must be "steady" or'),
-        ("run transient.toml", ["motion.entrainment=0"], "motion.entrainment: is 0 at T = 0"),
+        ("run transient.toml", ["motion.entrainment=0"], "motion.entrainment = 0.0: is 0 at T = 0"),
         ("run transient.toml", ["roughness=3"], "roughness = 3: must be an array of tables"),
         ("film", [], "contact.M: missing"),
         ("film", ["contact.kind=impact", "contact.M=10", "contact.L=2"], 'contact.kind = "impact": must be "rolling"'),

@@ -364,10 +364,14 @@ REFUSED: list[Refusal] = [
         'motion.load = [[0.0, 1.0], ["1.0 m", 2.0]]: must be a',
     ),
     # motion
-    (STEADY, {"drive": Drive(load=constant(0.0))}, "motion.load: is 0 at T = 0; must be above zero there"),
-    (STEADY, {"drive": Drive(entrainment=constant(0.0))}, "motion.entrainment: is 0 at T = 0"),
-    (STEADY, {"drive": drive_to(2.0)}, "motion.load: varies in time from 1 to 2; use solver.method"),
-    (IN_TIME, {"drive": drive_to(0.0)}, "motion.load: goes down to 0; must stay above zero"),
+    (STEADY, {"drive": Drive(load=constant(0.0))}, "motion.load = 0.0: is 0 at T = 0; must be above zero there"),
+    (STEADY, {"drive": Drive(entrainment=constant(0.0))}, "motion.entrainment = 0.0: is 0 at T = 0"),
+    (
+        STEADY,
+        {"drive": drive_to(2.0)},
+        "motion.load = [[0.0, 1.0], [1.0, 2.0]]: varies in time from 1 to 2; use solver",
+    ),
+    (IN_TIME, {"drive": drive_to(0.0)}, "motion.load = [[0.0, 1.0], [1.0, 0.0]]: goes down to 0; must stay above zero"),
     (STEADY, {"drive": Drive(inertia=-1.0)}, "motion.inertia = -1.0: must be greater than or equal to 0"),
     (STEADY, {"drive": Drive(slide_to_roll=inf)}, "motion.slide_to_roll = Infinity: must be a finite number"),
     (IN_TIME, {"drive": Drive(Oscillation(1.0, inf, 1.0))}, "motion.load.amplitude = Infinity: must be a finite numb"),
@@ -379,7 +383,7 @@ REFUSED: list[Refusal] = [
     (
         Case(Conditions(**BALL, mean_speed=1.0), OIL),
         {"drive": Drive(entrainment=constant(1.0))},
-        "motion.entrainment = 1.0 and contact.mean_speed = 1.0 m/s are given together; allowed: one of them",
+        'motion.entrainment = 1.0: is given together with contact.mean_speed = "1.0 m/s"; allowed: one of them',
     ),
     # roughness
     (STEADY, {"roughness": ROUGH}, "roughness[1].surface = 1: moves, so that its film is not steady"),

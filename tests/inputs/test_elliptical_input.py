@@ -6,7 +6,7 @@ import pytest
 from cases import ertel_
 
 import ertel
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.records import ConfigError
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.physics.geometry import CIRCLE, Geometry

@@ -130,7 +130,7 @@ def test_the_default_domain_of_an_ellipse_and_of_a_light_ball_in_si_is_wide():
 @pytest.mark.parametrize(
     ("M", "solver", "expected"),
     [
-        (1, {"half_width": 3.0}, r"^solver\.half_width = 3: must be at least 8\.39 at M = 1, .* leave it out"),
+        (1, {"half_width": 3.0}, r"^solver\.half_width = 3\.0: must be at least 8\.39 at M = 1, .* leave it out"),
         (0.01, {}, r"^contact: M = 0\.01 is too low: .*half_width = 1000"),
     ],
 )

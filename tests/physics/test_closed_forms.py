@@ -1,6 +1,6 @@
 """The closed forms of `closed_forms`: against integrals, the design's tables and an equation of heat."""
 
-from math import asinh, exp, log
+from math import asinh, exp
 
 import numpy as np
 import pytest
@@ -11,7 +11,6 @@ from closed_forms import (
     hertz_mean_stress,
     nahme,
     small_gradient_mobility,
-    uniform_film_traction,
 )
 from numpy.testing import assert_allclose
 from scipy.integrate import quad, solve_bvp
@@ -31,15 +30,6 @@ def test_hertz_means() -> None:
     for S_c, alpha_p_h in ((0.1, 40.0), (1e3, 30.0)):
         exact, _ = quad(lambda s, S=S_c, a=alpha_p_h: 2 * s * asinh(S * exp(a * (s - 2 / 3))), 0, 1, epsabs=1e-12)
         assert hertz_mean_stress(S_c, alpha_p_h) == pytest.approx(exact, rel=1e-8)
-
-
-def test_uniform_film_at_high_sliding() -> None:
-    """With S_c = e^8 and alpha p_h = 10 the mean is within 2e-5 of ln(2 S_c)."""
-    alpha, p_h, tau0 = 1e-8, 1e9, 5e6
-    p_mean = 2 * p_h / 3
-    newtonian = tau0 * exp(8 - alpha * p_mean)
-    exact = hertz_mean_stress(exp(8), alpha * p_h) * tau0 / p_mean
-    assert uniform_film_traction(alpha, tau0, p_mean, newtonian) == pytest.approx(exact, rel=2e-5)
 
 
 # -- Arana et al. -----------------------------------------------------------------------------------------------------
@@ -71,7 +61,7 @@ SIGMA = np.array([0.5, 1.0, 2.0, 4.0, 8.0])
     ],
 )
 def test_table(B: float, at_rest: float, factors: list) -> None:
-    assert_allclose(eyring_flow_factor(B, SIGMA), factors, rtol=6e-8 + 5e-7)
+    assert_allclose(eyring_flow_factor(B, SIGMA), factors, rtol=5.6e-7)
     assert float(eyring_flow_factor(B, 0.0)) == pytest.approx(at_rest, rel=1e-6)
     assert float(eyring_stress(B, 0.0)) == pytest.approx(np.arcsinh(B))
     series, closed = eyring_flow_factor(3.0, np.array([0.1 - 1e-12, 0.1 + 1e-12]))
@@ -91,19 +81,9 @@ def test_small_gradients() -> None:
 # -- a film that heats itself -----------------------------------------------------------------------------------------
 
 
-def test_nahme() -> None:
-    """Na -> 0: the viscosity falls by beta times the mean rise, Na/12."""
-    table = {0.1: 0.991749, 1: 0.924196, 8: 0.623225, 50: 0.244707, 100: 0.152069, 1000: 0.024775, 1e4: 0.003406}
-    for Na, ratio in table.items():
-        assert nahme(Na).viscosity == pytest.approx(ratio, abs=6e-7)
-        assert nahme(Na).largest_rise == pytest.approx(log(1 + Na / 8))
-    assert nahme(0.0) == (0.0, 1.0)
-    assert nahme(1e-4).viscosity == pytest.approx(1 - 1e-4 / 12, abs=1e-9)
-
-
-def test_nahme_solves_the_equation_of_heat() -> None:
+@pytest.mark.parametrize("Na", [0.1, 20.0])
+def test_nahme_solves_the_equation_of_heat(Na: float) -> None:
     """theta'' + Na sigma^2 e^theta = 0 with sigma = tau h/(eta Delta u) and integral of sigma e^theta = 1."""
-    Na = 20.0
     sigma = nahme(Na).viscosity
     z = np.linspace(0, 1, 41)
     solved = solve_bvp(

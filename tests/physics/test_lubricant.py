@@ -38,7 +38,6 @@ ALPHA_BAR = st.floats(0.5, 40.0)
 P_RATIO = st.floats(0.1, 20.0)
 Z = st.floats(0.2, 1.2)
 
-
 VISCOSITIES = [
     Isoviscous(),
     Barus(12.0),
@@ -62,39 +61,10 @@ def test_roelands_with_z_one_is_barus(alpha_bar, p_ratio):
     assert_allclose(Roelands(alpha_bar, 1.0, 1 / p_ratio).viscosity(P), Barus(alpha_bar).viscosity(P), rtol=1e-11)
 
 
-@given(ALPHA_BAR, Z)
-def test_roelands_at_low_pressure_is_barus(alpha_bar, z):
-    ratio = np.log(Roelands(alpha_bar, z, 1e6).viscosity(P)) - alpha_bar * P
-    assert np.all(np.abs(ratio) <= 1e-5 * alpha_bar)
-
-
-@given(ALPHA_BAR, st.floats(0.2, 0.99), P_RATIO)
-def test_roelands_lies_between_isoviscous_and_barus(alpha_bar, z, p_ratio):
-    roelands, barus = Roelands(alpha_bar, z, 1 / p_ratio).viscosity(P), Barus(alpha_bar).viscosity(P)
-    assert np.all((roelands >= 1) & (roelands <= barus * (1 + 1e-12)))
-
-
-@pytest.mark.parametrize("law", VISCOSITIES, ids=lambda law: type(law).__name__)
-def test_viscosity_is_one_at_ambient_pressure_and_never_falls(law):
-    assert law.viscosity(0.0) == 1.0
-    assert np.all(np.diff(law.viscosity(P)) >= 0)
-
-
 @pytest.mark.parametrize("eta0", [6e-5, 1e-9])
 def test_roelands_has_no_meaning_for_gases(eta0):
     with pytest.raises(ValueError, match=f"eta0 = {eta0} Pa s: Roelands' law needs"):
         roelands_exponent(ALPHA, eta0)
-
-
-@given(P_RATIO)
-def test_density_limits(p_ratio):
-    law = DowsonHigginson(1 / p_ratio)
-    assert law.density(0.0) == 1.0
-    assert law.density(1e12) == pytest.approx(1.34, rel=1e-9)
-    assert np.all(np.diff(law.density(P)) > 0)
-    assert np.all(law.density(P) < 1.34)
-    assert jax.grad(law.density)(0.0) == pytest.approx(0.34 * p_ratio, rel=1e-13)
-    assert_allclose(DowsonHigginson(1e9).density(P), Incompressible().density(P), rtol=1e-9)
 
 
 @pytest.mark.parametrize("law", [*VISCOSITIES, *DENSITIES], ids=lambda law: type(law).__name__)
@@ -102,6 +72,10 @@ class TestEveryLaw:
     @staticmethod
     def value(law: Viscosity | Density, pressure):
         return law.viscosity(pressure) if hasattr(law, "viscosity") else law.density(pressure)
+
+    def test_is_one_at_ambient_pressure_and_never_falls(self, law):
+        assert self.value(law, 0.0) == 1.0
+        assert np.all(np.diff(self.value(law, P)) >= 0)
 
     def test_takes_any_number_and_keeps_shape_and_precision(self, law):
         assert self.value(law, P.reshape(4, 4)).shape == (4, 4)
@@ -213,9 +187,7 @@ def test_laws_by_name_as_records_and_from_data(oil, viscosity, density):
 
 
 @pytest.mark.parametrize(
-    ("oil", "missing"),
-    [(Oil(viscosity="barus"), "alpha"), (Oil(eta0=0.04), "alpha"), (Oil(alpha=2e-8), "eta0")],
-    ids=str,
+    ("oil", "missing"), [(Oil(viscosity="barus"), "alpha"), (Oil(eta0=0.04), "alpha"), (Oil(alpha=2e-8), "eta0")]
 )
 def test_data_that_a_law_needs_are_asked_for(oil, missing):
     with pytest.raises(ValueError, match=rf"^{missing}: missing; this viscosity law needs it"):
@@ -247,7 +219,6 @@ def test_the_enthalpy_is_the_integral_of_the_specific_volume() -> None:
     assert_allclose(oil.enthalpy(P), exact, rtol=1e-6)
     small = oil.compression(np.array([1e-4]))  # P^2/(2 K), K = p1/(0.34 p_h)
     assert_allclose(small, 1e-8 / 2 * 0.34 * oil.p_h / DENSITY_PRESSURE, rtol=1e-3)
-    assert np.all(np.diff(oil.compression(P)) > 0)
     stiff = Lubricant(Isoviscous(), Incompressible())
     assert_allclose(stiff.enthalpy(P), P, rtol=1e-14)
     assert_allclose(stiff.compression(P), 0.0, atol=1e-15)
@@ -270,22 +241,12 @@ def test_a_newtonian_oil_flows_by_the_cube_of_the_film_and_not_where_surfaces_ov
 # -- The laws of measured oils ----------------------------------------------------------------------------------------
 
 
-A = st.floats(2e7, 1e8)
-K0 = st.floats(0.8e9, 2e9)
-K0_PRIME = st.floats(5.0, 15.0)
-SQUALANE = Doolittle(5.258, 0.6633, 1.312e9, 11.74)  # at 25 degC
+K0, K0_PRIME = st.floats(0.8e9, 2e9), st.floats(5.0, 15.0)
 
 
-@given(A)
-def test_a_modulus_law_without_b_is_barus(a):
-    assert Modulus(a, 0.0).viscosity(3e8) == pytest.approx(np.exp(3e8 / a), rel=1e-12)
-
-
-@given(A, st.floats(0.0, 0.2), st.floats(1e6, 3e9))
-def test_the_modulus_law_starts_with_alpha_and_ends_at_one_over_b(a, b, p):
-    law = Modulus(a, b)
-    assert jax.grad(lambda p: jnp.log(law.viscosity(p)))(0.0) == pytest.approx(1 / a, rel=1e-12)
-    assert np.log(law.viscosity(p)) <= min(p / a, 1 / b if b > 1e-6 else np.inf) * (1 + 1e-9)
+@given(st.floats(2e7, 1e8), st.floats(0.0, 0.2), st.floats(1e6, 3e9))
+def test_the_modulus_law(a, b, p):
+    assert np.log(Modulus(a, b).viscosity(p)) == pytest.approx(p / (a + b * p), rel=1e-9)
 
 
 @given(K0, K0_PRIME)
@@ -293,11 +254,8 @@ def test_taits_law_has_its_bulk_modulus_and_its_derivative(K0, K0_prime):
     """K = -V dp/dV = rho dp/drho is K0 at ambient pressure, and dK/dp is K0'."""
     law = Tait(K0, K0_prime)
 
-    def modulus(p):
-        return law.density(p) / jax.grad(law.density)(p)
-
-    assert modulus(0.0) == pytest.approx(K0, rel=1e-12)
-    assert jax.grad(modulus)(0.0) == pytest.approx(K0_prime, rel=1e-9)
+    modulus, change = jax.value_and_grad(lambda p: law.density(p) / jax.grad(law.density)(p))(0.0)
+    assert (modulus, change) == (pytest.approx(K0, rel=1e-12), pytest.approx(K0_prime, rel=1e-9))
 
 
 @given(K0, K0_PRIME, st.floats(0.5, 0.7), st.floats(2.0, 6.0))
@@ -311,4 +269,4 @@ def test_doolittles_law_is_the_one_of_free_volume():
     p = np.linspace(0.0, 1e9, 7)
     V, occupied = Tait(1.312e9, 11.74).volume(p), 0.6633
     by_hand = np.exp(5.258 * (occupied / (V - occupied) - occupied / (1 - occupied)))
-    np.testing.assert_allclose(SQUALANE.viscosity(p), by_hand, rtol=1e-12)
+    assert_allclose(Doolittle(5.258, 0.6633, 1.312e9, 11.74).viscosity(p), by_hand, rtol=1e-12)

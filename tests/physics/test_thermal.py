@@ -1,11 +1,10 @@
 """Inlet shear heating, the film's temperatures and the flash temperature, against tables and closed forms."""
 
-import itertools
 from math import log, pi, sqrt
 
 import numpy as np
 import pytest
-from closed_forms import flash_temperature, mean_rise, middle_rise
+from closed_forms import flash_temperature, mean_rise
 from numpy.testing import assert_allclose
 
 from ertel.physics.lubricant import Roelands, roelands_exponent
@@ -44,15 +43,9 @@ def test_inlet_factors_of_gupta_and_of_wilson_and_sheu() -> None:
 
 
 def test_inlet_factors_by_name() -> None:
-    assert set(INLET_FACTORS) == {"gupta", "wilson-sheu", "none"}
-    assert INLET_FACTORS["gupta"].formula(1.0, 0.2, 0.002) == gupta_factor(1.0, 0.2, 0.002)
-    assert INLET_FACTORS["wilson-sheu"].formula(1.0, 0.2, 0.002) == wilson_sheu_factor(1.0, 0.2)
-    assert INLET_FACTORS["none"].formula(50.0, 2.0, 0.01) == 1.0
-    for name in ("gupta", "wilson-sheu"):
-        factor = INLET_FACTORS[name]
-        assert factor.formula(0.0, 0.5, 0.002) == 1.0
-        falling = [factor.formula(L_t, 0.5, 0.002) for L_t in (0.01, 0.1, 1.0, factor.largest_L_t)]
-        assert falling == sorted(falling, reverse=True) and falling[-1] > 0
+    found = {name: factor.formula(1.0, 0.2, 0.002) for name, factor in INLET_FACTORS.items()}
+    assert found == {"gupta": gupta_factor(1, 0.2, 0.002), "wilson-sheu": wilson_sheu_factor(1, 0.2), "none": 1.0}
+    assert {factor.formula(0.0, 0.5, 0.002) for factor in INLET_FACTORS.values()} == {1.0}
 
 
 # -- the viscosity of the warm oil ------------------------------------------------------------------------------------
@@ -94,8 +87,7 @@ def test_where_houperts_law_has_no_meaning(bad: tuple[float, float, float], mess
 
 
 def test_worked_example() -> None:
-    """40 MPa, 1 m/s, 100 nm, k = 0.14: 3.57 K and 2.38 K in the film; steel at 0.5 m/s over 280 um: 41 K."""
-    assert middle_rise(40e6, 1.0, 100e-9, 0.14) == pytest.approx(3.57, abs=0.005)
+    """40 MPa, 1 m/s, 100 nm, k = 0.14: 2.38 K in the film; steel at 0.5 m/s over 280 um: 41 K."""
     assert mean_rise(40e6, 1.0, 100e-9, 0.14) == pytest.approx(2.38, abs=0.005)
     heat = np.full(281, 0.5 * 40e6 * 1.0)
     heat[0] /= 2
@@ -115,10 +107,6 @@ def test_linear_sources_are_exact() -> None:
     assert_allclose(np.convolve(weights, x)[:33], 4 / 3 * x**1.5, rtol=1e-12, atol=1e-15)
 
 
-def orders(errors: list[float]) -> list[float]:
-    return [log(coarse / fine) / log(2) for coarse, fine in itertools.pairwise(errors)]
-
-
 def test_order_two_behind_the_edge_of_a_uniform_source_and_for_a_smooth_one() -> None:
     def uniform(n: int) -> float:
         heat = np.ones(n + 1)
@@ -129,9 +117,8 @@ def test_order_two_behind_the_edge_of_a_uniform_source_and_for_a_smooth_one() ->
         x = np.linspace(0.0, 1.0, n + 1)
         return float(flash_temperature(np.sin(pi * x) ** 2, STEEL, 1.0, 1.0 / n)[3 * n // 4])
 
-    errors = [uniform(n) for n in (16, 32, 64, 128)]
-    assert errors[-1] < 1e-5 and min(orders(errors)) > 1.9
-    assert min(orders([abs(smooth(n) - smooth(4096)) for n in (16, 32, 64)])) > 1.9
+    errors = np.array([(uniform(n), abs(smooth(n) - smooth(4096))) for n in (16, 32, 64, 128)])
+    assert errors[-1, 0] < 1e-5 and np.log2(errors[:-1] / errors[1:]).min() > 1.9
 
 
 def test_a_surface_that_moves_back_is_heated_from_the_other_side() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import ertel
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Inlet
 from ertel.inputs.case_files import parse_case
 from ertel.physics.thermal import AT_REST, SLOWEST, slow_excess
@@ -116,8 +116,8 @@ def test_account_and_heat_are_computed_once_for_a_grid(
 
         return call
 
-    for name in ("steady_account", "heated"):
+    for name in ("_account_program", "heated"):
         monkeypatch.setattr(steady, name, counted(name, getattr(steady, name)))
     monkeypatch.setattr(ReplacedData, "flush_interval", flush_interval)
     ertel.run(case_of(thermal=DATA), tmp_path / "run")
-    assert calls == {"steady_account": 2, "heated": 1 if flush_interval else 2}  # grids of 33 and 65 nodes
+    assert calls == {"_account_program": 2, "heated": 1 if flush_interval else 2}  # grids of 33 and 65 nodes

@@ -12,7 +12,7 @@ from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_ti
 import ertel
 from ertel.apps.tables import film_rows, value_rows
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Time
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
@@ -23,7 +23,6 @@ from ertel.results import parameters, variables
 from ertel.results.numbers import as_now, key_numbers, lines, more_lines, number, scalars
 from ertel.results.summary import comparisons, extremes, impact_summary, in_smaller_steps, rolling_summary, with_error
 from ertel.results.variables import one_number, to_si, with_coefficients
-from ertel.runs.arrays import has_old_coefficients
 from ertel.runs.drive import simulate
 from ertel.solvers import radial
 
@@ -143,9 +142,6 @@ def test_summaries_and_data_of_earlier_versions(run: ertel.Result) -> None:
     np.testing.assert_allclose(one_number(old)["mu_sliding"], run.dataset["mu_sliding"], rtol=1e-14)
     assert one_number(old)["mu_sliding"].attrs == {"si_factor": 1.0, "si_name": "mu_sliding", "si_units": "1"}
     assert one_number(run.dataset) is run.dataset
-    for stored, is_old in ((attributes, True), (dict(run.dataset["mu_sliding"].attrs), False)):
-        root = {"consolidated_metadata": {"metadata": {"mu_sliding": {"attributes": stored}}}}
-        assert has_old_coefficients(root) == is_old
 
 
 def test_the_films_of_an_impact_stand_where_those_of_rolling_do() -> None:

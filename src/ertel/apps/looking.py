@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from ertel.apps.arguments import Json, RunDirectory, figures, path_argument, path_option, run_directories
-from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, say, shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # these take long to import
     import xarray as xr
@@ -110,12 +110,11 @@ def compare(
         name for name, each in (("at", at), ("along", along != "x"), ("align", align), ("column", column)) if each
     ]:
         leave(BAD_INPUT, f"--{given[0]}: only for a measurement, and {shown(second)} is not a file")
-    from ertel.apps import running
     from ertel.results import numbers
+    from ertel.runs.store import RunStore
 
-    with running.opened(first) as one, running.opened(second) as two:
-        summaries = [run.summary() or run.summary_so_far() for run in (one, two)]
-        data = [run.dataset() for run in (one, two)] if plot else []
+    one, two = RunStore.open(first), RunStore.open(second)
+    summaries = [run.summary() or run.summary_so_far() for run in (one, two)]
     names, statuses = [shown(first), shown(second)], [summary["status"] for summary in summaries]
     differing = numbers.differences(one.case, two.case)
     pairs = numbers.pairs(*summaries)
@@ -128,6 +127,7 @@ def compare(
     if plot:
         from ertel import plots
 
+        data = [run.dataset() for run in (one, two)]
         with bad_input():
             plots.comparison(data, names).savefig(plot)
         print_path(plot)
@@ -135,11 +135,10 @@ def compare(
 
 def _compare_measured(directory: Path, file: Path, plot: Path | None, as_json: bool, **given: Any) -> None:
     """Print a measurement beside a run, and draw both."""
-    from ertel.apps import running
     from ertel.results.measurements import Measurement
+    from ertel.runs.store import RunStore
 
-    with running.opened(directory) as run:
-        result = run.result()
+    result = RunStore.open(directory).result()
     with bad_input():
         found = result.compare(Measurement.read(file, **given))
         if plot:
@@ -185,18 +184,13 @@ def show(
 ) -> None:
     """Print the summary of a run, also of an unfinished one."""
     from ertel.apps import running
-    from ertel.runs.files import Damaged, StoreError
+    from ertel.runs.store import RunStore
 
     if sigma is not None and len(sigma.split(",")) > 2:
         leave(BAD_INPUT, f"--sigma {sigma}: must be one length or two, of the two surfaces")
-    with running.opened(directory) as run:
-        try:
-            summary = run.summary() or run.summary_so_far()
-        except Damaged:
-            raise
-        except StoreError as error:
-            raise StoreError(f"{error}; to start it: ertel resume {in_shell(directory)}") from error
-        running.report(run, summary, as_json, sigma=() if sigma is None else sigma.split(","))
+    run = RunStore.open(directory)
+    summary = run.summary() or run.summary_so_far()
+    running.report(run, summary, as_json, sigma=sigma.split(",") if sigma is not None else ())
 
 
 def plot(
@@ -231,7 +225,7 @@ def plot(
     An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
     layers and light sources can be chosen, see ertel.optics.
     """
-    from ertel.apps import running
+    from ertel.runs.store import RunStore
 
     if format_ in MOVIES and interferogram is None:
         leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
@@ -243,8 +237,7 @@ def plot(
         leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
     if format_ == "mp4":
         _find_ffmpeg()
-    with running.opened(directory) as run:
-        data = run.dataset()
+    data = RunStore.open(directory).dataset()
     with bad_input():
         sheet = {"columns": columns, "title": title}
         writers = _drawn(data, what, at, interferogram, wavelength, format_, sheet)
@@ -331,10 +324,10 @@ def export(
     --what profile: profile_x.csv or profile_y.csv, in SI where the case is, with units in the names of the columns.
     Between two maps it is interpolated in time.
     """
-    from ertel.apps import running
     from ertel.results.dataset import EXPORTS
     from ertel.results.profiles import write_profile
     from ertel.results.variables import to_si
+    from ertel.runs.store import RunStore
 
     if what and to != "csv":
         leave(BAD_INPUT, f"--to {to}: a profile is written as csv")
@@ -342,8 +335,7 @@ def export(
         leave(BAD_INPUT, f"--at {at}: only for --what profile; the other exports have all times")
     if along != "x" and not what:
         leave(BAD_INPUT, f"--along {along}: only for --what profile")
-    with running.opened(directory) as run:
-        data = run.dataset()
+    data = RunStore.open(directory).dataset()
     with bad_input():
         if what:
             path, moment = write_profile(data, out or directory / "export", at, along)

@@ -14,13 +14,13 @@ from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, l
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results.result import Result, verdict
-from ertel.results.summary import with_error
+from ertel.results.summary import comparisons, with_error
 from ertel.runs import outlook, store
 from ertel.runs.batch import warm_up
 from ertel.runs.compile import cache_directory, prepare_jax
-from ertel.runs.directory import CASE, CHECKPOINT, SUMMARY, Taken
+from ertel.runs.directory import CASE, Taken
 from ertel.runs.drive import Recorder, Run, bars, drive, run_of, watch
-from ertel.runs.files import Damaged, StoreError
+from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore
 
 
@@ -49,20 +49,20 @@ def run(case: Case, directory: Path | None, options: RunOptions) -> None:
 
 def resume(directory: Path, options: RunOptions) -> None:
     """Continue a run, or estimate the error of a finished one; where nothing is left to do, print its summary."""
-    with opened(directory) as run:
-        summary = run.outcome()
-        if summary and (not options.error or summary.get("error_estimate")):
-            report(run, summary, options.as_json, options.quiet)
-            return
-        prepare_jax()
-        with within_memory(run.case):
-            _finish(run, _compared(run.run, options), options)
+    run = RunStore.open(directory)
+    summary = run.outcome()
+    if summary and (not options.error or summary.get("error_estimate")):
+        report(run, summary, options.as_json, options.quiet)
+        return
+    prepare_jax()
+    with within_memory(run.case):
+        _finish(run, _compared(run.run, options), options)
 
 
 def _compared(course: Run, options: RunOptions) -> Mapping[str, Run]:
     """The runs with which a run is compared for its error.  A grid may have no half grid for them."""
     with bad_input():
-        return course.comparisons if options.error else {}
+        return {part: run_of(other) for part, other in comparisons(course.case).items()} if options.error else {}
 
 
 def warm_up_all(cases: Sequence[Case]) -> None:
@@ -86,26 +86,6 @@ def say_before(cases: Sequence[Case]) -> None:
 
 
 # -- directories ------------------------------------------------------------------------------------------------------
-
-
-@contextmanager
-def opened(directory: Path) -> Iterator[RunStore]:
-    """The store of a run.  Raises StoreError, where it is damaged with the command that repairs it."""
-    run = RunStore.open(directory)
-    try:
-        yield run
-    except Damaged as error:
-        raise StoreError(f"{error}: {_to_repair(run, error.path)}") from error
-
-
-def _to_repair(run: RunStore, damaged: Path) -> str:
-    """The command that repairs the damage."""
-    to_resume = f"ertel resume {in_shell(run.directory)}"
-    if damaged.name == CHECKPOINT:
-        return f"rm {in_shell(damaged)}; {to_resume}"
-    if damaged.name == SUMMARY or run.case.is_steady:
-        return to_resume
-    return f"ertel run {in_shell(run.directory / CASE)}"
 
 
 def _create(directory: Path | None, course: Run) -> RunStore:

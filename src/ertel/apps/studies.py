@@ -20,7 +20,7 @@ from ertel.apps.terminal import (
     writing_to,
 )
 from ertel.case.case import Case
-from ertel.case.derived import newtonian_stress
+from ertel.case.definition import newtonian_stress
 from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.inputs.studies import Study
@@ -29,7 +29,18 @@ from ertel.runs import fit as fits
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
 from ertel.runs.drive import bars
-from ertel.runs.studies import EVERY, NAME, Part, alone, files_in, gather, left_of, run_study, write_study
+from ertel.runs.studies import (
+    EVERY,
+    NAME,
+    Part,
+    alone,
+    files_in,
+    gather,
+    left_of,
+    require_place,
+    run_study,
+    write_study,
+)
 from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
@@ -78,7 +89,7 @@ def traction(
 ) -> None:
     """Compute what is left of a traction curve, write and print it."""
     curve = curves.curve_of(case, given, film)
-    curves.require_curve_place(directory, "--out")
+    require_place(directory, curves.NAME, "--out")
     if not quiet:
         running.say_before([max(curve.cases, key=newtonian_stress)])
     prepare_jax()

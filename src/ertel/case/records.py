@@ -133,8 +133,9 @@ def checked(record: T, place: str) -> T:
     kinds, hints = marks(type(record)), hints_of(type(record))  # type: ignore[arg-type]
     for item in fields(record):  # type: ignore[arg-type]
         value, mark, choices = getattr(record, item.name), kinds.get(item.name), choices_of(hints[item.name])
-        if is_dataclass(value) and mark is None:
+        if isinstance(value, Polyline) or (is_dataclass(value) and mark is None):
             checked(value, f"{place}.{item.name}")
+            continue
         is_default = type(value) is type(item.default) and bool(value == item.default)  # which may be infinite
         if value is None or is_default or (isinstance(value, str) and value in choices):
             continue

@@ -26,11 +26,12 @@ from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.reading import check_key
+from ertel.case.definition import SECTIONS
+from ertel.case.reading import check_keys
 from ertel.case.records import ConfigError, field_name, is_number, show
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
-from ertel.inputs.layout import SECTIONS, Key, section, shape_place
+from ertel.inputs.layout import Key, section, shape_place
 from ertel.inputs.quantities import LOG, MOST_VALUES, parse_quantity, plain_data, spaced, split
 from ertel.physics.registry import SHAPES
 from ertel.physics.units import Unit
@@ -120,8 +121,7 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
 def _mode(table: Any) -> str:
     if not isinstance(table, Mapping):
         raise ConfigError(f"{SWEEP} = {show(table)}: must be a section, [{SWEEP}]")
-    for key, value in table.items():
-        check_key(key, value, (MODE,), SWEEP)
+    check_keys(table, (MODE,), SWEEP)
     mode = table.get(MODE, MODES[0])
     if mode not in MODES:
         raise ConfigError(f"{SWEEP}.{MODE} = {show(mode)}: allowed: {', '.join(MODES)}")
@@ -172,8 +172,7 @@ def _hashable(value: Any) -> Any:
 
 def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
     """The values of a range, written like its ends."""
-    for key, value in table.items():
-        check_key(key, value, RANGE, field)
+    check_keys(table, RANGE, field)
     for key in RANGE[:3]:
         if key not in table:
             raise ConfigError(f"{field}.{key}: missing; a range has {', '.join(RANGE)}")

@@ -175,8 +175,7 @@ def lorentz_lorenz(density: ArrayLike, n0: float = OIL_INDEX) -> Array:
     density: rho/rho0, of any shape.  n0: index at ambient pressure.  Source: Born and Wolf, section 2.3.3.
     """
     share = np.asarray(density, dtype=float) * (n0**2 - 1.0) / (n0**2 + 2.0)
-    index: Array = np.sqrt((1.0 + 2.0 * share) / (1.0 - share))
-    return index
+    return np.sqrt((1.0 + 2.0 * share) / (1.0 - share))
 
 
 class Beams(NamedTuple):
@@ -219,8 +218,7 @@ class Fringes:
         """
         z = np.exp(4j * np.pi * np.asarray(path) / self.wavelength)
         if visibility is None:
-            coherent: Array = self.mean + 2.0 * np.real(self.first * z / (1.0 - self.ratio * z))
-            return coherent
+            return self.mean + 2.0 * np.real(self.first * z / (1.0 - self.ratio * z))
         difference = 2.0 * np.asarray(path) + self.coatings
         wave, total = self.first * z, np.zeros(np.broadcast_shapes(np.shape(z), np.shape(self.mean)))
         for harmonic in range(1, self.harmonics + 1):
@@ -320,8 +318,7 @@ class Rig:
         top, second, ratio = self.beams(wavelength, self.oil_index, below)
         z = np.exp(2j * np.pi * share)[:, None]
         waves = np.exp(-2j * np.pi * ORDERS[:, None] * share) / PHASES
-        orders: NDArray[np.complex128] = waves @ np.abs(top + second * z / (1.0 - ratio * z)) ** 2 @ waves.T
-        return orders
+        return waves @ np.abs(top + second * z / (1.0 - ratio * z)) ** 2 @ waves.T
 
 
 @dataclass(frozen=True)

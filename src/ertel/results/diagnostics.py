@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of, radii
+from ertel.case.definition import grid_of, radii
 from ertel.case.height_map import Measured
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
 from ertel.numerics.grid import allowed_nodes, extrapolate

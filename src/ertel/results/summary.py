@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ertel.case import derived
+from ertel.case import definition
 from ertel.case.case import Case
 from ertel.case.sections import Solver, Time
 from ertel.case.status import Status
@@ -309,7 +309,7 @@ def wider(solver: Solver) -> Solver:
     """The domain 1.5 times as wide, at the same spacing: as near as grids allow."""
     if solver.method == "radial":
         width = WIDER_DOMAIN * solver.half_width
-        cells = (solver.nodes - 1) * derived.extent(width) / derived.extent(solver.half_width)
+        cells = (solver.nodes - 1) * definition.extent(width) / definition.extent(solver.half_width)
         return replace(solver, half_width=width, nodes=round(cells) + 1)
     spacing = 2 * solver.half_width / (solver.nodes - 1)
     nodes = allowed_nodes(WIDER_DOMAIN * (solver.nodes - 1) + 1)

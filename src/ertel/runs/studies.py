@@ -100,8 +100,7 @@ def sweep(
         Another process is working on the study, or the directory holds other files.
     """
     check_jax()
-    file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
-    engine = Engine(jobs, scheduler, file, keys)
+    engine = Engine(jobs, scheduler, scheduler_file, tls)
     planned = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
     path = Path(directory).absolute()
     require_place(path)
