@@ -283,9 +283,9 @@ SMALL = b"[contact]\nM = 1000\nL = 10\n"
 
 
 def test_no_file(tmp_path):
-    with pytest.raises(ConfigError, match=r"no\.toml: no such file"):
+    with pytest.raises(ConfigError, match=r"no\.toml cannot be read in .*, no such file"):
         load_case(tmp_path / "no.toml")
-    with pytest.raises(ConfigError, match="cannot read"):
+    with pytest.raises(ConfigError, match="is not a regular file"):
         load_case(tmp_path)
 
 
@@ -328,7 +328,7 @@ def test_what_is_no_case_file_is_said_shortly(tmp_path, content, said):
 def test_a_pipe_or_a_device_is_refused_and_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "pipe.toml")
     for path in (tmp_path / "pipe.toml", Path("/dev/zero")):
-        with pytest.raises(ConfigError, match="is a pipe or a device; must be a regular file"):
+        with pytest.raises(ConfigError, match="is not a regular file"):
             load_case(path)
 
 

@@ -349,7 +349,7 @@ def test_a_map_is_refused_by_the_shape_that_its_file_declares(tmp_path) -> None:
 def test_a_file_is_refused_by_its_size(tmp_path) -> None:
     with (tmp_path / "large.al3d").open("wb") as file:
         file.truncate(700_000_000)  # takes no place
-    refused(tmp_path, "large.al3d", "has 0.7 GB; must have at most 0.6 GB")
+    refused(tmp_path, "large.al3d", "is too large; must have at most 600 MB")
 
 
 # -- in a case --------------------------------------------------------------------------------------------------------
