@@ -43,6 +43,8 @@ nodes = 33
 [time]
 tolerance = 0.01
 """  # a case file, whose last section goes on
+RADIAL = {"name": "small", "contact": {"M": 200, "L": 10}, "solver": {"method": "radial", "nodes": 33}}
+SHORT_FALL = parse_case({**RADIAL, "time": {"tolerance": 0.01, "until": 0.15}, "output": {"interval": 0.05}})
 BARUS_LIMIT = 1e-12  # an L at which Barus' oil is isoviscous to round-off, and needs no compilation of its own
 
 
