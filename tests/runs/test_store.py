@@ -15,11 +15,10 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import xarray as xr
-from cases import LEFT, names, physics, stop_after
-from dying import killed
+from cases import LEFT, RADIAL, SHORT_FALL, names, physics, stop_after
+from stored_runs import CASES, Kind, killed, of_no_process
 
 import ertel
-from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.runs import arrays, files
@@ -30,41 +29,10 @@ from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
-pytestmark = pytest.mark.filterwarnings(
-    "ignore:the film is not resolved", "ignore:the oil outside the domain", "ignore:H_min is uncertain"
-)
-OWN = ("wall_s", "compilations", "date_created")  # of the process
-BALL = {"name": "small", "contact": {"M": 200, "L": 10}}
-RADIAL = {**BALL, "solver": {"method": "radial", "nodes": 33}}
-SHORT = parse_case({**RADIAL, "time": {"tolerance": 0.01, "until": 0.15}, "output": {"interval": 0.05}})
-NINE_STEPS = {"time": {"tolerance": 0.01, "until": 0.2}, "output": {"interval": 0.05}}
-CASES = {
-    "impact": parse_case({**BALL, "solver": {"nodes": 33}, **NINE_STEPS}),
-    "radial": parse_case({**RADIAL, **NINE_STEPS}),
-    "steady": parse_case({"name": "small", "contact": {"kind": "rolling", "M": 20, "L": 10}, "solver": {"nodes": 65}}),
-}
-
-
-class Kind(NamedTuple):
-    """A kind of run: its case, and its result in memory."""
-
-    case: Case
-    whole: ertel.Result
-
-    def is_whole(self, run: RunStore) -> bool:
-        """Whether a stored run is the one in memory."""
-        xr.testing.assert_identical(physics(run.dataset()), physics(self.whole.dataset))
-        summary = run.summary()
-        return summary is not None and of_no_process(summary) == of_no_process(self.whole.summary)
-
-
-def of_no_process(values):
-    return {key: value for key, value in values.items() if key not in OWN}
-
 
 @pytest.fixture(scope="module")
-def kinds():
-    return {name: Kind(case, simulate(case)) for name, case in CASES.items()}
+def kinds(tmp_path_factory):
+    return {name: Kind(name, tmp_path_factory.mktemp(name)) for name in CASES}
 
 
 @pytest.fixture(params=CASES)
@@ -81,13 +49,6 @@ def impact(kinds):
 def grids():
     """The solutions of the steady contact."""
     return list(steady.nested(CASES["steady"]))
-
-
-@pytest.fixture(scope="module")
-def begun(tmp_path_factory):
-    """Runs that have not started; to copy one takes a fifth of the time in which it is made."""
-    place = tmp_path_factory.mktemp("begun")
-    return {name: RunStore.create(place / name, case).directory for name, case in CASES.items()}
 
 
 # -- a whole run ------------------------------------------------------------------------------------------------------
@@ -127,7 +88,7 @@ def test_a_flush_writes_once_however_many_steps_there_are(tmp_path, monkeypatch)
         append(path, arrays)
 
     monkeypatch.setattr(arrays, "append", counting)
-    summary = compute(RunStore.create(tmp_path / "run", SHORT))
+    summary = compute(RunStore.create(tmp_path / "run", SHORT_FALL))
     assert sum(appended) == summary["steps"] > len(appended)
 
 
@@ -190,10 +151,10 @@ def deaths():
 
 
 @pytest.mark.parametrize(("name", "place", "function", "when", "count"), list(deaths()))
-def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, begun, name, place, function, when, count):
+def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, name, place, function, when, count):
     if name == "steady":
         monkeypatch.setattr(steady, "nested", lambda case, done: iter(grids[len(done) :]))
-    run = RunStore.open(Path(shutil.copytree(begun[name], tmp_path / "run")))
+    run = RunStore.open(Path(shutil.copytree(kinds[name].begun, tmp_path / "run")))
     with killed(monkeypatch, place, function, when, count):
         compute(run, [lambda result: run.flush()])
     xr.open_zarr(arrays.present(tmp_path / "run" / "run.zarr")).load()  # a whole, if shorter, run
@@ -259,7 +220,7 @@ def test_a_steady_run_that_ended_is_not_computed_again_without_its_summary(tmp_p
 
 def test_a_run_that_has_ended_meanwhile_is_left_alone(tmp_path):
     """A second process saw it running, and would have deleted its summary."""
-    run = RunStore.create(tmp_path / "run", SHORT)
+    run = RunStore.create(tmp_path / "run", SHORT_FALL)
     second = RunStore.open(tmp_path / "run")
     assert second.summary() is None
     summary = compute(run)
@@ -276,7 +237,7 @@ def ends():
     """Runs by how they end: at a time, at an event, and by giving up."""
     event = parse_case({**RADIAL, "time": {"tolerance": 0.02, "until": "max-approach"}})
     limits = StepLimits(first=0.03, smallest=0.02)
-    return {"time": (SHORT, None), "event": (event, None), "given up": (SHORT, limits)}
+    return {"time": (SHORT_FALL, None), "event": (event, None), "given up": (SHORT_FALL, limits)}
 
 
 class Ended(NamedTuple):
@@ -346,7 +307,7 @@ def test_all_is_on_the_disk_before_the_checkpoint_counts_on_it(tmp_path, monkeyp
         fsync(handle)
 
     monkeypatch.setattr(os, "fsync", record)
-    run = RunStore.create(tmp_path / "run", SHORT)
+    run = RunStore.create(tmp_path / "run", SHORT_FALL)
     compute(run)
     last = {inode: place for place, inode in enumerate(synced)}
     inode = {path: path.stat().st_ino for path in (tmp_path / "run").rglob("*")}
@@ -370,11 +331,11 @@ def failing(number):
 
 def test_a_system_that_cannot_sync(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "fsync", failing(errno.EINVAL))
-    assert compute(RunStore.create(tmp_path / "run", SHORT))["status"] == "converged"
+    assert compute(RunStore.create(tmp_path / "run", SHORT_FALL))["status"] == "converged"
 
 
 def test_a_disk_that_fails_loses_nothing(tmp_path, monkeypatch):
-    whole, run = simulate(SHORT), RunStore.create(tmp_path / "run", SHORT)
+    whole, run = simulate(SHORT_FALL), RunStore.create(tmp_path / "run", SHORT_FALL)
     compute(run, [stop_after(2)])
     for number in (errno.ENOSPC, errno.EIO):
         with monkeypatch.context() as patch:
@@ -406,7 +367,7 @@ def test_run_takes_up_what_was_interrupted_and_reads_what_is_done(tmp_path, impa
 
 
 def test_run_refuses_the_directory_of_another_case(tmp_path):
-    RunStore.create(tmp_path / "run", SHORT)
+    RunStore.create(tmp_path / "run", SHORT_FALL)
     other = parse_case({**RADIAL, "contact": {"M": 300, "L": 10}})
     with pytest.raises(StoreError, match=r"run: holds another case \(contact\.M 200\.0 → 300\.0"):
         ertel.run(other, tmp_path / "run")
