@@ -112,7 +112,8 @@ def python(
     kept = {name: value for name, value in os.environ.items() if not name.startswith(without)}
     environment = {**kept, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), **variables}
     command = [sys.executable, *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=cwd, timeout=300, check=False)
+    pipes = {"stdin": subprocess.DEVNULL, "capture_output": True}
+    done = subprocess.run(command, **pipes, text=True, env=environment, cwd=cwd, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
     return done
 

@@ -9,12 +9,13 @@ from typing import Any
 
 import pytest
 import xarray as xr
-from cases import RADIAL, physics, stop_after
+from cases import RADIAL, SHORT_FALL, physics, stop_after
 
 import ertel
 from ertel.inputs.case_files import parse_case
-from ertel.runs.drive import simulate
+from ertel.runs.drive import Recorder, Run, TransientRun, drive, method_of, run_of
 from ertel.runs.files import StoreError
+from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, compute
 
 OWN = ("wall_s", "compilations", "date_created")  # of the process
@@ -27,7 +28,11 @@ CASES = {
     "impact": parse_case({"name": "small", "contact": FALL, "lubricant": OIL, "solver": {"nodes": 33}, **NINE_STEPS}),
     "radial": parse_case({**RADIAL, **NINE_STEPS}),
     "steady": parse_case({"name": "small", "contact": ROLL, "lubricant": OIL, "solver": {"nodes": 65}}),
+    "ends at a time": SHORT_FALL,
+    "ends at an event": parse_case({**RADIAL, "time": {"tolerance": 0.02, "until": "max-approach"}}),
+    "gives up": SHORT_FALL,
 }
+LIMITS = {"gives up": StepLimits(first=0.03, smallest=0.02)}
 CUT = {"impact": 3, "radial": 5, "steady": 1}  # items after which a run is interrupted
 
 
@@ -42,23 +47,34 @@ class Kind:
     def __init__(self, name: str, place: Path):
         self.name, self.case, self._place = name, CASES[name], place
 
+    @property
+    def run(self) -> Run:
+        """A new run of the case."""
+        limits = LIMITS.get(self.name)
+        return TransientRun(self.case, method_of(self.case), limits) if limits else run_of(self.case)
+
     @cached_property
     def whole(self) -> ertel.Result:
-        return simulate(self.case)
+        recorder = Recorder(self.run)
+        return recorder.result(drive(recorder.run, [recorder]))
+
+    def _stored(self, name: str, *observers: Any) -> Path:
+        store = RunStore.create(self._place / name, self.case, self.run)
+        if observers:
+            compute(store, observers)
+        return store.directory
 
     @cached_property
     def begun(self) -> Path:
-        return RunStore.create(self._place / "begun", self.case).directory
+        return self._stored("begun")
 
     @cached_property
     def finished(self) -> Path:
-        compute(run := RunStore.create(self._place / "finished", self.case))
-        return run.directory
+        return self._stored("finished", lambda item: None)
 
     @cached_property
     def cut(self) -> Path:
-        compute(run := RunStore.create(self._place / "cut", self.case), [stop_after(CUT[self.name])])
-        return run.directory
+        return self._stored("cut", stop_after(CUT[self.name]))
 
     def is_whole(self, run: RunStore) -> bool:
         """Whether a stored run is the one in memory."""

@@ -196,15 +196,16 @@ def edited_root(directory: Path, edit: Callable[[dict[str, Any]], object]) -> No
     path.write_text(json.dumps(root))
 
 
+def all_metadata(root: dict[str, Any]) -> dict[str, Any]:
+    return root["consolidated_metadata"]["metadata"]
+
+
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
         (lambda root: root["attributes"].update(R_m=0.02), "not agree"),
-        (
-            lambda root: root["consolidated_metadata"]["metadata"]["H_c"]["attributes"].update(si_factor=1.0),
-            "not agree",
-        ),
-        (lambda root: root["consolidated_metadata"]["metadata"].pop("H_c"), "not agree"),
+        (lambda root: all_metadata(root)["H_c"]["attributes"].update(si_factor=1.0), "not agree"),
+        (lambda root: all_metadata(root).pop("H_c"), "not agree"),
         (lambda root: root.pop("consolidated_metadata"), "not agree"),
         (lambda root: root["attributes"].pop("checksum"), "no checksum; older versions"),
     ],
@@ -253,7 +254,7 @@ def test_a_run_that_an_earlier_version_left_unfinished_is_refused(impact, copy):
         lambda metadata: metadata.pop("mu_sliding"),
     ):
         root = json.loads(json.dumps(whole))
-        edit(root["consolidated_metadata"]["metadata"])
+        edit(all_metadata(root))
         arrays.write_root(directory / "run.zarr", root)
         with pytest.raises(StoreError, match="was left unfinished by an earlier version of ertel; the run must be"):
             compute(RunStore.open(directory))
