@@ -17,35 +17,19 @@ import pytest
 import xarray as xr
 import zarr
 from cases import physics, stop_after
-from stored_runs import CASES, Kind
+from stored_runs import CASES
 
 import ertel
 from ertel.runs import arrays
 from ertel.runs.files import LOCK, Damaged, StoreError, with_checksum
 from ertel.runs.store import RunStore, compute
 
-KINDS = ("impact", "steady")
 IMPACT = CASES["impact"]
 
 
-@pytest.fixture(scope="module")
-def kinds(tmp_path_factory):
-    return {kind: Kind(kind, tmp_path_factory.mktemp(kind)) for kind in KINDS}
-
-
-@pytest.fixture(params=KINDS)
+@pytest.fixture(params=["impact", "steady"])
 def runs(request, kinds):
     return kinds[request.param]
-
-
-@pytest.fixture
-def impact(kinds):
-    return kinds["impact"]
-
-
-@pytest.fixture
-def steady(kinds):
-    return kinds["steady"]
 
 
 @pytest.fixture

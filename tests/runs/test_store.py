@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from cases import LEFT, RADIAL, SHORT_FALL, names, physics, python, stop_after
-from stored_runs import CASES, Kind, killed, of_no_process
+from stored_runs import CASES, killed, of_no_process
 
 import ertel
 from ertel.case.status import Status
@@ -27,19 +27,9 @@ from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
 
-@pytest.fixture(scope="module")
-def kinds(tmp_path_factory):
-    return {name: Kind(name, tmp_path_factory.mktemp(name)) for name in CASES}
-
-
 @pytest.fixture(params=["impact", "radial", "steady"])
 def kind(request, kinds):
     return kinds[request.param]
-
-
-@pytest.fixture
-def impact(kinds):
-    return kinds["impact"]
 
 
 @pytest.fixture(scope="module")
