@@ -86,15 +86,10 @@ def march(method: Method, step: float, steps: int) -> list[State]:
     return levels
 
 
-def course_with(case: Case, method: Method) -> TransientRun:
-    """A run in time by a method that may not be the case's own."""
-    return TransientRun(case, method)
-
-
 def steps_of(case: Case, method: Method, start: Step | None = None) -> list[Step]:
     """All accepted time steps of a run."""
     seen: list[Step] = []
-    drive(course_with(case, method), [seen.append], start)
+    drive(TransientRun(case, method), [seen.append], start)
     return seen
 
 

@@ -93,23 +93,19 @@ def test_nothing_computed_yet(tmp_path, kind):
 
 
 @pytest.mark.parametrize(("name", "steps"), [("impact", 1), ("impact", 2), ("radial", 5), ("steady", 1)])
-def test_resumed_equals_uninterrupted(tmp_path, kinds, name, steps):
-    kind, run = kinds[name], RunStore.create(tmp_path / "run", CASES[name])
-    first = compute(run, [stop_after(steps)])
-    assert first["status"] == "interrupted"
-    assert xr.open_zarr(tmp_path / "run" / "run.zarr").sizes["grid" if name == "steady" else "time"] == steps
-    again, checkpoint = RunStore.open(tmp_path / "run"), np.load(tmp_path / "run" / "checkpoint.npz")
-    assert compute(again)["wall_s"] > float(checkpoint["store_seconds"]) > 0
-    assert kind.is_whole(again)
-
-
-def test_resumed_many_times(tmp_path, impact):
-    RunStore.create(tmp_path / "run", impact.case)
-    for _ in range(100):
+def test_resumed_as_often_as_need_be_equals_uninterrupted(tmp_path, kinds, name, steps):
+    kind, seconds, rows = kinds[name], 0.0, "grid" if name == "steady" else "time"
+    RunStore.create(tmp_path / "run", kind.case)
+    for number in range(1, 100):
         run = RunStore.open(tmp_path / "run")
-        if compute(run, [stop_after(3)])["status"] == "converged":
+        summary = compute(run, [stop_after(steps)])
+        assert summary["wall_s"] > seconds
+        if summary["status"] == "converged":
             break
-    assert impact.is_whole(run)
+        assert summary["status"] == "interrupted"
+        assert xr.open_zarr(tmp_path / "run" / "run.zarr").sizes[rows] == number * steps
+        seconds = float(np.load(tmp_path / "run" / "checkpoint.npz")["store_seconds"])
+    assert kind.is_whole(run) and number > 1
 
 
 def deaths():
