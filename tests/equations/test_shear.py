@@ -84,7 +84,7 @@ SIGMA = [0.5, 1.0, 2.0, 4.0, 8.0]
 
 @pytest.mark.parametrize("B", [0, 1, 10, 100])
 def test_eyring_in_one_dimension(B: float) -> None:
-    """Against the closed forms, whose table is in the tests of `closed_forms`."""
+    """Against the closed forms of Conry et al."""
     film = flow(EYRING, [[B, 0.0]] * 5, [[2.0 * S, 0.0] for S in SIGMA])
     assert_allclose(6.0 * film.flux[0] / np.array(SIGMA), eyring_flow_factor(B, SIGMA), rtol=6e-7)
     assert_allclose(film.stress[0], eyring_stress(B, SIGMA), rtol=1e-6, atol=1e-15)

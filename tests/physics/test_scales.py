@@ -7,14 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.physics.materials import drop_speed, reduced_modulus, reduced_radius, sphere_mass
-from ertel.physics.scales import (
-    Parameters,
-    Scales,
-    hamrock_dowson,
-    impact_scales,
-    parameters,
-    rolling_scales,
-)
+from ertel.physics.scales import Parameters, Scales, hamrock_dowson, impact_scales, parameters, rolling_scales
 
 
 def decades(low: float, high: float) -> st.SearchStrategy[float]:
@@ -31,7 +24,7 @@ ALPHA = decades(-10, -7)
 POSITIVE = decades(-6, 6)
 
 
-def close(value: float, rel: float = 1e-12):
+def close(value, rel: float = 1e-12):
     return pytest.approx(value, rel=rel, abs=0)
 
 
@@ -41,19 +34,11 @@ STEEL_PARAMETERS = parameters(STEEL, eta0=0.1, alpha=2.2e-8)
 
 
 def test_steel_ball_of_the_reference():
-    for value, reference in [
-        (STEEL.film, 3.74064e-06),
-        (STEEL.a, 0.000193407),
-        (STEEL.load, 109.181),
-        (STEEL.p_h, 1393610000.0),
-        (STEEL.t0, 3.74064e-05),
-        (STEEL_PARAMETERS.stokes, 17.3333),
-        (STEEL_PARAMETERS.lambda_bar, 0.0615385),
-        (STEEL_PARAMETERS.alpha_bar, 30.6595),
-        (STEEL_PARAMETERS.M, 48.8118),
-        (STEEL_PARAMETERS.L, 23.0237),
-    ]:
-        assert value == pytest.approx(reference, rel=5e-6)
+    s, p = STEEL, STEEL_PARAMETERS
+    scaled = s.film, s.a, s.load, s.p_h, s.t0
+    assert scaled == close((3.74064e-06, 0.000193407, 109.181, 1393610000.0, 3.74064e-05), 5e-6)
+    numbers = p.stokes, p.lambda_bar, p.alpha_bar, p.M, p.L
+    assert numbers == close((17.3333, 0.0615385, 30.6595, 48.8118, 23.0237), 5e-6)
 
 
 @given(IMPACTS, ETA0, ALPHA)

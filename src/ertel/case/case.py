@@ -9,6 +9,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
+from html import escape
 from typing import Any
 
 from ertel.case import rules
@@ -19,7 +20,6 @@ from ertel.case.records import (
     checked,
     data_of,
     described,
-    described_in_html,
     feature_data,
     named,
     oil_data,
@@ -103,10 +103,15 @@ class Case(Definition):
         self.lubricant  # noqa: B018  # raises if its data give no law
 
     def __repr__(self) -> str:
-        return described(*self._described)
+        title, data = self._described
+        return "\n".join([f"Case: {title}", *(f"  {name:<10} {content}" for name, content in described(data))])
 
     def _repr_html_(self) -> str:
-        return described_in_html(*self._described)
+        title, data = self._described
+        rows = "".join(
+            f"<tr><th>{escape(name)}</th><td>{escape(content)}</td></tr>" for name, content in described(data)
+        )
+        return f"<div>Case: {escape(title)}<table>{rows}</table></div>"
 
     @property
     def _described(self) -> tuple[str, dict[str, Any]]:

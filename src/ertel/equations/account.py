@@ -112,20 +112,8 @@ def friction(
 ) -> Friction:
     """The friction of a film; traceable by JAX.
 
-    Parameters
-    ----------
-    plane : Plane
-        The grid.
-    contact : Contact
-        The surfaces and the oil.
-    P, H : Array
-        Pressure and film, shape (n_y, n_x).
-    sliding : number
-        U S = u1 - u2 along X, in a/t0.  It need not be the sliding at which the film was computed.
-    load : number
-        The load that the film carries, in F*.  Without a load the coefficients are zero.
-    hertz_load : number
-        F* in units of a^2 p_h (`Geometry.hertz_load`).
+    sliding: U S = u1 - u2 along X, in a/t0.  It need not be the sliding at which the film was computed.  load: what the
+    film carries, in F*; without a load the coefficients are zero.  hertz_load: F* in units of a^2 p_h.
     """
     details = contact.flow.details(contact, P, H, sliding, plane)
     return friction_of_details(plane, details, P, H, sliding, load, hertz_load)

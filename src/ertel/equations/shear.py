@@ -106,8 +106,7 @@ def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Arr
     t, g = Vector(*stress), Vector(*gradient)
     series = series_of(law, pressure, t, g)
     simple, exact = series_secant(series, t, g), partial(secant_by_nodes, law, across)
-    mobility: Tensor = in_blocks(exact, ~series.holds, simple, pressure, t, g)
-    return mobility
+    return in_blocks(exact, ~series.holds, simple, pressure, t, g)
 
 
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
@@ -184,8 +183,7 @@ def _resting(law: Fluidity, across: int, pressure: Array, gradient: Vector) -> A
     z, weight = gauss(across, pressure.ndim)
     size = 0.5 * z * length(gradient)
     phi, slope = with_slope(law, pressure, size)
-    resting: Array = jnp.sum(weight * (phi + slope * size**2), axis=0)
-    return resting
+    return jnp.sum(weight * (phi + slope * size**2), axis=0)
 
 
 def _bent(law: Fluidity, pressure: Array, v: Vector) -> tuple[Vector, Any]:
@@ -272,8 +270,7 @@ def _by_law(law: Fluidity, change: Any, pressure: Array, gradient: Vector, t: Ve
         values = [moved.get(k, number) for k, number in enumerate(numbers)]
         return _flow(sums_by_nodes(tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
 
-    _, change_of_flow = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
-    return change_of_flow
+    return jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))[1]
 
 
 def _is_zero(tangent: Any) -> bool:

@@ -16,21 +16,11 @@ from ertel.case.reading import LAWS, Reader
 from ertel.case.records import OIL_LAWS, choices_of, hints_of, show
 from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Solver, Thermal, Time
 from ertel.inputs.quantities import parse_quantity
+from ertel.physics import units
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Signal, Track
 from ertel.physics.registry import SHAPES, Registry
-from ertel.physics.units import (
-    COMPLIANCE,
-    DENSITY,
-    EXPANSION,
-    KINEMATIC_VISCOSITY,
-    TEMPERATURE,
-    Mark,
-    Meaning,
-    Unit,
-    marks,
-    meanings,
-)
+from ertel.physics.units import Mark, Meaning, Unit, marks, meanings
 
 # -- keys that name an oil, a material or a file; `names` and `height_maps` replace them by numbers -------------------
 
@@ -49,11 +39,13 @@ class Materials:
 class DataSheet:
     """An oil by its data sheet, in [lubricant]."""
 
-    nu40: Annotated[float, KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 40 degC")]
-    nu100: Annotated[float, KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 100 degC", "8.7 mm^2/s")]
-    density: Annotated[float, DENSITY, Meaning("density at 15 degC", "880 kg/m^3")]
-    expansion: Annotated[float | None, EXPANSION, Meaning("thermal expansion coefficient")] = None
-    alpha: Annotated[float | None, COMPLIANCE, Meaning("pressure-viscosity coefficient, at all temperatures")] = None
+    nu40: Annotated[float, units.KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 40 degC")]
+    nu100: Annotated[float, units.KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 100 degC", "8.7 mm^2/s")]
+    density: Annotated[float, units.DENSITY, Meaning("density at 15 degC", "880 kg/m^3")]
+    expansion: Annotated[float | None, units.EXPANSION, Meaning("thermal expansion coefficient")] = None
+    alpha: Annotated[float | None, units.COMPLIANCE, Meaning("pressure-viscosity coefficient, at all temperatures")] = (
+        None
+    )
     reference: Annotated[str, Meaning("source of the data", "data sheet of the oil")] = ""
 
 
@@ -65,7 +57,7 @@ class NamedLubricant:
         str | DataSheet | None,
         Meaning("name of an oil, ertel oils lists them, or a table with its data sheet", "squalane"),
     ] = None
-    temperature: Annotated[float | None, TEMPERATURE, Meaning("temperature of the inlet; goes with oil")] = None
+    temperature: Annotated[float | None, units.TEMPERATURE, Meaning("temperature of the inlet; goes with oil")] = None
 
 
 @dataclass(frozen=True)

@@ -100,8 +100,7 @@ def into_gamut(linear: ArrayLike) -> Array:
     excess = colours - grey
     with np.errstate(divide="ignore", invalid="ignore"):
         room = np.where(excess > 0.0, (1.0 - grey) / excess, np.where(excess < 0.0, -grey / excess, np.inf))
-    inside: Array = np.clip(grey + np.minimum(room.min(axis=-1, keepdims=True), 1.0) * excess, 0.0, 1.0)
-    return inside
+    return np.clip(grey + np.minimum(room.min(axis=-1, keepdims=True), 1.0) * excess, 0.0, 1.0)
 
 
 def encode(linear: ArrayLike) -> Array:
@@ -223,8 +222,7 @@ def _triangular(wavelength: float) -> Visibility:
     """The contrast of fringes in a line that falls to zero at the next wavelengths of the table."""
 
     def visibility(difference: Array) -> Array:
-        contrast: Array = np.sinc(difference * STEP / wavelength**2) ** 2
-        return contrast
+        return np.sinc(difference * STEP / wavelength**2) ** 2
 
     return visibility
 

@@ -110,8 +110,7 @@ def hamrock_dowson_central(parameters: HamrockDowson, ellipticity: float = BALL)
     1977;99:264-276.  The formula is fitted to 34 computed contacts: k = 1 to 8, U = 8e-13 to 5e-11, G = 2300 to 6800,
     W over one decade.  ellipticity: k, the contact's half width across the flow over its half width along the flow.
     """
-    U, G, W = _checked(parameters)
-    require_positive(ellipticity=ellipticity)
+    U, G, W = _checked(parameters, ellipticity=ellipticity)
     return 2.69 * U**0.67 * G**0.53 * W**-0.067 * (1.0 - 0.61 * exp(-0.73 * ellipticity))
 
 
@@ -120,8 +119,7 @@ def hamrock_dowson_minimum(parameters: HamrockDowson, ellipticity: float = BALL)
 
     Source and range: see `hamrock_dowson_central`.
     """
-    U, G, W = _checked(parameters)
-    require_positive(ellipticity=ellipticity)
+    U, G, W = _checked(parameters, ellipticity=ellipticity)
     return 3.63 * U**0.68 * G**0.49 * W**-0.073 * (1.0 - exp(-0.68 * ellipticity))
 
 
@@ -134,8 +132,7 @@ def chittenden_central(parameters: HamrockDowson, radius_ratio: float = 1.0) -> 
     along the major axis.  For flow at an angle to the axes R is R_e (`FlowDirection`).  Other sources print 4.30
     and 1.30 for the first and the last constant.
     """
-    U, G, W = _checked(parameters)
-    require_positive(radius_ratio=radius_ratio)
+    U, G, W = _checked(parameters, radius_ratio=radius_ratio)
     return 4.31 * U**0.68 * G**0.49 * W**-0.073 * _kept(radius_ratio)
 
 
@@ -144,8 +141,7 @@ def chittenden_minimum(parameters: HamrockDowson, radius_ratio: float = 1.0) -> 
 
     Source and radius_ratio: see `chittenden_central`.
     """
-    U, G, W = _checked(parameters)
-    require_positive(radius_ratio=radius_ratio)
+    U, G, W = _checked(parameters, radius_ratio=radius_ratio)
     return 3.68 * U**0.68 * G**0.49 * W**-0.073 * (1.0 - exp(-0.67 * radius_ratio ** (-2 / 3)))
 
 
@@ -331,14 +327,12 @@ def _elliptic(D: float) -> float:
     return 1.0 + 0.006 * log(D) + 0.63 * D ** (4 / 7)
 
 
-def _checked(parameters: HamrockDowson) -> HamrockDowson:
-    require_positive(**parameters._asdict())
+def _checked(parameters: HamrockDowson, **others: float) -> HamrockDowson:
+    require_positive(**parameters._asdict(), **others)
     return parameters
 
 
 def _checked_ratio(radius_ratio: float) -> float:
     if not 0.0 < radius_ratio <= 1.0:
-        raise ValueError(
-            f"radius_ratio = {radius_ratio}: must be above zero and not above one (slender along the flow)"
-        )
+        raise ValueError(f"radius_ratio = {radius_ratio}: must be above 0 and at most 1 (slender along the flow)")
     return radius_ratio

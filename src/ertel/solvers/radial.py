@@ -330,8 +330,7 @@ class RadialImpact(Method):
     def friction(self, level: State) -> Friction:
         """See `Method.friction`."""
         P, H = jax.device_put((level.P, level.H))
-        friction: Friction = _friction_program(self.mesh.disc, self.oil, self.lambda_bar, P, H)
-        return friction
+        return _friction_program(self.mesh.disc, self.oil, self.lambda_bar, P, H)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """The field itself."""

@@ -235,8 +235,7 @@ class Transient2D(Method):
         c, sliding, scale = self.contact_at(level.T), self.case.motion.sliding(level.T), self.geometry.hertz_load
         load = (level.load + level.outside) / scale
         P, H = jax.device_put((level.P, level.H))
-        found: Friction = account.friction_program(self.setting.space, c, P, H, sliding, load, scale)
-        return found
+        return account.friction_program(self.setting.space, c, P, H, sliding, load, scale)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """A field of a level on the whole plane."""
