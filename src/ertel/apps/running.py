@@ -174,5 +174,5 @@ def report(
             line = verdict(Result(run.case, data, dict(summary), status), *sigma) if status.ok else ""
         tables.print_summary(out, run.case, summary)
         if line:
-            out.print(f"{line[0].upper()}{line[1:]}", style="bold")
+            out.say(line, style="bold")
         out.print(f"Stored in {shown(run.directory)}; for figures: ertel plot {in_shell(run.directory)}")
