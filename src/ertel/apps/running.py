@@ -120,7 +120,8 @@ def within_memory(case: Case) -> Iterator[None]:
 
 def _finish(run: RunStore, others: Mapping[str, Run], options: RunOptions) -> None:
     """Continue a run to its end and report; exit with a code if it did not reach its end."""
-    run.flush_interval = options.flush
+    if options.flush is not None:
+        run.flush_interval = options.flush
     to_continue = f"to continue: ertel resume {in_shell(run.directory)}{' --error' if others else ''}"
     with interruptible() as stop:
         with writing_to(run.directory, to_continue):
@@ -173,5 +174,5 @@ def report(
             line = verdict(Result(run.case, data, dict(summary), status), *sigma) if status.ok else ""
         tables.print_summary(out, run.case, summary)
         if line:
-            out.print(f"{line[0].upper()}{line[1:]}", style="bold")
+            out.say(line, style="bold")
         out.print(f"Stored in {shown(run.directory)}; for figures: ertel plot {in_shell(run.directory)}")

@@ -104,7 +104,7 @@ def _report(result: StudyResult, directory: Path, name: str, as_json: bool, quie
         for line in result.table_lines():
             out.print(line)
         for remark in result.remarks:
-            out.print(f"{remark[0].upper()}{remark[1:]}", style="yellow" if remark.startswith("warning") else None)
+            out.say(remark, style="yellow" if remark.startswith("warning") else None)
         *files, last = stored.files_in(directory, name)
         out.print(f"Stored in {shown(directory)}, with {', '.join(files)} and {last}")
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from ertel.apps.terminal import duration, printable
+from ertel.apps.terminal import capital, duration, printable
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
@@ -33,8 +33,12 @@ class PlainConsole(Console):
         """Print as rich does."""
         super().print(*(printable(item) if isinstance(item, str) else item for item in objects), **options)
 
+    def say(self, message: str, style: str | None = None) -> None:
+        """Print a message as a sentence begins."""
+        self.print(capital(message), style=style)
 
-def console() -> Console:
+
+def console() -> PlainConsole:
     """The console for tables: stdout, without markup."""
     return PlainConsole(highlight=False, markup=False, soft_wrap=True)
 
@@ -85,7 +89,7 @@ def needs(content: Mapping[str, Any]) -> dict[str, str]:
 # -- a run ------------------------------------------------------------------------------------------------------------
 
 
-def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
+def print_summary(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -> None:
     """The outcome of a run."""
     parameters = f"M = {summary['M']:.5g}, L = {summary['L']:.4g}"
     grid = f"{case.solver.method}, {domain(case)}"
@@ -100,7 +104,7 @@ def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
         out.print(f"Warning: {warning}", style="yellow")
 
 
-def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
+def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -> None:
     """Values with their errors, restitution, what holds of the whole run, and the film formulas at that moment."""
     computed = {name: number for name, number in numbers(summary).items() if name in values_of(summary)}
     if computed:
@@ -115,7 +119,7 @@ def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
     if summary.get("restitution") is not None:
         out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
     for line in more_lines(summary):
-        out.print(f"{line[0].upper()}{line[1:]}")
+        out.say(line)
     T = computed["T"].value if "T" in computed else 0.0
     formulas = formula_films(case, case.motion.load(T), case.motion.entrainment(T)) if computed else ()
     if formulas:
