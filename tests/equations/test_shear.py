@@ -85,7 +85,7 @@ SIGMA = [0.5, 1.0, 2.0, 4.0, 8.0]
 
 @pytest.mark.parametrize("B", [0.0, 1.0, 10.0, 100.0, 1e3, 1e6])
 def test_eyring_in_one_dimension(B: float) -> None:
-    """Against the closed forms, whose table is in the tests of `closed_forms`.
+    """Against the closed forms of Conry et al.
 
     sinh(100) = 1e43: in steep gradients the nodes move to the walls, and 8 of them give the flux to 1e-5.
     """

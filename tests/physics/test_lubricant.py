@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from math import exp, log
-from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -48,17 +47,16 @@ VISCOSITIES = [
 DENSITIES = [Incompressible(), DowsonHigginson(DENSITY_PRESSURE / 1e9), Tait(1.312, 11.74)]
 
 
+def slope(law: Viscosity) -> float:
+    """d ln(eta)/dp at p = 0."""
+    return jax.grad(lambda p: jnp.log(law.viscosity(p)))(0.0)
+
+
 @given(ALPHA_BAR, Z, P_RATIO)
 def test_pressure_viscosity_index_at_ambient_pressure(alpha_bar, z, p_ratio):
-    """d ln(eta)/dp = alpha at p = 0, that is d ln(eta)/dP = alpha_bar, whatever z and p0."""
-    for law in (Barus(alpha_bar), Roelands(alpha_bar, z, 1 / p_ratio)):
-        slope = jax.grad(lambda p, law=law: jnp.log(law.viscosity(p)))(0.0)
-        assert slope == pytest.approx(alpha_bar, rel=1e-12)
-
-
-@given(ALPHA_BAR, P_RATIO)
-def test_roelands_with_z_one_is_barus(alpha_bar, p_ratio):
-    assert_allclose(Roelands(alpha_bar, 1.0, 1 / p_ratio).viscosity(P), Barus(alpha_bar).viscosity(P), rtol=1e-11)
+    """It is alpha, whatever z and p0."""
+    assert slope(Barus(alpha_bar)) == pytest.approx(alpha_bar, rel=1e-12)
+    assert slope(Roelands(alpha_bar, z, 1 / p_ratio)) == pytest.approx(alpha_bar, rel=1e-12)
 
 
 @pytest.mark.parametrize("eta0", [6e-5, 1e-9])
@@ -121,7 +119,6 @@ class PowerLaw:
 
     c: float
     n: float
-    reference: ClassVar[str] = "made up for this test"
 
     def viscosity(self, pressure):
         return (1 + self.c * pressure) ** self.n
@@ -131,7 +128,6 @@ def test_a_users_own_law_takes_its_place():
     oil = traceable(Lubricant(PowerLaw(3.0, 4.0), DowsonHigginson(2.0)))
     flow = jax.jit(lambda oil, p: oil.density(p) / oil.viscosity(p))
     assert_allclose(flow(oil, P), DowsonHigginson(2.0).density(P) / (1 + 3 * P) ** 4, rtol=1e-13)
-    assert jax.grad(lambda p: oil.viscosity(p))(0.0) == pytest.approx(12.0)
 
 
 # -- in SI ------------------------------------------------------------------------------------------------------------
@@ -150,12 +146,6 @@ def test_the_laws_are_the_formulas_of_the_books_in_any_unit_of_pressure(alpha, e
     assert seen.viscosity(p / p_h) == pytest.approx(oil.viscosity_law.viscosity(p), rel=1e-12)
     assert oil.density_law.density(p) == pytest.approx((5.9e8 + 1.34 * p) / (5.9e8 + p), rel=1e-13)
     assert seen.density(p / p_h) == pytest.approx(oil.density_law.density(p), rel=1e-12)
-
-
-@given(PASCAL)
-def test_the_density_of_a_mineral_oil(p):
-    """Dowson and Higginson's rho/rho0 = 1 + 0.6 p/(1 + 1.7 p), p in GPa, of which (p1 + 1.34 p)/(p1 + p) is a form."""
-    assert DowsonHigginson().density(p) == pytest.approx(1 + 0.6e-9 * p / (1 + 1.7e-9 * p), abs=0.011)
 
 
 def test_constants_of_a_typical_mineral_oil():
@@ -261,7 +251,7 @@ def test_taits_law_has_its_bulk_modulus_and_its_derivative(K0, K0_prime):
 @given(K0, K0_PRIME, st.floats(0.5, 0.7), st.floats(2.0, 6.0))
 def test_doolittles_alpha_is_the_slope_at_ambient_pressure(K0, K0_prime, R, B):
     law = Doolittle(B, R, K0, K0_prime)
-    assert jax.grad(lambda p: jnp.log(law.viscosity(p)))(0.0) == pytest.approx(law.alpha, rel=1e-10)
+    assert slope(law) == pytest.approx(law.alpha, rel=1e-10)
 
 
 def test_doolittles_law_is_the_one_of_free_volume():

@@ -7,22 +7,10 @@ import pytest
 from closed_forms import flash_temperature, mean_rise
 from numpy.testing import assert_allclose
 
+from ertel.physics import thermal
 from ertel.physics.lubricant import Roelands, roelands_exponent
-from ertel.physics.thermal import (
-    AT_REST,
-    INLET_FACTORS,
-    Exponential,
-    Houpert,
-    Solid,
-    gupta_factor,
-    moving_source_weights,
-    peclet_number,
-    response,
-    thermal_loading,
-    wilson_sheu_factor,
-)
 
-STEEL = Solid(7850.0, 460.0, 47.0)
+STEEL = thermal.Solid(7850.0, 460.0, 47.0)
 
 
 def test_inlet_factors_of_gupta_and_of_wilson_and_sheu() -> None:
@@ -33,19 +21,23 @@ def test_inlet_factors_of_gupta_and_of_wilson_and_sheu() -> None:
         1: [0.8003, 0.7256, 0.5751],
         3: [0.6668, 0.5668, 0.3991],
     }.items():
-        assert [round(gupta_factor(L_t, S, 0.5 / 226), 4) for S in (0, 0.2, 1)] == factors
-    assert wilson_sheu_factor(1.0, 0.0) == pytest.approx(1 / 1.1)
-    assert wilson_sheu_factor(1.0, 1.0) == pytest.approx(1 / 2.58)
-    assert thermal_loading(0.04, 0.04, 5.0, 0.14) == pytest.approx(0.04 * 0.04 * 25 / 0.14)
+        assert [round(thermal.gupta_factor(L_t, S, 0.5 / 226), 4) for S in (0, 0.2, 1)] == factors
+    assert thermal.wilson_sheu_factor(1.0, 0.0) == pytest.approx(1 / 1.1)
+    assert thermal.wilson_sheu_factor(1.0, 1.0) == pytest.approx(1 / 2.58)
+    assert thermal.thermal_loading(0.04, 0.04, 5.0, 0.14) == pytest.approx(0.04 * 0.04 * 25 / 0.14)
     for bad in ({"L_t": -1.0}, {"slide_to_roll": -0.1}, {"p_h_over_E": float("nan")}):
         with pytest.raises(ValueError, match=rf"^{next(iter(bad))} = .*must be finite and not below zero"):
-            gupta_factor(**{"L_t": 1.0, "slide_to_roll": 0.1, "p_h_over_E": 0.002, **bad})
+            thermal.gupta_factor(**{"L_t": 1.0, "slide_to_roll": 0.1, "p_h_over_E": 0.002, **bad})
 
 
 def test_inlet_factors_by_name() -> None:
-    found = {name: factor.formula(1.0, 0.2, 0.002) for name, factor in INLET_FACTORS.items()}
-    assert found == {"gupta": gupta_factor(1, 0.2, 0.002), "wilson-sheu": wilson_sheu_factor(1, 0.2), "none": 1.0}
-    assert {factor.formula(0.0, 0.5, 0.002) for factor in INLET_FACTORS.values()} == {1.0}
+    found = {name: factor.formula(1.0, 0.2, 0.002) for name, factor in thermal.INLET_FACTORS.items()}
+    assert found == {
+        "gupta": thermal.gupta_factor(1, 0.2, 0.002),
+        "wilson-sheu": thermal.wilson_sheu_factor(1, 0.2),
+        "none": 1.0,
+    }
+    assert {factor.formula(0.0, 0.5, 0.002) for factor in thermal.INLET_FACTORS.values()} == {1.0}
 
 
 # -- the viscosity of the warm oil ------------------------------------------------------------------------------------
@@ -63,16 +55,16 @@ def roelands_houpert(p: float, T: float, eta0: float, alpha: float, beta: float,
 def test_houperts_law_for_roelands_oil(p: float, T: float) -> None:
     eta0, alpha, beta, T0 = 0.04, 2.2e-8, 0.045, 313.0
     at_inlet = log(Roelands(alpha, roelands_exponent(alpha, eta0)).viscosity(p))
-    found = log(eta0) + at_inlet + Houpert.of(eta0, beta, T0).change(at_inlet, T - T0)
+    found = log(eta0) + at_inlet + thermal.Houpert.of(eta0, beta, T0).change(at_inlet, T - T0)
     assert found == pytest.approx(roelands_houpert(p, T, eta0, alpha, beta, T0), rel=1e-12)
 
 
 def test_the_coefficient_of_temperature_grows_with_the_logarithm_of_the_viscosity() -> None:
-    law, beta, eta0 = Houpert.of(0.04, 0.045, 313.0), 0.045, 0.04
+    law, beta, eta0 = thermal.Houpert.of(0.04, 0.045, 313.0), 0.045, 0.04
     for log_ratio in (0.0, 10.0, 20.0):
         slope = -(law.change(log_ratio, 1e-4) - law.change(log_ratio, -1e-4)) / 2e-4
         assert slope == pytest.approx(beta * (log(eta0) + 9.67 + log_ratio) / (log(eta0) + 9.67), rel=1e-6)
-    assert Exponential.of(0.04, 0.045, 313.0).change(20.0, 10.0) == pytest.approx(-0.45)
+    assert thermal.Exponential.of(0.04, 0.045, 313.0).change(20.0, 10.0) == pytest.approx(-0.45)
 
 
 @pytest.mark.parametrize(
@@ -80,7 +72,7 @@ def test_the_coefficient_of_temperature_grows_with_the_logarithm_of_the_viscosit
 )
 def test_where_houperts_law_has_no_meaning(bad: tuple[float, float, float], message: str) -> None:
     with pytest.raises(ValueError, match=f"^{message}.*: Houpert's law needs"):
-        Houpert.of(*bad)
+        thermal.Houpert.of(*bad)
 
 
 # -- the surfaces -----------------------------------------------------------------------------------------------------
@@ -93,7 +85,7 @@ def test_worked_example() -> None:
     heat[0] /= 2
     assert flash_temperature(heat, STEEL, 0.5, 1e-6)[-1] == pytest.approx(41.0, abs=0.5)
     assert STEEL.effusivity == pytest.approx(sqrt(7850 * 460 * 47))
-    assert peclet_number(STEEL, -0.5, 140e-6) == pytest.approx(0.5 * 140e-6 * 7850 * 460 / 94)
+    assert thermal.peclet_number(STEEL, -0.5, 140e-6) == pytest.approx(0.5 * 140e-6 * 7850 * 460 / 94)
 
 
 def closed_uniform(q: float, x: float, speed: float) -> float:
@@ -103,7 +95,7 @@ def closed_uniform(q: float, x: float, speed: float) -> float:
 def test_linear_sources_are_exact() -> None:
     """The kernel is integrated exactly: q = x gives (4/3) x^{3/2}."""
     x = np.linspace(0.0, 1.0, 33)
-    weights = moving_source_weights(33, x[1])
+    weights = thermal.moving_source_weights(33, x[1])
     assert_allclose(np.convolve(weights, x)[:33], 4 / 3 * x**1.5, rtol=1e-12, atol=1e-15)
 
 
@@ -126,11 +118,11 @@ def test_a_surface_that_moves_back_is_heated_from_the_other_side() -> None:
     there, back = flash_temperature(heat, STEEL, 1.0, 0.1), flash_temperature(heat[::-1], STEEL, -1.0, 0.1)
     assert_allclose(back[::-1], there, rtol=1e-14)
     with pytest.raises(ValueError, match=r"^speed = 0"):
-        response(STEEL, 0.0, 5, 0.1)
+        thermal.response(STEEL, 0.0, 5, 0.1)
 
 
 def test_as_hot_at_rest_as_by_the_formula() -> None:
     """Uniform heat q on a circle: q a/k in the middle of a surface at rest; at AT_REST the moving one gets as hot."""
     a, q = 140e-6, 1e7
-    speed = AT_REST * 2 * STEEL.conductivity / (a * STEEL.density * STEEL.heat_capacity)
+    speed = thermal.AT_REST * 2 * STEEL.conductivity / (a * STEEL.density * STEEL.heat_capacity)
     assert closed_uniform(q, 2 * a, speed) == pytest.approx(q * a / STEEL.conductivity)

@@ -334,7 +334,5 @@ def _checked(parameters: HamrockDowson, **others: float) -> HamrockDowson:
 
 def _checked_ratio(radius_ratio: float) -> float:
     if not 0.0 < radius_ratio <= 1.0:
-        raise ValueError(
-            f"radius_ratio = {radius_ratio}: must be above zero and not above one (slender along the flow)"
-        )
+        raise ValueError(f"radius_ratio = {radius_ratio}: must be above 0 and at most 1 (slender along the flow)")
     return radius_ratio

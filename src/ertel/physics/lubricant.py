@@ -65,9 +65,7 @@ class Barus:
     """eta/eta0 = exp(alpha p)."""
 
     alpha: Annotated[float, units.COMPLIANCE, Meaning("pressure-viscosity coefficient")]
-    reference: ClassVar[str] = (
-        "Barus C. Isothermals, isopiestics and isometrics relative to viscosity. Am J Sci 1893;45:87-96"
-    )
+    reference: ClassVar[str] = "Barus C. Am J Sci 1893;45:87-96"
 
     def viscosity(self, p: Array) -> Array:
         return arrays_of(p).exp(self.alpha * p)
@@ -85,10 +83,7 @@ class Roelands:
     alpha: Annotated[float, units.COMPLIANCE, Meaning("pressure-viscosity coefficient at ambient pressure")]
     z: Annotated[float, units.ABOVE_ZERO, Meaning("Roelands' exponent", 0.6)]
     p0: Annotated[float, units.STRESS, Meaning("Roelands' pressure", "0.196 GPa")] = P0_ROELANDS
-    reference: ClassVar[str] = (
-        "Roelands CWA. Correlational aspects of the viscosity-temperature-pressure relationship of lubricating oils. "
-        "PhD thesis, TH Delft; 1966"
-    )
+    reference: ClassVar[str] = "Roelands CWA. PhD thesis, TH Delft; 1966"
 
     def viscosity(self, p: Array) -> Array:
         xp = arrays_of(p)
@@ -155,7 +150,7 @@ class Tait:
 
     K0: Annotated[float, units.STRESS, Meaning("bulk modulus at ambient pressure", "1.2 GPa")]
     K0_prime: Annotated[float, units.ABOVE_ZERO, Meaning("its derivative with pressure", 11)]
-    reference: ClassVar[str] = "Dymond JH, Malhotra R. The Tait equation: 100 years on. Int J Thermophys 1988;9:941-951"
+    reference: ClassVar[str] = "Dymond JH, Malhotra R. Int J Thermophys 1988;9:941-951"
 
     def volume(self, p: Array) -> Array:
         """V/V0 at p (Pa); same shape as p."""
@@ -181,10 +176,7 @@ class Doolittle:
     K0: Annotated[float, units.STRESS, Meaning("bulk modulus at ambient pressure", "1.2 GPa")]
     K0_prime: Annotated[float, units.ABOVE_ZERO, Meaning("its derivative with pressure", 11)]
     highest: Annotated[float | None, units.STRESS, Meaning("pressure up to which they have a source", "0.2 GPa")] = None
-    reference: ClassVar[str] = (
-        "Doolittle AK. Studies in Newtonian flow II. The dependence of the viscosity of liquids on free-space. "
-        "J Appl Phys 1951;22:1471-1475"
-    )
+    reference: ClassVar[str] = "Doolittle AK. J Appl Phys 1951;22:1471-1475"
 
     @property
     def alpha(self) -> float:

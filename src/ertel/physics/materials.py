@@ -35,12 +35,6 @@ class Sourced(Generic[Data]):
     hottest: float
     note: str = ""
 
-    def __post_init__(self) -> None:
-        if not self.source:
-            raise ValueError("source: missing")
-        if not 0 < self.coldest <= self.hottest:
-            raise ValueError(f"coldest = {self.coldest} K: must be above zero and not above hottest = {self.hottest} K")
-
     def missing_at(self, T: float, quantity: str, name: str) -> str:
         """A sentence that these data of an oil are not known at T (K); empty if they are."""
         if self.coldest <= T <= self.hottest:

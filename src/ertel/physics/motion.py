@@ -52,14 +52,13 @@ class Polyline(Signal):
 
     def __post_init__(self) -> None:
         x, value = self.NAMES
+        needed = f"must be [{x}, {value}] with rising {x}"
         places = [place for place, _ in self.points if not isinstance(place, Quantity)]  # SI is checked when scaled
         if not self.points:
-            raise ValueError(f"points: are none; must be [{x}, {value}] with rising {x}")
+            raise ValueError(f"points: are none; {needed}")
         for first, second in pairwise(places):
             if not second > first:
-                raise ValueError(
-                    f"points: {x} = {second} comes after {x} = {first}; must be [{x}, {value}] with rising {x}"
-                )
+                raise ValueError(f"points: {x} = {second} comes after {x} = {first}; {needed}")
 
     @property
     def _plain(self) -> tuple[tuple[float, float], ...]:

@@ -314,16 +314,15 @@ def solve_fit(problem: FitProblem, runner: Runner) -> FitResult:
     search = Search(problem, runner)
     solution, converged = search.solve()
     unfinished = [] if converged else [f"the search has not converged after {MOST_POINTS} points; start nearer"]
-    warnings = [*unfinished, *solution.warnings]
     predicted = solution.residuals * search.sigma + search.measured
     about = {
         "title": problem.case.name or problem.case.kind,
         "runs": len(search.runs),
         "best": f"{studies.RUNS}/{problem.cases(solution.values)[0].digest}",
-        "warnings": warnings,
+        "warnings": [*unfinished, *solution.warnings],
     }
     data = fit_dataset(solution, {**search.columns, "predicted": (predicted, "in SI")}, about)
-    return FitResult(data, case=with_settings(problem.case, problem.at(solution.values)), warnings=warnings)
+    return FitResult(data, case=with_settings(problem.case, problem.at(solution.values)))
 
 
 # -- its runs ---------------------------------------------------------------------------------------------------------

@@ -275,7 +275,7 @@ def gather(study: Study, directory: Path, statuses: Mapping[str, str] | None = N
     about: dict[str, Any] = {"title": study.name, "kind": study.cases[0].kind}
     warnings = grouped(((run.directory, each) for run in runs for each in run.warnings), "run")
     about |= {"warnings": warnings} if warnings else {}
-    return StudyResult(study_dataset(study.mode, study.shape, coordinates(study), runs, about), directory)
+    return StudyResult(study_dataset(study.mode, coordinates(study), runs, about), directory)
 
 
 def study_run(case: Case, directory: Path, statuses: Mapping[str, str]) -> StudyRun:

@@ -160,7 +160,7 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
-    in_si = parse_values(axis, values, CURVE_AXES[axis].mark)
+    in_si = parse_values(axis, values, CURVE_AXES[axis][0])
     try:
         cases = tuple(_at(case, axis, value) for value in in_si)
     except ValueError as error:
@@ -228,12 +228,14 @@ def curve_in(curve: Curve, directory: Path, progress: bool = False, asked: Condi
             points.append(run._replace(numbers=point_scalars(case, {})))
         else:
             points.append(_measured(case, film, fresh, run.directory))
-    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
-    about = {**provenance(curve.case), "varies": curve.axis, "film": curve.film_in_words}
-    data = study_result.study_dataset("product", [len(points)], axis, points, about)
+    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis][1])}
     values = (f"{curve.axis} = {value:.4g}" for value in curve.values)
-    warnings = ((place, sentence) for place, point in zip(values, points, strict=True) for sentence in point.warnings)
-    return TractionCurve(data, directory, case=curve.case, warnings=study_result.grouped(warnings, "point"))
+    warnings = study_result.grouped(
+        ((place, sentence) for place, point in zip(values, points, strict=True) for sentence in point.warnings), "point"
+    )
+    about = {"varies": curve.axis, "film": curve.film_in_words, "warnings": warnings}
+    data = study_result.study_dataset("product", axis, points, {**provenance(curve.case), **about})
+    return TractionCurve(data, directory, case=curve.case)
 
 
 def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyRun:

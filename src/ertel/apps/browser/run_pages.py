@@ -9,20 +9,9 @@ from nicegui import ui
 
 from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
-from ertel.apps.browser.processes import Phase, RunStatus
-from ertel.apps.browser.site import (
-    LABELS,
-    Canvas,
-    Site,
-    Slider,
-    address_of,
-    pretty,
-    sentence,
-    show_line,
-    show_notes,
-    show_number,
-)
-from ertel.apps.terminal import duration, reason_of
+from ertel.apps.browser.processes import Phase
+from ertel.apps.browser.site import LABELS, Canvas, Site, Slider, address_of, show_line, show_notes, show_number
+from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
 from ertel.runs.directory import CASE
 from ertel.runs.files import content_of
@@ -31,10 +20,6 @@ LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "whit
 LIVE = 3.0  # seconds between two live pictures, at least
 NARROW = {"film": "Film", "pressure": "Pressure"}  # figures of one panel, that stand beside each other
 WIDE = {name: FIGURES[name][0] for name in ("profiles", "history", "friction", INTERFEROGRAM)}  # one above the other
-COMPILING = (
-    "Starting, then compiling: once per machine and grid size, usually 10 to 60 s. "
-    "Later runs on this grid begin after a few seconds."
-)
 
 
 class RunPage:
@@ -51,8 +36,16 @@ class RunPage:
         self._info = RunInfo()
         self._stamp, self._drawn = 0, 0.0
         self._status = site.processes.status(self.path)
-        self._head()
-        self._numbers = ui.element("div").classes("numbers")
+        with ui.row().classes("head"):
+            with ui.element("div"):
+                ui.label(self.path.name).classes("title")
+                self._under = ui.label().classes("under")
+            ui.space()
+            self._show_phase()
+            self._downloads()
+        self._show_progress()
+        with ui.element("div").classes("numbers"):
+            self._show_numbers()
         with ui.element("div").classes("card pictures"):
             with ui.row().classes("tools"):
                 self._tabs = ui.tabs(on_change=self._show)
@@ -63,28 +56,9 @@ class RunPage:
                 self._light.bind_visibility_from(self._tabs, "value", value=INTERFEROGRAM)
             self._canvas = Canvas(site.worker)
             self._slider = Slider(self._show)
-        self._notes = ui.element("div").classes("notes")
-        self._show_status()
+        with ui.element("div").classes("notes"):
+            self._show_warnings()
         ui.timer(1.0, self._look)
-
-    # -- built once ---------------------------------------------------------------------------------------------------
-
-    def _head(self) -> None:
-        processes = self.site.processes
-        with ui.row().classes("head"):
-            with ui.element("div"):
-                ui.label(self.path.name).classes("title")
-                self._under = ui.label().classes("under")
-            ui.space()
-            self._chip = ui.element("div").classes("chip")
-            self._stop = ui.button("Stop", icon="stop", on_click=lambda: self._order(processes.stop)).mark("stop")
-            self._stop.props("outline no-caps color=accent")
-            resume = ui.button("Resume", icon="play_arrow", on_click=lambda: self._order(processes.resume))
-            self._resume = resume.props("unelevated no-caps").mark("resume")
-            self._downloads()
-        with ui.element("div").classes("card progress") as self._going:
-            self._bar = ui.linear_progress(value=0.0, show_value=False).props("size=6px rounded")
-            self._message = ui.label().classes("news")
 
     def _downloads(self) -> None:
         with ui.button(icon="download").props("flat round aria-label='Download'").mark("download"):
@@ -142,19 +116,16 @@ class RunPage:
         stamp, now, is_active = stamp_of(self.path), monotonic(), self._status.phase.is_active
         if stamp == self._stamp or (self._info.figures and is_active and now - self._drawn < LIVE):
             return
-        message = ""
         try:
             info = await self.site.worker.info(self.path)
         except ValueError as error:  # between two writes, or damaged; the next look tells
-            message = str(error)
-        if self._numbers.is_deleted:  # the page was left
+            if not (self._info.figures or is_active or self._under.is_deleted):
+                self._stamp = stamp
+                self._canvas.say(str(error))
             return
-        if not message:
+        if not self._under.is_deleted:  # the page was not left
             self._stamp, self._drawn = stamp, now
             self._take_over(info)
-        elif not (self._info.figures or is_active):
-            self._stamp = stamp
-            self._canvas.say(message)
 
     def _take_over(self, info: RunInfo) -> None:
         """Show new data, at the moment that was chosen.
@@ -170,7 +141,7 @@ class RunPage:
         self._info = info
         self._slider.fill(info, best if follows else self._slider.index)
         self._under.set_text(info.title if info.title != self.path.name else self.name)
-        self._fill_numbers()
+        self._show_numbers.refresh()
         self._show()
 
     def _fill_tabs(self, info: RunInfo) -> None:
@@ -193,61 +164,54 @@ class RunPage:
         return PlotRequest(self.path, figure, self._slider.at, light, kind, dots, self._stamp)
 
     def _renew(self) -> None:
-        status = self.site.processes.status(self.path)
-        if status != self._status:
-            self._status = status
-            self._show_status()
+        before, self._status = self._status, self.site.processes.status(self.path)
+        if self._status.phase is not before.phase:
+            self._show_phase.refresh()
+        if self._status != before:
+            self._show_progress.refresh()
+            self._show_numbers.refresh()
+            self._show_warnings.refresh()
 
-    def _show_status(self) -> None:
-        status, phase = self._status, self._status.phase
+    @ui.refreshable_method
+    def _show_phase(self) -> None:
+        """The phase, and what can be done in it."""
+        phase = self._status.phase
         word, icon = LABELS[phase]
-        self._chip.classes(replace=f"chip {phase.value}").clear()
-        with self._chip:
+        with ui.element("div").classes(f"chip {phase.value}"):
             ui.icon(icon)
             ui.label(word).mark("phase")
-        self._stop.set_visibility(phase.is_active)
-        self._stop.set_text("Stop now" if phase is Phase.STOPPING else "Stop")
-        self._resume.set_visibility(not phase.is_active and phase is not Phase.FINISHED)
-        self._going.set_visibility(phase is not Phase.FINISHED)
-        waits = phase is Phase.COMPILING
-        self._bar.props(add="indeterminate" if waits else "", remove="" if waits else "indeterminate")
-        self._bar.set_value(status.done)
-        self._message.set_text(message_of(status))
-        self._fill_numbers()
+        if phase.is_active:
+            word, order = "Stop now" if phase is Phase.STOPPING else "Stop", self.site.processes.stop
+            button = ui.button(word, icon="stop", on_click=lambda: self._order(order)).mark("stop")
+            button.props("outline color=accent")
+        elif phase is not Phase.FINISHED:
+            order = self.site.processes.resume
+            button = ui.button("Resume", icon="play_arrow", on_click=lambda: self._order(order)).mark("resume")
+            button.props("unelevated")
 
-    def _fill_numbers(self) -> None:
+    @ui.refreshable_method
+    def _show_progress(self) -> None:
+        status = self._status
+        if status.phase is not Phase.FINISHED:
+            with ui.element("div").classes("card progress"):
+                bar = ui.linear_progress(value=status.done, show_value=False).props("size=6px rounded")
+                if status.phase is Phase.COMPILING:
+                    bar.props("indeterminate")
+                ui.label(status.text).classes("news")
+
+    @ui.refreshable_method
+    def _show_numbers(self) -> None:
         """The key numbers of the summary, or the last values of a run that goes on."""
         summary = summary_of(self.path)
         numbers = key_numbers(summary) if summary else []
         if not numbers and self._info.T:  # those of the first grids of a steady contact mean nothing
             numbers = list(self._info.latest)
-        self._numbers.clear()
-        with self._numbers:
-            for number in numbers:
-                show_number(number)
-        self._notes.clear()
-        with self._notes:
-            show_notes((summary or {}).get("warnings", []))
+        for number in numbers:
+            show_number(number)
 
-
-def message_of(status: RunStatus) -> str:
-    """The status of a run in a sentence."""
-    progress = status.progress or {}
-    match status.phase:
-        case Phase.COMPILING:
-            return COMPILING + (f" It began {status.seconds:.0f} s ago." if status.seconds else "")
-        case Phase.STOPPING:
-            return "Stopping: the current step or grid is finished first, then it can be resumed."
-        case Phase.FAILED | Phase.DAMAGED:
-            return sentence(status.message).removesuffix(".")
-    place = f"grid {progress.get('step', 0)}, the coarse ones first"
-    if progress.get("T") is not None:
-        place = f"T = {progress['T']:.3f}, step {progress['step']}"
-    if status.phase is Phase.INTERRUPTED:
-        return f"Interrupted at {place}; it can be resumed." if progress else "Interrupted before its first step."
-    seconds_left = progress.get("seconds_left")
-    left = "" if seconds_left is None else f", about {duration(seconds_left)} left"
-    return f"{status.done:.0%} · {place} · {duration(progress.get('seconds', 0.0))}{left}"
+    @ui.refreshable_method
+    def _show_warnings(self) -> None:
+        show_notes((summary_of(self.path) or {}).get("warnings", []))
 
 
 # -- two runs ----------------------------------------------------------------------------------------------------------
@@ -318,7 +282,7 @@ class _Side:
         self._numbers.clear()
         with self._numbers:
             for number in key_numbers(summary) if summary else []:
-                show_line(number.about.long_name, number.text_in_si or pretty(number.text))
+                show_line(number.about.long_name, number.text_in_si or number.text)
         self._page.begin()
 
     def show(self, figure: str, T: float | None) -> None:
